@@ -1,0 +1,21 @@
+//! Small dense blocks, rotations, interpolation and solvers for rod mechanics.
+//!
+//! Nothing here knows of robots or files. The hot paths are written out in 3×3 blocks: they need
+//! no allocation, and they do not depend on how a general matrix library is vectorised by the
+//! compiler of whoever builds this crate.
+
+mod dense;
+mod mat3;
+mod polynomial;
+mod pose;
+mod quadrature;
+mod quaternion;
+mod vec3;
+
+pub use dense::{DenseLu, Singular};
+pub use mat3::{Ldlt3, Mat3};
+pub use polynomial::{CubicError, PiecewiseCubic};
+pub use pose::{Pose, Twist};
+pub use quadrature::{GAUSS_2, GAUSS_3, GaussRule};
+pub use quaternion::UnitQuaternion;
+pub use vec3::Vec3;

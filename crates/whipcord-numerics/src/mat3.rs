@@ -1,0 +1,285 @@
+use core::ops::{Add, AddAssign, Mul, Neg, Sub};
+
+use crate::Vec3;
+
+/// A 3×3 matrix, stored by rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct Mat3 {
+    /// The three rows.
+    pub rows: [Vec3; 3],
+}
+
+impl Mat3 {
+    /// The null matrix.
+    pub const ZERO: Self = Self::from_rows(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+    /// The identity.
+    pub const IDENTITY: Self = Self::from_rows(Vec3::X, Vec3::Y, Vec3::Z);
+
+    /// The matrix with these rows.
+    #[must_use]
+    pub const fn from_rows(a: Vec3, b: Vec3, c: Vec3) -> Self {
+        Self { rows: [a, b, c] }
+    }
+
+    /// The matrix with these columns.
+    #[inline]
+    #[must_use]
+    pub const fn from_columns(a: Vec3, b: Vec3, c: Vec3) -> Self {
+        Self::from_rows(
+            Vec3::new(a.x, b.x, c.x),
+            Vec3::new(a.y, b.y, c.y),
+            Vec3::new(a.z, b.z, c.z),
+        )
+    }
+
+    /// The diagonal matrix with this diagonal.
+    #[inline]
+    #[must_use]
+    pub const fn diagonal(d: Vec3) -> Self {
+        Self::from_rows(
+            Vec3::new(d.x, 0.0, 0.0),
+            Vec3::new(0.0, d.y, 0.0),
+            Vec3::new(0.0, 0.0, d.z),
+        )
+    }
+
+    /// The skew-symmetric matrix `â` with `â b = a × b`.
+    #[inline]
+    #[must_use]
+    pub const fn skew(a: Vec3) -> Self {
+        Self::from_rows(
+            Vec3::new(0.0, -a.z, a.y),
+            Vec3::new(a.z, 0.0, -a.x),
+            Vec3::new(-a.y, a.x, 0.0),
+        )
+    }
+
+    /// The dyad `a bᵀ`.
+    #[inline]
+    #[must_use]
+    pub fn outer(a: Vec3, b: Vec3) -> Self {
+        Self::from_rows(b * a.x, b * a.y, b * a.z)
+    }
+
+    /// Column `j`.
+    #[inline]
+    #[must_use]
+    pub fn column(&self, j: usize) -> Vec3 {
+        Vec3::new(self.rows[0][j], self.rows[1][j], self.rows[2][j])
+    }
+
+    /// The transpose.
+    #[inline]
+    #[must_use]
+    pub fn transpose(&self) -> Self {
+        Self::from_columns(self.rows[0], self.rows[1], self.rows[2])
+    }
+
+    /// `selfᵀ b`.
+    #[inline]
+    #[must_use]
+    pub fn transpose_mul(&self, b: Vec3) -> Vec3 {
+        self.rows[0] * b.x + self.rows[1] * b.y + self.rows[2] * b.z
+    }
+
+    /// The determinant.
+    #[must_use]
+    pub fn determinant(&self) -> f64 {
+        self.rows[0].dot(self.rows[1].cross(self.rows[2]))
+    }
+
+    /// The inverse, or `None` when the matrix is singular to working precision.
+    #[must_use]
+    pub fn inverse(&self) -> Option<Self> {
+        let [a, b, c] = self.rows;
+        let (u, v, w) = (b.cross(c), c.cross(a), a.cross(b));
+        let det = a.dot(u);
+        let scale = a.norm() * b.norm() * c.norm();
+        if det.abs() <= 4.0 * f64::EPSILON * scale {
+            return None;
+        }
+        let d = 1.0 / det;
+        Some(Self::from_columns(u * d, v * d, w * d))
+    }
+
+    /// The factors of a symmetric positive definite matrix, of which only the lower triangle is
+    /// read; `None` when it is not positive definite to working precision.
+    #[inline]
+    #[must_use]
+    pub fn ldlt(&self) -> Option<Ldlt3> {
+        Ldlt3::new(self)
+    }
+
+    /// The eigenvalues of a symmetric matrix in ascending order, by the trigonometric formula.
+    #[must_use]
+    pub fn symmetric_eigenvalues(&self) -> [f64; 3] {
+        let [a, b, c] = self.rows;
+        let mean = (a.x + b.y + c.z) / 3.0;
+        let off = a.y * a.y + a.z * a.z + b.z * b.z;
+        let spread = (a.x - mean).powi(2) + (b.y - mean).powi(2) + (c.z - mean).powi(2) + 2.0 * off;
+        let p = (spread / 6.0).sqrt();
+        if p == 0.0 {
+            return [mean; 3];
+        }
+        let shifted = *self + Self::diagonal(Vec3::new(-mean, -mean, -mean));
+        let half_det = (shifted.determinant() / (2.0 * p * p * p)).clamp(-1.0, 1.0);
+        let angle = half_det.acos() / 3.0;
+        let high = mean + 2.0 * p * angle.cos();
+        let low = mean + 2.0 * p * (angle + 2.0 * core::f64::consts::FRAC_PI_3).cos();
+        [low, 3.0 * mean - high - low, high]
+    }
+}
+
+impl Add for Mat3 {
+    type Output = Self;
+    #[inline]
+    fn add(self, b: Self) -> Self {
+        Self::from_rows(
+            self.rows[0] + b.rows[0],
+            self.rows[1] + b.rows[1],
+            self.rows[2] + b.rows[2],
+        )
+    }
+}
+
+impl Sub for Mat3 {
+    type Output = Self;
+    #[inline]
+    fn sub(self, b: Self) -> Self {
+        self + -b
+    }
+}
+
+impl Neg for Mat3 {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        self * -1.0
+    }
+}
+
+impl AddAssign for Mat3 {
+    #[inline]
+    fn add_assign(&mut self, b: Self) {
+        *self = *self + b;
+    }
+}
+
+impl Mul<f64> for Mat3 {
+    type Output = Self;
+    #[inline]
+    fn mul(self, a: f64) -> Self {
+        Self::from_rows(self.rows[0] * a, self.rows[1] * a, self.rows[2] * a)
+    }
+}
+
+impl Mul<Vec3> for Mat3 {
+    type Output = Vec3;
+    #[inline]
+    fn mul(self, b: Vec3) -> Vec3 {
+        Vec3::new(self.rows[0].dot(b), self.rows[1].dot(b), self.rows[2].dot(b))
+    }
+}
+
+impl Mul for Mat3 {
+    type Output = Self;
+    #[inline]
+    fn mul(self, b: Self) -> Self {
+        let row = |a: Vec3| b.rows[0] * a.x + b.rows[1] * a.y + b.rows[2] * a.z;
+        Self::from_rows(row(self.rows[0]), row(self.rows[1]), row(self.rows[2]))
+    }
+}
+
+/// `L D Lᵀ` factors of a symmetric positive definite 3×3 matrix.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ldlt3 {
+    l10: f64,
+    l20: f64,
+    l21: f64,
+    inv_d: Vec3,
+}
+
+impl Ldlt3 {
+    #[inline]
+    fn new(a: &Mat3) -> Option<Self> {
+        let [r0, r1, r2] = a.rows;
+        let d0 = r0.x;
+        let inv0 = 1.0 / d0;
+        let l10 = r1.x * inv0;
+        let l20 = r2.x * inv0;
+        let d1 = r1.y - l10 * r1.x;
+        let inv1 = 1.0 / d1;
+        let m21 = r2.y - l20 * r1.x;
+        let l21 = m21 * inv1;
+        let d2 = r2.z - l20 * r2.x - l21 * m21;
+        let tiny = f64::EPSILON;
+        (d0 > 0.0 && d1 > tiny * r1.y && d2 > tiny * r2.z).then_some(Self {
+            l10,
+            l20,
+            l21,
+            inv_d: Vec3::new(inv0, inv1, 1.0 / d2),
+        })
+    }
+
+    /// Solves `A x = b`.
+    #[inline]
+    #[must_use]
+    pub fn solve(&self, b: Vec3) -> Vec3 {
+        let y1 = b.y - self.l10 * b.x;
+        let y2 = b.z - self.l20 * b.x - self.l21 * y1;
+        let x2 = y2 * self.inv_d.z;
+        let x1 = y1 * self.inv_d.y - self.l21 * x2;
+        let x0 = b.x * self.inv_d.x - self.l10 * x1 - self.l20 * x2;
+        Vec3::new(x0, x1, x2)
+    }
+
+    /// Solves `A X = B`, column by column.
+    #[inline]
+    #[must_use]
+    pub fn solve_matrix(&self, b: &Mat3) -> Mat3 {
+        Mat3::from_columns(
+            self.solve(b.column(0)),
+            self.solve(b.column(1)),
+            self.solve(b.column(2)),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spd() -> Mat3 {
+        Mat3::from_rows(
+            Vec3::new(4.0, 1.0, -0.5),
+            Vec3::new(1.0, 3.0, 0.25),
+            Vec3::new(-0.5, 0.25, 2.0),
+        )
+    }
+
+    #[test]
+    fn ldlt_solves() {
+        let b = Vec3::new(1.0, -2.0, 3.0);
+        let x = spd().ldlt().unwrap().solve(b);
+        assert!((spd() * x - b).max_abs() < 1e-15);
+        let inverse = spd().inverse().unwrap();
+        assert!((inverse * b - x).max_abs() < 1e-15);
+    }
+
+    #[test]
+    fn indefinite_and_singular_are_refused() {
+        assert!(Mat3::diagonal(Vec3::new(1.0, -1.0, 1.0)).ldlt().is_none());
+        assert!(Mat3::ZERO.ldlt().is_none());
+        assert!(Mat3::outer(Vec3::X, Vec3::Y).inverse().is_none());
+    }
+
+    #[test]
+    fn eigenvalues_satisfy_the_invariants() {
+        let [a, b, c] = spd().symmetric_eigenvalues();
+        assert!(a <= b && b <= c);
+        assert!((a + b + c - 9.0).abs() < 1e-13);
+        assert!((a * b * c - spd().determinant()).abs() < 1e-12);
+        assert_eq!(Mat3::IDENTITY.symmetric_eigenvalues(), [1.0; 3]);
+    }
+}

@@ -1,0 +1,147 @@
+//! What is asked of a robot: how its cables are pulled and what loads it carries.
+
+use whipcord_numerics::Vec3;
+
+use crate::robot::{Problem, Robot, RobotError};
+
+/// What is asked of a robot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Case {
+    /// One for each cable of the robot.
+    pub commands: Vec<CableCommand>,
+    /// External loads.
+    pub loads: Loads,
+}
+
+/// What one cable is told to do; a model uses what it is driven by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CableCommand {
+    /// Tension in N, not negative.
+    pub tension: Option<f64>,
+    /// Shortening of the part of the cable inside the robot; negative is paid out.
+    pub shortening: Option<Shortening>,
+}
+
+/// Initial minus present length of a cable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shortening {
+    /// In m.
+    Length(f64),
+    /// As a fraction of the cable's own initial length.
+    Fraction(f64),
+}
+
+/// Which of the two commands of a cable drives the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drive {
+    /// What the model is driven by by nature where it is given, else the other; each cable by
+    /// itself.
+    #[default]
+    Natural,
+    /// All cables by their tension.
+    Tension,
+    /// All cables by their shortening.
+    Shortening,
+}
+
+/// External loads, in the base frame unless they follow the body.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Loads {
+    /// Acceleration of gravity in m/s², as a vector in the base frame.
+    pub gravity: Option<Vec3>,
+    /// Force at the backbone's tip in N.
+    pub tip_force: Vec3,
+    /// Moment at the backbone's tip in N·m.
+    pub tip_moment: Vec3,
+    /// Whether tip force and tip moment turn with the tip.
+    pub tip_follower: bool,
+    /// Forces and moments along the backbone.
+    pub points: Vec<PointLoad>,
+}
+
+/// A force and a moment at one place of the backbone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointLoad {
+    /// Arc length in m.
+    pub at: f64,
+    /// Force in N.
+    pub force: Vec3,
+    /// Moment in N·m.
+    pub moment: Vec3,
+    /// Whether they turn with the cross-section.
+    pub follower: bool,
+}
+
+impl Loads {
+    /// Whether there is no load at all.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        self.gravity.is_none_or(|g| g == Vec3::ZERO)
+            && self.tip_force == Vec3::ZERO
+            && self.tip_moment == Vec3::ZERO
+            && self.points.iter().all(|p| p.force == Vec3::ZERO && p.moment == Vec3::ZERO)
+    }
+}
+
+impl Shortening {
+    /// In m, for a cable of this initial length.
+    #[must_use]
+    pub fn in_metres(self, initial_length: f64) -> f64 {
+        match self {
+            Self::Length(length) => length,
+            Self::Fraction(fraction) => fraction * initial_length,
+        }
+    }
+}
+
+impl Case {
+    /// The case with these tensions in N and no load.
+    #[must_use]
+    pub fn with_tensions(tensions: &[f64]) -> Self {
+        let command = |&tension| CableCommand { tension: Some(tension), shortening: None };
+        Self { commands: tensions.iter().map(command).collect(), loads: Loads::default() }
+    }
+
+    /// The case with these shortenings and no load.
+    #[must_use]
+    pub fn with_shortenings(shortenings: &[Shortening]) -> Self {
+        let command = |&shortening| CableCommand { tension: None, shortening: Some(shortening) };
+        Self { commands: shortenings.iter().map(command).collect(), loads: Loads::default() }
+    }
+
+    /// Checks that the case fits the robot and that every number in it can be.
+    ///
+    /// # Errors
+    /// [`RobotError`] with the path of the offending quantity.
+    pub fn check(&self, robot: &Robot) -> Result<(), RobotError> {
+        use crate::robot::check;
+        let (given, cables) = (self.commands.len(), robot.cables().len());
+        if given != cables {
+            return Err(RobotError::new("cables", Problem::CableCount { given, cables }));
+        }
+        for (i, command) in self.commands.iter().enumerate() {
+            if let Some(tension) = command.tension {
+                check::not_negative(&format!("cables[{i}].tension"), tension)?;
+            }
+            let path = format!("cables[{i}].shortening");
+            match command.shortening {
+                Some(Shortening::Length(length)) => check::finite(&path, length)?,
+                Some(Shortening::Fraction(f)) => check::within(&path, f, f64::MIN, 1.0)?,
+                None => {}
+            }
+        }
+        let loads = &self.loads;
+        if let Some(gravity) = loads.gravity {
+            check::finite_vector("loads.gravity", gravity)?;
+        }
+        check::finite_vector("loads.tip_force", loads.tip_force)?;
+        check::finite_vector("loads.tip_moment", loads.tip_moment)?;
+        for (i, point) in loads.points.iter().enumerate() {
+            let length = robot.backbone().length;
+            check::on_backbone(&format!("loads.point[{i}].at"), point.at, length)?;
+            check::finite_vector(&format!("loads.point[{i}].force"), point.force)?;
+            check::finite_vector(&format!("loads.point[{i}].moment"), point.moment)?;
+        }
+        Ok(())
+    }
+}

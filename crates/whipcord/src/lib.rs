@@ -1,0 +1,26 @@
+//! Mechanics of cable-driven continuum robots whose cables are routed in any way.
+//!
+//! A [`Robot`] says what the robot is, a [`Case`] what is asked of it, and a model
+//! ([`cosserat::Cosserat`], [`four_bar::FourBar`]) answers with a [`Solution`] or with a
+//! [`SolveError`] that says why there is none. SI units throughout; the base frame has its origin at the base of the backbone and z along the
+//! backbone's tangent there.
+//!
+//! This crate opens no files, starts no threads and reads no clocks.
+
+pub mod case;
+pub mod cosserat;
+pub mod error;
+pub mod four_bar;
+pub mod model;
+pub mod robot;
+pub mod shape;
+
+pub use case::{CableCommand, Case, Drive, Loads, PointLoad, Shortening};
+pub use error::SolveError;
+pub use model::{Model, ModelKind, Statics, Stations};
+pub use robot::{
+    Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot, RobotError,
+    Routing, Section,
+};
+pub use shape::{CableState, Diagnostics, Shape, Solution, Wrench};
+pub use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};

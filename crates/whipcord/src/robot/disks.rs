@@ -1,0 +1,89 @@
+use super::backbone::Backbone;
+use super::error::{Problem, RobotError, check};
+
+/// The perforated disks, base disk first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Disks {
+    /// Arc length of each disk in m; the first is 0 and the last the backbone's length.
+    pub arc_lengths: Vec<f64>,
+    /// Radius in m of the circle on which each disk's holes lie; empty when the disks have none.
+    pub hole_circle_radii: Vec<f64>,
+    /// Number of holes of each disk, equally spaced, hole 1 on the x axis.
+    pub holes: Option<usize>,
+    /// Mass of each disk in kg.
+    pub mass: f64,
+}
+
+impl Disks {
+    /// Massless disks at equal distances along a backbone of length `length`, with holes on a
+    /// circle of radius `hole_circle_radius`.
+    #[must_use]
+    pub fn equally_spaced(length: f64, count: usize, hole_circle_radius: f64) -> Self {
+        let last = count.saturating_sub(1).max(1) as f64;
+        let arc_lengths = (0..count)
+            .map(|i| if i + 1 == count { length } else { length * i as f64 / last })
+            .collect();
+        Self {
+            arc_lengths,
+            hole_circle_radii: vec![hole_circle_radius; count],
+            holes: None,
+            mass: 0.0,
+        }
+    }
+
+    /// The same disks with this many equally spaced holes.
+    #[must_use]
+    pub fn with_holes(self, holes: usize) -> Self {
+        Self { holes: Some(holes), ..self }
+    }
+
+    /// Number of disks.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.arc_lengths.len()
+    }
+
+    /// The section an arc length lies in, counted from 0, and the fraction of it that lies behind.
+    #[must_use]
+    pub fn locate(&self, arc_length: f64) -> (usize, f64) {
+        let s = &self.arc_lengths;
+        let i = s[1..s.len() - 1].partition_point(|&x| x <= arc_length);
+        (i, (arc_length - s[i]) / (s[i + 1] - s[i]))
+    }
+
+    pub(super) fn check(&self, backbone: &Backbone) -> Result<(), RobotError> {
+        let s = &self.arc_lengths;
+        if s.len() < 2 {
+            return Err(RobotError::new(
+                "disks.count",
+                Problem::TooFew { given: s.len(), least: 2 },
+            ));
+        }
+        for (i, &value) in s.iter().enumerate() {
+            let path = format!("disks.positions[{i}]");
+            check::finite(&path, value)?;
+            if i > 0 && value <= s[i - 1] {
+                let problem = Problem::NotIncreasing { value, previous: s[i - 1] };
+                return Err(RobotError::new(path, problem));
+            }
+        }
+        for (i, expected) in [(0, 0.0), (s.len() - 1, backbone.length)] {
+            // Positions written in millimetres differ from the length by rounding.
+            if (s[i] - expected).abs() > 1e-12 * backbone.length {
+                let problem = Problem::NotAtEnd { value: s[i], expected };
+                return Err(RobotError::new(format!("disks.positions[{i}]"), problem));
+            }
+        }
+        if !self.hole_circle_radii.is_empty() && self.hole_circle_radii.len() != s.len() {
+            let problem = Problem::Count { given: self.hole_circle_radii.len(), expected: s.len() };
+            return Err(RobotError::new("disks.hole_circle_radius", problem));
+        }
+        for (i, &radius) in self.hole_circle_radii.iter().enumerate() {
+            check::positive(&format!("disks.hole_circle_radius[{i}]"), radius)?;
+        }
+        if self.holes == Some(0) {
+            return Err(RobotError::new("disks.holes", Problem::NotPositive { value: 0.0 }));
+        }
+        check::not_negative("disks.mass", self.mass)
+    }
+}

@@ -1,0 +1,211 @@
+use thiserror::Error;
+
+/// A quantity of a robot or a case that cannot be.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{path}: {problem}")]
+pub struct RobotError {
+    /// Which quantity, in the terms of the robot file: `backbone.length`, `cables[1].holes[3]`
+    /// (indices from 0).
+    pub path: String,
+    /// What is wrong with it.
+    pub problem: Problem,
+}
+
+impl RobotError {
+    pub(crate) fn new(path: impl Into<String>, problem: Problem) -> Self {
+        Self { path: path.into(), problem }
+    }
+
+    /// The same error of a part that lies at `parent`.
+    pub(crate) fn under(mut self, parent: &str) -> Self {
+        self.path = format!("{parent}.{}", self.path);
+        self
+    }
+}
+
+/// What is wrong with a quantity.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Problem {
+    /// Not a number, or infinite.
+    #[error("must be a finite number, but is {value}")]
+    NotFinite {
+        /// Value given.
+        value: f64,
+    },
+    /// Zero or negative where only a positive number makes sense.
+    #[error("must be greater than zero, but is {value}")]
+    NotPositive {
+        /// Value given.
+        value: f64,
+    },
+    /// Negative where zero is the least that makes sense.
+    #[error("must not be negative, but is {value}")]
+    Negative {
+        /// Value given.
+        value: f64,
+    },
+    /// Outside the range that is physically possible.
+    #[error("must lie between {least} and {greatest}, but is {value}")]
+    OutOfRange {
+        /// Value given.
+        value: f64,
+        /// Least value that is possible.
+        least: f64,
+        /// Greatest value that is possible.
+        greatest: f64,
+    },
+    /// A list of the wrong length.
+    #[error("must have {expected} entries, one for each disk, but has {given}")]
+    Count {
+        /// Entries given.
+        given: usize,
+        /// Entries needed.
+        expected: usize,
+    },
+    /// A list that is too short.
+    #[error("must have at least {least} entries, but has {given}")]
+    TooFew {
+        /// Entries given.
+        given: usize,
+        /// Fewest entries that make sense.
+        least: usize,
+    },
+    /// More holes than disks.
+    #[error(
+        "names {given} holes, but there are only {disks} disks: give at most one hole for each disk, from the base on"
+    )]
+    MoreHolesThanDisks {
+        /// Holes named.
+        given: usize,
+        /// Disks of the robot.
+        disks: usize,
+    },
+    /// A hole that no disk has.
+    #[error("there is no hole {hole}: the disks have holes 1 to {holes}")]
+    NoSuchHole {
+        /// Hole named.
+        hole: usize,
+        /// Holes of each disk.
+        holes: usize,
+    },
+    /// Holes are named, but the disks have none.
+    #[error(
+        "names holes, but the number of holes of a disk is not given: set disks.holes and disks.hole_circle_radius"
+    )]
+    DisksWithoutHoles,
+    /// Positions that do not increase.
+    #[error("must increase from the base to the tip, but {value} follows {previous}")]
+    NotIncreasing {
+        /// Value given.
+        value: f64,
+        /// The value before it.
+        previous: f64,
+    },
+    /// The first disk is the base disk and the last one the tip disk.
+    #[error(
+        "must be {expected}, but is {value}: the first disk sits at the base and the last at the tip"
+    )]
+    NotAtEnd {
+        /// Value given.
+        value: f64,
+        /// Where the disk must be.
+        expected: f64,
+    },
+    /// A place beyond the end of the backbone.
+    #[error("lies at {value} m, beyond the tip at {length} m")]
+    BeyondTip {
+        /// Arc length given.
+        value: f64,
+        /// Length of the backbone.
+        length: f64,
+    },
+    /// A cable that is to end where it has no hole left.
+    #[error(
+        "lies at {value} m, beyond the disk of the cable's last hole at {last} m: name more holes, or end the cable earlier"
+    )]
+    BeyondLastHole {
+        /// Arc length given.
+        value: f64,
+        /// Arc length of the disk of the last hole.
+        last: f64,
+    },
+    /// A tube whose bore is not smaller than its outside.
+    #[error("must be smaller than the outer diameter {outer}, but is {inner}")]
+    BoreTooWide {
+        /// Inner diameter given.
+        inner: f64,
+        /// Outer diameter at the same place.
+        outer: f64,
+    },
+    /// Two cables of the same name.
+    #[error("`{name}` is already the name of cable {}: give each cable its own", first + 1)]
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// Number of the first cable of that name, from 0.
+        first: usize,
+    },
+    /// A case whose list does not fit the robot.
+    #[error("has {given} entries, but the robot has {cables} cables")]
+    CableCount {
+        /// Entries given.
+        given: usize,
+        /// Cables of the robot.
+        cables: usize,
+    },
+}
+
+/// Checks of single numbers; each names the quantity it refuses.
+pub(crate) mod check {
+    use super::{Problem, RobotError};
+    use whipcord_numerics::Vec3;
+
+    pub(crate) fn finite(path: &str, value: f64) -> Result<(), RobotError> {
+        if value.is_finite() {
+            Ok(())
+        } else {
+            Err(RobotError::new(path, Problem::NotFinite { value }))
+        }
+    }
+
+    pub(crate) fn finite_vector(path: &str, value: Vec3) -> Result<(), RobotError> {
+        (0..3).try_for_each(|i| finite(&format!("{path}[{i}]"), value[i]))
+    }
+
+    pub(crate) fn positive(path: &str, value: f64) -> Result<(), RobotError> {
+        finite(path, value)?;
+        if value > 0.0 {
+            Ok(())
+        } else {
+            Err(RobotError::new(path, Problem::NotPositive { value }))
+        }
+    }
+
+    pub(crate) fn not_negative(path: &str, value: f64) -> Result<(), RobotError> {
+        finite(path, value)?;
+        if value >= 0.0 { Ok(()) } else { Err(RobotError::new(path, Problem::Negative { value })) }
+    }
+
+    pub(crate) fn within(
+        path: &str,
+        value: f64,
+        least: f64,
+        greatest: f64,
+    ) -> Result<(), RobotError> {
+        finite(path, value)?;
+        if (least..=greatest).contains(&value) {
+            Ok(())
+        } else {
+            Err(RobotError::new(path, Problem::OutOfRange { value, least, greatest }))
+        }
+    }
+
+    pub(crate) fn on_backbone(path: &str, value: f64, length: f64) -> Result<(), RobotError> {
+        not_negative(path, value)?;
+        if value <= length {
+            Ok(())
+        } else {
+            Err(RobotError::new(path, Problem::BeyondTip { value, length }))
+        }
+    }
+}

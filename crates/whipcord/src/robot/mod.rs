@@ -1,0 +1,90 @@
+//! What the robot is: backbone, disks and cables, checked once and then unchanging.
+
+mod backbone;
+mod cable;
+mod disks;
+mod error;
+mod fourier;
+mod route;
+mod section;
+
+pub use backbone::{Backbone, Material, RestCurvature};
+pub use cable::{Cable, Interpolation, Routing};
+pub use disks::Disks;
+pub(crate) use error::check;
+pub use error::{Problem, RobotError};
+pub use route::{Route, RoutePoint};
+pub use section::{Section, SectionProperties};
+
+/// A cable-driven continuum robot: valid by construction, and unchanging.
+///
+/// ```
+/// use whipcord::{Backbone, Cable, Disks, Material, Robot, Routing, Section};
+///
+/// let backbone = Backbone {
+///     section: Some(Section::circle(0.003)),
+///     material: Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Default::default() },
+///     ..Backbone::new(0.18)
+/// };
+/// let disks = Disks::equally_spaced(0.18, 10, 0.008).with_holes(12);
+/// let cable = Cable::new("pull", Routing::holes(vec![1, 2, 3, 4, 4, 4, 4, 3, 2, 1]));
+/// let robot = Robot::new(backbone, disks, vec![cable])?;
+/// assert_eq!(robot.disks().arc_lengths.len(), 10);
+/// # Ok::<(), whipcord::RobotError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Robot {
+    backbone: Backbone,
+    disks: Disks,
+    cables: Vec<Cable>,
+    routes: Vec<Route>,
+}
+
+impl Robot {
+    /// A robot of these parts.
+    ///
+    /// # Errors
+    /// [`RobotError`] with the path of the offending quantity when a number is out of its range or
+    /// the parts do not fit together.
+    pub fn new(backbone: Backbone, disks: Disks, cables: Vec<Cable>) -> Result<Self, RobotError> {
+        backbone.check(&disks)?;
+        disks.check(&backbone)?;
+        let mut routes = Vec::with_capacity(cables.len());
+        for (index, cable) in cables.iter().enumerate() {
+            if let Some(first) = cables[..index].iter().position(|c| c.name == cable.name) {
+                return Err(RobotError::new(
+                    format!("cables[{index}].name"),
+                    Problem::DuplicateName { name: cable.name.clone(), first },
+                ));
+            }
+            let route = Route::new(cable, &backbone, &disks)
+                .map_err(|error| error.under(&format!("cables[{index}]")))?;
+            routes.push(route);
+        }
+        Ok(Self { backbone, disks, cables, routes })
+    }
+
+    /// The backbone.
+    #[must_use]
+    pub fn backbone(&self) -> &Backbone {
+        &self.backbone
+    }
+
+    /// The disks, base disk first.
+    #[must_use]
+    pub fn disks(&self) -> &Disks {
+        &self.disks
+    }
+
+    /// The cables.
+    #[must_use]
+    pub fn cables(&self) -> &[Cable] {
+        &self.cables
+    }
+
+    /// Where each cable runs in the backbone's cross-sections; one for each of [`Self::cables`].
+    #[must_use]
+    pub fn routes(&self) -> &[Route] {
+        &self.routes
+    }
+}

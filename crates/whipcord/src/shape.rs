@@ -1,0 +1,102 @@
+//! The answer: frames along the backbone, and what became of the cables.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use crate::model::ModelKind;
+
+/// Frames along the backbone, in the base frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// Arc length of each station on the undeformed backbone in m.
+    pub arc_length: Vec<f64>,
+    /// Pose of the cross-section at each station.
+    pub poses: Vec<Pose>,
+}
+
+/// What became of one cable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CableState {
+    /// Name of the cable.
+    pub name: String,
+    /// Tension in N; `None` from a model that knows no forces.
+    pub tension: Option<f64>,
+    /// Length of the path inside the robot in m. A slack cable is longer than this.
+    pub length: f64,
+    /// Length of that path before actuation in m.
+    pub initial_length: f64,
+    /// Whether the cable hangs loose.
+    pub slack: bool,
+}
+
+/// A force in N and a moment in N·m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench {
+    /// Force.
+    pub force: Vec3,
+    /// Moment.
+    pub moment: Vec3,
+}
+
+/// How an answer was obtained.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Diagnostics {
+    /// Newton iterations of the global problem; 0 where there was none to solve.
+    pub iterations: usize,
+    /// What is left of the equations that were solved, relative to their scale.
+    pub residual: f64,
+    /// Least eigenvalue of the tangent stiffness relative to the backbone's own stiffness: 1 for a
+    /// bare rod without load, 0 where it buckles, negative at an unstable equilibrium. `None` from a
+    /// model without energy.
+    pub stability: Option<f64>,
+    /// Estimated error of the stations' positions in m, from a solution with half the steps;
+    /// `None` where the steps were prescribed.
+    pub discretization_error: Option<f64>,
+    /// Integration steps, or sections, from base to tip.
+    pub steps: usize,
+}
+
+/// A converged answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// The model it comes from.
+    pub model: ModelKind,
+    /// Frames at the stations that were asked for.
+    pub shape: Shape,
+    /// Frames at the disks.
+    pub disks: Shape,
+    /// One for each cable.
+    pub cables: Vec<CableState>,
+    /// What rod and cables together transmit to the base, in the base frame; `None` from a model
+    /// that knows no forces.
+    pub base_wrench: Option<Wrench>,
+    /// How it was obtained.
+    pub diagnostics: Diagnostics,
+}
+
+impl Shape {
+    /// Positions of the stations in m.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
+        self.poses.iter().map(|pose| pose.position)
+    }
+
+    /// The last pose, which is that of the tip when the stations reach it; the base frame when
+    /// there are no stations.
+    #[must_use]
+    pub fn tip(&self) -> Pose {
+        self.poses.last().copied().unwrap_or_default()
+    }
+
+    /// Distance between corresponding stations of two shapes in m.
+    pub fn distances<'a>(&'a self, other: &'a Self) -> impl ExactSizeIterator<Item = f64> + 'a {
+        self.poses.iter().zip(&other.poses).map(|(a, b)| (a.position - b.position).norm())
+    }
+
+    /// Root mean square of the distances in m, without the first station, which is fixed to the
+    /// base: the paper's measure over disks 2 to 10.
+    #[must_use]
+    pub fn rms_distance(&self, other: &Self) -> f64 {
+        let (count, sum) =
+            self.distances(other).skip(1).fold((0_usize, 0.0), |(n, sum), d| (n + 1, sum + d * d));
+        if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
+    }
+}
