@@ -1,1 +1,3 @@
+//! The `whipcord` command.
+
 fn main() {}
