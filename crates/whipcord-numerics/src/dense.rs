@@ -44,8 +44,7 @@ impl DenseLu {
                 }
             }
             let value = m[pivot * n + k];
-            // Written so that a NaN is refused as well.
-            if !(value.abs() > 0.25 * f64::EPSILON * column_scale) {
+            if value.is_nan() || value.abs() <= 0.25 * f64::EPSILON * column_scale {
                 return Err(Singular { column: k });
             }
             self.pivots.push(pivot);

@@ -5,17 +5,21 @@
 //! compiler of whoever builds this crate.
 
 mod dense;
+mod magnus;
 mod mat3;
 mod polynomial;
 mod pose;
 mod quadrature;
 mod quaternion;
+mod runge_kutta;
 mod vec3;
 
 pub use dense::{DenseLu, Singular};
+pub use magnus::magnus_6;
 pub use mat3::{Ldlt3, Mat3};
 pub use polynomial::{CubicError, PiecewiseCubic};
 pub use pose::{Pose, Twist};
 pub use quadrature::{GAUSS_2, GAUSS_3, GaussRule};
 pub use quaternion::UnitQuaternion;
+pub use runge_kutta::{BUTCHER_6, ExplicitTableau};
 pub use vec3::Vec3;

@@ -1,4 +1,4 @@
-use core::ops::Mul;
+use core::ops::{Add, Mul, Sub};
 
 use crate::{UnitQuaternion, Vec3};
 
@@ -61,6 +61,42 @@ impl Mul for Pose {
             position: self.transform(b.position),
             rotation: (self.rotation * b.rotation).renormalized(),
         }
+    }
+}
+
+impl Twist {
+    /// The Lie bracket of se(3).
+    #[inline]
+    #[must_use]
+    pub fn bracket(self, b: Self) -> Self {
+        Self {
+            linear: self.angular.cross(b.linear) + self.linear.cross(b.angular),
+            angular: self.angular.cross(b.angular),
+        }
+    }
+}
+
+impl Add for Twist {
+    type Output = Self;
+    #[inline]
+    fn add(self, b: Self) -> Self {
+        Self { linear: self.linear + b.linear, angular: self.angular + b.angular }
+    }
+}
+
+impl Sub for Twist {
+    type Output = Self;
+    #[inline]
+    fn sub(self, b: Self) -> Self {
+        Self { linear: self.linear - b.linear, angular: self.angular - b.angular }
+    }
+}
+
+impl Mul<f64> for Twist {
+    type Output = Self;
+    #[inline]
+    fn mul(self, a: f64) -> Self {
+        Self { linear: self.linear * a, angular: self.angular * a }
     }
 }
 

@@ -145,6 +145,11 @@ pub enum Problem {
         /// Number of the first cable of that name, from 0.
         first: usize,
     },
+    /// Point loads elsewhere than where the model was built to take them.
+    #[error(
+        "sit elsewhere than where this model was built to take them: build the model with the loads of the case"
+    )]
+    LoadPlaces,
     /// A case whose list does not fit the robot.
     #[error("has {given} entries, but the robot has {cables} cables")]
     CableCount {

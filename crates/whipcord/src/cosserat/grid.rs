@@ -1,0 +1,263 @@
+//! Steps along the backbone and what is known of the robot at their quadrature nodes.
+//!
+//! Disks, stations, cable ends, kinks of a routing and point loads all lie between steps, never
+//! inside one, so that the integrators keep their order.
+
+use whipcord_numerics::{GAUSS_3, Vec3};
+
+use super::section::{Crossing, Section, Stiffness};
+use crate::case::Loads;
+use crate::error::SolveError;
+use crate::model::ModelKind;
+use crate::robot::Robot;
+
+/// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_6`] evaluates.
+pub(super) const SHOOTING_NODES: [f64; 5] = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.0];
+
+/// One step from `start` to `start + length`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    pub start: f64,
+    pub length: f64,
+    /// The cables that reach through this step are the first so many, longest cable first.
+    pub active: usize,
+}
+
+/// The robot at one node.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Node {
+    pub section: Section,
+    /// Mass of backbone and disks beyond the node in kg.
+    pub distal_mass: f64,
+}
+
+/// The nodes of all steps at the same places of each.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Nodes {
+    per_step: usize,
+    cables: usize,
+    nodes: Vec<Node>,
+    crossings: Vec<Crossing>,
+}
+
+impl Nodes {
+    /// Node `j` of step `k`, and how the first `active` cables cross it.
+    #[inline]
+    pub fn at(&self, k: usize, j: usize, active: usize) -> (&Node, &[Crossing]) {
+        let i = k * self.per_step + j;
+        (&self.nodes[i], &self.crossings[i * self.cables..i * self.cables + active])
+    }
+}
+
+/// The discretised robot.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    pub steps: Vec<Step>,
+    /// At the Gauss nodes, for quadrature.
+    pub gauss: Nodes,
+    /// At the Runge–Kutta nodes, for shooting.
+    pub shooting: Nodes,
+    /// For each station the number of steps before it.
+    pub stations: Vec<usize>,
+    /// For each disk the number of steps before it.
+    pub disks: Vec<usize>,
+    /// For each point load the number of steps before it.
+    pub loads: Vec<usize>,
+    /// Mass of the disk that sits at the end of so many steps, in kg.
+    pub disk_masses: Vec<f64>,
+}
+
+/// What does not depend on how fine the grid is.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    pub breakpoints: Vec<f64>,
+    stations: Vec<f64>,
+    loads: Vec<f64>,
+    /// Cables in the order of the grid: the longest first, so that those that reach a step come
+    /// before those that do not.
+    pub order: Vec<usize>,
+}
+
+impl Layout {
+    pub fn new(robot: &Robot, stations: Vec<f64>, loads: &Loads) -> Self {
+        let length = robot.backbone().length;
+        let load_places: Vec<f64> = loads.points.iter().map(|p| p.at).collect();
+        let mut breakpoints = vec![0.0, length];
+        breakpoints.extend_from_slice(&robot.disks().arc_lengths);
+        breakpoints.extend_from_slice(&stations);
+        breakpoints.extend_from_slice(&load_places);
+        for route in robot.routes() {
+            breakpoints.extend_from_slice(route.breakpoints());
+            breakpoints.push(route.end());
+        }
+        breakpoints.sort_by(f64::total_cmp);
+        // Places that differ by rounding only are one place.
+        breakpoints.dedup_by(|b, a| *b - *a <= 1e-10 * length);
+        let mut order: Vec<usize> = (0..robot.cables().len()).collect();
+        order.sort_by(|&a, &b| robot.routes()[b].end().total_cmp(&robot.routes()[a].end()));
+        Self { breakpoints, stations, loads: load_places, order }
+    }
+
+    /// Number of the breakpoint at an arc length.
+    fn breakpoint(&self, arc_length: f64) -> usize {
+        let after = self.breakpoints.partition_point(|&s| s < arc_length);
+        let near = |i: &usize| (self.breakpoints[*i] - arc_length).abs();
+        let before = after.saturating_sub(1);
+        let last = self.breakpoints.len() - 1;
+        [before, after.min(last)]
+            .into_iter()
+            .min_by(|a, b| near(a).total_cmp(&near(b)))
+            .unwrap_or(last)
+    }
+
+    /// Arc length at the stations, as they were asked for.
+    pub fn stations(&self) -> &[f64] {
+        &self.stations
+    }
+
+    /// Whether a point load of a case sits where the layout expects it.
+    pub fn has_loads_of(&self, loads: &Loads) -> bool {
+        loads.points.len() == self.loads.len()
+            && loads.points.iter().zip(&self.loads).all(|(p, &at)| p.at == at)
+    }
+}
+
+impl Grid {
+    /// A grid with at least `steps` steps from base to tip, of about the same length.
+    pub fn new(robot: &Robot, layout: &Layout, steps: usize) -> Result<Self, SolveError> {
+        Self::refined(robot, layout, steps, 0)
+    }
+
+    /// The same grid with every step halved `halvings` times.
+    pub fn refined(
+        robot: &Robot,
+        layout: &Layout,
+        steps: usize,
+        halvings: usize,
+    ) -> Result<Self, SolveError> {
+        let length = robot.backbone().length;
+        let ends: Vec<f64> = layout.order.iter().map(|&c| robot.routes()[c].end()).collect();
+        let mut grid_steps = Vec::new();
+        let mut before = vec![0];
+        for pair in layout.breakpoints.windows(2) {
+            let gap = pair[1] - pair[0];
+            // The small allowance keeps equal sections from being split by rounding.
+            let parts = (gap / length * steps as f64 - 1e-6).ceil().max(1.0) as usize;
+            let parts = parts << halvings;
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let active = ends.iter().take_while(|&&end| end > middle).count();
+            for i in 0..parts {
+                let start = pair[0] + gap * i as f64 / parts as f64;
+                grid_steps.push(Step { start, length: gap / parts as f64, active });
+            }
+            before.push(grid_steps.len());
+        }
+        let place = |s: &f64| before[layout.breakpoint(*s)];
+        let disks: Vec<usize> = robot.disks().arc_lengths.iter().map(place).collect();
+        let mut disk_masses = vec![0.0; grid_steps.len() + 1];
+        for &k in &disks {
+            disk_masses[k] += robot.disks().mass;
+        }
+        let masses = distal_masses(robot, &grid_steps, &disk_masses);
+        Ok(Self {
+            gauss: nodes(robot, layout, &grid_steps, &masses, &GAUSS_3.nodes)?,
+            shooting: nodes(robot, layout, &grid_steps, &masses, &SHOOTING_NODES)?,
+            stations: layout.stations.iter().map(place).collect(),
+            disks,
+            loads: layout.loads.iter().map(place).collect(),
+            disk_masses,
+            steps: grid_steps,
+        })
+    }
+
+    /// Number of steps.
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+}
+
+/// Mass per length in kg/m; zero where no density is given.
+fn linear_density(robot: &Robot, s: f64) -> f64 {
+    let area = robot.backbone().section_at(robot.disks(), s).map_or(0.0, |p| p.area);
+    area * robot.backbone().material.density.unwrap_or(0.0)
+}
+
+/// Mass of a piece of backbone; exact for a linear taper.
+fn mass_between(robot: &Robot, from: f64, to: f64) -> f64 {
+    let at = |i: usize| linear_density(robot, from + GAUSS_3.nodes[i] * (to - from));
+    (to - from) * (0..3).map(|i| GAUSS_3.weights[i] * at(i)).sum::<f64>()
+}
+
+/// Mass beyond the end of each step; the disk at that end is counted.
+fn distal_masses(robot: &Robot, steps: &[Step], disk_masses: &[f64]) -> Vec<f64> {
+    let mut masses = vec![0.0; steps.len()];
+    let mut mass = 0.0;
+    for (k, step) in steps.iter().enumerate().rev() {
+        mass += disk_masses[k + 1];
+        masses[k] = mass;
+        mass += mass_between(robot, step.start, step.start + step.length);
+    }
+    masses
+}
+
+fn nodes(
+    robot: &Robot,
+    layout: &Layout,
+    steps: &[Step],
+    masses: &[f64],
+    places: &[f64],
+) -> Result<Nodes, SolveError> {
+    let cables = layout.order.len();
+    let mut out = Nodes {
+        per_step: places.len(),
+        cables,
+        nodes: Vec::with_capacity(steps.len() * places.len()),
+        crossings: vec![Crossing::default(); steps.len() * places.len() * cables],
+    };
+    let mut next = 0;
+    for (k, step) in steps.iter().enumerate() {
+        let end = step.start + step.length;
+        for &c in places {
+            let s = step.start + c * step.length;
+            let section = section_at(robot, s)?;
+            let distal_mass = masses[k] + mass_between(robot, s, end);
+            out.nodes.push(Node { section, distal_mass });
+            for i in 0..step.active {
+                let point = robot.routes()[layout.order[i]].at(s);
+                out.crossings[next + i] = Crossing { offset: point.offset, slope: point.slope };
+            }
+            next += cables;
+        }
+    }
+    Ok(out)
+}
+
+/// Stiffness and rest curvature at an arc length.
+fn section_at(robot: &Robot, s: f64) -> Result<Section, SolveError> {
+    let missing = |path: &str, advice| SolveError::Missing {
+        model: ModelKind::Cosserat,
+        path: format!("backbone.{path}"),
+        advice,
+    };
+    let backbone = robot.backbone();
+    let area = backbone
+        .section_at(robot.disks(), s)
+        .ok_or_else(|| missing("diameter", "give the backbone's cross-section, or use four-bar"))?;
+    let young = backbone.material.young_modulus.ok_or_else(|| {
+        missing("young_modulus", "give the backbone's Young's modulus, or use four-bar")
+    })?;
+    let shear = backbone.material.shear_modulus().ok_or_else(|| {
+        missing("poisson_ratio", "give poisson_ratio or shear_modulus, or use four-bar")
+    })?;
+    Ok(Section {
+        stiffness: Stiffness {
+            shear: Vec3::new(shear * area.area, shear * area.area, young * area.area),
+            bending: Vec3::new(
+                young * area.second_moment_x,
+                young * area.second_moment_y,
+                shear * area.torsion_constant,
+            ),
+        },
+        rest_curvature: backbone.rest_curvature_at(robot.disks(), s),
+    })
+}

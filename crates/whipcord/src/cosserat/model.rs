@@ -1,0 +1,324 @@
+use whipcord_numerics::Pose;
+
+use super::grid::{Grid, Layout};
+use super::lengths::Command;
+use super::loads;
+use super::statics::{self, Found, Scratch, Start};
+use super::unloaded::rest_lengths;
+use crate::case::{Case, Drive, Loads};
+use crate::error::SolveError;
+use crate::model::{ModelKind, Stations};
+use crate::robot::{Problem, Robot, RobotError};
+use crate::shape::{CableState, Diagnostics, Shape, Solution};
+
+/// How the model is discretised and driven.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Where the shape is given.
+    pub stations: Stations,
+    /// Which command of each cable counts; by nature the tension.
+    pub drive: Drive,
+    /// How finely it integrates.
+    pub accuracy: Accuracy,
+    /// Whether the stability of the answer is computed.
+    pub stability: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            stations: Stations::default(),
+            drive: Drive::default(),
+            accuracy: Accuracy::default(),
+            stability: true,
+        }
+    }
+}
+
+/// How finely the rod is integrated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accuracy {
+    /// The steps are halved until the estimated error of every position is below this fraction of
+    /// the length.
+    Tolerance(f64),
+    /// At least this many steps from base to tip. Disks, stations, cable ends, kinks of a routing
+    /// and point loads always end a step.
+    Steps(usize),
+}
+
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self::Tolerance(1e-8)
+    }
+}
+
+/// Steps from base to tip on the coarser of the two grids that [`Accuracy::Tolerance`] starts with.
+const COARSE_STEPS: usize = 8;
+/// How often the steps may be halved.
+const MAX_REFINEMENTS: usize = 9;
+/// A step of order 6 that is halved loses all but 1/64 of its error; less is relied on.
+const ERROR_RATIO: f64 = 15.0;
+
+/// The Cosserat model of one robot: all that does not change from case to case.
+///
+/// ```
+/// use whipcord::cosserat::{Cosserat, Options, Workspace};
+/// use whipcord::{Backbone, Cable, Case, Disks, Loads, Material, Robot, Routing, Section};
+///
+/// let backbone = Backbone {
+///     section: Some(Section::circle(0.003)),
+///     material: Material {
+///         young_modulus: Some(1.1e9),
+///         poisson_ratio: Some(0.3),
+///         ..Default::default()
+///     },
+///     ..Backbone::new(0.18)
+/// };
+/// let disks = Disks::equally_spaced(0.18, 10, 0.008);
+/// let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+/// let robot = Robot::new(backbone, disks, vec![cable])?;
+///
+/// let model = Cosserat::new(&robot, &Loads::default(), &Options::default())?;
+/// let mut workspace = Workspace::default();
+/// let solution = model.solve(&Case::with_tensions(&[3.0]), None, &mut workspace)?;
+/// // A straight cable bends the rod to a circle of curvature τ r/EI.
+/// let bend = 0.18 * 3.0 * 0.008 / (1.1e9 * core::f64::consts::PI * 0.003_f64.powi(4) / 64.0);
+/// assert!((solution.disks.tip().rotation.log().norm() - bend).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Cosserat {
+    robot: Robot,
+    layout: Layout,
+    options: Options,
+    /// The only grid, or the first two of a sequence in which the steps are halved.
+    grids: Vec<Grid>,
+    /// In the order of the grid, in m.
+    initial_lengths: Vec<f64>,
+}
+
+/// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
+/// memory itself.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    scratch: Scratch,
+    commands: Vec<Command>,
+    coarse: Vec<Pose>,
+}
+
+impl Cosserat {
+    /// The model of a robot that may carry point loads at the places where `loads` has them.
+    ///
+    /// # Errors
+    /// [`SolveError::Missing`] when the robot's stiffness is not given.
+    pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
+        let stations = options.stations.arc_lengths(robot);
+        let layout = Layout::new(robot, stations, loads);
+        let grids = match options.accuracy {
+            Accuracy::Steps(steps) => vec![Grid::new(robot, &layout, steps)?],
+            Accuracy::Tolerance(_) => (0..2)
+                .map(|level| Grid::refined(robot, &layout, COARSE_STEPS, level))
+                .collect::<Result<_, _>>()?,
+        };
+        let finest = &grids[grids.len() - 1];
+        let initial_lengths = rest_lengths(finest, robot.cables().len());
+        Ok(Self { robot: robot.clone(), layout, options: options.clone(), grids, initial_lengths })
+    }
+
+    /// The robot this model was built for.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The shape under a case, starting from the solution of a neighbouring one when given.
+    ///
+    /// # Errors
+    /// [`SolveError`] with the reason why there is no answer.
+    pub fn solve(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        case.check(&self.robot)?;
+        loads::check(&self.robot, &case.loads)?;
+        if !self.layout.has_loads_of(&case.loads) {
+            let problem = Problem::LoadPlaces;
+            return Err(RobotError { path: "loads.point".to_owned(), problem }.into());
+        }
+        self.commands(case, &mut workspace.commands)?;
+        let mut start = match warm_start {
+            Some(solution) => self.start_from(solution),
+            None => Start::Cold,
+        };
+        let mut found = self.solve_on(&self.grids[0], case, &start, workspace)?;
+        let Accuracy::Tolerance(tolerance) = self.options.accuracy else {
+            return Ok(self.solution(&self.grids[0], workspace, found, None));
+        };
+        let length = self.robot.backbone().length;
+        let mut error = f64::INFINITY;
+        let mut refined = None;
+        for level in 1..=MAX_REFINEMENTS {
+            let coarse = match level {
+                1 => &self.grids[0],
+                2 => &self.grids[1],
+                _ => refined.as_ref().unwrap_or(&self.grids[1]),
+            };
+            workspace.coarse.clear();
+            let kept = coarse.disks.iter().chain(&coarse.stations);
+            workspace.coarse.extend(kept.map(|&k| workspace.scratch.poses[k]));
+            let fine = if level > 1 {
+                Some(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?)
+            } else {
+                None
+            };
+            let grid = fine.as_ref().unwrap_or(&self.grids[1]);
+            start = workspace.scratch.as_start();
+            found = self.solve_on(grid, case, &start, workspace)?.after(&found);
+            let poses = &workspace.scratch.poses;
+            let change = grid.disks.iter().chain(&grid.stations).zip(&workspace.coarse);
+            error = change
+                .map(|(&k, coarse)| (poses[k].position - coarse.position).norm())
+                .fold(0.0, f64::max)
+                / ERROR_RATIO;
+            if error <= tolerance * length {
+                return Ok(self.solution(grid, workspace, found, Some(error)));
+            }
+            if fine.is_some() {
+                refined = fine;
+            }
+        }
+        let steps = refined.as_ref().map_or(0, Grid::len);
+        Err(SolveError::StepsTooCoarse { error, tolerance: tolerance * length, steps })
+    }
+
+    fn solve_on(
+        &self,
+        grid: &Grid,
+        case: &Case,
+        start: &Start,
+        workspace: &mut Workspace,
+    ) -> Result<Found, SolveError> {
+        let length = self.robot.backbone().length;
+        let problem = statics::Problem {
+            grid,
+            length,
+            commands: &workspace.commands,
+            loads: &case.loads,
+            stability: self.options.stability,
+        };
+        statics::solve(&problem, start, &mut workspace.scratch)
+            .map_err(|failure| self.explain(failure, &workspace.commands))
+    }
+
+    /// What drives each cable, in the order of the grid.
+    fn commands(&self, case: &Case, commands: &mut Vec<Command>) -> Result<(), SolveError> {
+        commands.clear();
+        for (place, &i) in self.layout.order.iter().enumerate() {
+            let command = &case.commands[i];
+            let tension = command.tension.filter(|_| self.options.drive != Drive::Shortening);
+            let shortening = command.shortening.filter(|_| self.options.drive != Drive::Tension);
+            let initial = self.initial_lengths[place];
+            commands.push(match (tension, shortening) {
+                (Some(tension), _) => Command::Tension(tension),
+                (None, Some(shortening)) => Command::Length {
+                    target: initial - shortening.in_metres(initial),
+                    compliance: self.robot.cables()[i].axial_stiffness.map_or(0.0, |k| initial / k),
+                },
+                (None, None) => return Err(self.no_command(i)),
+            });
+        }
+        Ok(())
+    }
+
+    fn no_command(&self, cable: usize) -> SolveError {
+        let (key, advice) = match self.options.drive {
+            Drive::Natural => ("tension", "give this cable a tension, or a shortening"),
+            Drive::Tension => ("tension", "give it, or drive the cables by their shortening"),
+            Drive::Shortening => ("shortening", "give it, or drive the cables by their tension"),
+        };
+        SolveError::Missing {
+            model: ModelKind::Cosserat,
+            path: format!("cables[{cable}].{key}"),
+            advice,
+        }
+    }
+
+    fn start_from(&self, solution: &Solution) -> Start {
+        let tension = |&i: &usize| solution.cables.get(i).and_then(|c| c.tension).unwrap_or(0.0);
+        Start::From {
+            tensions: self.layout.order.iter().map(tension).collect(),
+            base_moment: solution.base_wrench.map(|w| w.moment),
+        }
+    }
+
+    fn solution(
+        &self,
+        grid: &Grid,
+        workspace: &Workspace,
+        found: Found,
+        discretization_error: Option<f64>,
+    ) -> Solution {
+        let scratch = &workspace.scratch;
+        let shape = |arc_lengths: &[f64], places: &[usize]| Shape {
+            arc_length: arc_lengths.to_vec(),
+            poses: places.iter().map(|&k| scratch.poses[k]).collect(),
+        };
+        let mut cables: Vec<CableState> = Vec::with_capacity(self.layout.order.len());
+        for (i, cable) in self.robot.cables().iter().enumerate() {
+            // Every cable has its place in the order of the grid.
+            let place = self.layout.order.iter().position(|&c| c == i).unwrap_or(i);
+            let (tension, length) = (scratch.tensions[place], scratch.lengths[place]);
+            let command = workspace.commands[place];
+            let loose = command.slackness(tension, length);
+            cables.push(CableState {
+                name: cable.name.clone(),
+                tension: Some(tension),
+                length,
+                initial_length: self.initial_lengths[place],
+                slack: matches!(command, Command::Length { .. })
+                    && tension == 0.0
+                    && loose > 1e-12 * self.robot.backbone().length,
+            });
+        }
+        Solution {
+            model: ModelKind::Cosserat,
+            shape: shape(self.layout.stations(), &grid.stations),
+            disks: shape(&self.robot.disks().arc_lengths, &grid.disks),
+            cables,
+            base_wrench: Some(scratch.base_wrench),
+            diagnostics: Diagnostics {
+                iterations: found.iterations,
+                residual: found.residual,
+                stability: found.stability,
+                discretization_error,
+                steps: grid.len(),
+            },
+        }
+    }
+
+    fn explain(&self, failure: statics::Failure, commands: &[Command]) -> SolveError {
+        let name = |place: usize| self.robot.cables()[self.layout.order[place]].name.clone();
+        match failure {
+            statics::Failure::Folds { cable, arc_length, tension } => {
+                SolveError::SectionFolds { cable: name(cable), arc_length, tension }
+            }
+            statics::Failure::Unreachable { cable, length } => {
+                let initial = self.initial_lengths[cable];
+                let requested = match commands[cable] {
+                    Command::Length { target, .. } => initial - target,
+                    Command::Tension(_) => 0.0,
+                };
+                SolveError::UnreachableLength {
+                    cable: name(cable),
+                    requested,
+                    reachable: initial - length,
+                }
+            }
+            statics::Failure::NotConverged { iterations, residual, last_load, advice } => {
+                SolveError::NotConverged { iterations, residual, last_load, advice }
+            }
+        }
+    }
+}

@@ -1,0 +1,548 @@
+//! Static equilibrium on one grid.
+//!
+//! Without load the sections stand for themselves ([`super::unloaded`], [`super::lengths`]). Under
+//! dead loads the unknowns are the base moment and the tensions of the cables whose lengths are
+//! prescribed; Newton's method shoots at
+//!
+//! ```text
+//! M(L) − M_tip = 0,    min(τᵢ, gᵢ) = 0        g: slackness, eq. (6)        (7)
+//! ```
+//!
+//! from the shape without load, or from a neighbouring answer; where that fails the load is raised
+//! in steps that adapt.
+
+use whipcord_numerics::{DenseLu, Pose, Vec3};
+
+use super::grid::Grid;
+use super::lengths::{self, Command, Effort, LengthFault, LengthScratch};
+use super::loaded::{Aim, Shot, Unknowns};
+use super::loads::DeadLoads;
+use super::section::SectionFault;
+use super::stability::Stability;
+use super::unloaded::{Fault, Unloaded, Wanted};
+use crate::case::Loads;
+use crate::shape::Wrench;
+
+/// What is to be solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Problem<'a> {
+    pub grid: &'a Grid,
+    /// Length of the backbone in m.
+    pub length: f64,
+    /// In the order of the grid.
+    pub commands: &'a [Command],
+    pub loads: &'a Loads,
+    pub stability: bool,
+}
+
+/// Where the iteration starts.
+#[derive(Clone, Debug)]
+pub(super) enum Start {
+    /// From the robot without load.
+    Cold,
+    /// From a neighbouring answer: tensions in the order of the grid, and the moment at the base.
+    From { tensions: Vec<f64>, base_moment: Option<Vec3> },
+}
+
+/// How the answer in [`Scratch`] was found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    pub iterations: usize,
+    pub residual: f64,
+    pub stability: Option<f64>,
+}
+
+/// Why there is none.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Failure {
+    Folds { cable: usize, arc_length: f64, tension: f64 },
+    Unreachable { cable: usize, length: f64 },
+    NotConverged { iterations: usize, residual: f64, last_load: f64, advice: &'static str },
+}
+
+/// Memory of a solve, and the answer it ends with.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    /// Frames at the ends of all steps.
+    pub poses: Vec<Pose>,
+    /// Tensions in N and lengths in m, in the order of the grid.
+    pub tensions: Vec<f64>,
+    pub lengths: Vec<f64>,
+    pub base_wrench: Wrench,
+    unloaded: Unloaded,
+    length_scratch: LengthScratch,
+    dead: DeadLoads,
+    shot: Shot,
+    newton: Newton,
+    stability: Stability,
+}
+
+/// The unknowns and the linear system of eq. (7).
+#[derive(Clone, Debug, Default)]
+struct Newton {
+    point: Point,
+    trial: Point,
+    free: Vec<usize>,
+    matrix: Vec<f64>,
+    step: Vec<f64>,
+    lu: DenseLu,
+}
+
+/// A point of the iteration.
+#[derive(Clone, Debug, Default)]
+struct Point {
+    base_moment: Vec3,
+    tensions: Vec<f64>,
+}
+
+const MAX_ITERATIONS: usize = 40;
+/// Residual of eq. (7), relative to the scales of moment and length.
+const TOLERANCE: f64 = 1e-12;
+/// What rounding may leave where no step improves any more.
+const ROUNDING: f64 = 1e-9;
+/// The load is raised by at least this fraction, or the path is given up.
+const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
+
+impl Found {
+    /// With the effort of an earlier stage of the same solve added.
+    pub fn after(self, earlier: &Self) -> Self {
+        Self { iterations: self.iterations + earlier.iterations, ..self }
+    }
+}
+
+impl Scratch {
+    /// The answer as the start of another solve.
+    pub fn as_start(&self) -> Start {
+        Start::From { tensions: self.tensions.clone(), base_moment: Some(self.base_wrench.moment) }
+    }
+}
+
+/// Solves the problem; the answer is left in `scratch`.
+pub(super) fn solve(
+    problem: &Problem<'_>,
+    start: &Start,
+    scratch: &mut Scratch,
+) -> Result<Found, Failure> {
+    scratch.dead.gather(problem.grid, problem.loads);
+    scratch.tensions.clear();
+    scratch.tensions.resize(problem.commands.len(), 0.0);
+    if let Start::From { tensions, .. } = start {
+        for (tension, &given) in scratch.tensions.iter_mut().zip(tensions) {
+            *tension = given.max(0.0);
+        }
+    }
+    if !scratch.dead.any() {
+        return without_load(problem, scratch);
+    }
+    let Start::From { base_moment: Some(moment), .. } = start else {
+        return from_no_load(problem, scratch);
+    };
+    set_tensions(problem.commands, &mut scratch.tensions);
+    scratch.newton.point.base_moment = *moment;
+    scratch.newton.point.tensions.clone_from(&scratch.tensions);
+    scratch.shot.forget();
+    match shoot(problem, scratch, 1.0) {
+        Ok(effort) => finish(problem, scratch, effort),
+        Err(_) => from_no_load(problem, scratch),
+    }
+}
+
+fn set_tensions(commands: &[Command], tensions: &mut [f64]) {
+    for (tension, command) in tensions.iter_mut().zip(commands) {
+        if let Command::Tension(given) = command {
+            *tension = *given;
+        }
+    }
+}
+
+fn without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, Failure> {
+    let effort = sections(problem, scratch)?;
+    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
+    scratch.lengths.clone_from(&scratch.unloaded.lengths);
+    scratch.base_wrench = Wrench::default();
+    let stability = problem.stability.then_some(scratch.unloaded.stability);
+    Ok(Found { iterations: effort.iterations, residual: effort.residual, stability })
+}
+
+/// Strains and tensions of the rod without load.
+fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Effort, Failure> {
+    let wanted = Wanted { length_by_tension: false, stability: problem.stability };
+    let commands = problem.commands;
+    if commands.iter().all(|c| matches!(c, Command::Tension(_))) {
+        set_tensions(commands, &mut scratch.tensions);
+        return scratch
+            .unloaded
+            .sweep(problem.grid, &scratch.tensions, false, wanted)
+            .map(|()| Effort::default())
+            .map_err(|fault| section_failure(fault, &scratch.tensions, 0.0));
+    }
+    lengths::solve(
+        problem.grid,
+        problem.length,
+        commands,
+        &mut scratch.tensions,
+        &mut scratch.unloaded,
+        &mut scratch.length_scratch,
+        wanted,
+    )
+    .map_err(|fault| match fault {
+        LengthFault::Section(fault) => section_failure(fault, &scratch.tensions, 0.0),
+        LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
+        LengthFault::Stalled { residual } => Failure::NotConverged {
+            iterations: lengths::MAX_ITERATIONS,
+            residual,
+            last_load: 0.0,
+            advice: "the cable lengths contradict one another: prescribe fewer of them",
+        },
+    })
+}
+
+fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
+    match fault.kind {
+        SectionFault::Folded { cable } => {
+            Failure::Folds { cable, arc_length: fault.arc_length, tension: tensions[cable] }
+        }
+        SectionFault::Diverged => Failure::NotConverged {
+            iterations: 0,
+            residual: 1.0,
+            last_load,
+            advice: "a section finds no equilibrium: tension or load is beyond what it bears",
+        },
+    }
+}
+
+/// From the rod without load: at once, or raising the load step by step.
+fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, Failure> {
+    sections(problem, scratch)?;
+    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
+    seed(problem, scratch, 1.0);
+    let mut spent = 0;
+    let direct = match shoot(problem, scratch, 1.0) {
+        Ok(effort) => {
+            spent = effort.iterations;
+            let found = finish(problem, scratch, effort)?;
+            if found.stability.is_none_or(|least| least > 0.0) {
+                return Ok(found);
+            }
+            // An equilibrium, but not one the robot stays in: the load path may lead to another.
+            Some((found, scratch.newton.point.clone()))
+        }
+        Err(failed) => {
+            spent += failed.effort.iterations;
+            None
+        }
+    };
+    match raise_load(problem, scratch, spent) {
+        Ok(found) => Ok(found),
+        Err(failure) => match direct {
+            None => Err(failure),
+            Some((_, point)) => {
+                scratch.newton.point = point;
+                scratch.shot.forget();
+                match shoot(problem, scratch, 1.0) {
+                    Ok(effort) => finish(problem, scratch, effort),
+                    Err(_) => Err(failure),
+                }
+            }
+        },
+    }
+}
+
+/// Base moment that would carry the load on the shape without load.
+fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
+    let grid = problem.grid;
+    let mut moment = Vec3::ZERO;
+    for k in 0..grid.len() {
+        let (node, _) = grid.shooting.at(k, 2, 0);
+        let run = scratch.poses[k + 1].position - scratch.poses[k].position;
+        moment += scratch.dead.moment(k) + run.cross(scratch.dead.force(k, node));
+    }
+    moment += scratch.dead.moment(grid.len());
+    scratch.newton.point.base_moment = moment * load;
+    scratch.newton.point.tensions.clone_from(&scratch.unloaded_tensions());
+    scratch.shot.seed(grid, &scratch.unloaded.strains);
+}
+
+impl Scratch {
+    fn unloaded_tensions(&self) -> Vec<f64> {
+        self.tensions.clone()
+    }
+}
+
+/// A Newton iteration that ended without an answer.
+struct Failed {
+    effort: Effort,
+    fault: Option<Fault>,
+}
+
+/// Continuation in the load, from none to all of it.
+fn raise_load(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    spent: usize,
+) -> Result<Found, Failure> {
+    scratch.tensions.iter_mut().for_each(|t| *t = 0.0);
+    sections(problem, scratch)?;
+    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
+    seed(problem, scratch, 0.0);
+    let mut here = (0.0, scratch.newton.point.clone());
+    let mut before: Option<(f64, Point)> = None;
+    let mut step: f64 = 0.25;
+    let mut iterations = spent;
+    loop {
+        let load = (here.0 + step).min(1.0);
+        scratch.newton.point = extrapolate(&here, before.as_ref(), load);
+        scratch.shot.forget();
+        let failed = match shoot(problem, scratch, load) {
+            Ok(effort) => {
+                iterations += effort.iterations;
+                if load >= 1.0 {
+                    let effort = Effort { iterations, ..effort };
+                    return finish(problem, scratch, effort);
+                }
+                // A long iteration means the path bends: do not lengthen the step.
+                if effort.iterations <= 5 {
+                    step *= 2.0;
+                }
+                before = Some(core::mem::replace(&mut here, (load, scratch.newton.point.clone())));
+                continue;
+            }
+            Err(failed) => failed,
+        };
+        iterations += failed.effort.iterations;
+        step *= 0.5;
+        if step < LEAST_LOAD_STEP {
+            return Err(match failed.fault {
+                Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
+                    section_failure(fault, &scratch.newton.point.tensions, here.0)
+                }
+                _ => Failure::NotConverged {
+                    iterations,
+                    residual: failed.effort.residual,
+                    last_load: here.0,
+                    advice: "the load path ends there, as at a snap-through: apply less load, or lead the robot there by other tensions first",
+                },
+            });
+        }
+    }
+}
+
+fn extrapolate(here: &(f64, Point), before: Option<&(f64, Point)>, load: f64) -> Point {
+    let Some(before) = before else { return here.1.clone() };
+    let t = (load - here.0) / (here.0 - before.0);
+    let tension = |(b, a): (&f64, &f64)| (b + t * (b - a)).max(0.0);
+    Point {
+        base_moment: here.1.base_moment + t * (here.1.base_moment - before.1.base_moment),
+        tensions: here.1.tensions.iter().zip(&before.1.tensions).map(tension).collect(),
+    }
+}
+
+/// Scales that make the residuals of eq. (7) comparable.
+struct Scales {
+    moment: f64,
+    tension: f64,
+    length: f64,
+}
+
+/// Newton's method on eq. (7) from `scratch.newton.point`, where it also ends.
+fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effort, Failed> {
+    let commands = problem.commands;
+    let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
+    let unknowns = if lengths_driven { Unknowns::MomentAndTensions } else { Unknowns::Moment };
+    let scales = scales(problem);
+    let Scratch { shot, dead, newton, .. } = scratch;
+    let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
+    let fire = |shot: &mut Shot, point: &Point, unknowns| {
+        let aim = Aim {
+            tensions: &point.tensions,
+            base_moment: point.base_moment,
+            load,
+            unknowns,
+            sample: false,
+        };
+        shot.fire(problem.grid, dead, &aim)
+    };
+    if let Err(fault) = fire(shot, &newton.point, unknowns) {
+        return Err(Failed { effort, fault: Some(fault) });
+    }
+    effort.residual = residual(commands, &newton.point, shot, &scales);
+    while effort.iterations < MAX_ITERATIONS {
+        if effort.residual <= TOLERANCE {
+            return Ok(effort);
+        }
+        effort.iterations += 1;
+        if !newton.solve_step(commands, shot, &scales) {
+            return Err(Failed { effort, fault: None });
+        }
+        let mut fraction = 1.0;
+        loop {
+            newton.aim_trial(fraction);
+            let fault = fire(shot, &newton.trial, unknowns).err();
+            if fault.is_none() {
+                let now = residual(commands, &newton.trial, shot, &scales);
+                if now < (1.0 - 1e-4 * fraction) * effort.residual {
+                    core::mem::swap(&mut newton.point, &mut newton.trial);
+                    effort.residual = now;
+                    break;
+                }
+            }
+            if fault.is_none() && fraction == 1.0 && effort.residual <= ROUNDING {
+                // No better than before, and both as good as rounding lets them be: go back to the
+                // better one.
+                let _ = fire(shot, &newton.point, unknowns);
+                return Ok(effort);
+            }
+            shot.forget();
+            fraction *= 0.5;
+            if fraction < 1.0 / 256.0 {
+                return Err(Failed { effort, fault });
+            }
+        }
+    }
+    Err(Failed { effort, fault: None })
+}
+
+fn scales(problem: &Problem<'_>) -> Scales {
+    let (node, _) = problem.grid.shooting.at(0, 0, 0);
+    let bending = node.section.stiffness.bending;
+    let stiffness = bending.x.min(bending.y).min(bending.z);
+    let moment = stiffness / problem.length;
+    Scales { moment, tension: moment / problem.length, length: problem.length }
+}
+
+/// Size of eq. (7), without dimension.
+fn residual(commands: &[Command], point: &Point, shot: &Shot, scales: &Scales) -> f64 {
+    let moment = shot.excess.norm() / (scales.moment + point.base_moment.norm());
+    let mut worst = moment;
+    for (i, command) in commands.iter().enumerate() {
+        if matches!(command, Command::Length { .. }) {
+            let slack = command.slackness(point.tensions[i], shot.lengths[i]) / scales.length;
+            worst = worst.max((point.tensions[i] / scales.tension).min(slack).abs());
+        }
+    }
+    // A NaN must not pass for a small residual.
+    if worst.is_finite() && moment.is_finite() { worst } else { f64::INFINITY }
+}
+
+impl Newton {
+    /// Solves for the full step from the derivatives of the last shot; the cables that eq. (7)
+    /// says are slack go to zero tension.
+    fn solve_step(&mut self, commands: &[Command], shot: &Shot, scales: &Scales) -> bool {
+        let cables = commands.len();
+        let columns = if shot.lengths_by.is_empty() { 3 } else { 3 + cables };
+        let point = &self.point;
+        self.free.clear();
+        for (i, command) in commands.iter().enumerate() {
+            if matches!(command, Command::Length { .. }) {
+                let slack = command.slackness(point.tensions[i], shot.lengths[i]) / scales.length;
+                if point.tensions[i] / scales.tension > slack {
+                    self.free.push(i);
+                }
+            }
+        }
+        let n = 3 + self.free.len();
+        self.matrix.clear();
+        self.step.clear();
+        for axis in 0..3 {
+            for j in 0..3 {
+                self.matrix.push(shot.excess_by[j][axis]);
+            }
+            for &j in &self.free {
+                let by = shot.excess_by[3 + j][axis];
+                self.matrix.push(by * scales.tension / scales.moment);
+            }
+            let mut right = -shot.excess[axis];
+            for j in self.released(commands) {
+                right += shot.excess_by[3 + j][axis] * point.tensions[j];
+            }
+            self.step.push(right / scales.moment);
+        }
+        for &i in &self.free {
+            let row = &shot.lengths_by[i * columns..(i + 1) * columns];
+            let Command::Length { compliance, .. } = commands[i] else { continue };
+            for j in 0..3 {
+                self.matrix.push(row[j] * scales.moment / scales.length);
+            }
+            for &j in &self.free {
+                let own = if i == j { compliance } else { 0.0 };
+                self.matrix.push((row[3 + j] - own) * scales.tension / scales.length);
+            }
+            let mut right = command_slack(commands, point, shot, i);
+            for j in self.released(commands) {
+                right += row[3 + j] * point.tensions[j];
+            }
+            self.step.push(right / scales.length);
+        }
+        if self.lu.factor(n, &self.matrix).is_err() {
+            return false;
+        }
+        self.lu.solve(&mut self.step);
+        if !self.step.iter().all(|x| x.is_finite()) {
+            return false;
+        }
+        for i in 0..3 {
+            self.step[i] *= scales.moment;
+        }
+        for x in &mut self.step[3..] {
+            *x *= scales.tension;
+        }
+        // From here on the step is one of all unknowns.
+        let mut full = vec![0.0; cables];
+        for (k, &i) in self.free.iter().enumerate() {
+            full[i] = self.step[3 + k];
+        }
+        for j in self.released(commands) {
+            full[j] = -point.tensions[j];
+        }
+        self.step.truncate(3);
+        self.step.extend_from_slice(&full);
+        true
+    }
+
+    /// Cables driven by length that go to zero tension.
+    fn released<'a>(&'a self, commands: &'a [Command]) -> impl Iterator<Item = usize> + 'a {
+        (0..commands.len()).filter(move |&i| {
+            matches!(commands[i], Command::Length { .. })
+                && !self.free.contains(&i)
+                && self.point.tensions[i] != 0.0
+        })
+    }
+
+    fn aim_trial(&mut self, fraction: f64) {
+        let moment = Vec3::new(self.step[0], self.step[1], self.step[2]);
+        self.trial.base_moment = self.point.base_moment + fraction * moment;
+        self.trial.tensions.clear();
+        let moved = |(t, d): (&f64, &f64)| (t + fraction * d).max(0.0);
+        self.trial.tensions.extend(self.point.tensions.iter().zip(&self.step[3..]).map(moved));
+    }
+}
+
+fn command_slack(commands: &[Command], point: &Point, shot: &Shot, i: usize) -> f64 {
+    commands[i].slackness(point.tensions[i], shot.lengths[i])
+}
+
+/// Copies the answer out of the last shot, and judges its stability.
+fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Result<Found, Failure> {
+    let Scratch { shot, dead, newton, stability, .. } = scratch;
+    let mut least = None;
+    if problem.stability {
+        let aim = Aim {
+            tensions: &newton.point.tensions,
+            base_moment: newton.point.base_moment,
+            load: 1.0,
+            unknowns: Unknowns::None,
+            sample: true,
+        };
+        shot.fire(problem.grid, dead, &aim)
+            .map_err(|fault| section_failure(fault, &newton.point.tensions, 1.0))?;
+        least = Some(stability.least_eigenvalue(problem.grid, &shot.samples));
+    }
+    scratch.poses.clone_from(&shot.poses);
+    scratch.lengths.clone_from(&shot.lengths);
+    scratch.tensions.clone_from(&newton.point.tensions);
+    scratch.base_wrench = Wrench {
+        force: dead.base_force(problem.grid, problem.loads),
+        moment: newton.point.base_moment,
+    };
+    Ok(Found { iterations: effort.iterations, residual: effort.residual, stability: least })
+}

@@ -1,0 +1,184 @@
+//! A rod on which nothing but its cables pulls.
+//!
+//! Then the total wrench vanishes at every cut, and the strains follow section by section from
+//! eqs. (1) and (2) of [`super::section`]: there is no boundary value problem. The frames come from
+//! one pass of a Magnus integrator of order 6, the cable lengths from Gauss quadrature.
+
+use whipcord_numerics::{GAUSS_3, Pose, Twist, magnus_6};
+
+use super::grid::Grid;
+use super::section::{BodyWrench, SectionFault, Strain, Tangent, equilibrium};
+
+/// A fault and where it lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fault {
+    pub kind: SectionFault,
+    /// Arc length in m.
+    pub arc_length: f64,
+}
+
+/// Strains, lengths and their derivatives of a rod without load.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Unloaded {
+    /// Three to each step.
+    pub strains: Vec<Strain>,
+    /// `ℓᵢ = ∫‖pᵢ′‖ ds` in m, in the order of the grid.
+    pub lengths: Vec<f64>,
+    /// `∂ℓᵢ/∂τⱼ` by rows in m/N: symmetric and not positive.
+    pub length_by_tension: Vec<f64>,
+    /// Least eigenvalue of the reduced bending stiffness relative to the rod's own.
+    pub stability: f64,
+    pulls: Vec<BodyWrench>,
+}
+
+/// What a sweep computes beside strains and lengths.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wanted {
+    pub length_by_tension: bool,
+    pub stability: bool,
+}
+
+impl Unloaded {
+    /// Solves all sections for these tensions (N, in the order of the grid), starting from the
+    /// strains of the last sweep when `warm`.
+    pub fn sweep(
+        &mut self,
+        grid: &Grid,
+        tensions: &[f64],
+        warm: bool,
+        wanted: Wanted,
+    ) -> Result<(), Fault> {
+        let cables = tensions.len();
+        let nodes = 3 * grid.len();
+        let warm = warm && self.strains.len() == nodes;
+        self.strains.resize(nodes, Strain::default());
+        self.lengths.clear();
+        self.lengths.resize(cables, 0.0);
+        self.length_by_tension.clear();
+        self.length_by_tension.resize(cables * cables, 0.0);
+        self.pulls.resize(cables, BodyWrench::default());
+        self.stability = f64::INFINITY;
+        let mut guess = Guess::default();
+        for (k, step) in grid.steps.iter().enumerate() {
+            for j in 0..3 {
+                let (node, crossings) = grid.gauss.at(k, j, step.active);
+                let section = &node.section;
+                let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
+                let mut strain = if warm {
+                    self.strains[3 * k + j]
+                } else {
+                    guess.at(arc_length).unwrap_or_else(|| section.rest_strain())
+                };
+                let active = &tensions[..step.active];
+                let none = BodyWrench::default();
+                let tangent = equilibrium(section, crossings, active, none, &mut strain)
+                    .map_err(|kind| Fault { kind, arc_length })?;
+                self.strains[3 * k + j] = strain;
+                guess.learn(arc_length, strain);
+                let weight = GAUSS_3.weights[j] * step.length;
+                for (i, crossing) in crossings.iter().enumerate() {
+                    let (pull, stretch) = crossing.pull(&strain);
+                    self.pulls[i] = pull;
+                    self.lengths[i] += weight * stretch;
+                }
+                if wanted.length_by_tension {
+                    self.add_length_by_tension(cables, step.active, weight, &tangent);
+                }
+                if wanted.stability {
+                    let value = relative_stiffness(&tangent, section.stiffness.bending);
+                    self.stability = self.stability.min(value);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `∂ℓᵢ/∂τⱼ = −∫ qᵢᵀ H⁻¹ qⱼ ds` with `q = (t, r × t)`, what a unit tension exerts.
+    fn add_length_by_tension(
+        &mut self,
+        cables: usize,
+        active: usize,
+        weight: f64,
+        tangent: &Tangent,
+    ) {
+        for j in 0..active {
+            let change = tangent.solve(self.pulls[j]);
+            for i in 0..=j {
+                let pull = self.pulls[i];
+                let value = pull.linear.dot(change.linear) + pull.angular.dot(change.angular);
+                self.length_by_tension[i * cables + j] -= weight * value;
+                if i != j {
+                    self.length_by_tension[j * cables + i] -= weight * value;
+                }
+            }
+        }
+    }
+
+    /// The frames at the ends of all steps, from the strains of the last sweep.
+    pub fn integrate(&self, grid: &Grid, poses: &mut Vec<Pose>) {
+        poses.clear();
+        let mut pose = Pose::IDENTITY;
+        poses.push(pose);
+        for (step, strains) in grid.steps.iter().zip(self.strains.chunks_exact(3)) {
+            let h = step.length;
+            pose = pose * magnus_6(&[strains[0] * h, strains[1] * h, strains[2] * h]);
+            poses.push(pose);
+        }
+    }
+}
+
+/// The next strain by extrapolation from the two before it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Guess {
+    known: usize,
+    at: [f64; 2],
+    strains: [Strain; 2],
+}
+
+impl Guess {
+    #[inline]
+    fn at(&self, arc_length: f64) -> Option<Strain> {
+        let [a, b] = self.strains;
+        match self.known {
+            0 => None,
+            1 => Some(b),
+            _ => {
+                let t = (arc_length - self.at[1]) / (self.at[1] - self.at[0]);
+                Some(b + (b - a) * t)
+            }
+        }
+    }
+
+    #[inline]
+    fn learn(&mut self, arc_length: f64, strain: Strain) {
+        self.known += 1;
+        self.at = [self.at[1], arc_length];
+        self.strains = [self.strains[1], strain];
+    }
+}
+
+/// Least eigenvalue of `K_bt^{-1/2} S K_bt^{-1/2}`.
+fn relative_stiffness(tangent: &Tangent, bending: whipcord_numerics::Vec3) -> f64 {
+    let mut relative = tangent.reduced;
+    for i in 0..3 {
+        for j in 0..3 {
+            relative.rows[i][j] /= (bending[i] * bending[j]).sqrt();
+        }
+    }
+    relative.symmetric_eigenvalues()[0]
+}
+
+/// Lengths of the cables on the rod at rest, in the order of the grid.
+pub(super) fn rest_lengths(grid: &Grid, cables: usize) -> Vec<f64> {
+    let mut lengths = vec![0.0; cables];
+    for (k, step) in grid.steps.iter().enumerate() {
+        for j in 0..3 {
+            let (node, crossings) = grid.gauss.at(k, j, step.active);
+            let strain: Twist = node.section.rest_strain();
+            for (length, crossing) in lengths.iter_mut().zip(crossings) {
+                *length += GAUSS_3.weights[j] * step.length * crossing.tangent(&strain).norm();
+            }
+        }
+    }
+    lengths
+}
