@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
-use crate::robot::{Problem, Robot, RobotError};
+use crate::robot::{Problem, Robot, RobotError, check};
 
 /// What is asked of a robot.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,6 +72,27 @@ pub struct PointLoad {
     pub follower: bool,
 }
 
+impl CableCommand {
+    fn check(&self) -> Result<(), RobotError> {
+        if let Some(tension) = self.tension {
+            check::not_negative("tension", tension)?;
+        }
+        match self.shortening {
+            Some(Shortening::Length(length)) => check::finite("shortening", length),
+            Some(Shortening::Fraction(f)) => check::within("shortening", f, f64::MIN, 1.0),
+            None => Ok(()),
+        }
+    }
+}
+
+impl PointLoad {
+    fn check(&self, length: f64) -> Result<(), RobotError> {
+        check::on_backbone("at", self.at, length)?;
+        check::finite_vector("force", self.force)?;
+        check::finite_vector("moment", self.moment)
+    }
+}
+
 impl Loads {
     /// Whether there is no load at all.
     #[must_use]
@@ -114,21 +135,12 @@ impl Case {
     /// # Errors
     /// [`RobotError`] with the path of the offending quantity.
     pub fn check(&self, robot: &Robot) -> Result<(), RobotError> {
-        use crate::robot::check;
         let (given, cables) = (self.commands.len(), robot.cables().len());
         if given != cables {
             return Err(RobotError::new("cables", Problem::CableCount { given, cables }));
         }
         for (i, command) in self.commands.iter().enumerate() {
-            if let Some(tension) = command.tension {
-                check::not_negative(&format!("cables[{i}].tension"), tension)?;
-            }
-            let path = format!("cables[{i}].shortening");
-            match command.shortening {
-                Some(Shortening::Length(length)) => check::finite(&path, length)?,
-                Some(Shortening::Fraction(f)) => check::within(&path, f, f64::MIN, 1.0)?,
-                None => {}
-            }
+            command.check().map_err(|error| error.under(&format!("cables[{i}]")))?;
         }
         let loads = &self.loads;
         if let Some(gravity) = loads.gravity {
@@ -137,10 +149,9 @@ impl Case {
         check::finite_vector("loads.tip_force", loads.tip_force)?;
         check::finite_vector("loads.tip_moment", loads.tip_moment)?;
         for (i, point) in loads.points.iter().enumerate() {
-            let length = robot.backbone().length;
-            check::on_backbone(&format!("loads.point[{i}].at"), point.at, length)?;
-            check::finite_vector(&format!("loads.point[{i}].force"), point.force)?;
-            check::finite_vector(&format!("loads.point[{i}].moment"), point.moment)?;
+            point
+                .check(robot.backbone().length)
+                .map_err(|error| error.under(&format!("loads.point[{i}]")))?;
         }
         Ok(())
     }

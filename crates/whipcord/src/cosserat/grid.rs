@@ -135,14 +135,11 @@ impl Grid {
         steps: usize,
         halvings: usize,
     ) -> Result<Self, SolveError> {
-        let length = robot.backbone().length;
         let ends: Vec<f64> = layout.order.iter().map(|&c| robot.routes()[c].end()).collect();
         let mut grid_steps = Vec::new();
         let mut before = vec![0];
-        for pair in layout.breakpoints.windows(2) {
+        for (pair, parts) in layout.breakpoints.windows(2).zip(share(robot, layout, steps)) {
             let gap = pair[1] - pair[0];
-            // The small allowance keeps equal sections from being split by rounding.
-            let parts = (gap / length * steps as f64 - 1e-6).ceil().max(1.0) as usize;
             let parts = parts << halvings;
             let middle = 0.5 * (pair[0] + pair[1]);
             let active = ends.iter().take_while(|&&end| end > middle).count();
@@ -174,6 +171,41 @@ impl Grid {
     pub fn len(&self) -> usize {
         self.steps.len()
     }
+}
+
+/// Shares `steps` steps out between the breakpoints, at least one to each interval: the next step
+/// always goes where the error of a method of order 6 is expected to be largest.
+fn share(robot: &Robot, layout: &Layout, steps: usize) -> Vec<usize> {
+    let effort: Vec<f64> =
+        layout.breakpoints.windows(2).map(|pair| effort(robot, pair[0], pair[1])).collect();
+    let mut parts = vec![1_usize; effort.len()];
+    let error = |i: usize, parts: usize| parts as f64 * (effort[i] / parts as f64).powi(7);
+    for _ in effort.len()..steps {
+        let worst = (0..effort.len())
+            .max_by(|&a, &b| error(a, parts[a]).total_cmp(&error(b, parts[b])))
+            .unwrap_or(0);
+        parts[worst] += 1;
+    }
+    parts
+}
+
+/// How much happens between two places, as an angle in rad: a bend that goes evenly with the
+/// length, and how far the cables wind round the backbone.
+fn effort(robot: &Robot, from: f64, to: f64) -> f64 {
+    const BEND: f64 = 1.5;
+    let middle = 0.5 * (from + to);
+    let winding = robot
+        .routes()
+        .iter()
+        .filter(|route| route.end() > middle)
+        .map(|route| {
+            let points = [from, middle, to].map(|s| route.at(s));
+            let widest = points.iter().map(|p| p.offset.norm()).fold(1e-9, f64::max);
+            let slope = points.iter().map(|p| p.slope.norm()).fold(0.0, f64::max);
+            slope * (to - from) / widest
+        })
+        .fold(0.0, f64::max);
+    BEND * (to - from) / robot.backbone().length + winding
 }
 
 /// Mass per length in kg/m; zero where no density is given.
@@ -249,15 +281,13 @@ fn section_at(robot: &Robot, s: f64) -> Result<Section, SolveError> {
     let shear = backbone.material.shear_modulus().ok_or_else(|| {
         missing("poisson_ratio", "give poisson_ratio or shear_modulus, or use four-bar")
     })?;
-    Ok(Section {
-        stiffness: Stiffness {
-            shear: Vec3::new(shear * area.area, shear * area.area, young * area.area),
-            bending: Vec3::new(
-                young * area.second_moment_x,
-                young * area.second_moment_y,
-                shear * area.torsion_constant,
-            ),
-        },
-        rest_curvature: backbone.rest_curvature_at(robot.disks(), s),
-    })
+    let stiffness = Stiffness {
+        shear: Vec3::new(shear * area.area, shear * area.area, young * area.area),
+        bending: Vec3::new(
+            young * area.second_moment_x,
+            young * area.second_moment_y,
+            shear * area.torsion_constant,
+        ),
+    };
+    Ok(Section::new(stiffness, backbone.rest_curvature_at(robot.disks(), s)))
 }

@@ -17,7 +17,7 @@
 use whipcord_numerics::{Mat3, Vec3};
 
 use super::grid::Grid;
-use super::loaded::Sample;
+use super::loaded::{SAMPLED_NODES, Sample};
 
 /// Quadratic forms of one step on (start, middle, end): energy and metric, as 3×3 blocks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -39,8 +39,10 @@ impl Stability {
     /// The least eigenvalue, from three samples to each step of the grid.
     pub fn least_eigenvalue(&mut self, grid: &Grid, samples: &[Sample]) -> f64 {
         self.elements.clear();
-        for (step, triple) in grid.steps.iter().zip(samples.chunks_exact(3)) {
-            self.elements.push(element(step.length, triple));
+        for (k, triple) in samples.chunks_exact(3).enumerate() {
+            let bending =
+                |j: usize| grid.shooting.at(k, SAMPLED_NODES[j], 0).0.section.stiffness.bending;
+            self.elements.push(element(grid.steps[k].length, triple, bending));
         }
         self.bisect()
     }
@@ -100,7 +102,7 @@ fn symmetric(a: Mat3) -> Mat3 {
 }
 
 /// Simpson's rule on the quadratic shape functions of a step.
-fn element(h: f64, samples: &[Sample]) -> Element {
+fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Vec3) -> Element {
     // Slopes of the three shape functions, times h, at start, middle and end.
     const SLOPES: [[f64; 3]; 3] = [[-3.0, 4.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -4.0, 3.0]];
     const WEIGHTS: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
@@ -111,7 +113,7 @@ fn element(h: f64, samples: &[Sample]) -> Element {
         let push = Mat3::skew(sample.wrench.linear);
         let (v, moment) = (sample.strain.linear, sample.wrench.angular);
         let (compliance, coupling) = sample.tangent.force_compliance();
-        let bending = Mat3::diagonal(sample.bending);
+        let bending = Mat3::diagonal(bending(q));
         // δu = B_i η_i and δN = C_i η_i of each shape function.
         let strain = |i: usize| {
             let own = if i == q { turn } else { Mat3::ZERO };

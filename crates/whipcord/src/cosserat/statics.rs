@@ -15,9 +15,10 @@ use whipcord_numerics::{DenseLu, Pose, Vec3};
 
 use super::grid::Grid;
 use super::lengths::{self, Command, Effort, LengthFault, LengthScratch};
-use super::loaded::{Aim, Shot, Unknowns};
+use super::loaded::{Aim, Shot};
 use super::loads::DeadLoads;
 use super::section::SectionFault;
+use super::sensitivity::Sensitivity;
 use super::stability::Stability;
 use super::unloaded::{Fault, Unloaded, Wanted};
 use crate::case::Loads;
@@ -86,6 +87,7 @@ struct Newton {
     matrix: Vec<f64>,
     step: Vec<f64>,
     lu: DenseLu,
+    sensitivity: Sensitivity,
 }
 
 /// A point of the iteration.
@@ -98,6 +100,12 @@ struct Point {
 const MAX_ITERATIONS: usize = 40;
 /// Residual of eq. (7), relative to the scales of moment and length.
 const TOLERANCE: f64 = 1e-12;
+/// Steps smaller than this, relative to the scales, are made with the derivatives at hand.
+const KEEP_BELOW: f64 = 0.05;
+/// Derivatives are made anew when a step leaves more of the residual than this.
+const KEEP_RATIO: f64 = 0.1;
+/// The line search gives up here.
+const LEAST_FRACTION: f64 = 1.0 / 256.0;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e-9;
 /// The load is raised by at least this fraction, or the path is given up.
@@ -259,14 +267,8 @@ fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     }
     moment += scratch.dead.moment(grid.len());
     scratch.newton.point.base_moment = moment * load;
-    scratch.newton.point.tensions.clone_from(&scratch.unloaded_tensions());
+    scratch.newton.point.tensions.clone_from(&scratch.tensions);
     scratch.shot.seed(grid, &scratch.unloaded.strains);
-}
-
-impl Scratch {
-    fn unloaded_tensions(&self) -> Vec<f64> {
-        self.tensions.clone()
-    }
 }
 
 /// A Newton iteration that ended without an answer.
@@ -344,57 +346,73 @@ struct Scales {
     length: f64,
 }
 
-/// Newton's method on eq. (7) from `scratch.newton.point`, where it also ends.
+/// Newton's method on eq. (7) from `scratch.newton.point`, where it also ends. The derivatives are
+/// kept as long as each step with them takes most of the residual away.
 fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effort, Failed> {
     let commands = problem.commands;
     let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
-    let unknowns = if lengths_driven { Unknowns::MomentAndTensions } else { Unknowns::Moment };
+    let tensions = if lengths_driven { commands.len() } else { 0 };
     let scales = scales(problem);
     let Scratch { shot, dead, newton, .. } = scratch;
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
-    let fire = |shot: &mut Shot, point: &Point, unknowns| {
-        let aim = Aim {
-            tensions: &point.tensions,
-            base_moment: point.base_moment,
-            load,
-            unknowns,
-            sample: false,
-        };
+    let fire = |shot: &mut Shot, point: &Point, sample| {
+        let aim = Aim { tensions: &point.tensions, base_moment: point.base_moment, load, sample };
         shot.fire(problem.grid, dead, &aim)
     };
-    if let Err(fault) = fire(shot, &newton.point, unknowns) {
+    if let Err(fault) = fire(shot, &newton.point, true) {
         return Err(Failed { effort, fault: Some(fault) });
     }
     effort.residual = residual(commands, &newton.point, shot, &scales);
+    let mut fresh = true;
     while effort.iterations < MAX_ITERATIONS {
         if effort.residual <= TOLERANCE {
             return Ok(effort);
         }
         effort.iterations += 1;
+        if fresh {
+            newton.sensitivity.compute(
+                problem.grid,
+                dead,
+                load,
+                &shot.samples,
+                &shot.poses,
+                tensions,
+            );
+        }
         if !newton.solve_step(commands, shot, &scales) {
             return Err(Failed { effort, fault: None });
         }
+        let small = newton.relative_step(&scales) < KEEP_BELOW;
         let mut fraction = 1.0;
         loop {
             newton.aim_trial(fraction);
-            let fault = fire(shot, &newton.trial, unknowns).err();
+            let fault = fire(shot, &newton.trial, !small).err();
             if fault.is_none() {
                 let now = residual(commands, &newton.trial, shot, &scales);
                 if now < (1.0 - 1e-4 * fraction) * effort.residual {
                     core::mem::swap(&mut newton.point, &mut newton.trial);
+                    fresh = !small;
+                    if small && now > KEEP_RATIO * effort.residual && now > TOLERANCE {
+                        // The kept derivatives no longer serve.
+                        fresh = true;
+                        if let Err(fault) = fire(shot, &newton.point, true) {
+                            return Err(Failed { effort, fault: Some(fault) });
+                        }
+                    }
                     effort.residual = now;
                     break;
                 }
-            }
-            if fault.is_none() && fraction == 1.0 && effort.residual <= ROUNDING {
-                // No better than before, and both as good as rounding lets them be: go back to the
-                // better one.
-                let _ = fire(shot, &newton.point, unknowns);
-                return Ok(effort);
+                if fraction == 1.0 && effort.residual <= ROUNDING {
+                    // Both are as good as rounding lets them be: stay with the better one.
+                    if let Err(fault) = fire(shot, &newton.point, false) {
+                        return Err(Failed { effort, fault: Some(fault) });
+                    }
+                    return Ok(effort);
+                }
             }
             shot.forget();
             fraction *= 0.5;
-            if fraction < 1.0 / 256.0 {
+            if fraction < LEAST_FRACTION {
                 return Err(Failed { effort, fault });
             }
         }
@@ -429,7 +447,8 @@ impl Newton {
     /// says are slack go to zero tension.
     fn solve_step(&mut self, commands: &[Command], shot: &Shot, scales: &Scales) -> bool {
         let cables = commands.len();
-        let columns = if shot.lengths_by.is_empty() { 3 } else { 3 + cables };
+        let Sensitivity { excess: excess_by, lengths: lengths_by, .. } = &self.sensitivity;
+        let columns = excess_by.len();
         let point = &self.point;
         self.free.clear();
         for (i, command) in commands.iter().enumerate() {
@@ -445,20 +464,20 @@ impl Newton {
         self.step.clear();
         for axis in 0..3 {
             for j in 0..3 {
-                self.matrix.push(shot.excess_by[j][axis]);
+                self.matrix.push(excess_by[j][axis]);
             }
             for &j in &self.free {
-                let by = shot.excess_by[3 + j][axis];
+                let by = excess_by[3 + j][axis];
                 self.matrix.push(by * scales.tension / scales.moment);
             }
             let mut right = -shot.excess[axis];
             for j in self.released(commands) {
-                right += shot.excess_by[3 + j][axis] * point.tensions[j];
+                right += excess_by[3 + j][axis] * point.tensions[j];
             }
             self.step.push(right / scales.moment);
         }
         for &i in &self.free {
-            let row = &shot.lengths_by[i * columns..(i + 1) * columns];
+            let row = &lengths_by[i * columns..(i + 1) * columns];
             let Command::Length { compliance, .. } = commands[i] else { continue };
             for j in 0..3 {
                 self.matrix.push(row[j] * scales.moment / scales.length);
@@ -487,15 +506,15 @@ impl Newton {
             *x *= scales.tension;
         }
         // From here on the step is one of all unknowns.
-        let mut full = vec![0.0; cables];
-        for (k, &i) in self.free.iter().enumerate() {
-            full[i] = self.step[3 + k];
+        self.step.resize(3 + cables, 0.0);
+        for k in (0..self.free.len()).rev() {
+            self.step.swap(3 + k, 3 + self.free[k]);
         }
-        for j in self.released(commands) {
-            full[j] = -point.tensions[j];
+        for j in 0..cables {
+            if matches!(commands[j], Command::Length { .. }) && !self.free.contains(&j) {
+                self.step[3 + j] = -self.point.tensions[j];
+            }
         }
-        self.step.truncate(3);
-        self.step.extend_from_slice(&full);
         true
     }
 
@@ -506,6 +525,14 @@ impl Newton {
                 && !self.free.contains(&i)
                 && self.point.tensions[i] != 0.0
         })
+    }
+
+    /// Size of the step relative to the scales of its unknowns.
+    fn relative_step(&self, scales: &Scales) -> f64 {
+        let moment = Vec3::new(self.step[0], self.step[1], self.step[2]).norm()
+            / (scales.moment + self.point.base_moment.norm());
+        let of_tension = |(d, t): (&f64, &f64)| d.abs() / (scales.tension + t);
+        self.step[3..].iter().zip(&self.point.tensions).map(of_tension).fold(moment, f64::max)
     }
 
     fn aim_trial(&mut self, fraction: f64) {
@@ -530,7 +557,6 @@ fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Resul
             tensions: &newton.point.tensions,
             base_moment: newton.point.base_moment,
             load: 1.0,
-            unknowns: Unknowns::None,
             sample: true,
         };
         shot.fire(problem.grid, dead, &aim)

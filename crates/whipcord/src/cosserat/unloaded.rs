@@ -7,7 +7,9 @@
 use whipcord_numerics::{GAUSS_3, Pose, Twist, magnus_6};
 
 use super::grid::Grid;
+use super::one_cable;
 use super::section::{BodyWrench, SectionFault, Strain, Tangent, equilibrium};
+use super::sensitivity::work;
 
 /// A fault and where it lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,31 +62,44 @@ impl Unloaded {
         self.stability = f64::INFINITY;
         let mut guess = Guess::default();
         for (k, step) in grid.steps.iter().enumerate() {
+            let active = &tensions[..step.active];
             for j in 0..3 {
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
                 let section = &node.section;
-                let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
-                let mut strain = if warm {
-                    self.strains[3 * k + j]
-                } else {
-                    guess.at(arc_length).unwrap_or_else(|| section.rest_strain())
-                };
-                let active = &tensions[..step.active];
-                let none = BodyWrench::default();
-                let tangent = equilibrium(section, crossings, active, none, &mut strain)
-                    .map_err(|kind| Fault { kind, arc_length })?;
-                self.strains[3 * k + j] = strain;
-                guess.learn(arc_length, strain);
                 let weight = GAUSS_3.weights[j] * step.length;
-                for (i, crossing) in crossings.iter().enumerate() {
-                    let (pull, stretch) = crossing.pull(&strain);
-                    self.pulls[i] = pull;
-                    self.lengths[i] += weight * stretch;
-                }
-                if wanted.length_by_tension {
-                    self.add_length_by_tension(cables, step.active, weight, &tangent);
-                }
+                let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
+                let fault = |kind| Fault { kind, arc_length };
+                let none = BodyWrench::default();
+                let strain = if let ([crossing], true) = (crossings, section.isotropic) {
+                    let one = one_cable::equilibrium(section, crossing, active[0], none)
+                        .map_err(fault)?;
+                    self.lengths[0] += weight * one.stretch;
+                    self.length_by_tension[0] += weight * one.stretch_by_tension;
+                    one.strain
+                } else {
+                    let mut strain = if warm {
+                        self.strains[3 * k + j]
+                    } else {
+                        guess.at(arc_length).unwrap_or_else(|| section.rest_strain())
+                    };
+                    equilibrium(section, crossings, active, none, &mut strain).map_err(fault)?;
+                    guess.learn(arc_length, strain);
+                    for (i, crossing) in crossings.iter().enumerate() {
+                        let (pull, stretch) = crossing.pull(&strain);
+                        self.pulls[i] = pull;
+                        self.lengths[i] += weight * stretch;
+                    }
+                    if wanted.length_by_tension {
+                        let tangent =
+                            Tangent::at(section, crossings, active, &strain).map_err(fault)?;
+                        self.add_length_by_tension(cables, step.active, weight, &tangent);
+                    }
+                    strain
+                };
+                self.strains[3 * k + j] = strain;
                 if wanted.stability {
+                    let tangent =
+                        Tangent::at(section, crossings, active, &strain).map_err(fault)?;
                     let value = relative_stiffness(&tangent, section.stiffness.bending);
                     self.stability = self.stability.min(value);
                 }
@@ -104,8 +119,7 @@ impl Unloaded {
         for j in 0..active {
             let change = tangent.solve(self.pulls[j]);
             for i in 0..=j {
-                let pull = self.pulls[i];
-                let value = pull.linear.dot(change.linear) + pull.angular.dot(change.angular);
+                let value = work(&self.pulls[i], &change);
                 self.length_by_tension[i * cables + j] -= weight * value;
                 if i != j {
                     self.length_by_tension[j * cables + i] -= weight * value;

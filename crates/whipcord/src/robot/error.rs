@@ -174,7 +174,10 @@ pub(crate) mod check {
     }
 
     pub(crate) fn finite_vector(path: &str, value: Vec3) -> Result<(), RobotError> {
-        (0..3).try_for_each(|i| finite(&format!("{path}[{i}]"), value[i]))
+        match (0..3).find(|&i| !value[i].is_finite()) {
+            Some(i) => finite(&format!("{path}[{i}]"), value[i]),
+            None => Ok(()),
+        }
     }
 
     pub(crate) fn positive(path: &str, value: f64) -> Result<(), RobotError> {

@@ -1,0 +1,108 @@
+//! Solve times of the Cosserat model on the paper's case III; `cargo bench -p whipcord`.
+
+use divan::Bencher;
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Drive, Loads, Material, Robot, Routing, Section, Shortening, Vec3,
+};
+
+fn main() {
+    divan::main();
+}
+
+const TENSION: f64 = 0.4 * 9.80665;
+
+fn case_3() -> Robot {
+    let backbone = Backbone {
+        section: Some(Section::circle(0.003)),
+        material: Material {
+            young_modulus: Some(1.1e9),
+            poisson_ratio: Some(0.3),
+            shear_modulus: None,
+            density: Some(1040.0),
+        },
+        ..Backbone::new(0.18)
+    };
+    let disks = Disks::equally_spaced(0.18, 10, 0.008).with_holes(12);
+    let cable = Cable::new("pull", Routing::holes(vec![1, 2, 3, 4, 4, 4, 4, 3, 2, 1]));
+    Robot::new(backbone, disks, vec![cable]).unwrap()
+}
+
+fn options(steps: usize, drive: Drive) -> Options {
+    Options { accuracy: Accuracy::Steps(steps), drive, stability: false, ..Options::default() }
+}
+
+fn wrench() -> Loads {
+    Loads {
+        gravity: Some(Vec3::new(0.0, 0.0, -9.80665)),
+        tip_force: Vec3::new(0.05, 0.0, 0.02),
+        tip_moment: Vec3::new(0.0, 1e-3, 5e-4),
+        ..Loads::default()
+    }
+}
+
+/// Steps from base to tip; 9 steps have an error of about 1e-7 of the length.
+const STEPS: [usize; 4] = [9, 18, 36, 72];
+
+#[divan::bench(args = STEPS)]
+fn unloaded_cold(bencher: Bencher, steps: usize) {
+    let (robot, case) = (case_3(), Case::with_tensions(&[TENSION]));
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+#[divan::bench(args = STEPS)]
+fn loaded_cold(bencher: Bencher, steps: usize) {
+    let (robot, case) = (case_3(), Case { loads: wrench(), ..Case::with_tensions(&[TENSION]) });
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+/// From a neighbour whose tension is 1 % lower.
+#[divan::bench(args = STEPS)]
+fn loaded_warm(bencher: Bencher, steps: usize) {
+    let (robot, case) = (case_3(), Case { loads: wrench(), ..Case::with_tensions(&[TENSION]) });
+    let neighbour = Case { loads: wrench(), ..Case::with_tensions(&[0.99 * TENSION]) };
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
+    let mut workspace = Workspace::default();
+    let before = model.solve(&neighbour, None, &mut workspace).unwrap();
+    bencher.bench_local(|| model.solve(&case, Some(&before), &mut workspace).unwrap());
+}
+
+#[divan::bench(args = STEPS)]
+fn by_length_cold(bencher: Bencher, steps: usize) {
+    let (robot, case) = (case_3(), Case::with_shortenings(&[Shortening::Fraction(0.057)]));
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Shortening)).unwrap();
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+/// From a neighbour whose shortening is 1 % smaller.
+#[divan::bench(args = STEPS)]
+fn by_length_warm(bencher: Bencher, steps: usize) {
+    let (robot, case) = (case_3(), Case::with_shortenings(&[Shortening::Fraction(0.057)]));
+    let neighbour = Case::with_shortenings(&[Shortening::Fraction(0.99 * 0.057)]);
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Shortening)).unwrap();
+    let mut workspace = Workspace::default();
+    let before = model.solve(&neighbour, None, &mut workspace).unwrap();
+    bencher.bench_local(|| model.solve(&case, Some(&before), &mut workspace).unwrap());
+}
+
+/// To the default tolerance of 1e-8 of the length, with the estimate of the error.
+#[divan::bench]
+fn unloaded_cold_to_tolerance(bencher: Bencher) {
+    let (robot, case) = (case_3(), Case::with_tensions(&[TENSION]));
+    let model = Cosserat::new(&robot, &case.loads, &Options::default()).unwrap();
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+#[divan::bench]
+fn loaded_cold_to_tolerance(bencher: Bencher) {
+    let (robot, case) = (case_3(), Case { loads: wrench(), ..Case::with_tensions(&[TENSION]) });
+    let model = Cosserat::new(&robot, &case.loads, &Options::default()).unwrap();
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}

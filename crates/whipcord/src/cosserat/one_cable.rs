@@ -1,0 +1,156 @@
+//! The equilibrium of a section crossed by one cable, in closed form but for one scalar.
+//!
+//! Elimination of `v` and `u` from eqs. (1)–(3) of [`super::section`] leaves
+//!
+//! ```text
+//! (λ I + τ C) t = w,   ‖t‖ = 1,   λ = ‖p′‖                                        (9)
+//! w = e₃ + K_se⁻¹ N + (u* + K_bt⁻¹ M) × r + r′,   C = K_se⁻¹ + r̂ᵀ K_bt⁻¹ r̂
+//! ```
+//!
+//! For a section that is equally stiff about x and y, `C` is diagonal in the axes along `r`, around
+//! the backbone, and along it; λ is the positive root of `Σ wₖ²/(λ + τ cₖ)² = 1`.
+
+use whipcord_numerics::Vec3;
+
+use super::section::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Strain};
+
+/// The answer, with what a quadrature needs of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OneCable {
+    pub strain: Strain,
+    /// `λ = ‖p′‖`.
+    pub stretch: f64,
+    /// `∂λ/∂τ` in 1/N, not positive.
+    pub stretch_by_tension: f64,
+}
+
+/// Newton's method on `1/‖t‖` is all but linear; this many steps are never needed.
+const MAX_ITERATIONS: usize = 30;
+
+/// Solves eq. (9) for a section that is equally stiff about x and y ([`Section::isotropic`]).
+#[inline]
+pub(super) fn equilibrium(
+    section: &Section,
+    crossing: &Crossing,
+    tension: f64,
+    wrench: BodyWrench,
+) -> Result<OneCable, SectionFault> {
+    let soft = &section.compliance;
+    let r = crossing.offset;
+    // Strains under the wrench alone.
+    let v = Vec3::Z + soft.shear.scale(wrench.linear);
+    let u = section.rest_curvature + soft.bending.scale(wrench.angular);
+    let free = v + u.cross(r) + crossing.slope;
+    let radius_squared = r.x * r.x + r.y * r.y;
+    let radius = radius_squared.sqrt();
+    let radial = if radius > 0.0 { Vec3::new(r.x / radius, r.y / radius, 0.0) } else { Vec3::X };
+    // w and C in the axes (radial, around, along).
+    let w = Vec3::new(
+        free.x * radial.x + free.y * radial.y,
+        free.y * radial.x - free.x * radial.y,
+        free.z,
+    );
+    let c = Vec3::new(
+        soft.shear.x,
+        soft.shear.x + radius_squared * soft.bending.z,
+        soft.shear.z + radius_squared * soft.bending.x,
+    );
+    let (t, inverse, stretch) = root(w, c, tension)?;
+    // From the derivative of (9) along ‖t‖ = 1.
+    let scaled = t.scale(inverse);
+    let stretch_by_tension = -scaled.dot(t.scale(c)) / scaled.dot(t);
+    let pull =
+        Vec3::new(t.x * radial.x - t.y * radial.y, t.x * radial.y + t.y * radial.x, t.z) * tension;
+    let strain = Strain {
+        linear: v - soft.shear.scale(pull),
+        angular: u - soft.bending.scale(r.cross(pull)),
+    };
+    Ok(OneCable { strain, stretch, stretch_by_tension })
+}
+
+/// `t`, `1/(λ + τ c)` and `λ`.
+#[inline]
+fn root(w: Vec3, c: Vec3, tension: f64) -> Result<(Vec3, Vec3, f64), SectionFault> {
+    let squares = w.scale(w);
+    let size_squared = squares.x + squares.y + squares.z;
+    let size = size_squared.sqrt();
+    // First order in τ.
+    let mut stretch = (size - tension * squares.dot(c) / size_squared).max(FOLDED);
+    for _ in 0..MAX_ITERATIONS {
+        let inverse = Vec3::new(
+            1.0 / (stretch + tension * c.x),
+            1.0 / (stretch + tension * c.y),
+            1.0 / (stretch + tension * c.z),
+        );
+        let t = w.scale(inverse);
+        let squared = t.norm_squared();
+        let norm = squared.sqrt();
+        let error = norm - 1.0;
+        if error < 0.0 && stretch <= FOLDED {
+            return Err(SectionFault::Folded { cable: 0 });
+        }
+        let change = squared / t.scale(t).dot(inverse) * error;
+        if error.abs() <= 2e-8 {
+            // The error after this change is of the order of its square.
+            return Ok((t - t.scale(inverse) * change, inverse, stretch + change));
+        }
+        if change.is_nan() {
+            return Err(SectionFault::Diverged);
+        }
+        // `1/‖t‖` is concave in λ: from right of the root the step may go too far left.
+        stretch = (stretch + change).max(FOLDED);
+    }
+    Err(SectionFault::Diverged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cosserat::section::{Stiffness, newton_equilibrium};
+
+    #[test]
+    fn agrees_with_newton_on_the_general_equations() {
+        let section = Section::new(
+            Stiffness {
+                shear: Vec3::new(3000.0, 3000.0, 8000.0),
+                bending: Vec3::new(4.4e-3, 4.4e-3, 3.4e-3),
+            },
+            Vec3::new(1.0, -2.0, 0.5),
+        );
+        let wrench =
+            BodyWrench { linear: Vec3::new(0.3, -0.2, -1.0), angular: Vec3::new(0.02, 0.05, 0.01) };
+        for offset in [Vec3::new(0.006, -0.005, 0.0), Vec3::new(-0.008, 0.0, 0.0), Vec3::ZERO] {
+            for tension in [0.0, 0.1, 4.0, 40.0] {
+                let crossing = Crossing { offset, slope: Vec3::new(0.1, 0.3, 0.0) };
+                let one = equilibrium(&section, &crossing, tension, wrench).unwrap();
+                let mut general = section.rest_strain();
+                newton_equilibrium(&section, &[crossing], &[tension], wrench, &mut general)
+                    .unwrap();
+                assert!((one.strain.linear - general.linear).norm() < 1e-14);
+                assert!((one.strain.angular - general.angular).norm() < 1e-12);
+                assert!((one.stretch - crossing.tangent(&general).norm()).abs() < 1e-14);
+                let h = 1e-4;
+                let more = equilibrium(&section, &crossing, tension + h, wrench).unwrap();
+                let slope = (more.stretch - one.stretch) / h;
+                assert!((slope - one.stretch_by_tension).abs() < 1e-3 * slope.abs());
+            }
+        }
+    }
+
+    #[test]
+    fn a_tension_that_uses_up_the_cable_folds() {
+        let section = Section::new(
+            Stiffness {
+                shear: Vec3::new(3000.0, 3000.0, 8000.0),
+                bending: Vec3::new(4.4e-3, 4.4e-3, 3.4e-3),
+            },
+            Vec3::ZERO,
+        );
+        let crossing = Crossing { offset: Vec3::new(0.008, 0.0, 0.0), slope: Vec3::ZERO };
+        // 1 − τ (1/EA + r²/EI) = 0.
+        let limit = 1.0 / (1.0 / 8000.0 + 0.008_f64.powi(2) / 4.4e-3);
+        let at = |t| equilibrium(&section, &crossing, t, BodyWrench::default());
+        assert!((at(0.99 * limit).unwrap().stretch - 0.01).abs() < 1e-12);
+        assert_eq!(at(1.01 * limit).unwrap_err(), SectionFault::Folded { cable: 0 });
+    }
+}
