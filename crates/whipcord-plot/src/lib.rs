@@ -1,1 +1,42 @@
-//! TODO
+//! Pictures of cable-driven continuum robots, and of tables about them, as SVG and PNG.
+//!
+//! [`robot_figure`] draws a robot in space with three orthogonal views; [`distance_chart`],
+//! [`timing_chart`] and [`accuracy_chart`] draw tables, and [`Chart`] is what they are made with.
+//! Each returns an SVG document, which [`png`] turns into pixels. Input is in SI units; pictures
+//! show mm. The same input gives the same bytes on every machine.
+//!
+//! No mechanics and no files here.
+
+mod accuracy;
+mod axis;
+mod body;
+mod chart;
+mod colour;
+mod distance;
+mod error;
+mod fit;
+mod font;
+mod legend;
+mod marker;
+mod orthogonal;
+mod png;
+mod projection;
+mod robot_figure;
+mod scene;
+mod space;
+mod svg;
+mod ticks;
+mod timing;
+mod title;
+mod unit;
+
+pub use accuracy::{AccuracySeries, accuracy_chart};
+pub use axis::Scale;
+pub use chart::{AxisSpec, Chart, Layer, Series};
+pub use colour::{Colour, PALETTE};
+pub use distance::{DistanceSeries, distance_chart};
+pub use error::PlotError;
+pub use marker::Marker;
+pub use png::png;
+pub use robot_figure::{FigureOptions, RobotView, ViewStyle, robot_figure};
+pub use timing::{TimingSeries, timing_chart};

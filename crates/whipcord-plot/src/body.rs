@@ -1,0 +1,239 @@
+//! What of a robot is drawn, in space: backbone, disks and cables of one shape.
+
+use core::f64::consts::TAU;
+
+use whipcord::{Pose, Robot, Section, Shape, UnitQuaternion, Vec3};
+
+use crate::error::{PlotError, finite};
+
+/// A stretch of backbone or cable between two disks.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    pub part: Part,
+    /// Section it lies in, from 0; that after the last disk is where nothing but knots are.
+    pub section: usize,
+    pub points: Vec<Vec3>,
+    /// Frame in its middle.
+    pub frame: Pose,
+    /// Extent of the backbone along its x and y here, in m; `None` for a cable or when not known.
+    pub extent: Option<[f64; 2]>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    Backbone,
+    /// A cable, by its index.
+    Cable(usize),
+    /// Where a cable is anchored: one point.
+    Anchor(usize),
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Disk {
+    pub pose: Pose,
+    pub radius: f64,
+    /// Centres of the holes in space.
+    pub holes: Vec<Vec3>,
+    pub hole_radius: f64,
+}
+
+/// All that is drawn of one shape.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub pieces: Vec<Piece>,
+    pub disks: Vec<Disk>,
+}
+
+/// About as many points as a backbone needs to look smooth at any bend.
+const POINTS: usize = 192;
+/// About as many pieces as are put in order of depth along a backbone.
+const PIECES: usize = 32;
+/// With more holes than this on all disks none is drawn: they would be a blur.
+const MOST_HOLES: usize = 600;
+/// Rim outside the holes, relative to the radius of their circle.
+const RIM: f64 = 1.2;
+
+impl Body {
+    /// The parts of a robot in this shape.
+    pub fn new(
+        robot: &Robot,
+        label: &str,
+        shape: &Shape,
+        disks: &Shape,
+    ) -> Result<Self, PlotError> {
+        check_shape(shape, &format!("the shape of `{label}`"), 2)?;
+        check_shape(disks, &format!("the disks of `{label}`"), 1)?;
+        let knots = &robot.disks().arc_lengths;
+        if disks.poses.len() != knots.len() {
+            return Err(PlotError::Count {
+                what: format!("the list of disks of `{label}`"),
+                given: disks.poses.len(),
+                expected: knots.len(),
+            });
+        }
+        let mut pieces = pieces(robot, shape);
+        pieces.extend(anchors(robot, shape));
+        Ok(Self { pieces, disks: plates(robot, disks) })
+    }
+
+    /// Points that between them span everything that is drawn.
+    pub fn outline(&self) -> impl Iterator<Item = Vec3> + '_ {
+        let rims = self.disks.iter().flat_map(|disk| {
+            (0..16).map(|k| {
+                let (sin, cos) = (TAU * f64::from(k) / 16.0).sin_cos();
+                disk.pose.transform(disk.radius * Vec3::new(cos, sin, 0.0))
+            })
+        });
+        self.pieces.iter().flat_map(|piece| piece.points.iter().copied()).chain(rims)
+    }
+}
+
+fn check_shape(shape: &Shape, what: &str, least: usize) -> Result<(), PlotError> {
+    let (given, expected) = (shape.poses.len(), shape.arc_length.len());
+    if given == 0 {
+        return Err(PlotError::Empty { what: what.to_owned() });
+    }
+    if given != expected || given < least {
+        let expected = expected.max(least);
+        return Err(PlotError::Count { what: what.to_owned(), given, expected });
+    }
+    for (s, pose) in shape.arc_length.iter().zip(&shape.poses) {
+        let p = pose.position;
+        let numbers = [*s, p.x, p.y, p.z].into_iter().chain(pose.rotation.wxyz());
+        for value in numbers {
+            finite(|| format!("a number of {what}"), value)?;
+        }
+    }
+    if shape.arc_length.windows(2).any(|w| w[1] <= w[0]) {
+        return Err(PlotError::NotIncreasing { what: format!("the arc length of {what}") });
+    }
+    Ok(())
+}
+
+fn pieces(robot: &Robot, shape: &Shape) -> Vec<Piece> {
+    let knots = &robot.disks().arc_lengths;
+    let sections = knots.len() - 1;
+    let per_section = PIECES.div_ceil(sections).min(8);
+    let per_piece = POINTS.div_ceil(sections * per_section).clamp(2, 24);
+    let mut pieces = Vec::new();
+    for section in 0..sections {
+        for k in 0..per_section {
+            let at = |k: usize| {
+                let t = k as f64 / per_section as f64;
+                knots[section] * (1.0 - t) + knots[section + 1] * t
+            };
+            let (start, end) = (at(k), at(k + 1));
+            let sample = |start: f64, end: f64, offset: &dyn Fn(f64) -> Vec3| -> Vec<Vec3> {
+                (0..=per_piece)
+                    .map(|j| {
+                        let t = j as f64 / per_piece as f64;
+                        let s = start * (1.0 - t) + end * t;
+                        pose_at(shape, s).transform(offset(s))
+                    })
+                    .collect()
+            };
+            let middle = 0.5 * (start + end);
+            let frame = pose_at(shape, middle);
+            pieces.push(Piece {
+                part: Part::Backbone,
+                section,
+                points: sample(start, end, &|_| Vec3::ZERO),
+                frame,
+                extent: backbone_extent(robot, middle),
+            });
+            for (i, route) in robot.routes().iter().enumerate() {
+                let end = end.min(route.end());
+                if end > start {
+                    let points = sample(start, end, &|s| route.at(s).offset);
+                    let part = Part::Cable(i);
+                    pieces.push(Piece { part, section, points, frame, extent: None });
+                }
+            }
+        }
+    }
+    pieces
+}
+
+/// Each cable ends in a knot on the upper face of a disk, or where it is anchored between disks.
+fn anchors(robot: &Robot, shape: &Shape) -> impl Iterator<Item = Piece> {
+    let knots = &robot.disks().arc_lengths;
+    robot.routes().iter().enumerate().map(|(i, route)| {
+        let s = route.end();
+        let frame = pose_at(shape, s);
+        let above = knots.iter().filter(|&&knot| knot <= s).count();
+        Piece {
+            part: Part::Anchor(i),
+            section: above.saturating_sub(1),
+            points: vec![frame.transform(route.at(s).offset)],
+            frame,
+            extent: None,
+        }
+    })
+}
+
+fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
+    let disks = robot.disks();
+    let rings = &disks.hole_circle_radii;
+    let holes =
+        disks.holes.filter(|h| !rings.is_empty() && h.saturating_mul(disks.count()) <= MOST_HOLES);
+    let holes = holes.unwrap_or(0);
+    (0..disks.count())
+        .map(|i| {
+            let s = disks.arc_lengths[i];
+            let pose = shape.poses[i];
+            // A disk reaches beyond its holes, the cables that pass it, and the backbone.
+            let cables = robot.routes().iter().filter(|r| s <= r.end());
+            let widest = cables.map(|r| r.at(s).offset.norm()).fold(0.0, f64::max);
+            let ring = rings.get(i).copied().unwrap_or(0.0);
+            let backbone = backbone_extent(robot, s).map_or(0.0, |[w, h]| w.max(h));
+            let mut radius = (RIM * ring.max(widest)).max(0.75 * backbone);
+            if radius == 0.0 {
+                radius = 0.02 * robot.backbone().length;
+            }
+            // Holes fill a third of their circle at most.
+            let hole_radius = if holes == 0 {
+                0.0
+            } else {
+                (0.33 * 0.5 * TAU * ring / holes as f64).min(0.1 * ring)
+            };
+            let centres = (0..holes).map(|k| {
+                let (sin, cos) = (TAU * k as f64 / holes as f64).sin_cos();
+                pose.transform(ring * Vec3::new(cos, sin, 0.0))
+            });
+            Disk { pose, radius, holes: centres.collect(), hole_radius }
+        })
+        .collect()
+}
+
+/// Extent of the backbone's section along its x and y in m, where it is known.
+fn backbone_extent(robot: &Robot, s: f64) -> Option<[f64; 2]> {
+    Some(match robot.backbone().section.as_ref()? {
+        Section::Circle { diameter } => [*diameter; 2],
+        Section::Tube { outer, .. } => [*outer; 2],
+        Section::Rectangle { width, height } => [*width, *height],
+        Section::Taper { outer, .. } => {
+            let (i, t) = robot.disks().locate(s);
+            [outer[i] * (1.0 - t) + outer[i + 1] * t; 2]
+        }
+    })
+}
+
+/// The pose at an arc length, between the stations on a cubic that leaves them along their
+/// tangents.
+fn pose_at(shape: &Shape, s: f64) -> Pose {
+    let (arcs, poses) = (&shape.arc_length, &shape.poses);
+    let last = arcs.len() - 1;
+    let i = arcs[1..last].partition_point(|&a| a <= s);
+    let t = ((s - arcs[i]) / (arcs[i + 1] - arcs[i])).clamp(0.0, 1.0);
+    let (a, b) = (poses[i], poses[i + 1]);
+    let turn = a.rotation.conjugate() * b.rotation;
+    let rotation = (a.rotation * UnitQuaternion::exp(turn.log() * t)).renormalized();
+    let chord = (b.position - a.position).norm();
+    let (from, to) = (a.rotation.rotate(Vec3::Z) * chord, b.rotation.rotate(Vec3::Z) * chord);
+    let (t2, t3) = (t * t, t * t * t);
+    let position = a.position * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + from * (t3 - 2.0 * t2 + t)
+        + b.position * (3.0 * t2 - 2.0 * t3)
+        + to * (t3 - t2);
+    Pose { position, rotation }
+}

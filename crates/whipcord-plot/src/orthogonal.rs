@@ -1,0 +1,197 @@
+//! The three orthogonal views: front, side and top in one scale, with axes in mm.
+
+use whipcord::Vec3;
+
+use crate::colour::Colour;
+use crate::font;
+use crate::marker::{self, Marker};
+use crate::projection::Projection;
+use crate::robot_figure::{Bodies, MEASURED};
+use crate::scene;
+use crate::svg::{Anchor, Fill, Point, Stroke, Svg, Text};
+use crate::ticks;
+
+const TICK_SIZE: f64 = 10.5;
+const LABEL_SIZE: f64 = 11.5;
+/// Left of a view, for its vertical axis, and below it, for its horizontal one.
+const LEFT: f64 = 52.0;
+const BELOW: f64 = 40.0;
+const GAP: f64 = 12.0;
+const LEGEND_GAP: f64 = 26.0;
+/// Free space between tick labels in px.
+const TICK_GAP: f64 = 11.0;
+/// An axis is at least this long relative to the longest.
+const SLIMMEST: f64 = 0.3;
+/// Room around the robot relative to its largest extent.
+const ROOM: f64 = 0.03;
+
+/// Where the views lie.
+pub(crate) struct Plan {
+    /// Range of x, y and z in m.
+    ranges: [[f64; 2]; 3],
+    /// Px to the metre.
+    scale: f64,
+    at: Point,
+    /// Least distance of ticks in m.
+    tick: f64,
+    /// Right edge of all that is drawn.
+    right: f64,
+}
+
+impl Plan {
+    /// Views of all these points, with their upper left corner at `at`, no larger than `size`, and
+    /// with room for a legend of this width below the side view.
+    pub fn new(points: &[Vec3], at: Point, size: Point, legend: f64) -> Self {
+        let ranges = ranges(points);
+        let [x, y, z] = ranges.map(|[low, high]| high - low);
+        let width = size[0] - 2.0 * LEFT - GAP;
+        let height = size[1] - 2.0 * BELOW - GAP;
+        let beside_legend = (size[0] - LEFT - LEGEND_GAP - legend).max(0.4 * width);
+        let scale = (width / (x + y)).min(height / (z + y)).min(beside_legend / x);
+        // Labels at the ends of the ranges are about as wide as any.
+        let widest = ranges.as_flattened().iter().map(|v| {
+            let label = format!("{:.0}", 1e3 * v).replace('-', "−");
+            font::width(&label, TICK_SIZE, false)
+        });
+        let tick = (widest.fold(0.0, f64::max) + TICK_GAP) / scale;
+        Self { ranges, scale, at, tick, right: at[0] + size[0] }
+    }
+
+    fn length(&self, axis: usize) -> f64 {
+        let [low, high] = self.ranges[axis];
+        self.scale * (high - low)
+    }
+
+    /// Lower edge of all that is drawn.
+    pub fn bottom(&self) -> f64 {
+        self.second_row() + self.length(1) + BELOW
+    }
+
+    fn second_row(&self) -> f64 {
+        self.at[1] + self.length(2) + BELOW + GAP
+    }
+
+    fn second_column(&self) -> f64 {
+        self.at[0] + LEFT + self.length(0) + GAP + LEFT
+    }
+
+    /// Upper left corner of the legend.
+    pub fn legend_place(&self) -> Point {
+        [self.at[0] + LEFT + self.length(0) + LEGEND_GAP, self.second_row()]
+    }
+
+    /// Width that is free for the legend.
+    pub fn legend_width(&self) -> f64 {
+        self.right - self.legend_place()[0]
+    }
+
+    /// Height that is free for the legend anyway.
+    pub fn legend_height(&self) -> f64 {
+        self.bottom() - self.second_row()
+    }
+
+    /// Draws the views.
+    pub fn draw(&self, svg: &mut Svg, bodies: &Bodies, measured: &[Vec3]) {
+        let first = [self.at[0] + LEFT, self.at[1]];
+        let side = [self.second_column(), self.at[1]];
+        let top = [self.at[0] + LEFT, self.second_row()];
+        // Seen from −y, from +x, and from +z: each right-handed.
+        for (corner, axes) in [(first, [0, 2]), (side, [1, 2]), (top, [0, 1])] {
+            self.draw_view(svg, corner, axes, bodies, measured);
+        }
+    }
+
+    fn draw_view(
+        &self,
+        svg: &mut Svg,
+        [left, top]: Point,
+        axes: [usize; 2],
+        bodies: &Bodies,
+        measured: &[Vec3],
+    ) {
+        let unit = [Vec3::X, Vec3::Y, Vec3::Z];
+        let [[x0, _], [y0, _]] = axes.map(|a| self.ranges[a]);
+        let [width, height] = axes.map(|a| self.length(a));
+        let origin = [left - self.scale * x0, top + height + self.scale * y0];
+        let view = Projection::new(unit[axes[0]], unit[axes[1]]).placed(self.scale, origin);
+        svg.open("view");
+        self.draw_axes(svg, ([left, top], [width, height]), axes, origin);
+        scene::draw(svg, bodies, &view);
+        for &p in measured {
+            draw_measured(svg, view.place(p), 3.0);
+        }
+        svg.close();
+    }
+
+    fn draw_axes(
+        &self,
+        svg: &mut Svg,
+        ([left, top], [width, height]): (Point, Point),
+        axes: [usize; 2],
+        origin: Point,
+    ) {
+        let (right, bottom) = (left + width, top + height);
+        let grid = Stroke::new(Colour::GRID, 0.7);
+        let ink = Stroke::new(Colour::INK, 0.9);
+        let name = |axis: usize| format!("{} (mm)", ["x", "y", "z"][axis]);
+        // Ticks are of mm; the step is the same on all axes.
+        let ticks = axes.map(|a| {
+            let [low, high] = self.ranges[a];
+            ticks::inside(1e3 * low, 1e3 * high, 1e3 * self.tick)
+        });
+        let text = |v: f64, decimals: usize| format!("{v:.decimals$}").replace('-', "−");
+        let places = |i: usize| {
+            let sign = if i == 0 { 1e-3 } else { -1e-3 };
+            let ticks = &ticks[i];
+            ticks
+                .values
+                .iter()
+                .map(move |&v| (origin[i] + sign * self.scale * v, text(v, ticks.decimals)))
+        };
+        for (x, _) in places(0) {
+            svg.line([x, top], [x, bottom], grid);
+        }
+        for (y, _) in places(1) {
+            svg.line([left, y], [right, y], grid);
+        }
+        for (x, label) in places(0) {
+            svg.line([x, bottom], [x, bottom + 3.0], ink);
+            let text = Text::new(&label, TICK_SIZE).anchor(Anchor::Middle);
+            svg.text([x, bottom + 5.0 + 0.5 * TICK_SIZE], &text);
+        }
+        for (y, label) in places(1) {
+            svg.line([left - 3.0, y], [left, y], ink);
+            let text = Text::new(&label, TICK_SIZE).anchor(Anchor::End);
+            svg.text([left - 5.0, y], &text);
+        }
+        svg.rect([left, top], [width, height], None, Some(ink));
+        let label = name(axes[0]);
+        let text = Text::new(&label, LABEL_SIZE).anchor(Anchor::Middle);
+        svg.text([left + 0.5 * width, bottom + 26.0], &text);
+        let label = name(axes[1]);
+        let text = Text { upwards: true, ..Text::new(&label, LABEL_SIZE).anchor(Anchor::Middle) };
+        svg.text([left - LEFT + 14.0, top + 0.5 * height], &text);
+    }
+}
+
+/// A measured position.
+pub(crate) fn draw_measured(svg: &mut Svg, at: Point, radius: f64) {
+    let rim = Some(Stroke::new(MEASURED, 1.1));
+    marker::draw(svg, Marker::Diamond, at, radius, Fill::new(Colour::WHITE), rim);
+}
+
+fn ranges(points: &[Vec3]) -> [[f64; 2]; 3] {
+    let mut ranges = [0, 1, 2].map(|i| {
+        points
+            .iter()
+            .map(|p| p[i])
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)])
+    });
+    let largest = ranges.iter().map(|[l, h]| h - l).fold(0.0, f64::max);
+    for range in &mut ranges {
+        let [low, high] = *range;
+        let room = (ROOM * largest).max(0.5 * (SLIMMEST * largest - (high - low)));
+        *range = [low - room, high + room];
+    }
+    ranges
+}

@@ -1,0 +1,273 @@
+//! A robot in space and in three orthogonal views.
+
+use whipcord::{Robot, Shape, Solution, Vec3};
+
+use crate::body::{Body, Part};
+use crate::colour::{Colour, PALETTE};
+use crate::error::{PlotError, finite, not_empty};
+use crate::legend::{Entry, Legend, Swatch};
+use crate::marker::Marker;
+use crate::orthogonal;
+use crate::projection::Projection;
+use crate::scene::Look;
+use crate::space;
+use crate::svg::{Fill, Stroke, Svg};
+use crate::title::{LINE, Title};
+
+/// One shape of the robot: that of a model, or that before actuation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotView {
+    /// Entry in the legend.
+    pub label: String,
+    /// Frames along the backbone, close enough that the curve between them is clear: about 100.
+    pub shape: Shape,
+    /// Frames at the disks, one for each disk of the robot.
+    pub disks: Shape,
+    /// How it is drawn.
+    pub style: ViewStyle,
+}
+
+/// How a shape is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewStyle {
+    /// In the next colour of the palette.
+    #[default]
+    Model,
+    /// Pale and grey, behind the others: the robot before actuation.
+    Before,
+}
+
+/// What a figure shows besides the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FigureOptions {
+    /// Above the figure; may be empty.
+    pub title: String,
+    /// Where the disks of the real robot were found, in m in the base frame.
+    pub measured: Vec<Vec3>,
+    /// Direction from which the robot is seen in space, in rad from x towards y; `None` for one
+    /// that shows the bending well.
+    pub azimuth: Option<f64>,
+    /// Height of that direction above the x–y plane in rad.
+    pub elevation: f64,
+    /// Width of the figure in px.
+    pub width: f64,
+}
+
+impl Default for FigureOptions {
+    fn default() -> Self {
+        Self {
+            title: String::new(),
+            measured: Vec::new(),
+            azimuth: None,
+            elevation: 22_f64.to_radians(),
+            width: 980.0,
+        }
+    }
+}
+
+impl RobotView {
+    /// The answer of a model.
+    #[must_use]
+    pub fn model(label: impl Into<String>, solution: &Solution) -> Self {
+        Self {
+            label: label.into(),
+            shape: solution.shape.clone(),
+            disks: solution.disks.clone(),
+            style: ViewStyle::Model,
+        }
+    }
+
+    /// The same shape as that before actuation.
+    #[must_use]
+    pub fn before(self) -> Self {
+        Self { style: ViewStyle::Before, ..self }
+    }
+}
+
+/// All shapes of a figure.
+pub(crate) type Bodies = Vec<(Body, Look)>;
+
+const MARGIN: f64 = 14.0;
+/// The views leave at least this to a legend that needs it, in px.
+const LEGEND_WIDTH: f64 = 210.0;
+/// Colour of the measured positions.
+pub(crate) const MEASURED: Colour = Colour::INK;
+
+/// The robot in space and in three orthogonal views of one scale: backbone (in its true diameter
+/// where that is known), disks with their holes, and cables; several models in different colours,
+/// and what was before actuation pale behind them.
+///
+/// ```
+/// use whipcord::{Backbone, Cable, Disks, Pose, Robot, Routing, Shape, Vec3};
+/// use whipcord_plot::{FigureOptions, RobotView, ViewStyle, robot_figure};
+///
+/// let disks = Disks::equally_spaced(0.18, 10, 0.008).with_holes(12);
+/// let cable = Cable::new("pull", Routing::holes(vec![4; 10]));
+/// let robot = Robot::new(Backbone::new(0.18), disks, vec![cable])?;
+/// let arc_length = robot.disks().arc_lengths.clone();
+/// let at = |&s: &f64| Pose { position: Vec3::Z * s, ..Pose::IDENTITY };
+/// let shape = Shape { poses: arc_length.iter().map(at).collect(), arc_length };
+/// let view = RobotView {
+///     label: "before actuation".into(),
+///     disks: shape.clone(),
+///     shape,
+///     style: ViewStyle::Before,
+/// };
+/// let svg = robot_figure(&robot, &[view], &FigureOptions::default())?;
+/// assert!(svg.contains("x (mm)"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`PlotError`] when there is nothing to draw, a number is not finite, or a view does not have as
+/// many disks as the robot.
+pub fn robot_figure(
+    robot: &Robot,
+    views: &[RobotView],
+    options: &FigureOptions,
+) -> Result<String, PlotError> {
+    not_empty(|| "the list of views".to_owned(), views)?;
+    check_options(options)?;
+    let colours = Colours::new(robot, views);
+    let bodies = bodies(robot, views, &colours)?;
+    let all: Vec<Vec3> = bodies
+        .iter()
+        .flat_map(|(body, _)| body.outline())
+        .chain(options.measured.iter().copied())
+        .collect();
+
+    let title = Title::new(&options.title, options.width - 2.0 * MARGIN);
+    let top = MARGIN + title.height();
+    let space_width = (0.46 * (options.width - 2.0 * MARGIN)).round();
+    let entries = colours.legend(robot, views, options);
+    let left = MARGIN + space_width + 16.0;
+    let plan = orthogonal::Plan::new(
+        &all,
+        [left, top + 4.0],
+        [options.width - MARGIN - left, 640.0],
+        Legend::width_of(&entries).min(LEGEND_WIDTH),
+    );
+    let legend = Legend::of_height(entries, plan.legend_width(), plan.legend_height());
+    let bottom =
+        plan.bottom().max(plan.legend_place()[1] + legend.height()).max(top + 0.82 * space_width);
+    let mut svg = Svg::new(options.width, bottom + MARGIN);
+    title.draw(&mut svg, [MARGIN, MARGIN]);
+    let axonometric = view_in_space(options, &bodies, &all);
+    space::draw(
+        &mut svg,
+        &bodies,
+        &options.measured,
+        axonometric,
+        &all,
+        ([MARGIN, top], [space_width, bottom - top]),
+    );
+    plan.draw(&mut svg, &bodies, &options.measured);
+    legend.draw(&mut svg, plan.legend_place());
+    svg.finish(&options.title)
+}
+
+fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
+    for p in &options.measured {
+        for value in p.to_array() {
+            finite(|| "a measured position".to_owned(), value)?;
+        }
+    }
+    finite(|| "the elevation".to_owned(), options.elevation)?;
+    finite(|| "the azimuth".to_owned(), options.azimuth.unwrap_or(0.0))?;
+    let width = options.width;
+    if (400.0..=10_000.0).contains(&width) {
+        Ok(())
+    } else {
+        Err(PlotError::Size { width, height: LINE, largest: 10_000 })
+    }
+}
+
+/// Who has which colour.
+struct Colours {
+    views: Vec<Colour>,
+    cables: Vec<Colour>,
+}
+
+impl Colours {
+    fn new(robot: &Robot, views: &[RobotView]) -> Self {
+        let mut models = 0;
+        let views = views
+            .iter()
+            .map(|view| match view.style {
+                ViewStyle::Before => Colour::GREY,
+                ViewStyle::Model => {
+                    models += 1;
+                    Colour::nth(models - 1)
+                }
+            })
+            .collect();
+        // Cables take what the models leave, so that a line's colour says which it is.
+        let free = PALETTE.len().saturating_sub(models).max(1);
+        let cables = (0..robot.cables().len()).map(|i| Colour::nth(models + i % free)).collect();
+        Self { views, cables }
+    }
+
+    fn legend(&self, robot: &Robot, views: &[RobotView], options: &FigureOptions) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        for (view, &colour) in views.iter().zip(&self.views) {
+            let colour = match view.style {
+                ViewStyle::Before => colour.tint(0.5),
+                ViewStyle::Model => colour,
+            };
+            let swatches = vec![Swatch::Line(Stroke::new(colour, 4.0))];
+            entries.push(Entry { label: view.label.clone(), swatches });
+        }
+        for (cable, &colour) in robot.cables().iter().zip(&self.cables) {
+            let swatches = vec![Swatch::Line(Stroke::new(colour, 1.5))];
+            entries.push(Entry { label: format!("cable {}", cable.name), swatches });
+        }
+        if !options.measured.is_empty() {
+            let marker = Swatch::Marker(
+                Marker::Diamond,
+                Fill::new(Colour::WHITE),
+                Some(Stroke::new(MEASURED, 1.2)),
+            );
+            entries.push(Entry { label: "measured".to_owned(), swatches: vec![marker] });
+        }
+        entries
+    }
+}
+
+/// Bodies with their looks.
+fn bodies(robot: &Robot, views: &[RobotView], colours: &Colours) -> Result<Bodies, PlotError> {
+    let mut bodies = Vec::with_capacity(views.len());
+    for (view, &colour) in views.iter().zip(&colours.views) {
+        let body = Body::new(robot, &view.label, &view.shape, &view.disks)?;
+        let pale = view.style == ViewStyle::Before;
+        bodies.push((body, Look { colour, cables: colours.cables.clone(), pale }));
+    }
+    Ok(bodies)
+}
+
+/// One of eight directions that shows the farthest excursion from the z axis from the side, and a
+/// little from the front.
+fn view_in_space(options: &FigureOptions, bodies: &Bodies, all: &[Vec3]) -> Projection {
+    let azimuth = options.azimuth.unwrap_or_else(|| {
+        let backbone = bodies
+            .iter()
+            .flat_map(|(body, _)| &body.pieces)
+            .filter(|piece| piece.part == Part::Backbone)
+            .flat_map(|piece| piece.points.iter().copied());
+        let farthest = backbone.fold(Vec3::ZERO, |far, p| {
+            let reach = |v: Vec3| v.x.hypot(v.y);
+            if reach(p) > reach(far) { p } else { far }
+        });
+        let size = all.iter().map(|p| p.max_abs()).fold(0.0, f64::max);
+        let bend = if farthest.x.hypot(farthest.y) < 0.02 * size {
+            0.0
+        } else {
+            farthest.y.atan2(farthest.x)
+        };
+        let score = |azimuth: f64| (bend - azimuth - 60_f64.to_radians()).cos();
+        (0..8)
+            .map(|k| f64::to_radians(f64::from(-60 + 45 * k)))
+            .max_by(|&a, &b| score(a).total_cmp(&score(b)))
+            .unwrap_or(0.0)
+    });
+    Projection::axonometric(azimuth, options.elevation)
+}
