@@ -37,7 +37,7 @@ pub(super) struct Sample {
 pub(super) struct Shot {
     /// Frames at the ends of all steps.
     pub poses: Vec<Pose>,
-    /// Cable lengths in m.
+    /// Cable lengths in m, by [`Shot::measure`].
     pub lengths: Vec<f64>,
     /// Moment left over at the tip beyond what the loads apply there, base frame, in N·m.
     pub excess: Vec3,
@@ -47,12 +47,8 @@ pub(super) struct Shot {
     strains: Vec<Strain>,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct State {
-    rotation: [f64; 4],
-    position: Vec3,
-    moment: Vec3,
-}
+/// Quaternion (w, x, y, z), position and moment in the base frame; or their derivatives.
+type State = [f64; 10];
 
 /// What is aimed at the tip.
 #[derive(Clone, Copy, Debug)]
@@ -86,17 +82,12 @@ impl Shot {
     /// Integrates eqs. (4).
     pub fn fire(&mut self, grid: &Grid, loads: &DeadLoads, aim: &Aim<'_>) -> Result<(), Fault> {
         self.poses.clear();
-        self.lengths.clear();
-        self.lengths.resize(aim.tensions.len(), 0.0);
         self.samples.clear();
         let slots = STAGES * grid.len();
         let known = self.strains.len() == slots;
         self.strains.resize(slots, Strain::default());
-        let mut state = State {
-            rotation: UnitQuaternion::IDENTITY.wxyz(),
-            position: Vec3::ZERO,
-            moment: aim.base_moment - aim.load * loads.moment(0),
-        };
+        let base_moment = aim.base_moment - aim.load * loads.moment(0);
+        let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, base_moment);
         self.poses.push(Pose::IDENTITY);
         let mut last = grid.shooting.at(0, 0, 0).0.section.rest_strain();
         for k in 0..grid.len() {
@@ -107,13 +98,33 @@ impl Shot {
                 return Err(fault);
             }
             last = self.strains[STAGES * k + STAGES - 1];
-            state.moment -= aim.load * loads.moment(k + 1);
-            let rotation = renormalized(state.rotation);
-            state.rotation = rotation.wxyz();
-            self.poses.push(Pose { position: state.position, rotation });
+            let (rotation, position, moment) = unpack(&state);
+            let moment = moment - aim.load * loads.moment(k + 1);
+            state = pack(rotation, position, moment);
+            self.poses.push(Pose { position, rotation });
         }
-        self.excess = state.moment;
+        self.excess = unpack(&state).2;
         Ok(())
+    }
+
+    /// Computes [`Shot::lengths`] from the strains of the last shot.
+    pub fn measure(&mut self, grid: &Grid, cables: usize) {
+        self.lengths.clear();
+        self.lengths.resize(cables, 0.0);
+        for (k, (step, strains)) in
+            grid.steps.iter().zip(self.strains.chunks_exact(STAGES)).enumerate()
+        {
+            for (i, strain) in strains.iter().enumerate() {
+                let weight = BUTCHER_6.b[i] * step.length;
+                if weight == 0.0 {
+                    continue;
+                }
+                let (_, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
+                for (length, crossing) in self.lengths.iter_mut().zip(crossings) {
+                    *length += weight * crossing.tangent(strain).norm();
+                }
+            }
+        }
     }
 
     /// One step; its sections start from `neighbour` where given, else from the last shot.
@@ -129,19 +140,17 @@ impl Shot {
         let table = &BUTCHER_6;
         let step = grid.steps[k];
         let (h, tensions) = (step.length, &aim.tensions[..step.active]);
-        let mut slopes = [State::default(); STAGES];
+        let mut slopes = [[0.0; 10]; STAGES];
         let mut neighbour = neighbour;
         for i in 0..STAGES {
             let stage = advance(state, &slopes[..i], &table.a[i], h);
             let (node, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
             let section = &node.section;
-            let rotation = renormalized(stage.rotation);
+            let (rotation, _, moment) = unpack(&stage);
             let r = rotation.to_matrix();
             let force = aim.load * loads.force(k, node);
-            let wrench = BodyWrench {
-                linear: r.transpose_mul(force),
-                angular: r.transpose_mul(stage.moment),
-            };
+            let wrench =
+                BodyWrench { linear: r.transpose_mul(force), angular: r.transpose_mul(moment) };
             let fault = |kind| Fault { kind, arc_length: step.start + table.c[i] * h };
             let slot = &mut self.strains[STAGES * k + i];
             if let Some(neighbour) = neighbour {
@@ -157,17 +166,11 @@ impl Shot {
                 self.samples.push(Sample { strain, wrench, tangent });
             }
             let velocity = r * strain.linear;
-            slopes[i] = State {
-                rotation: (rotation * UnitQuaternion { w: 0.0, v: strain.angular * 0.5 }).wxyz(),
-                position: velocity,
-                moment: force.cross(velocity),
-            };
-            let weight = table.b[i] * h;
-            if weight != 0.0 {
-                for (length, crossing) in self.lengths.iter_mut().zip(crossings) {
-                    *length += weight * crossing.tangent(&strain).norm();
-                }
-            }
+            slopes[i] = pack(
+                rotation * UnitQuaternion { w: 0.0, v: strain.angular * 0.5 },
+                velocity,
+                force.cross(velocity),
+            );
         }
         *state = advance(state, &slopes, &table.b, h);
         Ok(())
@@ -175,8 +178,16 @@ impl Shot {
 }
 
 #[inline]
-fn renormalized([w, x, y, z]: [f64; 4]) -> UnitQuaternion {
-    UnitQuaternion { w, v: Vec3::new(x, y, z) }.renormalized()
+fn pack(rotation: UnitQuaternion, position: Vec3, moment: Vec3) -> State {
+    let (q, p, m) = (rotation, position, moment);
+    [q.w, q.v.x, q.v.y, q.v.z, p.x, p.y, p.z, m.x, m.y, m.z]
+}
+
+/// Rotation, scaled back to a unit quaternion, position and moment.
+#[inline]
+fn unpack(&[w, x, y, z, px, py, pz, mx, my, mz]: &State) -> (UnitQuaternion, Vec3, Vec3) {
+    let rotation = UnitQuaternion { w, v: Vec3::new(x, y, z) }.renormalized();
+    (rotation, Vec3::new(px, py, pz), Vec3::new(mx, my, mz))
 }
 
 /// The state after the step `h` along the weighted slopes.
@@ -184,13 +195,9 @@ fn renormalized([w, x, y, z]: [f64; 4]) -> UnitQuaternion {
 fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> State {
     let mut out = *start;
     for (slope, &weight) in slopes.iter().zip(weights) {
-        if weight != 0.0 {
-            let f = h * weight;
-            for i in 0..4 {
-                out.rotation[i] += f * slope.rotation[i];
-            }
-            out.position += f * slope.position;
-            out.moment += f * slope.moment;
+        let f = h * weight;
+        for (x, rate) in out.iter_mut().zip(slope) {
+            *x += f * rate;
         }
     }
     out

@@ -22,6 +22,10 @@ pub struct Options {
     pub accuracy: Accuracy,
     /// Whether the stability of the answer is computed.
     pub stability: bool,
+    /// Residual, relative to the scales of moment (EI/L and the base moment) and length, at which
+    /// equilibrium under load counts as met. It is about the relative error of the shape that the
+    /// iteration leaves.
+    pub residual: f64,
 }
 
 impl Default for Options {
@@ -31,6 +35,7 @@ impl Default for Options {
             drive: Drive::default(),
             accuracy: Accuracy::default(),
             stability: true,
+            residual: 2e-11,
         }
     }
 }
@@ -207,6 +212,7 @@ impl Cosserat {
             commands: &workspace.commands,
             loads: &case.loads,
             stability: self.options.stability,
+            tolerance: self.options.residual,
         };
         statics::solve(&problem, start, &mut workspace.scratch)
             .map_err(|failure| self.explain(failure, &workspace.commands))

@@ -74,8 +74,11 @@ fn root(w: Vec3, c: Vec3, tension: f64) -> Result<(Vec3, Vec3, f64), SectionFaul
     let squares = w.scale(w);
     let size_squared = squares.x + squares.y + squares.z;
     let size = size_squared.sqrt();
-    // First order in τ.
-    let mut stretch = (size - tension * squares.dot(c) / size_squared).max(FOLDED);
+    // To second order in τ, with mean and variance of c weighted by w².
+    let mean = squares.dot(c) / size_squared;
+    let spread = squares.dot(c.scale(c)) / size_squared - mean * mean;
+    let second = 1.5 * tension * tension * spread / size;
+    let mut stretch = (size - tension * mean + second).max(FOLDED);
     for _ in 0..MAX_ITERATIONS {
         let inverse = Vec3::new(
             1.0 / (stretch + tension * c.x),

@@ -7,8 +7,8 @@
 //! η′ = δu − u × η,   μ′ = −δu × Mᵦ − u × μ − δv × N − v × (N × η)            (5)
 //! ```
 //!
-//! where `qⱼ = (tⱼ, rⱼ × tⱼ)`. The classical Runge–Kutta method takes it from start, middle and
-//! end of each step: of order 4, which is more than Newton's method needs.
+//! where `qⱼ = (tⱼ, rⱼ × tⱼ)`. The classical Runge–Kutta method takes it from start, middle and end
+//! of each step: to order 4, as fine as Newton's method needs it.
 
 use whipcord_numerics::{Pose, Vec3};
 
@@ -42,8 +42,8 @@ impl Column {
     }
 }
 
-/// Stages of the classical Runge–Kutta method: which sample each uses, how far it goes along the
-/// slope before it, and its weight.
+/// Stages of the classical Runge–Kutta method: the sample each uses, how far along the slope before
+/// it lies, and its weight.
 const STAGES: [(usize, f64, f64); 4] =
     [(0, 0.0, 1.0 / 6.0), (1, 0.5, 1.0 / 3.0), (1, 0.5, 1.0 / 3.0), (2, 1.0, 1.0 / 6.0)];
 
@@ -91,33 +91,35 @@ impl Sensitivity {
     fn step(&mut self, grid: &Grid, k: usize, samples: &[Sample], tensions: usize) {
         let step = grid.steps[k];
         let unknowns = self.columns.len();
+        let h = step.length;
         for c in 0..unknowns {
             let start = self.columns[c];
+            let mut end = start;
             let mut slope = Column::default();
-            let mut sum = start;
-            for (sample_index, reach, weight) in STAGES {
-                let sample = &samples[sample_index];
-                let stage = start.plus(reach * step.length, slope);
+            for (q, reach, weight) in STAGES {
+                let sample = &samples[q];
+                let stage = start.plus(reach * h, slope);
                 let mut wrench = BodyWrench {
                     linear: sample.wrench.linear.cross(stage.turn),
                     angular: stage.moment,
                 };
-                let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[sample_index], step.active);
-                if let Some(crossing) = c.checked_sub(3).and_then(|j| crossings.get(j)) {
-                    wrench = wrench - crossing.pull(&sample.strain).0;
-                }
-                let change = sample.tangent.solve(wrench);
-                slope = rate(sample, &stage, &change);
-                sum = sum.plus(weight * step.length, slope);
-                if tensions > 0 {
+                if tensions == 0 {
+                    slope = rate(sample, &stage, &sample.tangent.solve(wrench));
+                } else {
+                    let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
+                    if let Some(crossing) = c.checked_sub(3).and_then(|j| crossings.get(j)) {
+                        wrench = wrench - crossing.pull(&sample.strain).0;
+                    }
+                    let change = sample.tangent.solve(wrench);
+                    slope = rate(sample, &stage, &change);
                     for (i, crossing) in crossings.iter().enumerate() {
                         let pull = crossing.pull(&sample.strain).0;
-                        self.lengths[i * unknowns + c] +=
-                            weight * step.length * work(&pull, &change);
+                        self.lengths[i * unknowns + c] += weight * h * work(&pull, &change);
                     }
                 }
+                end = end.plus(weight * h, slope);
             }
-            self.columns[c] = sum;
+            self.columns[c] = end;
         }
     }
 }

@@ -34,6 +34,8 @@ pub(super) struct Problem<'a> {
     pub commands: &'a [Command],
     pub loads: &'a Loads,
     pub stability: bool,
+    /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
+    pub tolerance: f64,
 }
 
 /// Where the iteration starts.
@@ -98,8 +100,6 @@ struct Point {
 }
 
 const MAX_ITERATIONS: usize = 40;
-/// Residual of eq. (7), relative to the scales of moment and length.
-const TOLERANCE: f64 = 1e-12;
 /// Steps smaller than this, relative to the scales, are made with the derivatives at hand.
 const KEEP_BELOW: f64 = 0.05;
 /// Derivatives are made anew when a step leaves more of the residual than this.
@@ -355,9 +355,13 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
     let scales = scales(problem);
     let Scratch { shot, dead, newton, .. } = scratch;
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
-    let fire = |shot: &mut Shot, point: &Point, sample| {
+    let fire = |shot: &mut Shot, point: &Point, sample| -> Result<(), Fault> {
         let aim = Aim { tensions: &point.tensions, base_moment: point.base_moment, load, sample };
-        shot.fire(problem.grid, dead, &aim)
+        shot.fire(problem.grid, dead, &aim)?;
+        if lengths_driven {
+            shot.measure(problem.grid, commands.len());
+        }
+        Ok(())
     };
     if let Err(fault) = fire(shot, &newton.point, true) {
         return Err(Failed { effort, fault: Some(fault) });
@@ -365,7 +369,7 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
     effort.residual = residual(commands, &newton.point, shot, &scales);
     let mut fresh = true;
     while effort.iterations < MAX_ITERATIONS {
-        if effort.residual <= TOLERANCE {
+        if effort.residual <= problem.tolerance {
             return Ok(effort);
         }
         effort.iterations += 1;
@@ -392,7 +396,7 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
                 if now < (1.0 - 1e-4 * fraction) * effort.residual {
                     core::mem::swap(&mut newton.point, &mut newton.trial);
                     fresh = !small;
-                    if small && now > KEEP_RATIO * effort.residual && now > TOLERANCE {
+                    if small && now > KEEP_RATIO * effort.residual && now > problem.tolerance {
                         // The kept derivatives no longer serve.
                         fresh = true;
                         if let Err(fault) = fire(shot, &newton.point, true) {
@@ -563,6 +567,7 @@ fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Resul
             .map_err(|fault| section_failure(fault, &newton.point.tensions, 1.0))?;
         least = Some(stability.least_eigenvalue(problem.grid, &shot.samples));
     }
+    shot.measure(problem.grid, problem.commands.len());
     scratch.poses.clone_from(&shot.poses);
     scratch.lengths.clone_from(&shot.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);
