@@ -1,1 +1,28 @@
-//! TODO
+//! Files of whipcord: robot files with units and messages that point at the place, the JSON
+//! Schema of robot files, and answers as JSON and CSV.
+//!
+//! There are no mechanics here, and no judgement of what a robot can be: [`load`] reads what a
+//! file says into the types of the [`whipcord`] crate, which checks them.
+
+mod case_file;
+mod check;
+mod error;
+mod files;
+mod help;
+mod node;
+mod overlay;
+mod read;
+mod render;
+mod schema;
+mod source;
+mod suggest;
+mod units;
+mod validate;
+
+pub use case_file::{CaseFile, load, parse};
+pub use error::{Diagnostic, FileError, FileProblem};
+pub use read::{Measured, MeasuredDisk, Reference};
+pub use render::render;
+pub use schema::schema;
+pub use source::{Position, Source, Sources, Span};
+pub use units::{Dimension, QuantityError, Unit, parse_quantity};

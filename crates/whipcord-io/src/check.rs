@@ -1,0 +1,435 @@
+//! Checks a document against the declarations: names, types, units and what excludes what. What is
+//! left is what the readers need not look at twice.
+
+use std::collections::BTreeMap;
+
+use crate::error::{FileProblem, Problems};
+use crate::node::{Entries, Node, Value};
+use crate::schema::{Kind, Rule, Table};
+use crate::source::Span;
+use crate::suggest;
+use crate::units::{Dimension, parse_quantity};
+
+/// A value of the declared kind.
+#[derive(Clone, Debug)]
+pub(crate) enum Data {
+    Text(String),
+    Flag(bool),
+    Count(usize),
+    /// In SI.
+    Number(f64, Dimension),
+    List(Vec<Data>),
+    Tables(Vec<Fields>),
+    Table(Fields),
+}
+
+/// The values of a table.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fields {
+    values: BTreeMap<&'static str, Data>,
+    /// Which of several variants the table is.
+    pub variant: &'static str,
+}
+
+impl Fields {
+    pub(crate) fn text(&self, name: &str) -> Option<&str> {
+        match self.values.get(name)? {
+            Data::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// False when it is not given.
+    pub(crate) fn flag(&self, name: &str) -> bool {
+        matches!(self.values.get(name), Some(Data::Flag(true)))
+    }
+
+    pub(crate) fn count(&self, name: &str) -> Option<usize> {
+        match self.values.get(name)? {
+            Data::Count(count) => Some(*count),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn number(&self, name: &str) -> Option<f64> {
+        self.quantity(name).map(|(value, _)| value)
+    }
+
+    pub(crate) fn quantity(&self, name: &str) -> Option<(f64, Dimension)> {
+        match self.values.get(name)? {
+            Data::Number(value, dimension) => Some((*value, *dimension)),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn list(&self, name: &str) -> Option<&[Data]> {
+        match self.values.get(name)? {
+            Data::List(list) => Some(list),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn numbers(&self, name: &str) -> Option<Vec<f64>> {
+        Some(self.list(name)?.iter().filter_map(Data::as_number).collect())
+    }
+
+    /// A vector of a declared number of components.
+    pub(crate) fn vector<const N: usize>(&self, name: &str) -> Option<[f64; N]> {
+        self.numbers(name)?.try_into().ok()
+    }
+
+    pub(crate) fn table(&self, name: &str) -> Option<&Self> {
+        match self.values.get(name)? {
+            Data::Table(fields) => Some(fields),
+            _ => None,
+        }
+    }
+
+    /// None when it is not given.
+    pub(crate) fn tables(&self, name: &str) -> &[Self] {
+        match self.values.get(name) {
+            Some(Data::Tables(list)) => list,
+            _ => &[],
+        }
+    }
+}
+
+impl Data {
+    pub(crate) fn as_number(&self) -> Option<f64> {
+        match self {
+            Self::Number(value, _) => Some(*value),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn as_count(&self) -> Option<usize> {
+        match self {
+            Self::Count(count) => Some(*count),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn as_list(&self) -> Option<&[Self]> {
+        match self {
+            Self::List(list) => Some(list),
+            _ => None,
+        }
+    }
+}
+
+/// Checks a table; `span` is where it is missing something.
+pub(crate) fn table(
+    entries: &Entries,
+    span: Span,
+    declared: &Table,
+    problems: &mut Problems,
+) -> Fields {
+    let mut fields = Fields::default();
+    for (name, entry) in entries {
+        match declared.key(name) {
+            None => problems.push(entry.key_span, || FileProblem::UnknownKey {
+                key: crate::source::quoted(name),
+                table: declared.title,
+                help: suggest::for_key(name, declared),
+            }),
+            Some(key) => {
+                if let Some(data) = value(&entry.node, &key.kind, key.name, problems) {
+                    fields.values.insert(key.name, data);
+                }
+            }
+        }
+    }
+    for rule in declared.rules {
+        check_rule(rule, entries, span, declared, problems);
+    }
+    fields
+}
+
+fn check_rule(
+    rule: &Rule,
+    entries: &Entries,
+    span: Span,
+    declared: &Table,
+    problems: &mut Problems,
+) {
+    let table = declared.title;
+    let example = |name: &str| match declared.key(name).map(|key| &key.kind) {
+        Some(Kind::Table(inner)) if inner.title.starts_with('[') => inner.title.to_owned(),
+        Some(kind) => format!("{name} = {}", kind.example()),
+        None => String::new(),
+    };
+    let given = |names: &'static [&'static str]| {
+        let mut given: Vec<_> =
+            names.iter().filter_map(|&name| Some((name, entries.get(name)?.key_span))).collect();
+        given.sort_by_key(|(_, span)| *span);
+        given
+    };
+    let in_quotes = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect();
+    match *rule {
+        Rule::Required(key) => {
+            if !entries.contains_key(key) {
+                let example = example(key);
+                problems.push(span, || FileProblem::Missing { key, table, example });
+            }
+        }
+        Rule::ExactlyOne(names) | Rule::AtMostOne(names) | Rule::AtLeastOne(names) => {
+            let exclusive = !matches!(rule, Rule::AtLeastOne(_));
+            let needed = !matches!(rule, Rule::AtMostOne(_));
+            match given(names).as_slice() {
+                [] if needed => problems.push(span, || FileProblem::MissingOneOf {
+                    keys: in_quotes(names),
+                    table,
+                    exclusive,
+                    example: example(names[0]),
+                }),
+                [(first, first_span), others @ ..] if exclusive => {
+                    for &(second, second_span) in others {
+                        let related = Some((*first_span, "the other one is here"));
+                        problems.push_related(second_span, related, || FileProblem::Exclusive {
+                            first,
+                            second,
+                            table,
+                        });
+                    }
+                }
+                _ => {}
+            }
+        }
+        Rule::Needs(key, names) => {
+            if let Some(entry) = entries.get(key)
+                && given(names).is_empty()
+            {
+                problems.push(entry.key_span, || FileProblem::Needs {
+                    key,
+                    needs: in_quotes(names),
+                    table,
+                    example: example(names[0]),
+                });
+            }
+        }
+    }
+}
+
+fn value(node: &Node, kind: &Kind, key: &'static str, problems: &mut Problems) -> Option<Data> {
+    match (kind, &node.value) {
+        (Kind::Text, Value::Text(text)) => {
+            if text.trim().is_empty() {
+                problems.push(node.span, || empty(kind, key));
+                return None;
+            }
+            Some(Data::Text(text.clone()))
+        }
+        (Kind::Flag, Value::Flag(flag)) => Some(Data::Flag(*flag)),
+        (Kind::Choice(words), Value::Text(text)) => choice(node, words, text, key, problems),
+        (Kind::Count { least, greatest }, Value::Integer(value)) => {
+            let count = usize::try_from(*value).ok().filter(|n| (*least..=*greatest).contains(n));
+            if count.is_none() {
+                problems.push(node.span, || FileProblem::OutOfRange {
+                    key,
+                    value: *value,
+                    least: *least,
+                    greatest: *greatest,
+                });
+            }
+            count.map(Data::Count)
+        }
+        (Kind::Number, Value::Integer(_) | Value::Number(_)) => {
+            number(node, key, Dimension::Ratio, problems)
+        }
+        (Kind::Quantity(dimensions), Value::Integer(_) | Value::Number(_)) => {
+            number(node, key, *dimensions.first()?, problems)
+        }
+        (Kind::Quantity(expected), Value::Text(text)) => {
+            quantity(node, expected, text, key, problems)
+        }
+        (Kind::Vector(item, expected), Value::List(items)) => {
+            let (given, expected) = (items.len(), *expected);
+            if given != expected {
+                problems.push(node.span, || FileProblem::WrongCount { key, expected, given });
+                return None;
+            }
+            list(items, item, key, problems)
+        }
+        (Kind::List(item), Value::List(items)) => {
+            if items.is_empty() {
+                problems.push(node.span, || empty(kind, key));
+                return None;
+            }
+            list(items, item, key, problems)
+        }
+        (Kind::Either(kinds), given) => match kinds.iter().find(|kind| resembles(given, kind)) {
+            Some(kind) => value(node, kind, key, problems),
+            None => wrong_type(node, kind, key, problems),
+        },
+        (Kind::Table(declared), Value::Table(entries)) => {
+            Some(Data::Table(table(entries, node.span, declared, problems)))
+        }
+        (Kind::Tables(declared), Value::List(items))
+            if items.iter().all(|item| matches!(item.value, Value::Table(_))) =>
+        {
+            let tables = items.iter().filter_map(|item| match &item.value {
+                Value::Table(entries) => Some(table(entries, item.span, declared, problems)),
+                _ => None,
+            });
+            Some(Data::Tables(tables.collect()))
+        }
+        (Kind::Variants { tag, variants }, Value::Table(entries)) => {
+            variant(node, entries, tag, variants, problems)
+        }
+        _ => wrong_type(node, kind, key, problems),
+    }
+}
+
+/// Whether a value has the outward form of a kind.
+fn resembles(value: &Value, kind: &Kind) -> bool {
+    match (kind, value) {
+        (Kind::Quantity(_), Value::Text(_) | Value::Integer(_) | Value::Number(_)) => true,
+        (Kind::Vector(item, _) | Kind::List(item), Value::List(items)) => {
+            items.first().is_none_or(|first| resembles(&first.value, item))
+        }
+        _ => false,
+    }
+}
+
+fn list(items: &[Node], kind: &Kind, key: &'static str, problems: &mut Problems) -> Option<Data> {
+    let checked: Vec<Data> =
+        items.iter().filter_map(|item| value(item, kind, key, problems)).collect();
+    (checked.len() == items.len()).then_some(Data::List(checked))
+}
+
+fn number(
+    node: &Node,
+    key: &'static str,
+    dimension: Dimension,
+    problems: &mut Problems,
+) -> Option<Data> {
+    let value = match node.value {
+        Value::Integer(value) => value as f64,
+        Value::Number(value) => value,
+        _ => return None,
+    };
+    if value.is_finite() {
+        Some(Data::Number(value, dimension))
+    } else {
+        problems.push(node.span, || FileProblem::NotFinite { key, value });
+        None
+    }
+}
+
+fn quantity(
+    node: &Node,
+    expected: &'static [Dimension],
+    text: &str,
+    key: &'static str,
+    problems: &mut Problems,
+) -> Option<Data> {
+    match parse_quantity(text, expected) {
+        Ok((value, dimension)) => Some(Data::Number(value, dimension)),
+        Err(error) => {
+            problems.push(node.span, || FileProblem::Quantity { key, error, expected });
+            None
+        }
+    }
+}
+
+fn choice(
+    node: &Node,
+    words: &'static [&'static str],
+    text: &str,
+    key: &'static str,
+    problems: &mut Problems,
+) -> Option<Data> {
+    if words.contains(&text) {
+        return Some(Data::Text(text.to_owned()));
+    }
+    problems.push(node.span, || FileProblem::UnknownChoice {
+        key,
+        value: crate::source::quoted(text),
+        choices: words.to_vec(),
+        near: suggest::nearest(text, words.iter().copied()),
+    });
+    None
+}
+
+fn variant(
+    node: &Node,
+    entries: &Entries,
+    tag: &'static str,
+    variants: &'static [(&'static str, Table)],
+    problems: &mut Problems,
+) -> Option<Data> {
+    let words = || variants.iter().map(|(word, _)| *word);
+    let Some(entry) = entries.get(tag) else {
+        let example = format!("{tag} = \"{}\"", words().next().unwrap_or(""));
+        problems.push(node.span, || FileProblem::Missing { key: tag, table: "`routing`", example });
+        return None;
+    };
+    let Value::Text(text) = &entry.node.value else {
+        problems.push(entry.node.span, || FileProblem::WrongType {
+            key: tag,
+            expected: crate::units::listed(words(), "or"),
+            found: entry.node.value.type_name(),
+            help: format!("write for example {tag} = \"{}\"", words().next().unwrap_or("")),
+        });
+        return None;
+    };
+    let Some((word, declared)) = variants.iter().find(|(word, _)| word == text) else {
+        problems.push(entry.node.span, || FileProblem::UnknownChoice {
+            key: tag,
+            value: crate::source::quoted(text),
+            choices: words().collect(),
+            near: suggest::nearest(text, words()),
+        });
+        return None;
+    };
+    let mut rest = entries.clone();
+    rest.remove(tag);
+    let fields = table(&rest, node.span, declared, problems);
+    Some(Data::Table(Fields { variant: word, ..fields }))
+}
+
+fn empty(kind: &Kind, key: &'static str) -> FileProblem {
+    FileProblem::Empty { key, example: format!("{key} = {}", kind.example()) }
+}
+
+fn wrong_type(
+    node: &Node,
+    kind: &Kind,
+    key: &'static str,
+    problems: &mut Problems,
+) -> Option<Data> {
+    problems.push(node.span, || {
+        let (mut expected, mut found) = (kind.description(), node.value.type_name());
+        let help = match (kind, &node.value) {
+            (Kind::Count { .. }, Value::Number(value)) => {
+                found = "a number with a decimal point";
+                if value.fract() == 0.0 && value.abs() < 1e15 {
+                    format!("write {value:.0}")
+                } else {
+                    "write it without a decimal point".to_owned()
+                }
+            }
+            (Kind::Tables(inner), Value::Table(_)) => {
+                expected = format!("a list, begun by {}", inner.title);
+                format!("write {} with double brackets", inner.title)
+            }
+            (Kind::Table(inner), Value::List(_)) if inner.title.starts_with('[') => {
+                format!("write {} with single brackets, once", inner.title)
+            }
+            (Kind::Table(inner) | Kind::Tables(inner), _) if inner.title.starts_with('[') => {
+                format!("begin it with {} on a line of its own", inner.title)
+            }
+            (Kind::Number | Kind::Count { .. }, Value::Text(text))
+                if text.trim().parse::<f64>().is_ok_and(f64::is_finite) =>
+            {
+                format!("write {} without quotes", text.trim())
+            }
+            (Kind::Number, Value::Text(_)) => {
+                "write the number in SI units, without quotes and without a unit".to_owned()
+            }
+            _ => format!("write for example {key} = {}", kind.example()),
+        };
+        FileProblem::WrongType { key, expected, found, help }
+    });
+    None
+}

@@ -1,0 +1,331 @@
+//! What can be wrong with a robot file.
+
+use core::fmt;
+
+use thiserror::Error;
+use whipcord::Problem;
+
+use crate::source::{Sources, Span, quoted};
+use crate::units::{Dimension, QuantityError, listed};
+
+/// Problems beyond this many are counted, not kept: a file of garbage has one per line.
+const MOST_KEPT: usize = 100;
+
+/// A robot file that cannot be used, with everything that is wrong with it.
+///
+/// Its `Display` is the full message with places, source lines and remedies;
+/// [`render`](crate::render()) gives the same in colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileError {
+    /// What is wrong, in the order of the file; at least one.
+    pub problems: Vec<Diagnostic>,
+    /// How many more problems there are that were not kept.
+    pub more: usize,
+    /// The files that were read.
+    pub sources: Sources,
+}
+
+/// One problem and where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostic {
+    /// What is wrong.
+    pub problem: FileProblem,
+    /// Where.
+    pub span: Span,
+    /// Another place that has to do with it, and how.
+    pub related: Option<(Span, &'static str)>,
+}
+
+/// What is wrong with a file. [`FileProblem::help`] says what to do about it.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FileProblem {
+    /// The file cannot be read.
+    #[error("cannot read this file: {reason}")]
+    Unreadable {
+        /// What the operating system says.
+        reason: String,
+        /// Whether there is no such file.
+        missing: bool,
+    },
+    /// A file that another one names cannot be read.
+    #[error("cannot read `{path}`: {reason}")]
+    NamedUnreadable {
+        /// The file.
+        path: String,
+        /// What the operating system says.
+        reason: String,
+        /// Whether there is no such file.
+        missing: bool,
+    },
+    /// The file is larger than any robot file.
+    #[error("the file has more than {limit} bytes")]
+    TooLarge {
+        /// Most bytes that are read.
+        limit: usize,
+    },
+    /// The file is not text.
+    #[error("the file is not UTF-8 text: byte {offset} is 0x{byte:02X}")]
+    NotUtf8 {
+        /// First byte that is not text, from 0.
+        offset: usize,
+        /// The byte.
+        byte: u8,
+    },
+    /// The file is not TOML.
+    #[error("{message}")]
+    Syntax {
+        /// What the parser says.
+        message: String,
+        /// What to do.
+        help: String,
+    },
+    /// Lists or tables nested beyond reason.
+    #[error("lists, tables or dotted keys are nested too deeply here")]
+    TooDeep,
+    /// Files that extend one another in a ring.
+    #[error("`extends` goes round in a circle: {}", chain.join(" -> "))]
+    CyclicExtends {
+        /// The files, the first and the last being the same.
+        chain: Vec<String>,
+    },
+    /// Too many files that extend one another.
+    #[error("more than {limit} files extend one another")]
+    TooManyExtends {
+        /// Most files that are followed.
+        limit: usize,
+    },
+    /// A key that the table does not have.
+    #[error("there is no key `{key}` in {table}")]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// Title of the table.
+        table: &'static str,
+        /// What to do.
+        help: String,
+    },
+    /// A key that must be there.
+    #[error("{table} has no `{key}`")]
+    Missing {
+        /// The key.
+        key: &'static str,
+        /// Title of the table.
+        table: &'static str,
+        /// A line that would do.
+        example: String,
+    },
+    /// None of several keys of which one must be there.
+    #[error("{table} has neither {}", listed(keys.iter().map(|k| k.as_str()), "nor"))]
+    MissingOneOf {
+        /// The keys, in quotes.
+        keys: Vec<String>,
+        /// Title of the table.
+        table: &'static str,
+        /// Whether only one of them may be given.
+        exclusive: bool,
+        /// A line that would do.
+        example: String,
+    },
+    /// Two keys that exclude one another.
+    #[error("`{second}` cannot stand beside `{first}` in {table}")]
+    Exclusive {
+        /// The key that comes first.
+        first: &'static str,
+        /// The other one.
+        second: &'static str,
+        /// Title of the table.
+        table: &'static str,
+    },
+    /// A key that makes sense only with another one.
+    #[error("`{key}` in {table} needs {} beside it", listed(needs.iter().map(|k| k.as_str()), "or"))]
+    Needs {
+        /// The key.
+        key: &'static str,
+        /// What it needs, in quotes.
+        needs: Vec<String>,
+        /// Title of the table.
+        table: &'static str,
+        /// A line that would do.
+        example: String,
+    },
+    /// A value of the wrong type.
+    #[error("`{key}` must be {expected}, but is {found}")]
+    WrongType {
+        /// The key.
+        key: &'static str,
+        /// What it must be.
+        expected: String,
+        /// What it is.
+        found: &'static str,
+        /// What to do.
+        help: String,
+    },
+    /// A text that is not a quantity of the right kind.
+    #[error("{error}, but `{key}` must be {}", dimensions(expected))]
+    Quantity {
+        /// The key.
+        key: &'static str,
+        /// What is wrong with the text.
+        error: QuantityError,
+        /// What it must be.
+        expected: &'static [Dimension],
+    },
+    /// Not a number, or infinite.
+    #[error("`{key}` must be a finite number, but is {value}")]
+    NotFinite {
+        /// The key.
+        key: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// A whole number out of its range.
+    #[error("`{key}` must be a whole number from {least} to {greatest}, but is {value}")]
+    OutOfRange {
+        /// The key.
+        key: &'static str,
+        /// The value.
+        value: i64,
+        /// Least value.
+        least: usize,
+        /// Greatest value.
+        greatest: usize,
+    },
+    /// A list of the wrong length.
+    #[error("`{key}` must have {expected} values, but has {given}")]
+    WrongCount {
+        /// The key.
+        key: &'static str,
+        /// Values needed.
+        expected: usize,
+        /// Values given.
+        given: usize,
+    },
+    /// A list or text without content.
+    #[error("`{key}` is empty")]
+    Empty {
+        /// The key.
+        key: &'static str,
+        /// A value as it may be.
+        example: String,
+    },
+    /// None of the words that are understood.
+    #[error("`{value}` is no `{key}`")]
+    UnknownChoice {
+        /// The key.
+        key: &'static str,
+        /// The word.
+        value: String,
+        /// The words that are understood.
+        choices: Vec<&'static str>,
+        /// The nearest of them.
+        near: Option<&'static str>,
+    },
+    /// A quantity that cannot be, or that does not fit the others.
+    #[error("{}{problem}", Quoted(path))]
+    Physical {
+        /// Which quantity.
+        path: String,
+        /// What is wrong with it.
+        problem: Problem,
+    },
+    /// A line of a table of measured positions.
+    #[error("{message}")]
+    Measured {
+        /// What is wrong.
+        message: String,
+        /// What to do.
+        help: &'static str,
+    },
+}
+
+/// A path in quotes, as a problem's subject.
+struct Quoted<'a>(&'a str);
+
+impl fmt::Display for Quoted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() { Ok(()) } else { write!(f, "`{}`: ", self.0) }
+    }
+}
+
+fn dimensions(expected: &[Dimension]) -> String {
+    let names: Vec<String> =
+        expected.iter().map(|d| crate::schema::article(&d.to_string())).collect();
+    names.join(" or ")
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&crate::render(self, false))
+    }
+}
+
+impl std::error::Error for FileError {}
+
+/// The problems found so far.
+#[derive(Debug, Default)]
+pub(crate) struct Problems {
+    list: Vec<Diagnostic>,
+    more: usize,
+}
+
+impl Problems {
+    /// Adds one; its message is made only if it is kept.
+    pub(crate) fn push(&mut self, span: Span, problem: impl FnOnce() -> FileProblem) {
+        self.push_related(span, None, problem);
+    }
+
+    pub(crate) fn push_related(
+        &mut self,
+        span: Span,
+        related: Option<(Span, &'static str)>,
+        problem: impl FnOnce() -> FileProblem,
+    ) {
+        if self.is_full() {
+            self.more += 1;
+        } else {
+            self.list.push(Diagnostic { problem: problem(), span, related });
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Whether further problems are only counted.
+    pub(crate) fn is_full(&self) -> bool {
+        self.list.len() >= MOST_KEPT
+    }
+
+    /// The error of these problems.
+    pub(crate) fn into_error(mut self, sources: Sources) -> FileError {
+        self.list.sort_by_key(|diagnostic| diagnostic.span);
+        FileError { problems: self.list, more: self.more, sources }
+    }
+}
+
+impl FileProblem {
+    /// The parser's message put in the words of the other messages. `text` is what it points at.
+    pub(crate) fn syntax(message: &str, text: &str) -> Self {
+        let (message, help) = match message {
+            "duplicate key" => (
+                format!("`{}` is given twice", quoted(text)),
+                "a key or table may stand only once: remove one of the two; to describe several cables, begin each with [[cables]]".to_owned(),
+            ),
+            m if m.starts_with("string values must be quoted") && text.is_empty() => {
+                ("there is no value".to_owned(), "write one after the `=`".to_owned())
+            }
+            m if m.starts_with("string values must be quoted") => (
+                format!("`{}` is not a value", quoted(text)),
+                format!(
+                    "a text, and a number with a unit too, needs quotes: \"{}\"; the entries of a list need commas between them",
+                    quoted(text.trim())
+                ),
+            ),
+            m => (
+                m.to_owned(),
+                "the file must be TOML: check the quotes, brackets, commas and `=` of this line and the one before it".to_owned(),
+            ),
+        };
+        Self::Syntax { message, help }
+    }
+}

@@ -1,0 +1,168 @@
+//! Reads files, and the files they extend.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use crate::error::{FileProblem, Problems};
+use crate::node::{self, Node, Value};
+use crate::overlay::overlay;
+use crate::schema::ROOT;
+use crate::source::{Sources, Span};
+
+/// A robot file takes a few kilobytes; one with a thousand disks and a hundred cables half of this.
+const LARGEST: usize = 1 << 20;
+/// Characters of a file that is too large that are kept to show its beginning.
+const SHOWN: usize = 200;
+/// Files that may extend one another.
+const LONGEST_CHAIN: usize = 16;
+
+/// Why a file was not read, with as much of its text as can be shown.
+struct Refusal {
+    problem: FileProblem,
+    text: Option<String>,
+    at: usize,
+}
+
+fn read(path: &Path) -> Result<String, Refusal> {
+    let unreadable = |error: &io::Error| Refusal {
+        problem: FileProblem::Unreadable {
+            reason: reason(error),
+            missing: error.kind() == io::ErrorKind::NotFound,
+        },
+        text: None,
+        at: 0,
+    };
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(LARGEST as u64 + 1).read_to_end(&mut bytes))
+        .map_err(|error| unreadable(&error))?;
+    if bytes.len() > LARGEST {
+        let text = String::from_utf8_lossy(&bytes[..SHOWN]).into_owned();
+        let problem = FileProblem::TooLarge { limit: LARGEST };
+        return Err(Refusal { problem, text: Some(text), at: 0 });
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let byte = error.as_bytes()[at];
+        let problem = FileProblem::NotUtf8 { offset: at, byte };
+        Refusal { problem, text: Some(String::from_utf8_lossy(error.as_bytes()).into_owned()), at }
+    })
+}
+
+/// The system's reason in words that are the same on every system.
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        io::ErrorKind::PermissionDenied => "you may not read it".to_owned(),
+        io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+/// Reads a file that another one names at `named`. Returns its number and text.
+pub(crate) fn read_named(
+    path: &Path,
+    named: Span,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<(usize, String)> {
+    match read(path) {
+        Ok(text) => Some((sources.add(path, Some(text.clone())), text)),
+        Err(Refusal { problem: FileProblem::Unreadable { reason, missing }, .. }) => {
+            let path = path.display().to_string();
+            problems.push(named, || FileProblem::NamedUnreadable { path, reason, missing });
+            None
+        }
+        Err(refusal) => {
+            refuse(path, refusal, Some(named), sources, problems);
+            None
+        }
+    }
+}
+
+/// Reads the file that was asked for.
+pub(crate) fn read_first(
+    path: &Path,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<String> {
+    match read(path) {
+        Ok(text) => Some(text),
+        Err(refusal) => {
+            refuse(path, refusal, None, sources, problems);
+            None
+        }
+    }
+}
+
+fn refuse(
+    path: &Path,
+    refusal: Refusal,
+    named: Option<Span>,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) {
+    let Refusal { problem, text, at } = refusal;
+    let file = sources.add(path, text);
+    let related = named.map(|span| (span, "it is named here"));
+    problems.push_related(Span::new(file, at, at + 1), related, || problem);
+}
+
+/// Reads the text as TOML, and lays it over the files it extends.
+pub(crate) fn document(
+    path: &Path,
+    text: &str,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<Node> {
+    let first = sources.add(path, Some(text.to_owned()));
+    let mut root = node::parse(first, text, problems)?;
+    let mut chain = vec![Link::new(path)];
+    let mut extends = extended(&root);
+    while let Some((named, target)) = extends {
+        let path = sources.resolve(named.file, &target);
+        let link = Link::new(&path);
+        if let Some(start) = chain.iter().position(|earlier| earlier.real == link.real) {
+            let names = chain[start..].iter().chain([&link]).map(|link| link.name.clone());
+            let chain = names.collect();
+            problems.push(named, || FileProblem::CyclicExtends { chain });
+            return None;
+        }
+        if chain.len() >= LONGEST_CHAIN {
+            problems.push(named, || FileProblem::TooManyExtends { limit: LONGEST_CHAIN });
+            return None;
+        }
+        chain.push(link);
+        let (file, text) = read_named(&path, named, sources, problems)?;
+        let mut lower = node::parse(file, &text, problems)?;
+        extends = extended(&lower);
+        let lower = core::mem::take(lower.entries_mut()?);
+        let upper = root.entries_mut()?;
+        overlay(upper, lower, Some(&ROOT));
+    }
+    Some(root)
+}
+
+/// The file that a document extends, and where it says so.
+fn extended(root: &Node) -> Option<(Span, String)> {
+    let Value::Table(entries) = &root.value else { return None };
+    let node = &entries.get("extends")?.node;
+    match &node.value {
+        Value::Text(path) if !path.trim().is_empty() => Some((node.span, path.clone())),
+        _ => None,
+    }
+}
+
+/// A file of a chain: as it was named, and what it is however it is named.
+struct Link {
+    name: String,
+    real: PathBuf,
+}
+
+impl Link {
+    fn new(path: &Path) -> Self {
+        let real = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        Self { name: path.display().to_string(), real }
+    }
+}

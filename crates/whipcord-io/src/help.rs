@@ -1,0 +1,154 @@
+//! What to do about each problem.
+
+use whipcord::Problem;
+
+use crate::error::FileProblem;
+use crate::units::{Dimension, QuantityError, listed};
+
+impl FileProblem {
+    /// What to do about it.
+    #[must_use]
+    pub fn help(&self) -> String {
+        match self {
+            Self::Unreadable { missing: true, .. } => {
+                "check the path; it is relative to the folder you are in".to_owned()
+            }
+            Self::NamedUnreadable { missing: true, .. } => {
+                "check the path; it is relative to the folder of the file that names it".to_owned()
+            }
+            Self::Unreadable { .. } | Self::NamedUnreadable { .. } => {
+                "check that it is a file and that you may read it".to_owned()
+            }
+            Self::TooLarge { .. } => {
+                "a robot file takes a few kilobytes: is this the file you meant?".to_owned()
+            }
+            Self::NotUtf8 { .. } => {
+                "is this the file you meant? If so, save it as UTF-8 text".to_owned()
+            }
+            Self::Syntax { help, .. }
+            | Self::UnknownKey { help, .. }
+            | Self::WrongType { help, .. } => help.clone(),
+            Self::TooDeep => "no robot file needs more than three levels: is this the file you meant?".to_owned(),
+            Self::CyclicExtends { .. } => {
+                "remove one `extends` of the circle: the file that describes the bare robot extends nothing".to_owned()
+            }
+            Self::TooManyExtends { .. } => "merge some of the files".to_owned(),
+            Self::Missing { example, .. } => format!("add `{example}`"),
+            Self::MissingOneOf { exclusive, example, .. } => {
+                let how_many = if *exclusive { "exactly one" } else { "at least one" };
+                format!("give {how_many} of them, for example `{example}`")
+            }
+            Self::Exclusive { .. } => "remove one of the two".to_owned(),
+            Self::Needs { key, example, .. } => format!("add `{example}`, or remove `{key}`"),
+            Self::Quantity { error, expected, .. } => quantity_help(error, expected),
+            Self::NotFinite { .. } => "write the number itself".to_owned(),
+            Self::OutOfRange { value, least, .. } => {
+                if i64::try_from(*least).is_ok_and(|least| *value < least) {
+                    format!("write {least} or more")
+                } else {
+                    "write a smaller number".to_owned()
+                }
+            }
+            Self::WrongCount { expected, given, .. } => {
+                if given > expected {
+                    format!("leave out {}", values(given - expected))
+                } else {
+                    format!("add {}", values(expected - given))
+                }
+            }
+            Self::Empty { example, .. } => format!("write for example {example}"),
+            Self::UnknownChoice { choices, near, .. } => match near {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("choose {}", listed(choices.iter().copied(), "or")),
+            },
+            Self::Physical { problem, .. } => physical_help(problem),
+            Self::Measured { help, .. } => (*help).to_owned(),
+        }
+    }
+}
+
+fn values(count: usize) -> String {
+    if count == 1 { "1 value".to_owned() } else { format!("{count} values") }
+}
+
+fn quantity_help(error: &QuantityError, expected: &[Dimension]) -> String {
+    let example = expected.first().map_or("", |dimension| dimension.example());
+    let names: Vec<&str> = expected.iter().flat_map(|d| d.units()).map(|unit| unit.name).collect();
+    let units = listed(names, "or");
+    match error {
+        QuantityError::NoNumber(_) => {
+            format!("write a number and a unit, for example \"{example}\"; units: {units}")
+        }
+        QuantityError::DecimalComma(_) => "write a decimal point instead of the comma".to_owned(),
+        QuantityError::TooLarge(_) => format!("write for example \"{example}\""),
+        QuantityError::NoUnit(number) => {
+            match expected.first().map(|dimension| dimension.si_unit()) {
+                Some("") | None => format!("write {number} without quotes, or with %"),
+                Some(si) => format!("add one of {units}; without quotes, {number} is in {si}"),
+            }
+        }
+        QuantityError::UnknownUnit { near: Some(near), .. } => format!("did you mean `{near}`?"),
+        QuantityError::UnknownUnit { .. } if expected == [Dimension::Ratio] => {
+            "write a plain number, or one with %".to_owned()
+        }
+        QuantityError::UnknownUnit { .. } => format!("use {units}"),
+        QuantityError::WrongUnit { measures: Dimension::Mass, .. }
+            if expected.contains(&Dimension::Force) =>
+        {
+            format!("the weight of a mass is in gf or kgf: \"400 gf\"; units: {units}")
+        }
+        QuantityError::WrongUnit { .. } if expected == [Dimension::Ratio] => {
+            "write a plain number, or one with %".to_owned()
+        }
+        QuantityError::WrongUnit { .. } => format!("use {units}"),
+    }
+}
+
+fn physical_help(problem: &Problem) -> String {
+    match *problem {
+        Problem::NotFinite { .. } => "write the number itself".to_owned(),
+        Problem::NotPositive { .. } => "give a value greater than zero".to_owned(),
+        Problem::Negative { .. } => "give zero or a value greater than zero".to_owned(),
+        Problem::OutOfRange { least, greatest, .. } => {
+            if least <= f64::MIN {
+                format!("give at most {greatest}")
+            } else {
+                format!("give a value from {least} to {greatest}")
+            }
+        }
+        Problem::Count { given, expected } => {
+            if given > expected {
+                format!("leave out {}, or add disks", values(given - expected))
+            } else {
+                format!("add {}, or remove disks", values(expected - given))
+            }
+        }
+        Problem::TooFew { least, .. } => format!("give {least} or more"),
+        Problem::MoreHolesThanDisks { given, disks } => {
+            format!("leave out {}, or add disks under [disks]", values(given - disks.min(given)))
+        }
+        Problem::NoSuchHole { holes, .. } => {
+            format!(
+                "holes count from 1: name one from 1 to {holes}, or raise `holes` under [disks]"
+            )
+        }
+        Problem::DisksWithoutHoles => {
+            "for example `holes = 12` and `hole_circle_radius = \"8 mm\"` under [disks]".to_owned()
+        }
+        Problem::NotIncreasing { .. } => {
+            "put the positions in ascending order, each once".to_owned()
+        }
+        Problem::NotAtEnd { expected, .. } => {
+            format!("write {expected}, in m, or the same with a unit")
+        }
+        Problem::BeyondTip { length, .. } => {
+            format!("give a place from 0 to {length} m, or lengthen the backbone")
+        }
+        Problem::BeyondLastHole { last, .. } => format!("give at most {last} m"),
+        Problem::BoreTooWide { .. } => "make the bore smaller or the tube thicker".to_owned(),
+        Problem::DuplicateName { .. } => "rename one of the two".to_owned(),
+        Problem::CableCount { cables, .. } => format!("give {cables}, one for each cable"),
+        // What no file can cause, such as a model built for other loads than it is asked about.
+        _ => "change this quantity".to_owned(),
+    }
+}

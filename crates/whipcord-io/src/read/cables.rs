@@ -1,0 +1,52 @@
+use whipcord::{Cable, CableCommand, Interpolation, Routing, Shortening};
+
+use crate::check::{Data, Fields};
+use crate::units::Dimension;
+
+/// Entry number `index`, from 0, of `[[cables]]`; `None` when its routing is missing.
+pub(crate) fn cable(fields: &Fields, index: usize) -> Option<Cable> {
+    Some(Cable {
+        name: fields.text("name").map_or_else(|| format!("cable-{}", index + 1), str::to_owned),
+        routing: routing(fields)?,
+        ends_at: fields.number("ends_at"),
+        friction: fields.number("friction"),
+        axial_stiffness: fields.number("axial_stiffness"),
+    })
+}
+
+/// How the same entry is pulled.
+pub(crate) fn command(fields: &Fields) -> CableCommand {
+    let shortening = fields.quantity("shortening").map(|(value, dimension)| match dimension {
+        Dimension::Ratio => Shortening::Fraction(value),
+        _ => Shortening::Length(value),
+    });
+    CableCommand { tension: fields.number("tension"), shortening }
+}
+
+fn routing(fields: &Fields) -> Option<Routing> {
+    if let Some(holes) = fields.list("holes") {
+        let interpolation = match fields.text("interpolation") {
+            Some("pchip") => Interpolation::Pchip,
+            Some("fourier") => Interpolation::Fourier,
+            _ => Interpolation::Spline,
+        };
+        return Some(Routing::Holes {
+            holes: holes.iter().filter_map(Data::as_count).collect(),
+            interpolation,
+        });
+    }
+    let curve = fields.table("routing")?;
+    Some(match curve.variant {
+        "straight" => {
+            Routing::Straight { angle: curve.number("angle")?, radius: curve.number("radius")? }
+        }
+        "helix" => Routing::Helix {
+            start_angle: curve.number("start_angle").unwrap_or(0.0),
+            turns: curve.number("turns")?,
+            radius: curve.number("radius")?,
+        },
+        "linear" => Routing::Linear { start: curve.vector("start")?, end: curve.vector("end")? },
+        "polynomial" => Routing::Polynomial { x: curve.numbers("x")?, y: curve.numbers("y")? },
+        _ => return None,
+    })
+}

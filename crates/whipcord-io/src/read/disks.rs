@@ -1,0 +1,21 @@
+use whipcord::Disks;
+
+use crate::check::Fields;
+
+/// `[disks]` of a backbone of this length; `None` when neither number nor positions are given.
+pub(crate) fn disks(fields: &Fields, length: f64) -> Option<Disks> {
+    let arc_lengths = match fields.numbers("positions") {
+        Some(positions) => positions,
+        None => Disks::equally_spaced(length, fields.count("count")?, 0.0).arc_lengths,
+    };
+    let hole_circle_radii = match fields.number("hole_circle_radius") {
+        Some(radius) => vec![radius; arc_lengths.len()],
+        None => fields.numbers("hole_circle_radius").unwrap_or_default(),
+    };
+    Some(Disks {
+        arc_lengths,
+        hole_circle_radii,
+        holes: fields.count("holes"),
+        mass: fields.number("mass").unwrap_or(0.0),
+    })
+}

@@ -1,0 +1,25 @@
+//! From checked tables to the library's types, one reader per table.
+
+mod backbone;
+mod cables;
+mod disks;
+mod loads;
+mod measured;
+mod reference;
+
+pub(crate) use backbone::backbone;
+pub(crate) use cables::{cable, command};
+pub(crate) use disks::disks;
+pub(crate) use loads::loads;
+pub(crate) use measured::read as measured;
+pub use measured::{Measured, MeasuredDisk};
+pub use reference::Reference;
+pub(crate) use reference::reference;
+
+use whipcord::Vec3;
+
+use crate::check::Fields;
+
+fn vec3(fields: &Fields, name: &str) -> Option<Vec3> {
+    fields.vector(name).map(|[x, y, z]| Vec3::new(x, y, z))
+}

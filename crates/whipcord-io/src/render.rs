@@ -1,0 +1,107 @@
+//! Messages for people.
+
+use core::fmt::Write as _;
+
+use crate::error::{Diagnostic, FileError};
+use crate::source::{Source, Sources, Span, printable};
+
+/// Problems that are printed in full.
+const MOST_SHOWN: usize = 20;
+/// Characters of a source line that are shown, and how many of them before the marked place.
+const WIDEST: usize = 96;
+const BEFORE: usize = 40;
+
+/// Everything that is wrong with a file: for each problem its place as `file:line:column`, the
+/// cause, the source line with a mark, and the remedy. Plain text, or with the colours of a
+/// terminal.
+#[must_use]
+pub fn render(error: &FileError, colour: bool) -> String {
+    let style = if colour { &COLOUR } else { &PLAIN };
+    let mut out = String::new();
+    for (i, diagnostic) in error.problems.iter().take(MOST_SHOWN).enumerate() {
+        if i > 0 {
+            out.push('\n');
+        }
+        problem(&mut out, diagnostic, &error.sources, style);
+    }
+    let rest = error.more + error.problems.len().saturating_sub(MOST_SHOWN);
+    if rest > 0 {
+        let word = if rest == 1 { "problem" } else { "problems" };
+        let _ = writeln!(out, "\n... and {rest} more {word}");
+    }
+    out
+}
+
+/// Escape sequences before each part of a message; `end` after it.
+struct Style {
+    place: &'static str,
+    error: &'static str,
+    note: &'static str,
+    help: &'static str,
+    end: &'static str,
+}
+
+const PLAIN: Style = Style { place: "", error: "", note: "", help: "", end: "" };
+const COLOUR: Style = Style {
+    place: "\x1b[1m",
+    error: "\x1b[1;31m",
+    note: "\x1b[1;34m",
+    help: "\x1b[1;32m",
+    end: "\x1b[0m",
+};
+
+fn problem(out: &mut String, diagnostic: &Diagnostic, sources: &Sources, style: &Style) {
+    let Style { error, note, help, end, .. } = style;
+    let excerpt = |out: &mut String, span: Span, label: &str, mark: char, colour: &str| {
+        let Some(source) = sources.get(span.file) else { return };
+        let position = source.position(span.start);
+        let place: String = source.name().chars().map(printable).collect();
+        let _ = writeln!(
+            out,
+            "{}{place}:{}:{}:{end} {label}",
+            style.place, position.line, position.column
+        );
+        marked_line(out, source, span, position.line, mark, colour, end);
+    };
+    let label = format!("{error}error:{end} {}", diagnostic.problem);
+    excerpt(out, diagnostic.span, &label, '^', error);
+    if let Some((span, what)) = diagnostic.related {
+        excerpt(out, span, &format!("{note}note:{end} {what}"), '-', note);
+    }
+    let _ = writeln!(out, "  {help}help:{end} {}", diagnostic.problem.help());
+}
+
+/// The source line, cut to a width that fits a terminal, and the mark beneath.
+fn marked_line(
+    out: &mut String,
+    source: &Source,
+    span: Span,
+    number: usize,
+    mark: char,
+    colour: &str,
+    end: &str,
+) {
+    // A file that could not be read shows its name, so that the mark has something to point at.
+    let name = source.name();
+    let (gutter, line, column, width) = match &source.text {
+        None => (String::new(), name.as_str(), 0, name.chars().count()),
+        Some(text) => {
+            let line = source.line_at(span.start);
+            let column = source.position(span.start).column - 1;
+            let marked = text.get(span.start..span.end.min(text.len())).unwrap_or_default();
+            let first = marked.split(['\r', '\n']).next().unwrap_or_default();
+            (number.to_string(), line, column, first.chars().count())
+        }
+    };
+    let length = line.chars().count();
+    let skipped = if length <= WIDEST { 0 } else { column.saturating_sub(BEFORE) };
+    let shown: String = line.chars().skip(skipped).take(WIDEST).map(printable).collect();
+    let lead = if skipped > 0 { "..." } else { "" };
+    let trail = if length > skipped + WIDEST { "..." } else { "" };
+    let room = (WIDEST + skipped).saturating_sub(column).max(1);
+    let marks = mark.to_string().repeat(width.clamp(1, room));
+    let indent = " ".repeat(lead.len() + column - skipped);
+    let margin = gutter.len().max(3);
+    let _ = writeln!(out, "{gutter:>margin$} | {}", format!("{lead}{shown}{trail}").trim_end());
+    let _ = writeln!(out, "{:>margin$} | {indent}{colour}{marks}{end}", "");
+}

@@ -1,0 +1,159 @@
+//! What a robot file may say: one declaration of every table and key, from which the checks, the
+//! suggestions and the JSON Schema all follow.
+
+mod json;
+mod keys;
+
+use crate::units::Dimension;
+
+pub use json::schema;
+pub(crate) use keys::ROOT;
+
+/// A table of the file.
+#[derive(Debug)]
+pub(crate) struct Table {
+    /// How messages name it: `[backbone]`.
+    pub title: &'static str,
+    pub doc: &'static str,
+    pub keys: &'static [Key],
+    pub rules: &'static [Rule],
+}
+
+/// A key of a table.
+#[derive(Debug)]
+pub(crate) struct Key {
+    pub name: &'static str,
+    pub kind: Kind,
+    pub doc: &'static str,
+}
+
+/// What the value of a key may be.
+#[derive(Debug)]
+pub(crate) enum Kind {
+    /// Any text but the empty one.
+    Text,
+    Flag,
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// A whole number within these bounds.
+    Count {
+        least: usize,
+        greatest: usize,
+    },
+    /// A plain number in SI.
+    Number,
+    /// A quantity of one of these dimensions; a plain number is of the first.
+    Quantity(&'static [Dimension]),
+    /// Exactly this many values.
+    Vector(&'static Kind, usize),
+    /// One value or more.
+    List(&'static Kind),
+    /// One of several, told apart by their outward form.
+    Either(&'static [Kind]),
+    Table(&'static Table),
+    /// `[[name]]`, any number of times.
+    Tables(&'static Table),
+    /// A table whose key `tag` says which of these it is.
+    Variants {
+        tag: &'static str,
+        variants: &'static [(&'static str, Table)],
+    },
+}
+
+/// What must hold between the keys of a table.
+#[derive(Debug)]
+pub(crate) enum Rule {
+    Required(&'static str),
+    ExactlyOne(&'static [&'static str]),
+    AtMostOne(&'static [&'static str]),
+    AtLeastOne(&'static [&'static str]),
+    /// The first makes sense only with one of the others.
+    Needs(&'static str, &'static [&'static str]),
+}
+
+impl Table {
+    pub(crate) fn key(&self, name: &str) -> Option<&'static Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+
+    /// Keys that must not stand beside this one.
+    pub(crate) fn rivals(&self, name: &str) -> impl Iterator<Item = &'static str> {
+        self.rules
+            .iter()
+            .filter_map(|rule| match rule {
+                Rule::ExactlyOne(names) | Rule::AtMostOne(names) => Some(*names),
+                _ => None,
+            })
+            .filter(move |names| names.contains(&name))
+            .flatten()
+            .copied()
+            .filter(move |rival| *rival != name)
+    }
+}
+
+impl Kind {
+    /// What messages say that a value must be.
+    pub(crate) fn description(&self) -> String {
+        match self {
+            Self::Text => "a text".to_owned(),
+            Self::Flag => "true or false".to_owned(),
+            Self::Choice(words) => crate::units::listed(words.iter().copied(), "or"),
+            Self::Count { .. } => "a whole number".to_owned(),
+            Self::Number => "a number".to_owned(),
+            Self::Quantity(dimensions) => {
+                let names: Vec<String> =
+                    dimensions.iter().map(|d| article(&d.to_string())).collect();
+                names.join(" or ")
+            }
+            Self::Vector(item, count) => {
+                format!("a list of {count} values, each {}", item.description())
+            }
+            Self::List(item) => format!("a list of values, each {}", item.description()),
+            Self::Either(kinds) => {
+                let names: Vec<String> = kinds.iter().map(Self::description).collect();
+                names.join(", or ")
+            }
+            Self::Table(_) | Self::Variants { .. } => "a table".to_owned(),
+            Self::Tables(_) => "a list of tables".to_owned(),
+        }
+    }
+
+    /// A value as it may be written.
+    pub(crate) fn example(&self) -> String {
+        match self {
+            Self::Text => "\"text\"".to_owned(),
+            Self::Flag => "true".to_owned(),
+            Self::Choice(words) => format!("\"{}\"", words.first().unwrap_or(&"")),
+            Self::Count { least, .. } => least.to_string(),
+            Self::Number => "0.5".to_owned(),
+            Self::Quantity(dimensions) => match dimensions.first() {
+                Some(Dimension::Ratio) | None => "0.3".to_owned(),
+                Some(dimension) => format!("\"{}\"", dimension.example()),
+            },
+            Self::Vector(item, count) => {
+                format!("[{}]", vec![item.example(); *count].join(", "))
+            }
+            Self::List(item) => format!("[{}, ...]", item.example()),
+            Self::Either(kinds) => kinds.first().map(Self::example).unwrap_or_default(),
+            Self::Table(table) => {
+                let keys: Vec<String> = table
+                    .keys
+                    .iter()
+                    .map(|key| format!("{} = {}", key.name, key.kind.example()))
+                    .collect();
+                format!("{{ {} }}", keys.join(", "))
+            }
+            Self::Variants { tag, variants } => {
+                let word = variants.first().map_or("", |(word, _)| word);
+                format!("{{ {tag} = \"{word}\", ... }}")
+            }
+            Self::Tables(table) => table.title.to_owned(),
+        }
+    }
+}
+
+/// The name with `a` or `an` before it.
+pub(crate) fn article(name: &str) -> String {
+    let vowel = name.starts_with(['a', 'e', 'i', 'o', 'u']);
+    format!("{} {name}", if vowel { "an" } else { "a" })
+}
