@@ -10,6 +10,7 @@ mod error;
 mod files;
 mod help;
 mod node;
+mod output;
 mod overlay;
 mod read;
 mod render;
@@ -21,6 +22,9 @@ mod validate;
 
 pub use case_file::{CaseFile, load, parse};
 pub use error::{Diagnostic, FileError, FileProblem};
+pub use output::{
+    Cell, CsvTable, NonFinite, remove_unfinished, shape_csv, solution_json, write_atomically,
+};
 pub use read::{Measured, MeasuredDisk, Reference};
 pub use render::render;
 pub use schema::schema;

@@ -1,0 +1,161 @@
+use core::fmt::Write as _;
+
+use whipcord::Shape;
+
+use super::NonFinite;
+
+/// A table to be written as CSV (RFC 4180, lines ended by a line feed).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CsvTable {
+    columns: Vec<String>,
+    rows: Vec<Vec<Cell>>,
+}
+
+/// One value of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// A number, written so that reading gives it back exactly.
+    Number(f64),
+    /// A whole number.
+    Integer(i64),
+    /// A text.
+    Text(String),
+    /// Nothing.
+    Empty,
+}
+
+impl CsvTable {
+    /// An empty table with these columns.
+    #[must_use]
+    pub fn new<S: Into<String>>(columns: impl IntoIterator<Item = S>) -> Self {
+        Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
+    }
+
+    /// Adds a row; one shorter than the columns is filled up with nothing.
+    pub fn push<C: Into<Cell>>(&mut self, row: impl IntoIterator<Item = C>) {
+        let mut row: Vec<Cell> = row.into_iter().map(Into::into).collect();
+        row.resize(self.columns.len(), Cell::Empty);
+        self.rows.push(row);
+    }
+
+    /// The table as text.
+    ///
+    /// # Errors
+    /// [`NonFinite`] with row (from 1) and column of a number that is not finite.
+    pub fn to_csv(&self) -> Result<String, NonFinite> {
+        let mut out = String::new();
+        let header: Vec<String> = self.columns.iter().map(|name| quoted(name)).collect();
+        out.push_str(&header.join(","));
+        out.push('\n');
+        for (i, row) in self.rows.iter().enumerate() {
+            for (j, cell) in row.iter().enumerate() {
+                if j > 0 {
+                    out.push(',');
+                }
+                match cell {
+                    Cell::Number(value) if !value.is_finite() => {
+                        let path = format!("row {}, column {}", i + 1, self.columns[j]);
+                        return Err(NonFinite { path, value: *value });
+                    }
+                    // Debug chooses the exponent for the very small and the very large.
+                    Cell::Number(value) => _ = write!(out, "{value:?}"),
+                    Cell::Integer(value) => _ = write!(out, "{value}"),
+                    Cell::Text(text) => out.push_str(&quoted(text)),
+                    Cell::Empty => {}
+                }
+            }
+            out.push('\n');
+        }
+        Ok(out)
+    }
+}
+
+/// The frames of a shape, one line for each station: arc length, position and orientation.
+///
+/// # Errors
+/// [`NonFinite`] for a number that is not finite.
+pub fn shape_csv(shape: &Shape) -> Result<String, NonFinite> {
+    let mut table = CsvTable::new(["arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"]);
+    for (&arc_length, pose) in shape.arc_length.iter().zip(&shape.poses) {
+        let [x, y, z] = pose.position.to_array();
+        let [qw, qx, qy, qz] = pose.rotation.wxyz();
+        table.push([arc_length, x, y, z, qw, qx, qy, qz]);
+    }
+    table.to_csv()
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains(['"', ',', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(value: usize) -> Self {
+        i64::try_from(value).map_or(Self::Number(value as f64), Self::Integer)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(value: &str) -> Self {
+        Self::Text(value.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(value: String) -> Self {
+        Self::Text(value)
+    }
+}
+
+impl<T: Into<Self>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Empty, Into::into)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use whipcord::Pose;
+
+    #[test]
+    fn cells_are_quoted_where_they_must_be() {
+        let mut table = CsvTable::new(["case", "error, mean"]);
+        table.push([Cell::from("a \"b\""), Cell::from(1.5e-9)]);
+        table.push([Cell::from("c"), Cell::from(None::<f64>)]);
+        table.push([Cell::from(3_usize)]);
+        assert_eq!(
+            table.to_csv().unwrap(),
+            "case,\"error, mean\"\n\"a \"\"b\"\"\",1.5e-9\nc,\n3,\n"
+        );
+    }
+
+    #[test]
+    fn a_shape_is_one_line_a_station() {
+        let shape = Shape { arc_length: vec![0.0], poses: vec![Pose::default()] };
+        let text = shape_csv(&shape).unwrap();
+        assert_eq!(text, "arc_length,x,y,z,qw,qx,qy,qz\n0.0,0.0,0.0,0.0,1.0,0.0,0.0,0.0\n");
+        let bad = Shape { arc_length: vec![f64::NAN], ..shape };
+        assert_eq!(shape_csv(&bad).unwrap_err().path, "row 1, column arc_length");
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_are_read_back_exactly(x in proptest::num::f64::NORMAL) {
+            let mut table = CsvTable::new(["x"]);
+            table.push([x]);
+            let text = table.to_csv().unwrap();
+            prop_assert_eq!(text.lines().nth(1).unwrap().parse::<f64>().unwrap(), x);
+        }
+    }
+}

@@ -1,0 +1,178 @@
+use serde_json::{Map, Number, Value, json};
+use whipcord::{CableState, Diagnostics, Pose, Shape, Solution, Vec3};
+
+use super::NonFinite;
+
+/// A solution as the JSON object that `whipcord solve --json` prints. `solve_time` is in s, as
+/// everything is in SI.
+///
+/// # Errors
+/// [`NonFinite`] with the place of a number that is not finite.
+pub fn solution_json(
+    title: &str,
+    solution: &Solution,
+    solve_time: f64,
+) -> Result<Value, NonFinite> {
+    let stations = &solution.shape;
+    let positions = stations.poses.iter().enumerate();
+    let position: Vec<Value> = positions
+        .map(|(i, pose)| vector(|| format!("shape.position[{i}]"), pose.position))
+        .collect::<Result<_, _>>()?;
+    let orientation: Vec<Value> = (stations.poses.iter().enumerate())
+        .map(|(i, pose)| quaternion(|| format!("shape.orientation[{i}]"), pose))
+        .collect::<Result<_, _>>()?;
+    let wrench = solution.base_wrench.map(|wrench| -> Result<Value, NonFinite> {
+        Ok(json!({
+            "force": vector(|| "base_wrench.force".to_owned(), wrench.force)?,
+            "moment": vector(|| "base_wrench.moment".to_owned(), wrench.moment)?,
+        }))
+    });
+    Ok(json!({
+        "title": title,
+        "model": solution.model.name(),
+        // A model answers with a converged solution or with an error.
+        "status": "converged",
+        "shape": {
+            "arc_length": numbers("shape.arc_length", &stations.arc_length)?,
+            "position": position,
+            "orientation": orientation,
+        },
+        "disks": disks(&solution.disks)?,
+        "cables": solution.cables.iter().enumerate()
+            .map(|(i, cable)| state(i, cable))
+            .collect::<Result<Vec<_>, _>>()?,
+        "base_wrench": wrench.transpose()?,
+        "diagnostics": diagnostics(&solution.diagnostics, solve_time)?,
+    }))
+}
+
+fn disks(shape: &Shape) -> Result<Vec<Value>, NonFinite> {
+    (shape.arc_length.iter().zip(&shape.poses).enumerate())
+        .map(|(i, (&arc_length, pose))| {
+            let path = |name: &str| format!("disks[{i}].{name}");
+            Ok(json!({
+                "arc_length": number(|| path("arc_length"), arc_length)?,
+                "position": vector(|| path("position"), pose.position)?,
+                "orientation": quaternion(|| path("orientation"), pose)?,
+            }))
+        })
+        .collect()
+}
+
+fn state(index: usize, cable: &CableState) -> Result<Value, NonFinite> {
+    let path = |name: &str| format!("cables[{index}].{name}");
+    Ok(json!({
+        "name": cable.name,
+        "tension": optional(|| path("tension"), cable.tension)?,
+        "length": number(|| path("length"), cable.length)?,
+        "initial_length": number(|| path("initial_length"), cable.initial_length)?,
+        "slack": cable.slack,
+    }))
+}
+
+fn diagnostics(diagnostics: &Diagnostics, solve_time: f64) -> Result<Value, NonFinite> {
+    let path = |name: &str| format!("diagnostics.{name}");
+    let mut object = Map::new();
+    let mut insert = |name: &str, value: Value| object.insert(name.to_owned(), value);
+    insert("iterations", json!(diagnostics.iterations));
+    insert("residual", number(|| path("residual"), diagnostics.residual)?);
+    insert("stability", optional(|| path("stability"), diagnostics.stability)?);
+    let error = diagnostics.discretization_error;
+    insert("discretization_error", optional(|| path("discretization_error"), error)?);
+    insert("steps", json!(diagnostics.steps));
+    insert("solve_time", number(|| path("solve_time"), solve_time)?);
+    insert("version", json!(env!("CARGO_PKG_VERSION")));
+    Ok(Value::Object(object))
+}
+
+fn number(path: impl FnOnce() -> String, value: f64) -> Result<Value, NonFinite> {
+    match Number::from_f64(value) {
+        Some(number) => Ok(Value::Number(number)),
+        None => Err(NonFinite { path: path(), value }),
+    }
+}
+
+fn optional(path: impl FnOnce() -> String, value: Option<f64>) -> Result<Value, NonFinite> {
+    value.map_or(Ok(Value::Null), |value| number(path, value))
+}
+
+fn numbers(path: &str, values: &[f64]) -> Result<Value, NonFinite> {
+    let entries = values.iter().enumerate();
+    entries.map(|(i, &value)| number(|| format!("{path}[{i}]"), value)).collect()
+}
+
+fn vector(path: impl FnOnce() -> String, vector: Vec3) -> Result<Value, NonFinite> {
+    located(path, &vector.to_array())
+}
+
+fn quaternion(path: impl FnOnce() -> String, pose: &Pose) -> Result<Value, NonFinite> {
+    located(path, &pose.rotation.wxyz())
+}
+
+fn located(path: impl FnOnce() -> String, values: &[f64]) -> Result<Value, NonFinite> {
+    if values.iter().all(|value| value.is_finite()) {
+        return Ok(json!(values));
+    }
+    numbers(&path(), values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whipcord::{ModelKind, UnitQuaternion, Wrench};
+
+    fn solution() -> Solution {
+        let shape = Shape {
+            arc_length: vec![0.0, 0.18],
+            poses: vec![
+                Pose::default(),
+                Pose {
+                    position: Vec3::new(0.0, 0.1, 0.15),
+                    rotation: UnitQuaternion::from_wxyz([0.8, -0.6, 0.0, 0.0]).unwrap(),
+                },
+            ],
+        };
+        Solution {
+            model: ModelKind::Cosserat,
+            disks: shape.clone(),
+            shape,
+            cables: vec![
+                CableState {
+                    name: "pull".to_owned(),
+                    tension: Some(3.92),
+                    length: 0.172,
+                    initial_length: 0.1828,
+                    slack: false,
+                },
+                CableState {
+                    name: "idle".to_owned(),
+                    tension: None,
+                    length: 0.18,
+                    initial_length: 0.18,
+                    slack: true,
+                },
+            ],
+            base_wrench: Some(Wrench::default()),
+            diagnostics: Diagnostics { steps: 18, ..Diagnostics::default() },
+        }
+    }
+
+    #[test]
+    fn a_solution_has_the_keys_of_the_contract() {
+        let mut value = solution_json("Case III", &solution(), 4.1e-6).unwrap();
+        value["diagnostics"]["version"] = json!("x.y.z");
+        insta::assert_json_snapshot!(value);
+    }
+
+    #[test]
+    fn a_number_that_is_none_is_an_error_and_not_null() {
+        let mut bad = solution();
+        bad.shape.poses[1].position.y = f64::NAN;
+        let error = solution_json("", &bad, 0.0).unwrap_err();
+        assert_eq!(error.path, "shape.position[1][1]");
+        bad = solution();
+        bad.cables[0].tension = Some(f64::INFINITY);
+        let error = solution_json("", &bad, 0.0).unwrap_err();
+        assert_eq!(error.to_string(), "cables[0].tension is inf, which is no result");
+    }
+}
