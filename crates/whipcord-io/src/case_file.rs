@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use whipcord::{Case, Robot};
 
 use crate::check::{self, Fields};
-use crate::error::{FileError, FileProblem, Problems};
+use crate::error::{FileError, Problems};
 use crate::files;
 use crate::node::{Node, Value};
 use crate::read::{self, Measured, Reference};
@@ -83,16 +83,7 @@ fn read(
     if !problems.is_empty() {
         return None;
     }
-    let Some(parts) = parts else {
-        let (key, table) = ("backbone", ROOT.title);
-        problems.push(document.span, || FileProblem::Missing {
-            key,
-            table,
-            example: "[backbone]".to_owned(),
-        });
-        return None;
-    };
-    let (robot, case) = assemble(parts, document, problems)?;
+    let (robot, case) = assemble(parts?, document, problems)?;
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Some(CaseFile {
         title: fields.text("title").map_or_else(stem, str::to_owned),

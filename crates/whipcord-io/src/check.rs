@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::error::{FileProblem, Problems};
 use crate::node::{Entries, Node, Value};
-use crate::schema::{Kind, Rule, Table};
+use crate::schema::{Key, Kind, Rule, Table};
 use crate::source::Span;
 use crate::suggest;
 use crate::units::{Dimension, parse_quantity};
@@ -125,22 +125,30 @@ pub(crate) fn table(
     problems: &mut Problems,
 ) -> Fields {
     let mut fields = Fields::default();
-    for (name, entry) in entries {
+    // Keys that unknown ones are taken for: they are not missing besides.
+    let mut misspelt = Vec::new();
+    let mut in_order: Vec<_> = entries.iter().collect();
+    in_order.sort_by_key(|(_, entry)| entry.key_span);
+    for (name, entry) in in_order {
         match declared.key(name) {
-            None => problems.push(entry.key_span, || FileProblem::UnknownKey {
-                key: crate::source::quoted(name),
-                table: declared.title,
-                help: suggest::for_key(name, declared),
+            None => problems.push(entry.key_span, || {
+                let near = suggest::nearest(name, declared.keys.iter().map(|key| key.name));
+                misspelt.extend(near);
+                FileProblem::UnknownKey {
+                    key: crate::source::quoted(name),
+                    table: declared.title,
+                    help: suggest::for_key(name, near, declared),
+                }
             }),
             Some(key) => {
-                if let Some(data) = value(&entry.node, &key.kind, key.name, problems) {
+                if let Some(data) = value(&entry.node, &key.kind, key, problems) {
                     fields.values.insert(key.name, data);
                 }
             }
         }
     }
     for rule in declared.rules {
-        check_rule(rule, entries, span, declared, problems);
+        check_rule(rule, entries, span, declared, &misspelt, problems);
     }
     fields
 }
@@ -150,25 +158,24 @@ fn check_rule(
     entries: &Entries,
     span: Span,
     declared: &Table,
+    misspelt: &[&str],
     problems: &mut Problems,
 ) {
     let table = declared.title;
-    let example = |name: &str| match declared.key(name).map(|key| &key.kind) {
-        Some(Kind::Table(inner)) if inner.title.starts_with('[') => inner.title.to_owned(),
-        Some(kind) => format!("{name} = {}", kind.example()),
-        None => String::new(),
-    };
+    let example = |name: &str| declared.key(name).map(Key::example_line).unwrap_or_default();
+    let title = |name: &str| declared.key(name).map(Key::title).unwrap_or_default();
     let given = |names: &'static [&'static str]| {
         let mut given: Vec<_> =
             names.iter().filter_map(|&name| Some((name, entries.get(name)?.key_span))).collect();
         given.sort_by_key(|(_, span)| *span);
         given
     };
-    let in_quotes = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect();
+    let titles = |names: &[&str]| names.iter().map(|name| title(name)).collect();
+    let meant = |names: &[&str]| names.iter().any(|name| misspelt.contains(name));
     match *rule {
         Rule::Required(key) => {
-            if !entries.contains_key(key) {
-                let example = example(key);
+            if !entries.contains_key(key) && !meant(&[key]) {
+                let (key, example) = (title(key), example(key));
                 problems.push(span, || FileProblem::Missing { key, table, example });
             }
         }
@@ -176,12 +183,14 @@ fn check_rule(
             let exclusive = !matches!(rule, Rule::AtLeastOne(_));
             let needed = !matches!(rule, Rule::AtMostOne(_));
             match given(names).as_slice() {
-                [] if needed => problems.push(span, || FileProblem::MissingOneOf {
-                    keys: in_quotes(names),
-                    table,
-                    exclusive,
-                    example: example(names[0]),
-                }),
+                [] if needed && !meant(names) => {
+                    problems.push(span, || FileProblem::MissingOneOf {
+                        keys: titles(names),
+                        table,
+                        exclusive,
+                        example: example(names[0]),
+                    })
+                }
                 [(first, first_span), others @ ..] if exclusive => {
                     for &(second, second_span) in others {
                         let related = Some((*first_span, "the other one is here"));
@@ -198,10 +207,11 @@ fn check_rule(
         Rule::Needs(key, names) => {
             if let Some(entry) = entries.get(key)
                 && given(names).is_empty()
+                && !meant(names)
             {
                 problems.push(entry.key_span, || FileProblem::Needs {
                     key,
-                    needs: in_quotes(names),
+                    needs: titles(names),
                     table,
                     example: example(names[0]),
                 });
@@ -210,11 +220,16 @@ fn check_rule(
     }
 }
 
-fn value(node: &Node, kind: &Kind, key: &'static str, problems: &mut Problems) -> Option<Data> {
+pub(crate) fn value(
+    node: &Node,
+    kind: &Kind,
+    key: &'static Key,
+    problems: &mut Problems,
+) -> Option<Data> {
     match (kind, &node.value) {
         (Kind::Text, Value::Text(text)) => {
             if text.trim().is_empty() {
-                problems.push(node.span, || empty(kind, key));
+                problems.push(node.span, || empty(key));
                 return None;
             }
             Some(Data::Text(text.clone()))
@@ -225,7 +240,7 @@ fn value(node: &Node, kind: &Kind, key: &'static str, problems: &mut Problems) -
             let count = usize::try_from(*value).ok().filter(|n| (*least..=*greatest).contains(n));
             if count.is_none() {
                 problems.push(node.span, || FileProblem::OutOfRange {
-                    key,
+                    key: key.name,
                     value: *value,
                     least: *least,
                     greatest: *greatest,
@@ -245,14 +260,18 @@ fn value(node: &Node, kind: &Kind, key: &'static str, problems: &mut Problems) -
         (Kind::Vector(item, expected), Value::List(items)) => {
             let (given, expected) = (items.len(), *expected);
             if given != expected {
-                problems.push(node.span, || FileProblem::WrongCount { key, expected, given });
+                problems.push(node.span, || FileProblem::WrongCount {
+                    key: key.name,
+                    expected,
+                    given,
+                });
                 return None;
             }
             list(items, item, key, problems)
         }
         (Kind::List(item), Value::List(items)) => {
             if items.is_empty() {
-                problems.push(node.span, || empty(kind, key));
+                problems.push(node.span, || empty(key));
                 return None;
             }
             list(items, item, key, problems)
@@ -291,7 +310,7 @@ fn resembles(value: &Value, kind: &Kind) -> bool {
     }
 }
 
-fn list(items: &[Node], kind: &Kind, key: &'static str, problems: &mut Problems) -> Option<Data> {
+fn list(items: &[Node], kind: &Kind, key: &'static Key, problems: &mut Problems) -> Option<Data> {
     let checked: Vec<Data> =
         items.iter().filter_map(|item| value(item, kind, key, problems)).collect();
     (checked.len() == items.len()).then_some(Data::List(checked))
@@ -299,7 +318,7 @@ fn list(items: &[Node], kind: &Kind, key: &'static str, problems: &mut Problems)
 
 fn number(
     node: &Node,
-    key: &'static str,
+    key: &'static Key,
     dimension: Dimension,
     problems: &mut Problems,
 ) -> Option<Data> {
@@ -311,7 +330,7 @@ fn number(
     if value.is_finite() {
         Some(Data::Number(value, dimension))
     } else {
-        problems.push(node.span, || FileProblem::NotFinite { key, value });
+        problems.push(node.span, || FileProblem::NotFinite { key: key.name, value });
         None
     }
 }
@@ -320,13 +339,13 @@ fn quantity(
     node: &Node,
     expected: &'static [Dimension],
     text: &str,
-    key: &'static str,
+    key: &'static Key,
     problems: &mut Problems,
 ) -> Option<Data> {
     match parse_quantity(text, expected) {
         Ok((value, dimension)) => Some(Data::Number(value, dimension)),
         Err(error) => {
-            problems.push(node.span, || FileProblem::Quantity { key, error, expected });
+            problems.push(node.span, || FileProblem::Quantity { key: key.name, error, expected });
             None
         }
     }
@@ -336,14 +355,14 @@ fn choice(
     node: &Node,
     words: &'static [&'static str],
     text: &str,
-    key: &'static str,
+    key: &'static Key,
     problems: &mut Problems,
 ) -> Option<Data> {
     if words.contains(&text) {
         return Some(Data::Text(text.to_owned()));
     }
     problems.push(node.span, || FileProblem::UnknownChoice {
-        key,
+        key: key.name,
         value: crate::source::quoted(text),
         choices: words.to_vec(),
         near: suggest::nearest(text, words.iter().copied()),
@@ -354,48 +373,34 @@ fn choice(
 fn variant(
     node: &Node,
     entries: &Entries,
-    tag: &'static str,
+    tag: &'static Key,
     variants: &'static [(&'static str, Table)],
     problems: &mut Problems,
 ) -> Option<Data> {
-    let words = || variants.iter().map(|(word, _)| *word);
-    let Some(entry) = entries.get(tag) else {
-        let example = format!("{tag} = \"{}\"", words().next().unwrap_or(""));
-        problems.push(node.span, || FileProblem::Missing { key: tag, table: "`routing`", example });
-        return None;
-    };
-    let Value::Text(text) = &entry.node.value else {
-        problems.push(entry.node.span, || FileProblem::WrongType {
-            key: tag,
-            expected: crate::units::listed(words(), "or"),
-            found: entry.node.value.type_name(),
-            help: format!("write for example {tag} = \"{}\"", words().next().unwrap_or("")),
+    let Some(entry) = entries.get(tag.name) else {
+        problems.push(node.span, || FileProblem::Missing {
+            key: tag.title(),
+            table: "`routing`",
+            example: tag.example_line(),
         });
         return None;
     };
-    let Some((word, declared)) = variants.iter().find(|(word, _)| word == text) else {
-        problems.push(entry.node.span, || FileProblem::UnknownChoice {
-            key: tag,
-            value: crate::source::quoted(text),
-            choices: words().collect(),
-            near: suggest::nearest(text, words()),
-        });
-        return None;
-    };
+    let Data::Text(given) = value(&entry.node, &tag.kind, tag, problems)? else { return None };
+    let (word, declared) = variants.iter().find(|(word, _)| *word == given)?;
     let mut rest = entries.clone();
-    rest.remove(tag);
+    rest.remove(tag.name);
     let fields = table(&rest, node.span, declared, problems);
     Some(Data::Table(Fields { variant: word, ..fields }))
 }
 
-fn empty(kind: &Kind, key: &'static str) -> FileProblem {
-    FileProblem::Empty { key, example: format!("{key} = {}", kind.example()) }
+fn empty(key: &Key) -> FileProblem {
+    FileProblem::Empty { key: key.name, example: key.example_line() }
 }
 
 fn wrong_type(
     node: &Node,
     kind: &Kind,
-    key: &'static str,
+    key: &'static Key,
     problems: &mut Problems,
 ) -> Option<Data> {
     problems.push(node.span, || {
@@ -427,9 +432,9 @@ fn wrong_type(
             (Kind::Number, Value::Text(_)) => {
                 "write the number in SI units, without quotes and without a unit".to_owned()
             }
-            _ => format!("write for example {key} = {}", kind.example()),
+            _ => format!("write for example `{}`", key.example_line()),
         };
-        FileProblem::WrongType { key, expected, found, help }
+        FileProblem::WrongType { key: key.name, expected, found, help }
     });
     None
 }

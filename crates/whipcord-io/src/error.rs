@@ -5,7 +5,7 @@ use core::fmt;
 use thiserror::Error;
 use whipcord::Problem;
 
-use crate::source::{Sources, Span, quoted};
+use crate::source::{Sources, Span};
 use crate::units::{Dimension, QuantityError, listed};
 
 /// Problems beyond this many are counted, not kept: a file of garbage has one per line.
@@ -105,10 +105,10 @@ pub enum FileProblem {
         help: String,
     },
     /// A key that must be there.
-    #[error("{table} has no `{key}`")]
+    #[error("{table} has no {key}")]
     Missing {
-        /// The key.
-        key: &'static str,
+        /// The key, in quotes, or the header of the table.
+        key: String,
         /// Title of the table.
         table: &'static str,
         /// A line that would do.
@@ -179,7 +179,7 @@ pub enum FileProblem {
         value: f64,
     },
     /// A whole number out of its range.
-    #[error("`{key}` must be a whole number from {least} to {greatest}, but is {value}")]
+    #[error("`{key}` must be {}, but is {value}", bound(*value, *least, *greatest))]
     OutOfRange {
         /// The key.
         key: &'static str,
@@ -221,9 +221,9 @@ pub enum FileProblem {
         near: Option<&'static str>,
     },
     /// A quantity that cannot be, or that does not fit the others.
-    #[error("{}{problem}", Quoted(path))]
+    #[error("{}", physical(path, problem))]
     Physical {
-        /// Which quantity.
+        /// Which quantity, as the library names it; cables count from 0.
         path: String,
         /// What is wrong with it.
         problem: Problem,
@@ -238,12 +238,44 @@ pub enum FileProblem {
     },
 }
 
-/// A path in quotes, as a problem's subject.
-struct Quoted<'a>(&'a str);
+/// What the library says of a quantity, as a sentence.
+fn physical(path: &str, problem: &Problem) -> String {
+    let said = match *problem {
+        // A range without a lower end.
+        Problem::OutOfRange { value, least, greatest } if least <= f64::MIN => {
+            format!("must be at most {greatest}, but is {value}")
+        }
+        _ => problem.to_string(),
+    };
+    let predicate = ["must ", "has ", "names ", "lies "].iter().any(|verb| said.starts_with(verb));
+    format!("{}{} {said}", subject(path), if predicate { "" } else { ":" })
+}
 
-impl fmt::Display for Quoted<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0.is_empty() { Ok(()) } else { write!(f, "`{}`: ", self.0) }
+/// The quantity at a path, named as people would: `tension` of cable 2.
+fn subject(path: &str) -> String {
+    let path = match path.rfind('[') {
+        // The mark shows which entry of the list it is.
+        Some(at) if path.ends_with(']') => &path[..at],
+        _ => path,
+    };
+    let numbered = |list: &str| {
+        let (number, rest) = path.strip_prefix(list)?.strip_prefix('[')?.split_once("].")?;
+        Some((number.parse::<usize>().ok()? + 1, rest))
+    };
+    if let Some((number, rest)) = numbered("cables") {
+        format!("`{rest}` of cable {number}")
+    } else if let Some((number, rest)) = numbered("loads.point") {
+        format!("`{rest}` of point load {number}")
+    } else {
+        format!("`{path}`")
+    }
+}
+
+fn bound(value: i64, least: usize, greatest: usize) -> String {
+    if i64::try_from(least).is_ok_and(|least| value < least) {
+        format!("at least {least}")
+    } else {
+        format!("at most {greatest}")
     }
 }
 
@@ -300,32 +332,5 @@ impl Problems {
     pub(crate) fn into_error(mut self, sources: Sources) -> FileError {
         self.list.sort_by_key(|diagnostic| diagnostic.span);
         FileError { problems: self.list, more: self.more, sources }
-    }
-}
-
-impl FileProblem {
-    /// The parser's message put in the words of the other messages. `text` is what it points at.
-    pub(crate) fn syntax(message: &str, text: &str) -> Self {
-        let (message, help) = match message {
-            "duplicate key" => (
-                format!("`{}` is given twice", quoted(text)),
-                "a key or table may stand only once: remove one of the two; to describe several cables, begin each with [[cables]]".to_owned(),
-            ),
-            m if m.starts_with("string values must be quoted") && text.is_empty() => {
-                ("there is no value".to_owned(), "write one after the `=`".to_owned())
-            }
-            m if m.starts_with("string values must be quoted") => (
-                format!("`{}` is not a value", quoted(text)),
-                format!(
-                    "a text, and a number with a unit too, needs quotes: \"{}\"; the entries of a list need commas between them",
-                    quoted(text.trim())
-                ),
-            ),
-            m => (
-                m.to_owned(),
-                "the file must be TOML: check the quotes, brackets, commas and `=` of this line and the one before it".to_owned(),
-            ),
-        };
-        Self::Syntax { message, help }
     }
 }

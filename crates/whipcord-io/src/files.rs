@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use crate::check::{self, Data};
 use crate::error::{FileProblem, Problems};
 use crate::node::{self, Node, Value};
 use crate::overlay::overlay;
@@ -12,8 +13,6 @@ use crate::source::{Sources, Span};
 
 /// A robot file takes a few kilobytes; one with a thousand disks and a hundred cables half of this.
 const LARGEST: usize = 1 << 20;
-/// Characters of a file that is too large that are kept to show its beginning.
-const SHOWN: usize = 200;
 /// Files that may extend one another.
 const LONGEST_CHAIN: usize = 16;
 
@@ -38,15 +37,20 @@ fn read(path: &Path) -> Result<String, Refusal> {
         .and_then(|file| file.take(LARGEST as u64 + 1).read_to_end(&mut bytes))
         .map_err(|error| unreadable(&error))?;
     if bytes.len() > LARGEST {
-        let text = String::from_utf8_lossy(&bytes[..SHOWN]).into_owned();
-        let problem = FileProblem::TooLarge { limit: LARGEST };
-        return Err(Refusal { problem, text: Some(text), at: 0 });
+        return Err(Refusal {
+            problem: FileProblem::TooLarge { limit: LARGEST },
+            text: None,
+            at: 0,
+        });
     }
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        let byte = error.as_bytes()[at];
-        let problem = FileProblem::NotUtf8 { offset: at, byte };
-        Refusal { problem, text: Some(String::from_utf8_lossy(error.as_bytes()).into_owned()), at }
+        let bytes = error.as_bytes();
+        let problem = FileProblem::NotUtf8 { offset: at, byte: bytes[at] };
+        // A text in another encoding is worth showing, an image or a program is not.
+        let binary = bytes.iter().any(|byte| matches!(byte, 0..=8 | 14..=31));
+        let text = (!binary).then(|| String::from_utf8_lossy(bytes).into_owned());
+        Refusal { problem, text, at }
     })
 }
 
@@ -119,7 +123,7 @@ pub(crate) fn document(
     let first = sources.add(path, Some(text.to_owned()));
     let mut root = node::parse(first, text, problems)?;
     let mut chain = vec![Link::new(path)];
-    let mut extends = extended(&root);
+    let mut extends = extended(&root, problems)?;
     while let Some((named, target)) = extends {
         let path = sources.resolve(named.file, &target);
         let link = Link::new(&path);
@@ -136,7 +140,7 @@ pub(crate) fn document(
         chain.push(link);
         let (file, text) = read_named(&path, named, sources, problems)?;
         let mut lower = node::parse(file, &text, problems)?;
-        extends = extended(&lower);
+        extends = extended(&lower, problems)?;
         let lower = core::mem::take(lower.entries_mut()?);
         let upper = root.entries_mut()?;
         overlay(upper, lower, Some(&ROOT));
@@ -144,12 +148,14 @@ pub(crate) fn document(
     Some(root)
 }
 
-/// The file that a document extends, and where it says so.
-fn extended(root: &Node) -> Option<(Span, String)> {
+/// The file that a document extends, if any, and where it says so; `None` when that cannot be told.
+fn extended(root: &Node, problems: &mut Problems) -> Option<Option<(Span, String)>> {
     let Value::Table(entries) = &root.value else { return None };
-    let node = &entries.get("extends")?.node;
-    match &node.value {
-        Value::Text(path) if !path.trim().is_empty() => Some((node.span, path.clone())),
+    let Some((entry, key)) = entries.get("extends").zip(ROOT.key("extends")) else {
+        return Some(None);
+    };
+    match check::value(&entry.node, &key.kind, key, problems)? {
+        Data::Text(path) => Some(Some((entry.node.span, path))),
         _ => None,
     }
 }

@@ -33,15 +33,15 @@ impl FileProblem {
                 "remove one `extends` of the circle: the file that describes the bare robot extends nothing".to_owned()
             }
             Self::TooManyExtends { .. } => "merge some of the files".to_owned(),
-            Self::Missing { example, .. } => format!("add `{example}`"),
+            Self::Missing { example, .. } => format!("add {}", line(example)),
             Self::MissingOneOf { exclusive, example, .. } => {
                 let how_many = if *exclusive { "exactly one" } else { "at least one" };
-                format!("give {how_many} of them, for example `{example}`")
+                format!("give {how_many} of them, for example {}", line(example))
             }
             Self::Exclusive { .. } => "remove one of the two".to_owned(),
-            Self::Needs { key, example, .. } => format!("add `{example}`, or remove `{key}`"),
+            Self::Needs { key, example, .. } => format!("add {}, or remove `{key}`", line(example)),
             Self::Quantity { error, expected, .. } => quantity_help(error, expected),
-            Self::NotFinite { .. } => "write the number itself".to_owned(),
+            Self::NotFinite { .. } => "write a finite number".to_owned(),
             Self::OutOfRange { value, least, .. } => {
                 if i64::try_from(*least).is_ok_and(|least| *value < least) {
                     format!("write {least} or more")
@@ -56,7 +56,7 @@ impl FileProblem {
                     format!("add {}", values(expected - given))
                 }
             }
-            Self::Empty { example, .. } => format!("write for example {example}"),
+            Self::Empty { example, .. } => format!("write for example `{example}`"),
             Self::UnknownChoice { choices, near, .. } => match near {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("choose {}", listed(choices.iter().copied(), "or")),
@@ -65,6 +65,11 @@ impl FileProblem {
             Self::Measured { help, .. } => (*help).to_owned(),
         }
     }
+}
+
+/// A line of TOML in a sentence; a header is a table.
+fn line(example: &str) -> String {
+    if example.starts_with('[') { format!("a table {example}") } else { format!("`{example}`") }
 }
 
 fn values(count: usize) -> String {
@@ -106,7 +111,7 @@ fn quantity_help(error: &QuantityError, expected: &[Dimension]) -> String {
 
 fn physical_help(problem: &Problem) -> String {
     match *problem {
-        Problem::NotFinite { .. } => "write the number itself".to_owned(),
+        Problem::NotFinite { .. } => "write a finite number".to_owned(),
         Problem::NotPositive { .. } => "give a value greater than zero".to_owned(),
         Problem::Negative { .. } => "give zero or a value greater than zero".to_owned(),
         Problem::OutOfRange { least, greatest, .. } => {

@@ -17,6 +17,7 @@ mod render;
 mod schema;
 mod source;
 mod suggest;
+mod syntax;
 mod units;
 mod validate;
 

@@ -9,6 +9,7 @@ use toml_parser::lexer::TokenKind;
 
 use crate::error::{FileProblem, Problems};
 use crate::source::Span;
+use crate::syntax;
 
 /// Parts of a dotted key; the contract's longest has three.
 const DEEPEST_KEY: usize = 16;
@@ -47,7 +48,7 @@ impl Value {
         match self {
             Self::Text(_) => "a text",
             Self::Integer(_) | Self::Number(_) => "a number",
-            Self::Flag(_) => "true or false",
+            Self::Flag(_) => "a truth value",
             Self::Date => "a date",
             Self::List(_) => "a list",
             Self::Table(_) => "a table",
@@ -56,6 +57,11 @@ impl Value {
 }
 
 impl Node {
+    /// Whether it is a table with this key.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        matches!(&self.value, Value::Table(entries) if entries.contains_key(key))
+    }
+
     /// The deepest value on a path such as `cables[1].holes[3]` that is there.
     pub(crate) fn locate(&self, path: &str) -> &Self {
         let mut node = self;
@@ -98,12 +104,8 @@ pub(crate) fn parse(file: usize, text: &str, problems: &mut Problems) -> Option<
         last_line_end = Some(
             text.as_bytes()[at..].iter().position(|&b| b == b'\n').map_or(text.len(), |i| at + i),
         );
-        let problem = if error.message().contains("recurs") {
-            FileProblem::TooDeep
-        } else {
-            let unquoted = text.get(span.clone()).unwrap_or_default();
-            FileProblem::syntax(error.message(), unquoted)
-        };
+        let at_fault = text.get(span.clone()).unwrap_or_default();
+        let problem = syntax::problem(error.message(), at_fault);
         problems.push(Span::new(file, span.start, span.end), || problem);
     }
     None

@@ -6,7 +6,7 @@ use crate::error::{Diagnostic, FileError};
 use crate::source::{Source, Sources, Span, printable};
 
 /// Problems that are printed in full.
-const MOST_SHOWN: usize = 20;
+const MOST_SHOWN: usize = 10;
 /// Characters of a source line that are shown, and how many of them before the marked place.
 const WIDEST: usize = 96;
 const BEFORE: usize = 40;
@@ -81,10 +81,10 @@ fn marked_line(
     colour: &str,
     end: &str,
 ) {
-    // A file that could not be read shows its name, so that the mark has something to point at.
-    let name = source.name();
+    // A file that has no text shows its name, so that the mark has something to point at.
+    let name = source.path.file_name().unwrap_or_default().to_string_lossy();
     let (gutter, line, column, width) = match &source.text {
-        None => (String::new(), name.as_str(), 0, name.chars().count()),
+        None => (String::new(), name.as_ref(), 0, name.chars().count()),
         Some(text) => {
             let line = source.line_at(span.start);
             let column = source.position(span.start).column - 1;
@@ -102,6 +102,7 @@ fn marked_line(
     let marks = mark.to_string().repeat(width.clamp(1, room));
     let indent = " ".repeat(lead.len() + column - skipped);
     let margin = gutter.len().max(3);
-    let _ = writeln!(out, "{gutter:>margin$} | {}", format!("{lead}{shown}{trail}").trim_end());
+    let numbered = format!("{gutter:>margin$} | {lead}{shown}{trail}");
+    let _ = writeln!(out, "{}", numbered.trim_end());
     let _ = writeln!(out, "{:>margin$} | {indent}{colour}{marks}{end}", "");
 }

@@ -27,7 +27,7 @@ pub struct Position {
 pub struct Source {
     /// Where it was read from, as it was named.
     pub path: PathBuf,
-    /// Its text; `None` when it could not be read.
+    /// Its text; `None` when it could not be read, or is none.
     pub text: Option<String>,
 }
 

@@ -28,9 +28,9 @@ pub(crate) fn nearest<'a>(
         .map(|(_, candidate)| candidate)
 }
 
-/// What to write instead of a key that `table` does not have.
-pub(crate) fn for_key(key: &str, table: &Table) -> String {
-    if let Some(near) = nearest(key, table.keys.iter().map(|key| key.name)) {
+/// What to write instead of a key that `table` does not have, of whose keys it is `near` to one.
+pub(crate) fn for_key(key: &str, near: Option<&str>, table: &Table) -> String {
+    if let Some(near) = near {
         return format!("did you mean `{near}`?");
     }
     let mut owners = Vec::new();

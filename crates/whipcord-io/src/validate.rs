@@ -73,12 +73,9 @@ fn report(error: &RobotError, numbers: &[usize], document: &Node, problems: &mut
         related = Some((other.span, "the other one is here"));
     }
     // The library knows only positions; the file may have given their number.
-    let mut place = document.locate(&path);
-    if path == "disks.count" {
-        let positions = document.locate("disks.positions");
-        if core::ptr::eq(place, document.locate("disks")) {
-            place = positions;
-        }
+    if path == "disks.count" && document.locate("disks").has("positions") {
+        "disks.positions".clone_into(&mut path);
     }
+    let place = document.locate(&path);
     problems.push_related(place.span, related, || FileProblem::Physical { path, problem });
 }

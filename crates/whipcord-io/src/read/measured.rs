@@ -94,8 +94,11 @@ impl Table<'_> {
     fn header(&mut self, cells: &[(&str, Span)], whole: Span) {
         let find = |name: &str| COLUMNS.iter().position(|column| *column == name);
         let columns: Vec<usize> = cells.iter().filter_map(|(text, _)| find(text)).collect();
+        if columns.is_empty() {
+            self.problems.push(whole, || problem("this line must name the columns", HEADER));
+        }
         for (text, span) in cells {
-            if find(text).is_none() {
+            if !columns.is_empty() && find(text).is_none() {
                 let message = format!("there is no column `{}`", quoted(text));
                 self.problems.push(*span, || problem(message, HEADER));
             }

@@ -140,7 +140,7 @@ fn kind(declared: &Kind) -> Value {
         Kind::Tables(inner) => json!({ "type": "array", "items": whole(inner) }),
         Kind::Variants { tag, variants } => {
             let variants: Vec<Value> =
-                variants.iter().map(|(word, inner)| variant(tag, word, inner)).collect();
+                variants.iter().map(|(word, inner)| variant(tag.name, word, inner)).collect();
             json!({ "type": "object", "oneOf": variants })
         }
     }

@@ -24,6 +24,8 @@ pub(crate) struct Table {
 pub(crate) struct Key {
     pub name: &'static str,
     pub kind: Kind,
+    /// A value as it is written in TOML; for a table its header.
+    pub example: &'static str,
     pub doc: &'static str,
 }
 
@@ -55,7 +57,7 @@ pub(crate) enum Kind {
     Tables(&'static Table),
     /// A table whose key `tag` says which of these it is.
     Variants {
-        tag: &'static str,
+        tag: &'static Key,
         variants: &'static [(&'static str, Table)],
     },
 }
@@ -91,6 +93,27 @@ impl Table {
     }
 }
 
+impl Key {
+    /// A line that gives the key a value, or the header of its table.
+    pub(crate) fn example_line(&self) -> String {
+        if self.example.starts_with("[") && matches!(self.kind, Kind::Table(_) | Kind::Tables(_)) {
+            self.example.to_owned()
+        } else {
+            format!("{} = {}", self.name, self.example)
+        }
+    }
+
+    /// How messages name the key: a table by its header.
+    pub(crate) fn title(&self) -> String {
+        match &self.kind {
+            Kind::Table(table) | Kind::Tables(table) if table.title.starts_with('[') => {
+                table.title.to_owned()
+            }
+            _ => format!("`{}`", self.name),
+        }
+    }
+}
+
 impl Kind {
     /// What messages say that a value must be.
     pub(crate) fn description(&self) -> String {
@@ -115,39 +138,6 @@ impl Kind {
             }
             Self::Table(_) | Self::Variants { .. } => "a table".to_owned(),
             Self::Tables(_) => "a list of tables".to_owned(),
-        }
-    }
-
-    /// A value as it may be written.
-    pub(crate) fn example(&self) -> String {
-        match self {
-            Self::Text => "\"text\"".to_owned(),
-            Self::Flag => "true".to_owned(),
-            Self::Choice(words) => format!("\"{}\"", words.first().unwrap_or(&"")),
-            Self::Count { least, .. } => least.to_string(),
-            Self::Number => "0.5".to_owned(),
-            Self::Quantity(dimensions) => match dimensions.first() {
-                Some(Dimension::Ratio) | None => "0.3".to_owned(),
-                Some(dimension) => format!("\"{}\"", dimension.example()),
-            },
-            Self::Vector(item, count) => {
-                format!("[{}]", vec![item.example(); *count].join(", "))
-            }
-            Self::List(item) => format!("[{}, ...]", item.example()),
-            Self::Either(kinds) => kinds.first().map(Self::example).unwrap_or_default(),
-            Self::Table(table) => {
-                let keys: Vec<String> = table
-                    .keys
-                    .iter()
-                    .map(|key| format!("{} = {}", key.name, key.kind.example()))
-                    .collect();
-                format!("{{ {} }}", keys.join(", "))
-            }
-            Self::Variants { tag, variants } => {
-                let word = variants.first().map_or("", |(word, _)| word);
-                format!("{{ {tag} = \"{word}\", ... }}")
-            }
-            Self::Tables(table) => table.title.to_owned(),
         }
     }
 }

@@ -1,0 +1,446 @@
+//! What people are told about files that cannot be used. Each snapshot holds the messages of a
+//! group of files; read them as a user would.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::path::Path;
+
+use whipcord_io::{load, parse};
+
+/// A file without fault, into which the cases put one.
+const BACKBONE: &str = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\n";
+const DISKS: &str = "[disks]\ncount = 10\nhole_circle_radius = \"8 mm\"\nholes = 12\n";
+const CABLE: &str = "[[cables]]\nname = \"pull\"\nholes = [1, 2, 3]\ntension = \"4 N\"\n";
+
+/// The message of a text, which must be refused.
+fn message(text: &str) -> String {
+    match parse(text, "robot.toml") {
+        Ok(_) => panic!("this file must be refused:\n{text}"),
+        Err(error) => {
+            assert!(!error.problems.is_empty());
+            for problem in &error.problems {
+                let source = error.sources.get(problem.span.file).unwrap();
+                let position = source.position(problem.span.start);
+                let place =
+                    format!("{}:{}:{}: error:", source.name(), position.line, position.column);
+                assert!(error.to_string().contains(&place) || error.problems.len() > 10, "{place}");
+                assert!(!problem.problem.help().is_empty());
+            }
+            error.to_string()
+        }
+    }
+}
+
+/// The messages of several texts, each under its name.
+fn messages<T: AsRef<str>>(cases: &[(&str, T)]) -> String {
+    let sections = cases.iter().map(|(name, text)| {
+        let rule = "=".repeat(name.len());
+        format!("{name}\n{rule}\n{}", message(text.as_ref()))
+    });
+    sections.collect::<Vec<_>>().join("\n")
+}
+
+fn with_backbone(lines: &str) -> String {
+    format!("[backbone]\n{lines}\n{DISKS}{CABLE}")
+}
+
+fn with_disks(lines: &str) -> String {
+    format!("{BACKBONE}\n[disks]\n{lines}\n")
+}
+
+fn with_cable(lines: &str) -> String {
+    format!("{BACKBONE}{DISKS}\n[[cables]]\n{lines}\n")
+}
+
+fn with_loads(lines: &str) -> String {
+    format!("{BACKBONE}{DISKS}\n[loads]\n{lines}\n")
+}
+
+#[test]
+fn no_robot_file_at_all() {
+    let text = messages(&[
+        ("an empty file", String::new()),
+        ("only a comment", "# to do\n".to_owned()),
+        ("something else in TOML", "[package]\nname = \"a\"\nversion = \"1\"\n".to_owned()),
+        ("JSON", "{\"backbone\": {\"length\": 0.18}}\n".to_owned()),
+        ("YAML", "backbone:\n  length: 180 mm\n".to_owned()),
+        ("one long line", "x".repeat(1_000_000)),
+        ("control characters", "\u{1}\u{1b}[31m\u{7}".to_owned()),
+        ("no [disks]", BACKBONE.to_owned()),
+    ]);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn not_toml() {
+    let cases = [
+        ("a unit without quotes", "length = 180 mm"),
+        ("no value", "length ="),
+        ("no end of a text", "length = \"180 mm"),
+        ("two equals signs", "length == \"180 mm\""),
+        ("no key", "= \"180 mm\""),
+        ("a key twice", "length = \"180 mm\"\nlength = \"170 mm\""),
+        ("no comma", "length = 0.18\ndiameters = [1 2]"),
+        ("a list without end", "length = 0.18\ndiameters = [1, 2\n"),
+        ("a table twice", "length = 0.18\n[backbone]\ndiameter = 0.003"),
+        ("a table without bracket", "length = 0.18\n[disks\ncount = 3"),
+        ("a decimal comma", "length = 0,18"),
+        ("an unknown escape", "length = \"180\\q mm\""),
+        ("a key in Greek", "μήκος = \"180 mm\""),
+    ]
+    .map(|(name, lines)| (name, format!("[backbone]\n{lines}\n")));
+    let text = messages(&cases);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn nested_too_deeply() {
+    let cases = [
+        ("lists", format!("x = {}", "[".repeat(100_000))),
+        ("tables", format!("x = {}", "{a=".repeat(100_000))),
+        ("a dotted key", format!("{}a = 1", "a.".repeat(100_000))),
+        ("a dotted table", format!("[{}a]", "a.".repeat(100_000))),
+        ("dotted keys in tables", format!("x = {}", "{a.b.c.d.e.f.g.h=".repeat(10_000))),
+    ];
+    let text = messages(&cases);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn keys() {
+    let text = messages(&[
+        ("a slip", with_backbone("lenght = \"180 mm\"\ndiameter = \"3 mm\"")),
+        ("capitals", with_backbone("length = \"180 mm\"\nDiameter = \"3 mm\"")),
+        ("hyphens", with_backbone("length = \"180 mm\"\nyoung-modulus = \"1 GPa\"")),
+        ("part of the name", with_disks("count = 3\nradius = \"8 mm\"")),
+        ("a key of another table", with_backbone("length = \"180 mm\"\nholes = 12")),
+        ("nothing like it", with_cable("holes = [1, 2]\ncolour = \"red\"")),
+        ("a table's slip", format!("{BACKBONE}[disk]\ncount = 10\n")),
+        ("outside the tables", format!("length = 0.18\n{BACKBONE}{DISKS}")),
+        ("in a routing", with_cable("routing = { kind = \"helix\", turn = 1, radius = 0.008 }")),
+        ("several", "titel = \"x\"\n[backbone]\nlenght = 1\n[disks]\ncuont = 3\n".to_owned()),
+        ("single brackets", format!("{BACKBONE}{DISKS}[cables]\nholes = [1, 2]\n")),
+        ("double brackets", format!("{DISKS}[[backbone]]\nlength = 1\n")),
+        ("a table that is a value", format!("backbone = 3\n{DISKS}")),
+        ("control characters", with_backbone("length = 0.18\n\"\\u0007\\u001b[2J\" = 1")),
+    ]);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn units() {
+    let lines = [
+        ("no unit", "length = \"180\""),
+        ("a unit of something else", "length = \"180 GPa\""),
+        ("no such unit", "length = \"180 furlongs\""),
+        ("capitals", "length = 1\nyoung_modulus = \"1.1 gpa\""),
+        ("no number", "length = \"long\""),
+        ("a comma", "length = \"0,18 m\""),
+        ("an empty text", "length = \"\""),
+        ("nan with a unit", "length = \"nan mm\""),
+        ("too large", "length = \"1e400 mm\""),
+        ("a ratio without quotes to spare", "length = 1\npoisson_ratio = \"0.3\""),
+        ("a ratio with a unit", "length = 1\npoisson_ratio = \"0.3 mm\""),
+        ("one entry of a list", "length = 1\nrest_curvature = [0, \"4 m\", 0]"),
+    ];
+    let mut cases: Vec<_> = lines.map(|(name, lines)| (name, with_backbone(lines))).into();
+    cases.push(("a mass for a force", with_cable("holes = [1, 2]\ntension = \"400 g\"")));
+    cases.push(("length or ratio", with_cable("holes = [1, 2]\nshortening = \"5\"")));
+    let text = messages(&cases);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn types_and_counts() {
+    let text = messages(&[
+        ("true for a length", with_backbone("length = true")),
+        ("a list for a length", with_backbone("length = [1, 2]")),
+        ("a date for a length", with_backbone("length = 2020-01-01")),
+        ("a number for a title", format!("title = 3\n{BACKBONE}{DISKS}")),
+        ("an empty title", format!("title = \" \"\n{BACKBONE}{DISKS}")),
+        ("a broken count", with_disks("count = 10.5")),
+        ("a count with a point", with_disks("count = 10.0")),
+        ("a count in quotes", with_disks("count = \"10\"")),
+        ("one disk", with_disks("count = 1")),
+        ("a negative count", with_disks("count = -3")),
+        ("a huge count", with_disks("count = 4000000000")),
+        ("hole zero", with_cable("holes = [0, 1]")),
+        ("half a hole", with_cable("holes = [1, 2.5]")),
+        ("holes as a text", with_cable("holes = \"1-2-3\"")),
+        ("no holes", with_cable("holes = []")),
+        ("a vector of two", with_loads("tip_force = [\"1 N\", \"0 N\"]")),
+        ("a vector of four", with_loads("tip_force = [1, 2, 3, 4]")),
+        ("a number for a vector", with_loads("gravity = 9.81")),
+        (
+            "a text for a coefficient",
+            with_cable("routing = { kind = \"polynomial\", x = [\"8 mm\"], y = [0] }"),
+        ),
+        ("a number for a flag", with_loads("follower = 1")),
+        ("a mixed list", with_backbone("length = 1\nrest_curvature = [[0, 0, 1], 2]")),
+    ]);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn both_or_neither() {
+    let helix = "{ kind = \"helix\", turns = 1, radius = 0.008 }";
+    let text = messages(&[
+        (
+            "diameter and section",
+            with_backbone("length = 1\nsection = { width = 0.01, height = 0.01 }\ndiameter = 0.01"),
+        ),
+        (
+            "two elastic constants",
+            with_backbone("length = 1\npoisson_ratio = 0.3\nshear_modulus = \"1 GPa\""),
+        ),
+        ("a bore without a tube", with_backbone("length = 1\ninner_diameter = 0.01")),
+        ("half a section", with_backbone("length = 1\nsection = { width = 0.01 }")),
+        ("no length", with_backbone("diameter = 0.01")),
+        ("count and positions", with_disks("count = 2\npositions = [0, \"180 mm\"]")),
+        ("neither count nor positions", with_disks("holes = 12\nhole_circle_radius = 0.008")),
+        ("holes and routing", with_cable(&format!("holes = [1, 2]\nrouting = {helix}"))),
+        ("neither holes nor routing", with_cable("tension = \"4 N\"")),
+        (
+            "interpolation of a routing",
+            with_cable(&format!("interpolation = \"pchip\"\nrouting = {helix}")),
+        ),
+        ("no kind", with_cable("routing = { radius = 0.008 }")),
+        ("no such kind", with_cable("routing = { kind = \"helical\", radius = 0.008 }")),
+        ("no radius", with_cable("routing = { kind = \"straight\", angle = 0 }")),
+        ("no such interpolation", with_cable("holes = [1, 2]\ninterpolation = \"linear\"")),
+        ("a load nowhere", with_loads("[[loads.point]]\nforce = [1, 0, 0]")),
+        ("a load of nothing", with_loads("[[loads.point]]\nat = \"90 mm\"")),
+        ("values without a source", format!("{BACKBONE}{DISKS}[reference]\nrms_cosserat = 1e-3")),
+    ]);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn what_cannot_be() {
+    let text = messages(&[
+        ("a negative length", with_backbone("length = \"-180 mm\"")),
+        ("no length", with_backbone("length = 0")),
+        ("not a number", with_backbone("length = nan")),
+        ("infinite", with_loads("tip_force = [inf, 0, -inf]")),
+        ("too large for a number", with_backbone("length = 1e999")),
+        ("an impossible ratio", with_backbone("length = 1\npoisson_ratio = 0.7")),
+        ("a bore too wide", with_backbone("length = 1\ndiameter = 0.01\ninner_diameter = 0.02")),
+        (
+            "a diameter too many",
+            "[disks]\ncount = 2\n[backbone]\nlength = 1\ndiameters = [0.1, 0.1, 0.1]".to_owned(),
+        ),
+        (
+            "curvatures too few",
+            with_backbone("length = 1\nrest_curvature = [[0, 0, 1], [0, 0, 1]]"),
+        ),
+        ("positions that fall", with_disks("positions = [0, 0.1, 0.05, 0.18]")),
+        ("positions that end early", with_disks("positions = [0, \"90 mm\", \"170 mm\"]")),
+        ("one position", with_disks("positions = [0]")),
+        ("hole 13 of 12", with_cable("holes = [1, 2, 13, 4]")),
+        ("more holes than disks", with_cable("holes = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]")),
+        ("one hole", with_cable("holes = [1]")),
+        ("disks without holes", format!("{BACKBONE}[disks]\ncount = 10\n{CABLE}")),
+        ("a cable beyond the tip", with_cable("holes = [1, 1, 1]\nends_at = \"200 mm\"")),
+        ("a cable beyond its holes", with_cable("holes = [1, 1, 1]\nends_at = \"90 mm\"")),
+        (
+            "a load beyond the tip",
+            with_loads(
+                "[[loads.point]]\nat = \"90 mm\"\nforce = [1, 0, 0]\n[[loads.point]]\nat = \"190 mm\"\nforce = [1, 0, 0]",
+            ),
+        ),
+        ("a pushing cable", with_cable("holes = [1, 2]\ntension = \"-4 N\"")),
+        ("shortened by more than all", with_cable("holes = [1, 2]\nshortening = \"120 %\"")),
+        ("negative friction", with_cable("holes = [1, 2]\nfriction = -0.1")),
+        ("two cables of one name", format!("{BACKBONE}{DISKS}{CABLE}{CABLE}")),
+        (
+            "three cables with a fault each",
+            format!(
+                "{BACKBONE}{DISKS}{CABLE}[[cables]]\nholes = [13, 1]\n[[cables]]\nname = \"b\"\nholes = [1, 1]\ntension = -1\n[[cables]]\nname = \"pull\"\nholes = [2, 2]\n"
+            ),
+        ),
+    ]);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn long_lines_are_cut() {
+    let many = vec!["1"; 400].join(", ");
+    let cases = [
+        ("at the left", with_cable(&format!("holes = [13, {many}]"))),
+        ("in the middle", with_cable(&format!("holes = [{many}, 0, {many}]"))),
+        ("at the right", with_cable(&format!("holes = [{many}, \"last\"]"))),
+        ("the whole", with_cable(&format!("holes = [{many}]"))),
+        ("a long word", with_backbone(&format!("{} = 1", "a".repeat(10_000)))),
+        ("a long text", with_backbone(&format!("length = \"{}\"", "1".repeat(10_000)))),
+    ];
+    let text = messages(&cases);
+    insta::assert_snapshot!(text);
+}
+
+/// Messages about files on the disk, with the folder's own path taken out.
+fn loaded(folder: &Path, file: &str) -> String {
+    let error = load(folder.join(file)).unwrap_err();
+    let text = error.to_string().replace(&format!("{}/", folder.display()), "");
+    text.lines().map(|line| format!("{line}\n")).collect()
+}
+
+fn folder_of(files: &[(&str, &[u8])]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+    folder
+}
+
+#[cfg(unix)]
+#[test]
+fn files_that_extend_others() {
+    let extends = |name: &str| format!("extends = \"{name}\"\n");
+    let folder = folder_of(&[
+        ("a.toml", extends("b.toml").as_bytes()),
+        ("b.toml", extends("c.toml").as_bytes()),
+        ("c.toml", format!("title = \"x\"\n{}", extends("./a.toml")).as_bytes()),
+        ("self.toml", extends("self.toml").as_bytes()),
+        ("gone.toml", extends("none/base.toml").as_bytes()),
+        ("folder.toml", extends(".").as_bytes()),
+        ("number.toml", b"extends = 3\n"),
+        ("bad.toml", with_backbone("length = \"180 mmm\"").as_bytes()),
+        ("of-bad.toml", extends("bad.toml").as_bytes()),
+        ("broken.toml", b"[backbone\n"),
+        ("of-broken.toml", extends("broken.toml").as_bytes()),
+        ("base.toml", format!("{BACKBONE}{DISKS}").as_bytes()),
+        (
+            "shorter.toml",
+            format!(
+                "{}[disks]\ncount = 3\n[[cables]]\nholes = [1, 1, 1, 1]\n",
+                extends("base.toml")
+            )
+            .as_bytes(),
+        ),
+        (
+            "inherited.toml",
+            format!("{}[disks]\nhole_circle_radius = [0.008]\n", extends("base.toml")).as_bytes(),
+        ),
+        (
+            "in-parent.toml",
+            format!("{}[backbone]\ninner_diameter = \"4 mm\"\n", extends("base.toml")).as_bytes(),
+        ),
+        (
+            "both.toml",
+            format!(
+                "{}[backbone]\ndiameter = \"4 mm\"\ndiameters = [1, 2]\n",
+                extends("base.toml")
+            )
+            .as_bytes(),
+        ),
+    ]);
+    for i in 0..20 {
+        let text = extends(&format!("chain-{}.toml", i + 1));
+        fs::write(folder.path().join(format!("chain-{i}.toml")), text).unwrap();
+    }
+    let cases = [
+        "a.toml",
+        "self.toml",
+        "gone.toml",
+        "folder.toml",
+        "number.toml",
+        "of-bad.toml",
+        "of-broken.toml",
+        "shorter.toml",
+        "inherited.toml",
+        "in-parent.toml",
+        "both.toml",
+        "chain-0.toml",
+    ];
+    let all: Vec<String> = cases
+        .iter()
+        .map(|name| format!("{name}\n{}\n{}", "=".repeat(name.len()), loaded(folder.path(), name)))
+        .collect();
+    let text = all.join("\n");
+    insta::assert_snapshot!(text);
+}
+
+#[cfg(unix)]
+#[test]
+fn files_that_cannot_be_read() {
+    let garbage: Vec<u8> =
+        (0..10_000_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    let folder = folder_of(&[
+        ("garbage.toml", garbage.as_slice()),
+        ("binary.toml", &garbage[..5000]),
+        ("latin.toml", b"title = \"K\xf6rper\"\n"),
+        ("letters.toml", "x = \u{e9}\n".repeat(20_000).as_bytes()),
+        ("equals.toml", "=\n".repeat(50_000).as_bytes()),
+        ("keys.toml", (0..50_000).map(|i| format!("key{i} = 1\n")).collect::<String>().as_bytes()),
+        (
+            "cables.toml",
+            format!("{BACKBONE}{DISKS}{}", "[[cables]]\nholes = [13, 1]\n".repeat(30_000))
+                .as_bytes(),
+        ),
+        ("folder/x", b""),
+    ]);
+    let cases = [
+        "none.toml",
+        "folder",
+        "garbage.toml",
+        "binary.toml",
+        "latin.toml",
+        "letters.toml",
+        "equals.toml",
+        "keys.toml",
+        "cables.toml",
+    ];
+    let mut all = Vec::new();
+    for name in cases {
+        let started = std::time::Instant::now();
+        let text = loaded(folder.path(), name);
+        assert!(started.elapsed().as_secs_f64() < 5.0, "{name} took {:?}", started.elapsed());
+        assert!(text.len() < 10_000, "{name}: {} bytes", text.len());
+        all.push(format!("{name}\n{}\n{text}", "=".repeat(name.len())));
+    }
+    let text = all.join("\n");
+    insta::assert_snapshot!(text);
+}
+
+#[cfg(unix)]
+#[test]
+fn measured_positions() {
+    let tables: &[(&str, &str)] = &[
+        ("empty", ""),
+        ("only-a-header", "disk,x,y,z\n"),
+        ("no-header", "1,0,0,0\n2,0,0,0.02\n"),
+        ("other-columns", "disk,x,y\n1,0,0\n"),
+        ("twice-a-column", "disk,x,y,y\n1,0,0,0\n"),
+        ("too-few", "disk,x,y,z\n1,0,0,0\n2,0,0\n"),
+        ("words", "disk,x,y,z\n1,0,0,zero\n2,0,nan,1e999\n"),
+        ("disk-11", "disk,x,y,z\n# the tip\n11,0,0,0.18\n"),
+        ("disk-0", "disk,x,y,z\n0,0,0,0\n1.5,0,0,0\n"),
+        ("disk-twice", "disk,x,y,z\n2,0,0,0.02\n2,0,0,0.02\n"),
+        ("units", "disk,x,y,z\n2,0 mm,0 mm,20 mm\n"),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let mut all = Vec::new();
+    let mut told = |name: &str| {
+        let robot = format!("{BACKBONE}{DISKS}[measured]\ndisks = \"{name}.csv\"\n");
+        let file = format!("{name}.toml");
+        fs::write(folder.path().join(&file), robot).unwrap();
+        let text = loaded(folder.path(), &file);
+        all.push(format!("{name}\n{}\n{text}", "=".repeat(name.len())));
+    };
+    for (name, text) in tables {
+        fs::write(folder.path().join(format!("{name}.csv")), text).unwrap();
+        told(name);
+    }
+    told("none");
+    let text = all.join("\n");
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn colours_only_where_asked() {
+    let error = parse(&with_backbone("lenght = 1\nlength = 1"), "robot.toml").unwrap_err();
+    assert!(!error.to_string().contains('\x1b'));
+    insta::assert_snapshot!(whipcord_io::render(&error, true).replace('\x1b', "ESC"));
+}
