@@ -111,23 +111,48 @@ impl Mat3 {
         Ldlt3::new(self)
     }
 
-    /// The eigenvalues of a symmetric matrix in ascending order, by the trigonometric formula.
+    /// The eigenvalues of a symmetric matrix in ascending order, by Jacobi's rotations: each is
+    /// accurate to rounding relative to the largest.
     #[must_use]
     pub fn symmetric_eigenvalues(&self) -> [f64; 3] {
-        let [a, b, c] = self.rows;
-        let mean = (a.x + b.y + c.z) / 3.0;
-        let off = a.y * a.y + a.z * a.z + b.z * b.z;
-        let spread = (a.x - mean).powi(2) + (b.y - mean).powi(2) + (c.z - mean).powi(2) + 2.0 * off;
-        let p = (spread / 6.0).sqrt();
-        if p == 0.0 {
-            return [mean; 3];
+        const SWEEPS: usize = 12;
+        let mut a = *self;
+        for _ in 0..SWEEPS {
+            let off = a.rows[0].y.abs() + a.rows[0].z.abs() + a.rows[1].z.abs();
+            let size = a.rows[0].x.abs() + a.rows[1].y.abs() + a.rows[2].z.abs();
+            // Written so that a NaN ends the loop as well.
+            if off.is_nan() || off <= 0.25 * f64::EPSILON * size {
+                break;
+            }
+            for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+                a.annihilate(i, j);
+            }
         }
-        let shifted = *self + Self::diagonal(Vec3::new(-mean, -mean, -mean));
-        let half_det = (shifted.determinant() / (2.0 * p * p * p)).clamp(-1.0, 1.0);
-        let angle = half_det.acos() / 3.0;
-        let high = mean + 2.0 * p * angle.cos();
-        let low = mean + 2.0 * p * (angle + 2.0 * core::f64::consts::FRAC_PI_3).cos();
-        [low, 3.0 * mean - high - low, high]
+        let mut values = [a.rows[0].x, a.rows[1].y, a.rows[2].z];
+        values.sort_by(f64::total_cmp);
+        values
+    }
+
+    /// One Jacobi rotation in the plane of `i < j`.
+    fn annihilate(&mut self, i: usize, j: usize) {
+        let off = self.rows[i][j];
+        if off == 0.0 {
+            return;
+        }
+        let half = 0.5 * (self.rows[j][j] - self.rows[i][i]) / off;
+        let tan = 1.0_f64.copysign(half) / (half.abs() + (1.0 + half * half).sqrt());
+        let cos = 1.0 / (1.0 + tan * tan).sqrt();
+        let sin = tan * cos;
+        let k = 3 - i - j;
+        let (ki, kj) = (self.rows[k][i], self.rows[k][j]);
+        self.rows[i][i] -= tan * off;
+        self.rows[j][j] += tan * off;
+        self.rows[i][j] = 0.0;
+        self.rows[j][i] = 0.0;
+        for (m, value) in [(i, cos * ki - sin * kj), (j, sin * ki + cos * kj)] {
+            self.rows[k][m] = value;
+            self.rows[m][k] = value;
+        }
     }
 }
 

@@ -66,8 +66,8 @@ pub struct Solution {
     pub disks: Shape,
     /// One for each cable.
     pub cables: Vec<CableState>,
-    /// What rod and cables together transmit to the base, in the base frame; `None` from a model
-    /// that knows no forces.
+    /// What rod and cables together exert on the base, in the base frame, without the loads applied
+    /// to the base itself; `None` from a model that knows no forces.
     pub base_wrench: Option<Wrench>,
     /// How it was obtained.
     pub diagnostics: Diagnostics,

@@ -63,8 +63,6 @@ pub(super) struct Grid {
     pub disks: Vec<usize>,
     /// For each point load the number of steps before it.
     pub loads: Vec<usize>,
-    /// Mass of the disk that sits at the end of so many steps, in kg.
-    pub disk_masses: Vec<f64>,
 }
 
 /// What does not depend on how fine the grid is.
@@ -108,6 +106,46 @@ impl Layout {
             .into_iter()
             .min_by(|a, b| near(a).total_cmp(&near(b)))
             .unwrap_or(last)
+    }
+
+    /// Lengths of the cables on the rod at rest in m, in the order of the grid: by Gauss
+    /// quadrature between the breakpoints, in pieces that are halved until nothing changes.
+    pub fn rest_lengths(&self, robot: &Robot) -> Vec<f64> {
+        const MAX_HALVINGS: usize = 12;
+        let rest_length = |&cable: &usize| {
+            let route = &robot.routes()[cable];
+            let stretch = |s: f64| {
+                let point = route.at(s);
+                let u = robot.backbone().rest_curvature_at(robot.disks(), s);
+                (Vec3::Z + u.cross(point.offset) + point.slope).norm()
+            };
+            let ends: Vec<f64> =
+                self.breakpoints.iter().copied().filter(|&s| s <= route.end()).collect();
+            let total = |pieces: usize| -> f64 {
+                ends.windows(2)
+                    .map(|pair| {
+                        let h = (pair[1] - pair[0]) / pieces as f64;
+                        let piece = |i: usize| {
+                            let at =
+                                |j: usize| stretch(pair[0] + (i as f64 + GAUSS_3.nodes[j]) * h);
+                            (0..3).map(|j| GAUSS_3.weights[j] * h * at(j)).sum::<f64>()
+                        };
+                        (0..pieces).map(piece).sum::<f64>()
+                    })
+                    .sum()
+            };
+            let mut length = total(1);
+            for halvings in 1..=MAX_HALVINGS {
+                let finer = total(1 << halvings);
+                let change = (finer - length).abs();
+                length = finer;
+                if change <= 1e-13 * length {
+                    break;
+                }
+            }
+            length
+        };
+        self.order.iter().map(rest_length).collect()
     }
 
     /// Arc length at the stations, as they were asked for.
@@ -162,7 +200,6 @@ impl Grid {
             stations: layout.stations.iter().map(place).collect(),
             disks,
             loads: layout.loads.iter().map(place).collect(),
-            disk_masses,
             steps: grid_steps,
         })
     }

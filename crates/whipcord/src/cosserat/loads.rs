@@ -37,6 +37,10 @@ impl DeadLoads {
             }
             self.moments[place] += point.moment;
         }
+        // What is applied to the clamped base bends nothing.
+        if n > 0 {
+            self.moments[0] = Vec3::ZERO;
+        }
     }
 
     /// Whether there is any load.
@@ -44,16 +48,9 @@ impl DeadLoads {
         self.any
     }
 
-    /// The force that everything beyond the base exerts on it.
-    pub fn base_force(&self, grid: &Grid, loads: &Loads) -> Vec3 {
-        let (node, _) = grid.shooting.at(0, 0, 0);
-        let at_base: Vec3 = loads
-            .points
-            .iter()
-            .zip(&grid.loads)
-            .filter(|(_, place)| **place == 0)
-            .fold(Vec3::ZERO, |sum, (point, _)| sum + point.force);
-        self.force(0, node) + at_base + self.gravity * grid.disk_masses[0]
+    /// `F` at the base, without what is applied to the base itself.
+    pub fn base_force(&self, grid: &Grid) -> Vec3 {
+        self.force(0, grid.shooting.at(0, 0, 0).0)
     }
 
     /// `F` at a node of step `k`, in the base frame.

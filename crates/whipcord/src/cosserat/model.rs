@@ -4,7 +4,6 @@ use super::grid::{Grid, Layout};
 use super::lengths::Command;
 use super::loads;
 use super::statics::{self, Found, Scratch, Start};
-use super::unloaded::rest_lengths;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::{ModelKind, Stations};
@@ -43,8 +42,8 @@ impl Default for Options {
 /// How finely the rod is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accuracy {
-    /// The steps are halved until the estimated error of every position is below this fraction of
-    /// the length.
+    /// The steps are halved until the estimated error of every position and of every cable's length
+    /// is below this fraction of the length.
     Tolerance(f64),
     /// At least this many steps from base to tip. Disks, stations, cable ends, kinks of a routing
     /// and point loads always end a step.
@@ -53,7 +52,7 @@ pub enum Accuracy {
 
 impl Default for Accuracy {
     fn default() -> Self {
-        Self::Tolerance(1e-8)
+        Self::Tolerance(1e-9)
     }
 }
 
@@ -108,7 +107,27 @@ pub struct Cosserat {
 pub struct Workspace {
     scratch: Scratch,
     commands: Vec<Command>,
-    coarse: Vec<Pose>,
+    coarse_poses: Vec<Pose>,
+    coarse_lengths: Vec<f64>,
+}
+
+impl Workspace {
+    /// Keeps what the answer on a coarse grid is compared by.
+    fn keep_coarse(&mut self, grid: &Grid) {
+        let kept = grid.disks.iter().chain(&grid.stations);
+        self.coarse_poses.clear();
+        self.coarse_poses.extend(kept.map(|&k| self.scratch.poses[k]));
+        self.coarse_lengths.clone_from(&self.scratch.lengths);
+    }
+
+    /// Largest change of a position or a cable's length since then, in m.
+    fn change(&self, grid: &Grid) -> f64 {
+        let kept = grid.disks.iter().chain(&grid.stations).zip(&self.coarse_poses);
+        let moved =
+            kept.map(|(&k, coarse)| (self.scratch.poses[k].position - coarse.position).norm());
+        let lengths = self.scratch.lengths.iter().zip(&self.coarse_lengths);
+        moved.chain(lengths.map(|(fine, coarse)| (fine - coarse).abs())).fold(0.0, f64::max)
+    }
 }
 
 impl Cosserat {
@@ -125,8 +144,7 @@ impl Cosserat {
                 .map(|level| Grid::refined(robot, &layout, COARSE_STEPS, level))
                 .collect::<Result<_, _>>()?,
         };
-        let finest = &grids[grids.len() - 1];
-        let initial_lengths = rest_lengths(finest, robot.cables().len());
+        let initial_lengths = layout.rest_lengths(robot);
         Ok(Self { robot: robot.clone(), layout, options: options.clone(), grids, initial_lengths })
     }
 
@@ -170,9 +188,7 @@ impl Cosserat {
                 2 => &self.grids[1],
                 _ => refined.as_ref().unwrap_or(&self.grids[1]),
             };
-            workspace.coarse.clear();
-            let kept = coarse.disks.iter().chain(&coarse.stations);
-            workspace.coarse.extend(kept.map(|&k| workspace.scratch.poses[k]));
+            workspace.keep_coarse(coarse);
             let fine = if level > 1 {
                 Some(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?)
             } else {
@@ -181,12 +197,7 @@ impl Cosserat {
             let grid = fine.as_ref().unwrap_or(&self.grids[1]);
             start = workspace.scratch.as_start();
             found = self.solve_on(grid, case, &start, workspace)?.after(&found);
-            let poses = &workspace.scratch.poses;
-            let change = grid.disks.iter().chain(&grid.stations).zip(&workspace.coarse);
-            error = change
-                .map(|(&k, coarse)| (poses[k].position - coarse.position).norm())
-                .fold(0.0, f64::max)
-                / ERROR_RATIO;
+            error = workspace.change(grid) / ERROR_RATIO;
             if error <= tolerance * length {
                 return Ok(self.solution(grid, workspace, found, Some(error)));
             }

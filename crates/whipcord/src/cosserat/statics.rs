@@ -571,9 +571,7 @@ fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Resul
     scratch.poses.clone_from(&shot.poses);
     scratch.lengths.clone_from(&shot.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);
-    scratch.base_wrench = Wrench {
-        force: dead.base_force(problem.grid, problem.loads),
-        moment: newton.point.base_moment,
-    };
+    scratch.base_wrench =
+        Wrench { force: dead.base_force(problem.grid), moment: newton.point.base_moment };
     Ok(Found { iterations: effort.iterations, residual: effort.residual, stability: least })
 }

@@ -4,7 +4,7 @@
 //! eqs. (1) and (2) of [`super::section`]: there is no boundary value problem. The frames come from
 //! one pass of a Magnus integrator of order 6, the cable lengths from Gauss quadrature.
 
-use whipcord_numerics::{GAUSS_3, Pose, Twist, magnus_6};
+use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
 use super::grid::Grid;
 use super::one_cable;
@@ -180,19 +180,4 @@ fn relative_stiffness(tangent: &Tangent, bending: whipcord_numerics::Vec3) -> f6
         }
     }
     relative.symmetric_eigenvalues()[0]
-}
-
-/// Lengths of the cables on the rod at rest, in the order of the grid.
-pub(super) fn rest_lengths(grid: &Grid, cables: usize) -> Vec<f64> {
-    let mut lengths = vec![0.0; cables];
-    for (k, step) in grid.steps.iter().enumerate() {
-        for j in 0..3 {
-            let (node, crossings) = grid.gauss.at(k, j, step.active);
-            let strain: Twist = node.section.rest_strain();
-            for (length, crossing) in lengths.iter_mut().zip(crossings) {
-                *length += GAUSS_3.weights[j] * step.length * crossing.tangent(&strain).norm();
-            }
-        }
-    }
-    lengths
 }
