@@ -14,6 +14,9 @@ use crate::syntax;
 /// Parts of a dotted key; the contract's longest has three.
 const DEEPEST_KEY: usize = 16;
 
+/// Bytes of a text beyond which only its first error is asked for: garbage has one in every token.
+const LONG: usize = 1 << 16;
+
 /// A value and where it stands. A table that has a header stands there.
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
@@ -88,7 +91,14 @@ pub(crate) fn parse(file: usize, text: &str, problems: &mut Problems) -> Option<
         problems.push(span, || FileProblem::TooDeep);
         return None;
     }
-    let (table, mut errors) = DeTable::parse_recoverable(text);
+    let (table, mut errors) = if text.len() > LONG {
+        match DeTable::parse(text) {
+            Ok(table) => (table, Vec::new()),
+            Err(error) => (Spanned::new(0..0, DeTable::new()), vec![error]),
+        }
+    } else {
+        DeTable::parse_recoverable(text)
+    };
     if errors.is_empty() {
         return Some(table_node(file, table));
     }
@@ -105,8 +115,9 @@ pub(crate) fn parse(file: usize, text: &str, problems: &mut Problems) -> Option<
             text.as_bytes()[at..].iter().position(|&b| b == b'\n').map_or(text.len(), |i| at + i),
         );
         let at_fault = text.get(span.clone()).unwrap_or_default();
-        let problem = syntax::problem(error.message(), at_fault);
-        problems.push(Span::new(file, span.start, span.end), || problem);
+        problems.push(Span::new(file, span.start, span.end), || {
+            syntax::problem(error.message(), at_fault)
+        });
     }
     None
 }

@@ -1,0 +1,222 @@
+//! What files say is what is read.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::fs;
+
+use whipcord::{
+    Interpolation, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Vec3,
+};
+use whipcord_io::{CaseFile, load, parse};
+
+fn read(text: &str) -> CaseFile {
+    parse(text, "robot.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The files of a folder.
+fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn the_whole_contract() {
+    let file = read(
+        r#"
+title = "Case III"
+
+[backbone]
+length = "180 mm"
+diameter = "3 mm"
+young_modulus = "1.1 GPa"
+poisson_ratio = 0.3
+density = "1040 kg/m^3"
+rest_curvature = ["0 1/m", "4 1/m", "0 1/m"]
+
+[disks]
+count = 10
+hole_circle_radius = "8 mm"
+holes = 12
+mass = "1.2 g"
+
+[[cables]]
+name = "pull"
+holes = [1, 2, 3, 4, 4, 4, 4, 3, 2, 1]
+tension = "400 gf"
+shortening = "5.7 %"
+interpolation = "pchip"
+ends_at = "170 mm"
+friction = 0.1
+axial_stiffness = "2 kN"
+
+[[cables]]
+routing = { kind = "straight", angle = "90 deg", radius = "8 mm" }
+
+[[cables]]
+routing = { kind = "helix", start_angle = "0 deg", turns = 0.75, radius = "8 mm" }
+shortening = "-2 mm"
+
+[[cables]]
+routing = { kind = "linear", start = ["8 mm", "0 mm"], end = ["3 mm", "0 mm"] }
+
+[[cables]]
+routing = { kind = "polynomial", x = [0.008, 0.0], y = [0, 0.02] }
+
+[loads]
+gravity = ["0", "0", "-9.81 m/s^2"]
+tip_force = ["0.05 N", "0 N", "0 N"]
+tip_moment = ["0", "0", "1 mN*m"]
+follower = true
+
+[[loads.point]]
+at = "90 mm"
+force = ["0 N", "0.1 N", "0 N"]
+
+[[loads.point]]
+at = 0.1
+moment = [0, 0, 1]
+follower = true
+
+[reference]
+source = "Table 1"
+time_cosserat = "10 ms"
+"#,
+    );
+    assert_eq!(file.title, "Case III");
+    let (robot, case) = (&file.robot, &file.case);
+    let backbone = robot.backbone();
+    assert_eq!(backbone.length, 0.18);
+    assert_eq!(backbone.section, Some(Section::circle(0.003)));
+    assert_eq!(backbone.material.young_modulus, Some(1.1e9));
+    assert_eq!(backbone.material.poisson_ratio, Some(0.3));
+    assert_eq!(backbone.material.shear_modulus, None);
+    assert_eq!(backbone.material.density, Some(1040.0));
+    assert_eq!(backbone.rest_curvature, RestCurvature::Uniform(Vec3::new(0.0, 4.0, 0.0)));
+    assert_eq!(robot.disks().count(), 10);
+    assert_eq!(robot.disks().hole_circle_radii, [0.008; 10]);
+    assert_eq!(robot.disks().mass, 0.0012);
+
+    let cables = robot.cables();
+    let holes = vec![1, 2, 3, 4, 4, 4, 4, 3, 2, 1];
+    assert_eq!(cables[0].name, "pull");
+    assert_eq!(cables[0].routing, Routing::Holes { holes, interpolation: Interpolation::Pchip });
+    assert_eq!(cables[0].ends_at, Some(0.17));
+    assert_eq!(cables[0].friction, Some(0.1));
+    assert_eq!(cables[0].axial_stiffness, Some(2000.0));
+    assert_eq!(case.commands[0].tension, Some(0.4 * 9.80665));
+    assert_eq!(case.commands[0].shortening, Some(Shortening::Fraction(0.057)));
+    assert_eq!(cables[1].name, "cable-2");
+    let quarter = core::f64::consts::FRAC_PI_2;
+    assert_eq!(cables[1].routing, Routing::Straight { angle: quarter, radius: 0.008 });
+    let helix = Routing::Helix { start_angle: 0.0, turns: 0.75, radius: 0.008 };
+    assert_eq!(cables[2].routing, helix);
+    assert_eq!(case.commands[2].shortening, Some(Shortening::Length(-0.002)));
+    assert_eq!(cables[3].routing, Routing::Linear { start: [0.008, 0.0], end: [0.003, 0.0] });
+    let polynomial = Routing::Polynomial { x: vec![0.008, 0.0], y: vec![0.0, 0.02] };
+    assert_eq!(cables[4].routing, polynomial);
+
+    let loads = &case.loads;
+    assert_eq!(loads.gravity, Some(Vec3::new(0.0, 0.0, -9.81)));
+    assert_eq!(loads.tip_force, Vec3::new(0.05, 0.0, 0.0));
+    assert_eq!(loads.tip_moment, Vec3::new(0.0, 0.0, 0.001));
+    assert!(loads.tip_follower);
+    let force = PointLoad { at: 0.09, force: Vec3::new(0.0, 0.1, 0.0), ..Default::default() };
+    let moment = PointLoad { at: 0.1, moment: Vec3::Z, follower: true, ..Default::default() };
+    assert_eq!(loads.points, [force, moment]);
+    assert_eq!(file.reference.unwrap().time_cosserat, Some(0.01));
+}
+
+#[test]
+fn every_section_and_list() {
+    let backbone = |lines: &str| {
+        let text = format!("[disks]\ncount = 3\n[backbone]\nlength = 0.3\n{lines}\n");
+        read(&text).robot.backbone().clone()
+    };
+    let tube = Section::Tube { outer: 0.003, inner: 0.002 };
+    assert_eq!(backbone("diameter = 3e-3\ninner_diameter = '2 mm'").section, Some(tube));
+    let bar = Section::Rectangle { width: 0.006, height: 0.004 };
+    assert_eq!(backbone("section.width = 0.006\nsection.height = '4 mm'").section, Some(bar));
+    let taper = Section::Taper { outer: vec![0.003, 0.002, 0.001], inner: 0.0 };
+    assert_eq!(backbone("diameters = ['3 mm', '2 mm', 0.001]").section, Some(taper));
+    assert_eq!(backbone("shear_modulus = '4 GPa'").material.shear_modulus, Some(4e9));
+    let curved = backbone("rest_curvature = [[0, 0, 0], ['1 1/m', 0, 0], [0, 0, '1 1/cm']]");
+    let list = vec![Vec3::ZERO, Vec3::X, 100.0 * Vec3::Z];
+    assert_eq!(curved.rest_curvature, RestCurvature::PerDisk(list));
+
+    let text = "[backbone]\nlength = '180 mm'\n[disks]\npositions = [0, '60 mm', '180 mm']\nhole_circle_radius = ['8 mm', '7 mm', '6 mm']\nholes = 6\n";
+    let robot = read(text).robot;
+    assert_eq!(robot.disks().arc_lengths, [0.0, 0.06, 0.18]);
+    assert_eq!(robot.disks().hole_circle_radii, [0.008, 0.007, 0.006]);
+    assert_eq!(read(text).title, "robot");
+}
+
+const BASE: &str = "title = 'base'\n[backbone]\nlength = 0.18\ndiameter = 0.003\ninner_diameter = 0.001\npoisson_ratio = 0.3\n[disks]\ncount = 3\nholes = 12\nhole_circle_radius = 0.008\n[[cables]]\nname = 'a'\nholes = [1, 1]\n[[cables]]\nname = 'b'\nholes = [2, 2]\n";
+
+fn over_base(lines: &str) -> Robot {
+    let folder = folder(&[
+        ("base.toml", BASE),
+        ("robot.toml", &format!("extends = 'base.toml'\n{lines}\n")),
+    ]);
+    load(folder.path().join("robot.toml")).unwrap_or_else(|error| panic!("{error}")).robot
+}
+
+#[test]
+fn tables_are_laid_over_one_another() {
+    let robot = over_base("[backbone]\nlength = 0.2\n[[cables]]\nname = 'c'\nholes = [3, 3]");
+    assert_eq!(robot.backbone().length, 0.2);
+    assert_eq!(robot.backbone().section, Some(Section::Tube { outer: 0.003, inner: 0.001 }));
+    assert_eq!(robot.disks().arc_lengths, [0.0, 0.1, 0.2]);
+    assert_eq!(robot.cables().len(), 1);
+    assert_eq!(robot.cables()[0].name, "c");
+}
+
+#[test]
+fn editors_of_every_system_may_write_it() {
+    let windows = format!("\u{feff}{}", BASE.replace('\n', "\r\n"));
+    assert_eq!(read(&windows).title, "base");
+    let error = parse(&windows.replace("0.003", "'3'"), "robot.toml").unwrap_err();
+    assert!(error.to_string().starts_with("robot.toml:4:12: error: "), "{error}");
+    assert!(!error.to_string().contains('\r'));
+}
+
+#[test]
+fn a_key_replaces_what_excludes_it() {
+    let section = |lines: &str| over_base(lines).backbone().section.clone();
+    let taper = Section::Taper { outer: vec![0.003, 0.002, 0.002], inner: 0.001 };
+    assert_eq!(section("backbone.diameters = [0.003, 0.002, 0.002]"), Some(taper));
+    let bar = Section::Rectangle { width: 0.01, height: 0.02 };
+    assert_eq!(section("backbone.section = { width = 0.01, height = 0.02 }"), Some(bar));
+    let robot = over_base("[disks]\npositions = [0, 0.01, 0.18]\n[backbone]\nshear_modulus = 1e9");
+    assert_eq!(robot.disks().arc_lengths, [0.0, 0.01, 0.18]);
+    assert_eq!(robot.backbone().material.shear_modulus, Some(1e9));
+    assert_eq!(robot.backbone().material.poisson_ratio, None);
+}
+
+#[test]
+fn chains_and_folders() {
+    let folder = folder(&[
+        ("robots/base.toml", BASE),
+        (
+            "robots/middle.toml",
+            "extends = 'base.toml'\ntitle = 'middle'\n[measured]\ndisks = 'data/m.csv'\n",
+        ),
+        (
+            "robots/data/m.csv",
+            "# by hand\r\ndisk, x, y, z\r\n3, 0.01, -2e-3, 0.17\r\n\r\n1,0,0,0\r\n",
+        ),
+        ("case.toml", "extends = 'robots/middle.toml'\nbackbone.length = 0.19\n"),
+    ]);
+    let file = load(folder.path().join("case.toml")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(file.title, "middle");
+    assert_eq!(file.robot.backbone().length, 0.19);
+    assert_eq!(file.robot.cables().len(), 2);
+    let measured = file.measured.unwrap();
+    assert_eq!(measured.path, folder.path().join("robots/data/m.csv"));
+    assert_eq!(measured.disks.len(), 2);
+    assert_eq!((measured.disks[0].disk, measured.disks[1].disk), (1, 3));
+    assert_eq!(measured.disks[1].position, Vec3::new(0.01, -0.002, 0.17));
+}
