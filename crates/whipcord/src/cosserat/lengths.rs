@@ -52,6 +52,8 @@ pub(super) struct LengthScratch {
     matrix: Vec<f64>,
     step: Vec<f64>,
     trial: Vec<f64>,
+    /// Lengths at the last point at which no section had folded.
+    reached: Vec<f64>,
     lu: DenseLu,
 }
 
@@ -112,6 +114,7 @@ pub(super) fn solve(
         let mut folded = false;
         scratch.step.clear();
         scratch.step.extend_from_slice(tensions);
+        scratch.reached.clone_from(&unloaded.lengths);
         loop {
             for (i, tension) in tensions.iter_mut().enumerate() {
                 *tension = scratch.step[i] + fraction * (scratch.trial[i] - scratch.step[i]);
@@ -142,7 +145,7 @@ pub(super) fn solve(
         }
         // Twenty halvings against a fold: what is left of the way to it does not matter.
         if folded && (fraction < 1e-3 || blocked > 20) {
-            return Err(unreachable(grid, commands, tensions, unloaded, scratch, wanted));
+            return Err(unreachable(commands, scratch));
         }
     }
     // Rounding may keep the last digits from settling.
@@ -152,25 +155,12 @@ pub(super) fn solve(
     Err(LengthFault::Stalled { residual })
 }
 
-/// The cable that lacks most, and how short it gets.
-fn unreachable(
-    grid: &Grid,
-    commands: &[Command],
-    tensions: &mut [f64],
-    unloaded: &mut Unloaded,
-    scratch: &LengthScratch,
-    wanted: Wanted,
-) -> LengthFault {
-    if unloaded.sweep(grid, tensions, false, wanted).is_err() {
-        tensions.copy_from_slice(&scratch.step);
-        if let Err(fault) = unloaded.sweep(grid, tensions, false, wanted) {
-            return LengthFault::Section(fault);
-        }
-    }
-    let lacking = |i: usize| commands[i].slackness(tensions[i], unloaded.lengths[i]);
-    let worst = (0..commands.len()).min_by(|&a, &b| lacking(a).total_cmp(&lacking(b)));
-    match worst {
-        Some(cable) => LengthFault::Unreachable { cable, length: unloaded.lengths[cable] },
+/// The cable that lacks most at the last point short of the fold, and how short it is there.
+fn unreachable(commands: &[Command], scratch: &LengthScratch) -> LengthFault {
+    let (tensions, lengths) = (&scratch.step, &scratch.reached);
+    let lacking = |i: usize| commands[i].slackness(tensions[i], lengths[i]);
+    match (0..commands.len()).min_by(|&a, &b| lacking(a).total_cmp(&lacking(b))) {
+        Some(cable) => LengthFault::Unreachable { cable, length: lengths[cable] },
         None => LengthFault::Stalled { residual: f64::MAX },
     }
 }

@@ -58,6 +58,8 @@ impl Default for Accuracy {
 
 /// Steps from base to tip on the coarser of the two grids that [`Accuracy::Tolerance`] starts with.
 const COARSE_STEPS: usize = 8;
+/// A failure to converge is believed only with steps halved this often.
+const GIVE_UP_LEVEL: usize = 3;
 /// How often the steps may be halved.
 const MAX_REFINEMENTS: usize = 9;
 /// A step of order 6 that is halved loses all but 1/64 of its error; less is relied on.
@@ -171,42 +173,57 @@ impl Cosserat {
             return Err(RobotError { path: "loads.point".to_owned(), problem }.into());
         }
         self.commands(case, &mut workspace.commands)?;
-        let mut start = match warm_start {
+        let start = match warm_start {
             Some(solution) => self.start_from(solution),
             None => Start::Cold,
         };
-        let mut found = self.solve_on(&self.grids[0], case, &start, workspace)?;
-        let Accuracy::Tolerance(tolerance) = self.options.accuracy else {
-            return Ok(self.solution(&self.grids[0], workspace, found, None));
-        };
-        let length = self.robot.backbone().length;
-        let mut error = f64::INFINITY;
-        let mut refined = None;
-        for level in 1..=MAX_REFINEMENTS {
-            let coarse = match level {
-                1 => &self.grids[0],
-                2 => &self.grids[1],
-                _ => refined.as_ref().unwrap_or(&self.grids[1]),
-            };
-            workspace.keep_coarse(coarse);
-            let fine = if level > 1 {
-                Some(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?)
-            } else {
-                None
-            };
-            let grid = fine.as_ref().unwrap_or(&self.grids[1]);
-            start = workspace.scratch.as_start();
-            found = self.solve_on(grid, case, &start, workspace)?.after(&found);
-            error = workspace.change(grid) / ERROR_RATIO;
-            if error <= tolerance * length {
-                return Ok(self.solution(grid, workspace, found, Some(error)));
+        match self.options.accuracy {
+            Accuracy::Steps(_) => {
+                let found = self.solve_on(&self.grids[0], case, &start, workspace)?;
+                Ok(self.solution(&self.grids[0], workspace, found, None))
             }
-            if fine.is_some() {
-                refined = fine;
-            }
+            Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, case, start, workspace),
         }
-        let steps = refined.as_ref().map_or(0, Grid::len);
-        Err(SolveError::StepsTooCoarse { error, tolerance: tolerance * length, steps })
+    }
+
+    /// Halves the steps until the answer changes no more.
+    fn solve_to(
+        &self,
+        tolerance: f64,
+        case: &Case,
+        mut start: Start,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let tolerance = tolerance * self.robot.backbone().length;
+        let mut coarser: Option<Found> = None;
+        let (mut error, mut steps) = (f64::INFINITY, 0);
+        for level in 0..=MAX_REFINEMENTS {
+            let refined = match level {
+                0 | 1 => None,
+                _ => Some(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?),
+            };
+            let grid = refined.as_ref().unwrap_or(&self.grids[level.min(1)]);
+            let mut found = match self.solve_on(grid, case, &start, workspace) {
+                // Steps that are too coarse for a strong bend can keep Newton's method away.
+                Err(SolveError::NotConverged { .. })
+                    if coarser.is_none() && level < GIVE_UP_LEVEL =>
+                {
+                    continue;
+                }
+                other => other?,
+            };
+            if let Some(coarser) = coarser {
+                found = found.after(&coarser);
+                error = workspace.change(grid) / ERROR_RATIO;
+                if error <= tolerance {
+                    return Ok(self.solution(grid, workspace, found, Some(error)));
+                }
+            }
+            workspace.keep_coarse(grid);
+            start = workspace.scratch.as_start();
+            (coarser, steps) = (Some(found), grid.len());
+        }
+        Err(SolveError::StepsTooCoarse { error, tolerance, steps })
     }
 
     fn solve_on(

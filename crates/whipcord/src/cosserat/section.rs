@@ -77,7 +77,7 @@ pub(super) struct Tangent {
 pub(super) const FOLDED: f64 = 1e-4;
 /// A Newton step this small, as a strain, leaves an error of its square.
 const STEP_TOLERANCE: f64 = 2e-7;
-const MAX_ITERATIONS: usize = 60;
+const MAX_ITERATIONS: usize = 200;
 /// Undamped steps that are tried before the potential is watched.
 const UNDAMPED: usize = 5;
 
@@ -189,7 +189,8 @@ pub(super) fn newton_equilibrium(
             break;
         }
     }
-    damped_equilibrium(section, crossings, tensions, wrench, strain, reach)
+    *strain = damped_equilibrium(section, crossings, tensions, wrench, reach)?;
+    Ok(())
 }
 
 /// Distance at which a curvature counts as a strain.
@@ -290,17 +291,16 @@ impl Hessian {
     }
 }
 
-/// Newton's method with backtracking on the potential, from wherever the fast loop ended: it
-/// converges from anywhere, or finds that the section folds.
+/// Newton's method with backtracking on the potential, from the section at rest: it converges
+/// always, or finds that the section folds.
 #[cold]
 fn damped_equilibrium(
     section: &Section,
     crossings: &[Crossing],
     tensions: &[f64],
     wrench: BodyWrench,
-    strain: &mut Strain,
     reach: f64,
-) -> Result<(), SectionFault> {
+) -> Result<Strain, SectionFault> {
     let potential = |x: &Strain| {
         let Stiffness { shear, bending } = section.stiffness;
         let (dv, du) = (x.linear - Vec3::Z, x.angular - section.rest_curvature);
@@ -333,8 +333,7 @@ fn damped_equilibrium(
             if let Some((cable, _)) = folded {
                 return Err(SectionFault::Folded { cable });
             }
-            *strain = x + step;
-            return Ok(());
+            return Ok(x + step);
         }
         let mut fraction = 1.0;
         loop {

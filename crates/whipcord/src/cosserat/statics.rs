@@ -104,6 +104,9 @@ const MAX_ITERATIONS: usize = 40;
 const KEEP_BELOW: f64 = 0.05;
 /// Derivatives are made anew when a step leaves more of the residual than this.
 const KEEP_RATIO: f64 = 0.1;
+/// Of a cable's own compliance: keeps the step defined where more straight cables are taut than
+/// lengths are independent.
+const REGULARISATION: f64 = 1e-8;
 /// The line search gives up here.
 const LEAST_FRACTION: f64 = 1.0 / 256.0;
 /// What rounding may leave where no step improves any more.
@@ -421,7 +424,7 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
             }
         }
     }
-    Err(Failed { effort, fault: None })
+    if effort.residual <= ROUNDING { Ok(effort) } else { Err(Failed { effort, fault: None }) }
 }
 
 fn scales(problem: &Problem<'_>) -> Scales {
@@ -487,7 +490,7 @@ impl Newton {
                 self.matrix.push(row[j] * scales.moment / scales.length);
             }
             for &j in &self.free {
-                let own = if i == j { compliance } else { 0.0 };
+                let own = if i == j { compliance - REGULARISATION * row[3 + i] } else { 0.0 };
                 self.matrix.push((row[3 + j] - own) * scales.tension / scales.length);
             }
             let mut right = command_slack(commands, point, shot, i);
