@@ -38,7 +38,7 @@ pub enum SolveError {
 
     /// The cables wind the section up so far that one of them has no length left in it.
     #[error(
-        "the section at arc length {arc_length:.6} m folds: under {tension:.6} N cable `{cable}` has no length left there; lower its tension or stiffen the backbone"
+        "the section at arc length {arc_length:.6} m folds: under {tension:.6} N cable `{cable}` has no length left there; pull it less, or stiffen the backbone"
     )]
     SectionFolds {
         /// Name of the cable.
