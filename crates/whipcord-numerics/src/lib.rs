@@ -21,5 +21,5 @@ pub use polynomial::{CubicError, PiecewiseCubic};
 pub use pose::{Pose, Twist};
 pub use quadrature::{GAUSS_2, GAUSS_3, GaussRule};
 pub use quaternion::UnitQuaternion;
-pub use runge_kutta::{BUTCHER_6, ExplicitTableau};
+pub use runge_kutta::{BUTCHER_5, ExplicitTableau};
 pub use vec3::Vec3;

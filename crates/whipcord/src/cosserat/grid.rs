@@ -11,8 +11,8 @@ use crate::error::SolveError;
 use crate::model::ModelKind;
 use crate::robot::{Robot, Route, RoutePoint};
 
-/// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_6`] evaluates.
-pub(super) const SHOOTING_NODES: [f64; 5] = [0.0, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.0];
+/// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_5`] evaluates.
+pub(super) const SHOOTING_NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// One step from `start` to `start + length`.
 #[derive(Clone, Copy, Debug)]

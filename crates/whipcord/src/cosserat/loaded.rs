@@ -9,18 +9,18 @@
 //!
 //! The base moment is the only unknown; [`super::sensitivity`] differentiates by it.
 
-use whipcord_numerics::{BUTCHER_6, Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
 use super::grid::Grid;
 use super::loads::DeadLoads;
 use super::section::{BodyWrench, Strain, Tangent, equilibrium};
 use super::unloaded::Fault;
 
-const STAGES: usize = 7;
+const STAGES: usize = 6;
 /// Which of the places of [`super::grid::SHOOTING_NODES`] each stage uses.
-const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 3, 1, 2, 2, 4];
+const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
 /// Stages at the start, in the middle and at the end of a step.
-const SAMPLED_STAGES: [usize; 3] = [0, 5, 6];
+const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
 /// Which of the places of [`super::grid::SHOOTING_NODES`] the samples sit at.
 pub(super) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
 
@@ -70,7 +70,7 @@ impl Shot {
         self.strains.clear();
         for k in 0..grid.len() {
             let at = &gauss_strains[3 * k..3 * k + 3];
-            self.strains.extend([0, 0, 2, 0, 1, 1, 2].map(|i: usize| at[i]));
+            self.strains.extend([0, 0, 0, 1, 2, 2].map(|i: usize| at[i]));
         }
     }
 
@@ -115,7 +115,7 @@ impl Shot {
             grid.steps.iter().zip(self.strains.chunks_exact(STAGES)).enumerate()
         {
             for (i, strain) in strains.iter().enumerate() {
-                let weight = BUTCHER_6.b[i] * step.length;
+                let weight = BUTCHER_5.b[i] * step.length;
                 if weight == 0.0 {
                     continue;
                 }
@@ -137,7 +137,7 @@ impl Shot {
         state: &mut State,
         neighbour: Option<Strain>,
     ) -> Result<(), Fault> {
-        let table = &BUTCHER_6;
+        let table = &BUTCHER_5;
         let step = grid.steps[k];
         let (h, tensions) = (step.length, &aim.tensions[..step.active]);
         let mut slopes = [[0.0; 10]; STAGES];

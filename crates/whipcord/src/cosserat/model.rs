@@ -62,7 +62,7 @@ const COARSE_STEPS: usize = 8;
 const GIVE_UP_LEVEL: usize = 3;
 /// How often the steps may be halved.
 const MAX_REFINEMENTS: usize = 9;
-/// A step of order 6 that is halved loses all but 1/64 of its error; less is relied on.
+/// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
 const ERROR_RATIO: f64 = 15.0;
 
 /// The Cosserat model of one robot: all that does not change from case to case.
