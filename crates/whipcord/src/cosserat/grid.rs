@@ -14,6 +14,9 @@ use crate::robot::{Robot, Route, RoutePoint};
 /// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_5`] evaluates.
 pub(super) const SHOOTING_NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
+/// Weights of these places in [`whipcord_numerics::BUTCHER_5`].
+const BOOLE: [f64; 5] = [7.0 / 90.0, 32.0 / 90.0, 12.0 / 90.0, 32.0 / 90.0, 7.0 / 90.0];
+
 /// One step from `start` to `start + length`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
@@ -38,6 +41,9 @@ pub(super) struct Nodes {
     cables: usize,
     nodes: Vec<Node>,
     crossings: Vec<Crossing>,
+    /// By how much quadrature at these nodes gets each cable too long on the rod at rest, in m, in
+    /// the order of the grid.
+    pub rest_excess: Vec<f64>,
 }
 
 impl Nodes {
@@ -74,6 +80,8 @@ pub(super) struct Layout {
     /// Cables in the order of the grid: the longest first, so that those that reach a step come
     /// before those that do not.
     pub order: Vec<usize>,
+    /// Lengths of the cables on the rod at rest in m, in that order.
+    pub rest_lengths: Vec<f64>,
 }
 
 impl Layout {
@@ -93,7 +101,8 @@ impl Layout {
         breakpoints.dedup_by(|b, a| *b - *a <= 1e-10 * length);
         let mut order: Vec<usize> = (0..robot.cables().len()).collect();
         order.sort_by(|&a, &b| robot.routes()[b].end().total_cmp(&robot.routes()[a].end()));
-        Self { breakpoints, stations, loads: load_places, order }
+        let rest_lengths = order.iter().map(|&c| rest_length(robot, c, &breakpoints)).collect();
+        Self { breakpoints, stations, loads: load_places, order, rest_lengths }
     }
 
     /// Number of the breakpoint at an arc length.
@@ -106,46 +115,6 @@ impl Layout {
             .into_iter()
             .min_by(|a, b| near(a).total_cmp(&near(b)))
             .unwrap_or(last)
-    }
-
-    /// Lengths of the cables on the rod at rest in m, in the order of the grid: by Gauss
-    /// quadrature between the breakpoints, in pieces that are halved until nothing changes.
-    pub fn rest_lengths(&self, robot: &Robot) -> Vec<f64> {
-        const MAX_HALVINGS: usize = 12;
-        let rest_length = |&cable: &usize| {
-            let route = &robot.routes()[cable];
-            let stretch = |s: f64| {
-                let point = route.at(s);
-                let u = robot.backbone().rest_curvature_at(robot.disks(), s);
-                (Vec3::Z + u.cross(point.offset) + point.slope).norm()
-            };
-            let ends: Vec<f64> =
-                self.breakpoints.iter().copied().filter(|&s| s <= route.end()).collect();
-            let total = |pieces: usize| -> f64 {
-                ends.windows(2)
-                    .map(|pair| {
-                        let h = (pair[1] - pair[0]) / pieces as f64;
-                        let piece = |i: usize| {
-                            let at =
-                                |j: usize| stretch(pair[0] + (i as f64 + GAUSS_3.nodes[j]) * h);
-                            (0..3).map(|j| GAUSS_3.weights[j] * h * at(j)).sum::<f64>()
-                        };
-                        (0..pieces).map(piece).sum::<f64>()
-                    })
-                    .sum()
-            };
-            let mut length = total(1);
-            for halvings in 1..=MAX_HALVINGS {
-                let finer = total(1 << halvings);
-                let change = (finer - length).abs();
-                length = finer;
-                if change <= 1e-13 * length {
-                    break;
-                }
-            }
-            length
-        };
-        self.order.iter().map(rest_length).collect()
     }
 
     /// Arc length at the stations, as they were asked for.
@@ -195,8 +164,8 @@ impl Grid {
         }
         let masses = distal_masses(robot, &grid_steps, &disk_masses);
         Ok(Self {
-            gauss: nodes(robot, layout, &grid_steps, &masses, &GAUSS_3.nodes)?,
-            shooting: nodes(robot, layout, &grid_steps, &masses, &SHOOTING_NODES)?,
+            gauss: nodes(robot, layout, &grid_steps, &masses, &GAUSS_3.nodes, &GAUSS_3.weights)?,
+            shooting: nodes(robot, layout, &grid_steps, &masses, &SHOOTING_NODES, &BOOLE)?,
             stations: layout.stations.iter().map(place).collect(),
             disks,
             loads: layout.loads.iter().map(place).collect(),
@@ -208,6 +177,39 @@ impl Grid {
     pub fn len(&self) -> usize {
         self.steps.len()
     }
+}
+
+/// Length in m of a cable on the rod at rest: by Gauss quadrature between the breakpoints, in pieces
+/// that are halved until nothing changes.
+fn rest_length(robot: &Robot, cable: usize, breakpoints: &[f64]) -> f64 {
+    const MAX_HALVINGS: usize = 12;
+    let route = &robot.routes()[cable];
+    let stretch = |s: f64| {
+        let point = route.at(s);
+        let u = robot.backbone().rest_curvature_at(robot.disks(), s);
+        (Vec3::Z + u.cross(point.offset) + point.slope).norm()
+    };
+    let piece = |from: f64, h: f64| {
+        h * (0..3).map(|j| GAUSS_3.weights[j] * stretch(from + GAUSS_3.nodes[j] * h)).sum::<f64>()
+    };
+    let reached = breakpoints.partition_point(|&s| s <= route.end());
+    let total = |pieces: usize| -> f64 {
+        let between = |pair: &[f64]| {
+            let h = (pair[1] - pair[0]) / pieces as f64;
+            (0..pieces).map(|i| piece(pair[0] + i as f64 * h, h)).sum::<f64>()
+        };
+        breakpoints[..reached].windows(2).map(between).sum()
+    };
+    let mut length = total(1);
+    for halvings in 1..=MAX_HALVINGS {
+        let finer = total(1 << halvings);
+        let change = (finer - length).abs();
+        length = finer;
+        if change <= 1e-13 * length {
+            break;
+        }
+    }
+    length
 }
 
 /// Shares `steps` steps out between the breakpoints, at least one to each interval: the next step
@@ -279,6 +281,7 @@ fn nodes(
     steps: &[Step],
     masses: &[f64],
     places: &[f64],
+    weights: &[f64],
 ) -> Result<Nodes, SolveError> {
     let cables = layout.order.len();
     let mut out = Nodes {
@@ -286,18 +289,22 @@ fn nodes(
         cables,
         nodes: Vec::with_capacity(steps.len() * places.len()),
         crossings: vec![Crossing::default(); steps.len() * places.len() * cables],
+        rest_excess: layout.rest_lengths.iter().map(|length| -length).collect(),
     };
     let mut next = 0;
     for (k, step) in steps.iter().enumerate() {
         let end = step.start + step.length;
-        for &c in places {
+        for (&c, weight) in places.iter().zip(weights) {
             let s = step.start + c * step.length;
             let section = section_at(robot, s)?;
             let distal_mass = masses[k] + mass_between(robot, s, end);
             out.nodes.push(Node { section, distal_mass });
             for i in 0..step.active {
                 let point = robot.routes()[layout.order[i]].at(s);
-                out.crossings[next + i] = Crossing { offset: point.offset, slope: point.slope };
+                let crossing = Crossing { offset: point.offset, slope: point.slope };
+                let stretch = crossing.tangent(&section.rest_strain()).norm();
+                out.rest_excess[i] += weight * step.length * stretch;
+                out.crossings[next + i] = crossing;
             }
             next += cables;
         }

@@ -108,9 +108,9 @@ impl Shot {
     }
 
     /// Computes [`Shot::lengths`] from the strains of the last shot.
-    pub fn measure(&mut self, grid: &Grid, cables: usize) {
+    pub fn measure(&mut self, grid: &Grid) {
         self.lengths.clear();
-        self.lengths.resize(cables, 0.0);
+        self.lengths.extend(grid.shooting.rest_excess.iter().map(|excess| -excess));
         for (k, (step, strains)) in
             grid.steps.iter().zip(self.strains.chunks_exact(STAGES)).enumerate()
         {

@@ -99,8 +99,6 @@ pub struct Cosserat {
     options: Options,
     /// The only grid, or the first two of a sequence in which the steps are halved.
     grids: Vec<Grid>,
-    /// In the order of the grid, in m.
-    initial_lengths: Vec<f64>,
 }
 
 /// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
@@ -146,8 +144,7 @@ impl Cosserat {
                 .map(|level| Grid::refined(robot, &layout, COARSE_STEPS, level))
                 .collect::<Result<_, _>>()?,
         };
-        let initial_lengths = layout.rest_lengths(robot);
-        Ok(Self { robot: robot.clone(), layout, options: options.clone(), grids, initial_lengths })
+        Ok(Self { robot: robot.clone(), layout, options: options.clone(), grids })
     }
 
     /// The robot this model was built for.
@@ -253,7 +250,7 @@ impl Cosserat {
             let command = &case.commands[i];
             let tension = command.tension.filter(|_| self.options.drive != Drive::Shortening);
             let shortening = command.shortening.filter(|_| self.options.drive != Drive::Tension);
-            let initial = self.initial_lengths[place];
+            let initial = self.layout.rest_lengths[place];
             commands.push(match (tension, shortening) {
                 (Some(tension), _) => Command::Tension(tension),
                 (None, Some(shortening)) => Command::Length {
@@ -310,7 +307,7 @@ impl Cosserat {
                 name: cable.name.clone(),
                 tension: Some(tension),
                 length,
-                initial_length: self.initial_lengths[place],
+                initial_length: self.layout.rest_lengths[place],
                 slack: matches!(command, Command::Length { .. })
                     && tension == 0.0
                     && loose > 1e-12 * self.robot.backbone().length,
@@ -339,7 +336,7 @@ impl Cosserat {
                 SolveError::SectionFolds { cable: name(cable), arc_length, tension }
             }
             statics::Failure::Unreachable { cable, length } => {
-                let initial = self.initial_lengths[cable];
+                let initial = self.layout.rest_lengths[cable];
                 let requested = match commands[cable] {
                     Command::Length { target, .. } => initial - target,
                     Command::Tension(_) => 0.0,

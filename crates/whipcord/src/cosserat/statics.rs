@@ -362,7 +362,7 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
         let aim = Aim { tensions: &point.tensions, base_moment: point.base_moment, load, sample };
         shot.fire(problem.grid, dead, &aim)?;
         if lengths_driven {
-            shot.measure(problem.grid, commands.len());
+            shot.measure(problem.grid);
         }
         Ok(())
     };
@@ -570,7 +570,7 @@ fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Resul
             .map_err(|fault| section_failure(fault, &newton.point.tensions, 1.0))?;
         least = Some(stability.least_eigenvalue(problem.grid, &shot.samples));
     }
-    shot.measure(problem.grid, problem.commands.len());
+    shot.measure(problem.grid);
     scratch.poses.clone_from(&shot.poses);
     scratch.lengths.clone_from(&shot.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);

@@ -55,7 +55,8 @@ impl Unloaded {
         let warm = warm && self.strains.len() == nodes;
         self.strains.resize(nodes, Strain::default());
         self.lengths.clear();
-        self.lengths.resize(cables, 0.0);
+        // What quadrature adds to the cables of the rod at rest it adds to those of the bent one.
+        self.lengths.extend(grid.gauss.rest_excess.iter().map(|excess| -excess));
         self.length_by_tension.clear();
         self.length_by_tension.resize(cables * cables, 0.0);
         self.pulls.resize(cables, BodyWrench::default());
