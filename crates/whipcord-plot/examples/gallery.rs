@@ -7,7 +7,7 @@ use std::error::Error;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use common::{arm, before, catheter, prototype, towards, view};
+use common::{arm, before, catheter, finger, prototype, towards, view};
 use whipcord::Vec3;
 use whipcord_plot::{
     AccuracySeries, Colour, DistanceSeries, FigureOptions, Marker, RobotView, Scale, TimingSeries,
@@ -74,6 +74,11 @@ fn robots() -> Result<Pictures, Box<dyn Error>> {
     let hook = view(&robot, "cosserat", ViewStyle::Model, hook);
     pictures
         .push(("catheter", robot_figure(&robot, &[before(&robot), hook], &titled("Catheter"))?));
+
+    let finger = finger()?;
+    let curl = view(&finger, "cosserat", ViewStyle::Model, |s| towards(40.0 * s, 120.0 * s + 40.0));
+    let views = [before(&finger), curl];
+    pictures.push(("finger", robot_figure(&finger, &views, &titled("Helical finger of 60 mm"))?));
     Ok(pictures)
 }
 

@@ -13,10 +13,37 @@ pub(crate) struct Piece {
     /// Section it lies in, from 0; that after the last disk is where nothing but knots are.
     pub section: usize,
     pub points: Vec<Vec3>,
-    /// Frame in its middle.
-    pub frame: Pose,
-    /// Extent of the backbone along its x and y here, in m; `None` for a cable or when not known.
-    pub extent: Option<[f64; 2]>,
+    /// Frames of the backbone at the points; none for a cable.
+    pub frames: Vec<Pose>,
+    /// Cross-section of the backbone.
+    pub profile: Profile,
+    /// Whether it is the first or the last of the backbone.
+    pub end: bool,
+}
+
+/// What of a cross-section can be seen. Extents in m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Profile {
+    /// None, or not known.
+    None,
+    Round {
+        diameter: f64,
+    },
+    Bar {
+        width: f64,
+        height: f64,
+    },
+}
+
+impl Profile {
+    /// Half extents along x and y.
+    pub fn half_extents(self) -> [f64; 2] {
+        match self {
+            Self::None => [0.0; 2],
+            Self::Round { diameter } => [0.5 * diameter; 2],
+            Self::Bar { width, height } => [0.5 * width, 0.5 * height],
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +80,12 @@ const MOST_HOLES: usize = 600;
 /// Rim outside the holes, relative to the radius of their circle.
 const RIM: f64 = 1.2;
 
+impl Piece {
+    fn cable(part: Part, section: usize, points: Vec<Vec3>) -> Self {
+        Self { part, section, points, frames: vec![], profile: Profile::None, end: false }
+    }
+}
+
 impl Body {
     /// The parts of a robot in this shape.
     pub fn new(
@@ -84,7 +117,13 @@ impl Body {
                 disk.pose.transform(disk.radius * Vec3::new(cos, sin, 0.0))
             })
         });
-        self.pieces.iter().flat_map(|piece| piece.points.iter().copied()).chain(rims)
+        let sides = self.pieces.iter().flat_map(|piece| {
+            let [w, h] = piece.profile.half_extents();
+            let corners = [[w, h], [-w, h], [-w, -h], [w, -h]].map(|[x, y]| Vec3::new(x, y, 0.0));
+            let frames = piece.frames.iter().copied();
+            frames.flat_map(move |frame| corners.into_iter().map(move |c| frame.transform(c)))
+        });
+        self.pieces.iter().flat_map(|piece| piece.points.iter().copied()).chain(rims).chain(sides)
     }
 }
 
@@ -123,30 +162,31 @@ fn pieces(robot: &Robot, shape: &Shape) -> Vec<Piece> {
                 knots[section] * (1.0 - t) + knots[section + 1] * t
             };
             let (start, end) = (at(k), at(k + 1));
-            let sample = |start: f64, end: f64, offset: &dyn Fn(f64) -> Vec3| -> Vec<Vec3> {
+            let sample = |start: f64, end: f64, offset: &dyn Fn(f64) -> Vec3| -> Vec<Pose> {
                 (0..=per_piece)
                     .map(|j| {
                         let t = j as f64 / per_piece as f64;
                         let s = start * (1.0 - t) + end * t;
-                        pose_at(shape, s).transform(offset(s))
+                        let frame = pose_at(shape, s);
+                        Pose { position: frame.transform(offset(s)), ..frame }
                     })
                     .collect()
             };
-            let middle = 0.5 * (start + end);
-            let frame = pose_at(shape, middle);
+            let frames = sample(start, end, &|_| Vec3::ZERO);
             pieces.push(Piece {
                 part: Part::Backbone,
                 section,
-                points: sample(start, end, &|_| Vec3::ZERO),
-                frame,
-                extent: backbone_extent(robot, middle),
+                points: frames.iter().map(|frame| frame.position).collect(),
+                frames,
+                profile: profile(robot, 0.5 * (start + end)),
+                end: (section == 0 && k == 0) || (section + 1 == sections && k + 1 == per_section),
             });
             for (i, route) in robot.routes().iter().enumerate() {
                 let end = end.min(route.end());
                 if end > start {
-                    let points = sample(start, end, &|s| route.at(s).offset);
-                    let part = Part::Cable(i);
-                    pieces.push(Piece { part, section, points, frame, extent: None });
+                    let frames = sample(start, end, &|s| route.at(s).offset);
+                    let points = frames.iter().map(|frame| frame.position).collect();
+                    pieces.push(Piece::cable(Part::Cable(i), section, points));
                 }
             }
         }
@@ -159,15 +199,9 @@ fn anchors(robot: &Robot, shape: &Shape) -> impl Iterator<Item = Piece> {
     let knots = &robot.disks().arc_lengths;
     robot.routes().iter().enumerate().map(|(i, route)| {
         let s = route.end();
-        let frame = pose_at(shape, s);
+        let at = pose_at(shape, s).transform(route.at(s).offset);
         let above = knots.iter().filter(|&&knot| knot <= s).count();
-        Piece {
-            part: Part::Anchor(i),
-            section: above.saturating_sub(1),
-            points: vec![frame.transform(route.at(s).offset)],
-            frame,
-            extent: None,
-        }
+        Piece::cable(Part::Anchor(i), above.saturating_sub(1), vec![at])
     })
 }
 
@@ -185,8 +219,8 @@ fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
             let cables = robot.routes().iter().filter(|r| s <= r.end());
             let widest = cables.map(|r| r.at(s).offset.norm()).fold(0.0, f64::max);
             let ring = rings.get(i).copied().unwrap_or(0.0);
-            let backbone = backbone_extent(robot, s).map_or(0.0, |[w, h]| w.max(h));
-            let mut radius = (RIM * ring.max(widest)).max(0.75 * backbone);
+            let [w, h] = profile(robot, s).half_extents();
+            let mut radius = (RIM * ring.max(widest)).max(1.5 * w.max(h));
             if radius == 0.0 {
                 radius = 0.02 * robot.backbone().length;
             }
@@ -205,17 +239,20 @@ fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
         .collect()
 }
 
-/// Extent of the backbone's section along its x and y in m, where it is known.
-fn backbone_extent(robot: &Robot, s: f64) -> Option<[f64; 2]> {
-    Some(match robot.backbone().section.as_ref()? {
-        Section::Circle { diameter } => [*diameter; 2],
-        Section::Tube { outer, .. } => [*outer; 2],
-        Section::Rectangle { width, height } => [*width, *height],
-        Section::Taper { outer, .. } => {
-            let (i, t) = robot.disks().locate(s);
-            [outer[i] * (1.0 - t) + outer[i + 1] * t; 2]
+/// What the backbone's cross-section looks like at an arc length.
+fn profile(robot: &Robot, s: f64) -> Profile {
+    match &robot.backbone().section {
+        None => Profile::None,
+        Some(Section::Circle { diameter }) => Profile::Round { diameter: *diameter },
+        Some(Section::Tube { outer, .. }) => Profile::Round { diameter: *outer },
+        Some(Section::Rectangle { width, height }) => {
+            Profile::Bar { width: *width, height: *height }
         }
-    })
+        Some(Section::Taper { outer, .. }) => {
+            let (i, t) = robot.disks().locate(s);
+            Profile::Round { diameter: outer[i] * (1.0 - t) + outer[i + 1] * t }
+        }
+    }
 }
 
 /// The pose at an arc length, between the stations on a cubic that leaves them along their

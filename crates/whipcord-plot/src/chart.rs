@@ -234,7 +234,7 @@ impl Chart {
         let extra = (title.height() - title::LINE).max(0.0) + (legend_space - 26.0).max(0.0);
         let total = self.height + extra;
 
-        let bottom_space = TICK_SIZE + 8.0 + LABEL_SIZE + 16.0;
+        let bottom_space = TICK_SIZE + 11.0 + LABEL_SIZE + 16.0;
         let height = (total - top - bottom_space).max(80.0);
         let total = top + height + bottom_space;
         let [low, high] = self.y.limits(points.iter().map(|p| p[1]));
@@ -302,7 +302,7 @@ impl Chart {
                 exponent: &tick.label.exponent,
                 ..Text::new(&tick.label.text, TICK_SIZE).anchor(Anchor::Middle)
             };
-            svg.text([x, bottom + 6.0 + 0.5 * TICK_SIZE], &text);
+            svg.text([x, bottom + 9.0 + 0.5 * TICK_SIZE], &text);
         }
         for &value in &frame.y.minor {
             let y = frame.place([0.0, value])[1];

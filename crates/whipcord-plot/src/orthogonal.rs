@@ -13,13 +13,16 @@ use crate::ticks;
 
 const TICK_SIZE: f64 = 10.5;
 const LABEL_SIZE: f64 = 11.5;
-/// Left of a view, for its vertical axis, and below it, for its horizontal one.
-const LEFT: f64 = 52.0;
-const BELOW: f64 = 40.0;
+/// Left of a view, for its vertical axis without the tick labels, and below it, for its horizontal
+/// one.
+const LEFT: f64 = 29.0;
+const BELOW: f64 = 42.0;
 const GAP: f64 = 12.0;
 const LEGEND_GAP: f64 = 26.0;
 /// Free space between tick labels in px.
 const TICK_GAP: f64 = 11.0;
+/// Most ticks on an axis.
+const MOST: f64 = 15.0;
 /// An axis is at least this long relative to the longest.
 const SLIMMEST: f64 = 0.3;
 /// Room around the robot relative to its largest extent.
@@ -32,6 +35,8 @@ pub(crate) struct Plan {
     /// Px to the metre.
     scale: f64,
     at: Point,
+    /// Room left of a view in px.
+    margin: f64,
     /// Least distance of ticks in m.
     tick: f64,
     /// Right edge of all that is drawn.
@@ -44,17 +49,18 @@ impl Plan {
     pub fn new(points: &[Vec3], at: Point, size: Point, legend: f64) -> Self {
         let ranges = ranges(points);
         let [x, y, z] = ranges.map(|[low, high]| high - low);
-        let width = size[0] - 2.0 * LEFT - GAP;
+        let least_tick = x.max(y).max(z) / MOST;
+        // Ticks at the least distance have labels as wide as any.
+        let labels = ranges.map(|range| labels(range, least_tick));
+        let widest = labels.iter().flatten().map(|(_, text)| font::width(text, TICK_SIZE, false));
+        let widest = widest.fold(0.0, f64::max);
+        let margin = LEFT + widest;
+        let width = size[0] - 2.0 * margin - GAP;
         let height = size[1] - 2.0 * BELOW - GAP;
-        let beside_legend = (size[0] - LEFT - LEGEND_GAP - legend).max(0.4 * width);
+        let beside_legend = (size[0] - margin - LEGEND_GAP - legend).max(0.4 * width);
         let scale = (width / (x + y)).min(height / (z + y)).min(beside_legend / x);
-        // Labels at the ends of the ranges are about as wide as any.
-        let widest = ranges.as_flattened().iter().map(|v| {
-            let label = format!("{:.0}", 1e3 * v).replace('-', "−");
-            font::width(&label, TICK_SIZE, false)
-        });
-        let tick = (widest.fold(0.0, f64::max) + TICK_GAP) / scale;
-        Self { ranges, scale, at, tick, right: at[0] + size[0] }
+        let tick = ((widest + TICK_GAP) / scale).max(least_tick);
+        Self { ranges, scale, at, margin, tick, right: at[0] + size[0] }
     }
 
     fn length(&self, axis: usize) -> f64 {
@@ -72,12 +78,12 @@ impl Plan {
     }
 
     fn second_column(&self) -> f64 {
-        self.at[0] + LEFT + self.length(0) + GAP + LEFT
+        self.at[0] + self.margin + self.length(0) + GAP + self.margin
     }
 
     /// Upper left corner of the legend.
     pub fn legend_place(&self) -> Point {
-        [self.at[0] + LEFT + self.length(0) + LEGEND_GAP, self.second_row()]
+        [self.at[0] + self.margin + self.length(0) + LEGEND_GAP, self.second_row()]
     }
 
     /// Width that is free for the legend.
@@ -92,9 +98,9 @@ impl Plan {
 
     /// Draws the views.
     pub fn draw(&self, svg: &mut Svg, bodies: &Bodies, measured: &[Vec3]) {
-        let first = [self.at[0] + LEFT, self.at[1]];
+        let first = [self.at[0] + self.margin, self.at[1]];
         let side = [self.second_column(), self.at[1]];
-        let top = [self.at[0] + LEFT, self.second_row()];
+        let top = [self.at[0] + self.margin, self.second_row()];
         // Seen from −y, from +x, and from +z: each right-handed.
         for (corner, axes) in [(first, [0, 2]), (side, [1, 2]), (top, [0, 1])] {
             self.draw_view(svg, corner, axes, bodies, measured);
@@ -134,19 +140,11 @@ impl Plan {
         let grid = Stroke::new(Colour::GRID, 0.7);
         let ink = Stroke::new(Colour::INK, 0.9);
         let name = |axis: usize| format!("{} (mm)", ["x", "y", "z"][axis]);
-        // Ticks are of mm; the step is the same on all axes.
-        let ticks = axes.map(|a| {
-            let [low, high] = self.ranges[a];
-            ticks::inside(1e3 * low, 1e3 * high, 1e3 * self.tick)
-        });
-        let text = |v: f64, decimals: usize| format!("{v:.decimals$}").replace('-', "−");
+        // The step is the same on all axes.
         let places = |i: usize| {
-            let sign = if i == 0 { 1e-3 } else { -1e-3 };
-            let ticks = &ticks[i];
-            ticks
-                .values
-                .iter()
-                .map(move |&v| (origin[i] + sign * self.scale * v, text(v, ticks.decimals)))
+            let sign = if i == 0 { self.scale } else { -self.scale };
+            let labels = labels(self.ranges[axes[i]], self.tick).into_iter();
+            labels.map(move |(value, text)| (origin[i] + sign * value, text))
         };
         for (x, _) in places(0) {
             svg.line([x, top], [x, bottom], grid);
@@ -157,7 +155,7 @@ impl Plan {
         for (x, label) in places(0) {
             svg.line([x, bottom], [x, bottom + 3.0], ink);
             let text = Text::new(&label, TICK_SIZE).anchor(Anchor::Middle);
-            svg.text([x, bottom + 5.0 + 0.5 * TICK_SIZE], &text);
+            svg.text([x, bottom + 7.5 + 0.5 * TICK_SIZE], &text);
         }
         for (y, label) in places(1) {
             svg.line([left - 3.0, y], [left, y], ink);
@@ -167,11 +165,18 @@ impl Plan {
         svg.rect([left, top], [width, height], None, Some(ink));
         let label = name(axes[0]);
         let text = Text::new(&label, LABEL_SIZE).anchor(Anchor::Middle);
-        svg.text([left + 0.5 * width, bottom + 26.0], &text);
+        svg.text([left + 0.5 * width, bottom + 28.0], &text);
         let label = name(axes[1]);
         let text = Text { upwards: true, ..Text::new(&label, LABEL_SIZE).anchor(Anchor::Middle) };
-        svg.text([left - LEFT + 14.0, top + 0.5 * height], &text);
+        svg.text([left - self.margin + 12.0, top + 0.5 * height], &text);
     }
+}
+
+/// Where in a range (m) there are ticks, at least so far apart, and their labels in mm.
+fn labels([low, high]: [f64; 2], least: f64) -> Vec<(f64, String)> {
+    let ticks::Linear { values, decimals } = ticks::inside(1e3 * low, 1e3 * high, 1e3 * least);
+    let label = |mm: f64| (1e-3 * mm, format!("{mm:.decimals$}").replace('-', "−"));
+    values.into_iter().map(label).collect()
 }
 
 /// A measured position.

@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use whipcord::Vec3;
 
-use crate::body::{Body, Disk, Part, Piece};
+use crate::body::{Body, Disk, Part, Piece, Profile};
 use crate::colour::Colour;
 use crate::projection::Projection;
 use crate::svg::{Ellipse, Fill, Point, Stroke, Svg};
@@ -25,7 +25,8 @@ pub(crate) struct Look {
 const THINNEST: f64 = 1.8;
 /// Width of a cable in px.
 const CABLE: f64 = 1.3;
-/// How much of its colour a cable had before actuation.
+/// How much of its colour a backbone has that is drawn pale, and how much a cable.
+const PALE_BACKBONE: f64 = 0.45;
 const PALE_CABLE: f64 = 0.4;
 /// Smallest hole, as its longer half axis in px, that is worth drawing.
 const SMALLEST_HOLE: f64 = 0.6;
@@ -154,42 +155,73 @@ fn draw_disk(svg: &mut Svg, disk: &Disk, look: &Look, view: &Projection) {
 }
 
 fn draw_piece(svg: &mut Svg, piece: &Piece, look: &Look, view: &Projection) {
-    let points: Vec<Point> = piece.points.iter().map(|&p| view.place(p)).collect();
-    let points = simplified(&points, TOLERANCE);
-    let (class, colour, width) = match piece.part {
-        Part::Backbone => ("backbone", look.colour, seen_width(piece, view).max(THINNEST)),
-        Part::Cable(i) => ("cable", look.cables[i], CABLE),
-        Part::Anchor(i) => {
-            let colour = if look.pale { look.cables[i].tint(PALE_CABLE) } else { look.cables[i] };
-            svg.circle(points[0], 1.5 * CABLE, Some(Fill::new(colour)), None);
-            return;
+    let strength = |pale: f64| if look.pale { pale } else { 1.0 };
+    let line = |points: &[Vec3]| -> Vec<Point> {
+        let points: Vec<Point> = points.iter().map(|&p| view.place(p)).collect();
+        simplified(&points, TOLERANCE)
+    };
+    match piece.part {
+        Part::Backbone => {
+            let colour = look.colour.tint(strength(PALE_BACKBONE));
+            let [half, _] = match piece.profile {
+                // Its sides come on top of a line, without which a thin strip could vanish.
+                Profile::Bar { .. } => [0.0; 2],
+                profile => profile.half_extents(),
+            };
+            let width = (2.0 * half * view.scale()).max(THINNEST);
+            // Round ends close the gaps at bends; at base and tip there is nothing to close.
+            let stroke = Stroke { flat: piece.end, ..Stroke::new(colour, width) };
+            svg.polyline(&line(&piece.points), stroke, "backbone");
+            if let Profile::Bar { .. } = piece.profile {
+                draw_sides(svg, piece, colour, view);
+            }
         }
-    };
-    let stroke = if look.pale {
-        // Paler, but opaque: pieces overlap at their ends.
-        let strength = if piece.part == Part::Backbone { 0.45 } else { PALE_CABLE };
-        Stroke::new(colour.tint(strength), width)
-    } else {
-        Stroke::new(colour, width)
-    };
-    svg.polyline(&points, stroke, class);
+        Part::Cable(i) => {
+            let colour = look.cables[i].tint(strength(PALE_CABLE));
+            svg.polyline(&line(&piece.points), Stroke::new(colour, CABLE), "cable");
+        }
+        Part::Anchor(i) => {
+            let colour = look.cables[i].tint(strength(PALE_CABLE));
+            svg.circle(view.place(piece.points[0]), 1.5 * CABLE, Some(Fill::new(colour)), None);
+        }
+    }
 }
 
-/// Width in px of the backbone as it is seen: for a bar it depends on the side it shows.
-fn seen_width(piece: &Piece, view: &Projection) -> f64 {
-    let Some([width, height]) = piece.extent else {
-        return 0.0;
-    };
-    let [x, y, tangent] = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| piece.frame.rotation.rotate(a));
-    let across = tangent.cross(view.towards());
-    let norm = across.norm();
-    let seen = if norm < 1e-9 || width == height {
-        width.max(height)
-    } else {
-        // The silhouette of a rectangle that is turned about the tangent.
-        (width * x.dot(across).abs() + height * y.dot(across).abs()) / norm
-    };
-    view.scale() * seen
+/// The sides of a bar that the viewer sees, each in its shade.
+fn draw_sides(svg: &mut Svg, piece: &Piece, colour: Colour, view: &Projection) {
+    let [w, h] = piece.profile.half_extents();
+    let middle = piece.frames[piece.frames.len() / 2].rotation;
+    // Outward normal, and the two edges of each side.
+    let sides = [
+        (Vec3::X, [w, -h], [w, h]),
+        (Vec3::Y, [w, h], [-w, h]),
+        (-Vec3::X, [-w, h], [-w, -h]),
+        (-Vec3::Y, [-w, -h], [w, -h]),
+    ];
+    if piece.end {
+        // Base and tip are closed; what faces away disappears under the sides.
+        for frame in [piece.frames.first(), piece.frames.last()].into_iter().flatten() {
+            let corner = |[x, y]: [f64; 2]| view.place(frame.transform(Vec3::new(x, y, 0.0)));
+            svg.polygon(&sides.map(|(_, a, _)| corner(a)), Some(Fill::new(colour)), None);
+        }
+    }
+    for (normal, a, b) in sides {
+        let facing = middle.rotate(normal).dot(view.towards());
+        if facing <= 0.0 {
+            continue;
+        }
+        let edge = |[x, y]: [f64; 2]| -> Vec<Point> {
+            let corner = Vec3::new(x, y, 0.0);
+            let points: Vec<Point> =
+                piece.frames.iter().map(|frame| view.place(frame.transform(corner))).collect();
+            simplified(&points, TOLERANCE)
+        };
+        let mut outline = edge(a);
+        outline.extend(edge(b).into_iter().rev());
+        let shade = colour.tint(0.75 + 0.25 * facing);
+        // The rim closes the seams between pieces.
+        svg.polygon(&outline, Some(Fill::new(shade)), Some(Stroke::new(shade, 0.5)));
+    }
 }
 
 /// The line without the points it does not need (Douglas and Peucker).

@@ -17,6 +17,8 @@ const STRIP: f64 = 44.0;
 /// Length of an axis that is not foreshortened, in px.
 const AXIS: f64 = 34.0;
 const SIZE: f64 = 12.0;
+/// Distance of its letter from the end of an axis in px.
+const LETTER: f64 = 8.0;
 
 /// A floor of whole squares.
 struct Floor {
@@ -37,7 +39,7 @@ impl Floor {
         };
         let [x, y, z] = [range(0), range(1), range(2)];
         let largest = [x, y, z].iter().map(|[l, h]| h - l).fold(0.0, f64::max);
-        let (digit, exponent) = ticks::round_up(largest / 10.0);
+        let (digit, exponent) = ticks::round_up(largest / 12.0);
         let step = digit * ticks::power_of_ten(exponent);
         let whole = |[low, high]: [f64; 2]| {
             [(low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step]
@@ -94,7 +96,7 @@ pub(crate) fn draw(
     svg.close();
     let bottom = corner[1] + size[1];
     draw_scale(svg, floor.step, &view, [corner[0], bottom]);
-    draw_axes(svg, view, [corner[0] + size[0] - 52.0, bottom - 22.0]);
+    draw_axes(svg, view, [corner[0] + size[0], bottom]);
 }
 
 /// The projection that shows all points in the box, as large as it can be.
@@ -137,12 +139,19 @@ fn draw_shadows(svg: &mut Svg, bodies: &Bodies, floor: &Floor, view: &Projection
     }
 }
 
-/// The directions of x, y and z.
-fn draw_axes(svg: &mut Svg, view: Projection, at: Point) {
+/// The directions of x, y and z, with their lower right corner here.
+fn draw_axes(svg: &mut Svg, view: Projection, [right, bottom]: Point) {
+    let axes = [(Vec3::X, "x"), (Vec3::Y, "y"), (Vec3::Z, "z")];
+    let view = view.placed(AXIS, [0.0; 2]);
+    let lowest = axes.iter().map(|(axis, _)| view.place(*axis)[1]).fold(0.0, f64::max);
+    let at = [
+        right - AXIS - LETTER - SIZE,
+        bottom - lowest - if lowest > 0.0 { LETTER + SIZE } else { 0.0 },
+    ];
     let view = view.placed(AXIS, at);
     let stroke = Stroke::new(Colour::INK, 1.0);
     svg.open("directions");
-    for (axis, name) in [(Vec3::X, "x"), (Vec3::Y, "y"), (Vec3::Z, "z")] {
+    for (axis, name) in axes {
         let end = view.place(axis);
         let (dx, dy) = (end[0] - at[0], end[1] - at[1]);
         let length = dx.hypot(dy);
@@ -156,7 +165,7 @@ fn draw_axes(svg: &mut Svg, view: Projection, at: Point) {
             |side: f64| [end[0] - 5.0 * ux - side * 2.2 * uy, end[1] - 5.0 * uy + side * 2.2 * ux];
         svg.polyline(&[barb(1.0), end, barb(-1.0)], stroke, "");
         let text = Text::new(name, SIZE).anchor(Anchor::Middle);
-        svg.text([end[0] + 8.0 * ux, end[1] + 8.0 * uy], &text);
+        svg.text([end[0] + LETTER * ux, end[1] + LETTER * uy], &text);
     }
     svg.close();
 }

@@ -15,11 +15,13 @@ pub(crate) struct Stroke {
     pub colour: Colour,
     pub width: f64,
     pub dash: &'static str,
+    /// Whether a line ends at its ends, rather than in half a circle round them.
+    pub flat: bool,
 }
 
 impl Stroke {
     pub const fn new(colour: Colour, width: f64) -> Self {
-        Self { colour, width, dash: "" }
+        Self { colour, width, dash: "", flat: false }
     }
 
     pub const fn dash(self, dash: &'static str) -> Self {
@@ -138,7 +140,7 @@ impl Svg {
         self.end();
     }
 
-    /// A line through points, with round ends and joints.
+    /// A line through points.
     pub fn polyline(&mut self, points: &[Point], stroke: Stroke, class: &str) {
         self.body.push_str("<path");
         self.class(class);
@@ -261,6 +263,9 @@ impl Svg {
     fn stroke(&mut self, stroke: Stroke) {
         let _ = write!(self.body, " stroke=\"{}\"", stroke.colour);
         self.attribute("stroke-width", stroke.width);
+        if stroke.flat {
+            self.body.push_str(" stroke-linecap=\"butt\"");
+        }
         if !stroke.dash.is_empty() {
             let _ = write!(self.body, " stroke-dasharray=\"{}\"", stroke.dash);
         }

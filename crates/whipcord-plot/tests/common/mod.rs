@@ -88,6 +88,18 @@ pub fn catheter() -> Result<Robot, RobotError> {
     Robot::new(backbone, disks, vec![cable])
 }
 
+/// A flat strip with a helical and a converging cable, which curls up.
+pub fn finger() -> Result<Robot, RobotError> {
+    let backbone = Backbone {
+        section: Some(Section::Rectangle { width: 0.006, height: 0.001 }),
+        ..Backbone::new(0.06)
+    };
+    let helix = Routing::Helix { start_angle: 0.0, turns: 1.25, radius: 0.006 };
+    let line = Routing::Linear { start: [-0.006, 0.0], end: [0.0, -0.002] };
+    let cables = vec![Cable::new("wind", helix), Cable::new("curl", line)];
+    Robot::new(backbone, Disks::equally_spaced(0.06, 7, 0.006).with_holes(4), cables)
+}
+
 /// The curvature of a robot whose cable pulls at this angle with this bend per metre.
 pub fn towards(angle: f64, bend: f64) -> Vec3 {
     Vec3::new(-angle.sin(), angle.cos(), 0.0) * bend

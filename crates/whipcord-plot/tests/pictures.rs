@@ -1,0 +1,355 @@
+//! What every picture must be: XML that renders, nothing outside its edges, no text over another,
+//! the same bytes each time.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
+
+mod common;
+
+use std::sync::{Arc, LazyLock};
+
+use common::{arm, before, catheter, prototype, towards, view};
+use proptest::prelude::*;
+use resvg::tiny_skia::Pixmap;
+use resvg::usvg::{Group, Node, Options, Rect, Tree, fontdb, roxmltree};
+use whipcord::{Backbone, Cable, Disks, Robot, Routing, Section, Vec3};
+use whipcord_plot::{
+    AccuracySeries, AxisSpec, Chart, DistanceSeries, FigureOptions, Layer, PlotError, RobotView,
+    Scale, Series, TimingSeries, ViewStyle, accuracy_chart, distance_chart, png, robot_figure,
+    timing_chart,
+};
+
+static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
+    let mut fonts = fontdb::Database::new();
+    fonts.load_font_data(include_bytes!("../fonts/Arimo-Regular.ttf").to_vec());
+    fonts.load_font_data(include_bytes!("../fonts/Arimo-Bold.ttf").to_vec());
+    Arc::new(fonts)
+});
+
+fn tree(svg: &str) -> Tree {
+    let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
+    Tree::from_str(svg, &options).unwrap()
+}
+
+fn texts(group: &Group, found: &mut Vec<Rect>) {
+    for node in group.children() {
+        match node {
+            Node::Group(group) => texts(group, found),
+            Node::Text(text) => found.push(text.abs_bounding_box()),
+            _ => {}
+        }
+    }
+}
+
+/// Checks what holds for every picture.
+fn check(svg: &str) {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    for attribute in document.descendants().flat_map(|n| n.attributes()) {
+        let value = attribute.value();
+        assert!(!value.contains("NaN") && !value.contains("inf"), "{attribute:?}");
+    }
+    let tree = tree(svg);
+    let (width, height) = (tree.size().width(), tree.size().height());
+    let drawn = tree.root().abs_stroke_bounding_box();
+    let slack = 0.01;
+    assert!(drawn.left() >= -slack && drawn.top() >= -slack, "{drawn:?}");
+    assert!(drawn.right() <= width + slack, "{drawn:?} {width}");
+    assert!(drawn.bottom() <= height + slack, "{drawn:?} {height}");
+    let mut boxes = Vec::new();
+    texts(tree.root(), &mut boxes);
+    for (i, a) in boxes.iter().enumerate() {
+        for b in &boxes[..i] {
+            let apart = a.right() <= b.left()
+                || b.right() <= a.left()
+                || a.bottom() <= b.top()
+                || b.bottom() <= a.top();
+            assert!(apart, "text over text: {a:?} {b:?}");
+        }
+    }
+}
+
+fn count(svg: &str, class: &str) -> usize {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    document.descendants().filter(|n| n.attribute("class") == Some(class)).count()
+}
+
+/// What the legend says, in its order.
+fn legend(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    document
+        .descendants()
+        .filter(|n| n.attribute("class") == Some("legend"))
+        .flat_map(|n| n.descendants().filter(|n| n.has_tag_name("text")))
+        .map(|n| n.text().unwrap_or_default().to_owned())
+        .collect()
+}
+
+fn case_three() -> (Robot, [RobotView; 3]) {
+    let robot = prototype(&[1, 2, 3, 4, 4, 4, 4, 3, 2, 1]).unwrap();
+    let a = view(&robot, "cosserat", ViewStyle::Model, |s| towards(20.0 * s, 8.7));
+    let b = view(&robot, "four-bar", ViewStyle::Model, |s| towards(21.0 * s, 8.2));
+    let views = [before(&robot), a, b];
+    (robot, views)
+}
+
+#[test]
+fn a_robot_has_all_its_parts_in_all_views() {
+    let (robot, views) = case_three();
+    let measured: Vec<Vec3> = views[1].disks.positions().collect();
+    let options = FigureOptions { title: "Case III".into(), measured, ..Default::default() };
+    let svg = robot_figure(&robot, &views, &options).unwrap();
+    check(&svg);
+    assert_eq!(count(&svg, "disk"), 4 * 3 * 10);
+    assert_eq!(count(&svg, "view"), 3);
+    assert_eq!(
+        legend(&svg),
+        ["before actuation", "cosserat", "four-bar", "cable pull", "measured"]
+    );
+    for axis in ["x (mm)", "y (mm)", "z (mm)"] {
+        assert_eq!(svg.matches(axis).count(), 2, "{axis}");
+    }
+    assert_eq!(svg, robot_figure(&robot, &views, &options).unwrap());
+    assert!(svg.len() < 300_000, "{}", svg.len());
+}
+
+#[test]
+fn cables_that_end_midway_end_in_the_picture() {
+    let robot = arm().unwrap();
+    let bent = view(&robot, "cosserat", ViewStyle::Model, |s| towards(3.0 * s, 1.3));
+    let svg = robot_figure(&robot, std::slice::from_ref(&bent), &FigureOptions::default()).unwrap();
+    check(&svg);
+    // 16 sections of two pieces each; three cables end after the eighth.
+    assert_eq!(count(&svg, "backbone"), 4 * 32);
+    assert_eq!(count(&svg, "cable"), 4 * (3 * 16 + 3 * 32));
+    assert_eq!(legend(&svg).len(), 7);
+}
+
+#[test]
+fn robots_without_holes_and_robots_that_stand_still_are_drawn() {
+    let robot = catheter().unwrap();
+    let hook = view(&robot, "hook", ViewStyle::Model, |s| Vec3::Y * 500.0 * s);
+    check(&robot_figure(&robot, &[before(&robot), hook], &FigureOptions::default()).unwrap());
+
+    let robot = prototype(&[4; 10]).unwrap();
+    let still = RobotView { style: ViewStyle::Model, ..before(&robot) };
+    check(&robot_figure(&robot, &[before(&robot), still], &FigureOptions::default()).unwrap());
+
+    let bare = Robot::new(
+        Backbone::new(0.05),
+        Disks { hole_circle_radii: vec![], ..Disks::equally_spaced(0.05, 4, 1.0) },
+        vec![],
+    )
+    .unwrap();
+    let alone = view(&bare, "bare", ViewStyle::Model, |_| Vec3::X * 30.0);
+    check(&robot_figure(&bare, &[alone], &FigureOptions::default()).unwrap());
+}
+
+#[test]
+fn a_picture_from_stations_at_the_disks_alone_is_as_round() {
+    let robot = prototype(&[4; 10]).unwrap();
+    let dense = view(&robot, "a", ViewStyle::Model, |_| towards(1.5, 8.7));
+    let coarse = RobotView { shape: dense.disks.clone(), ..dense.clone() };
+    let [dense, coarse] = [dense, coarse]
+        .map(|v| tree(&robot_figure(&robot, &[v], &FigureOptions::default()).unwrap()));
+    let [a, b] = [&dense, &coarse].map(|t| t.root().abs_stroke_bounding_box());
+    assert!((a.right() - b.right()).abs() < 0.1 && (a.top() - b.top()).abs() < 0.1);
+}
+
+#[test]
+fn long_and_hostile_labels_stay_in_their_places() {
+    let (robot, mut views) = case_three();
+    views[1].label = "a model <with> \"a\" & very long name, as long as it takes ".repeat(4);
+    views[2].label = "漢字 \u{7} \u{fffe} émïle".into();
+    let options = FigureOptions { title: "Wörd & <tag> ".repeat(30), ..Default::default() };
+    check(&robot_figure(&robot, &views, &options).unwrap());
+
+    let series = DistanceSeries { label: views[1].label.clone(), disks: vec![(1, 0.0), (2, 1e-3)] };
+    check(&distance_chart(&options.title, &[series]).unwrap());
+}
+
+#[test]
+fn distances_are_columns_in_millimetres() {
+    let series = ["a", "b"].map(|label| DistanceSeries {
+        label: label.into(),
+        disks: (1..=10).map(|k| (k, 2e-4 * k as f64)).collect(),
+    });
+    let svg = distance_chart("Distances", &series).unwrap();
+    check(&svg);
+    assert_eq!(legend(&svg), ["a", "b"]);
+    assert!(svg.contains("distance (mm)"));
+    // The ground, two swatches and the columns.
+    assert_eq!(svg.matches("<rect").count(), 1 + 2 + 20);
+
+    let nothing = DistanceSeries { label: "same".into(), disks: vec![(1, 0.0), (2, 0.0)] };
+    check(&distance_chart("", &[nothing]).unwrap());
+    let many = DistanceSeries {
+        label: "many".into(),
+        disks: (1..=321).map(|k| (k, 1e-9 * k as f64)).collect(),
+    };
+    let svg = distance_chart("", &[many]).unwrap();
+    check(&svg);
+    assert!(svg.contains("distance (µm)") && svg.contains("class=\"line\""));
+}
+
+fn timing(label: &str, base: f64, each: f64) -> TimingSeries {
+    let runs = [5, 10, 20, 40, 80, 160, 320]
+        .into_iter()
+        .flat_map(|n| (0..6).map(move |r| (n, (base + each * n as f64) * (1.0 + 0.01 * r as f64))))
+        .collect();
+    TimingSeries { label: label.into(), runs, look: None }
+}
+
+#[test]
+fn timings_have_their_slopes_in_the_legend() {
+    let series = [timing("four-bar", 0.0, 3e-7), timing("cosserat", 2e-6, 0.0)];
+    let svg = timing_chart("Times", &series, Scale::Linear).unwrap();
+    check(&svg);
+    assert_eq!(legend(&svg)[0], "four-bar: 0.31 µs per section");
+    let svg = timing_chart("Times", &series, Scale::Log).unwrap();
+    check(&svg);
+    assert_eq!(legend(&svg)[0], "four-bar: slope 1.00");
+    let one = TimingSeries { label: "once".into(), runs: vec![(9, 2e-6)], look: None };
+    for scale in [Scale::Linear, Scale::Log] {
+        let svg = timing_chart("", std::slice::from_ref(&one), scale).unwrap();
+        check(&svg);
+        assert_eq!(legend(&svg), ["once"]);
+    }
+}
+
+#[test]
+fn errors_of_zero_are_drawn_at_rounding() {
+    let errors = vec![(2, 1e-2), (4, 6e-4), (64, 0.0)];
+    let series = AccuracySeries { label: "a".into(), errors, look: None };
+    let svg = accuracy_chart("Accuracy", &[series], &[2, 4]).unwrap();
+    check(&svg);
+    assert_eq!(legend(&svg), ["a", "slope −2", "slope −4"]);
+}
+
+#[test]
+fn png_has_the_size_and_is_not_blank() {
+    let series = [timing("four-bar", 0.0, 3e-7)];
+    let svg = timing_chart("Times", &series, Scale::Linear).unwrap();
+    let size = tree(&svg).size();
+    let bytes = png(&svg, 1.5).unwrap();
+    let pixels = Pixmap::decode_png(&bytes).unwrap();
+    assert_eq!(pixels.width(), (1.5 * size.width()).round() as u32);
+    assert_eq!(pixels.height(), (1.5 * size.height()).round() as u32);
+    let dark = pixels.pixels().iter().filter(|p| p.red() < 128).count();
+    assert!(dark > 2000, "{dark}");
+    assert!(pixels.pixels().iter().all(|p| p.alpha() == 255));
+    assert_eq!(bytes, png(&svg, 1.5).unwrap());
+    // Letters are there: without them there is less ink.
+    let silent = svg.replace("<text", "<metadata").replace("</text>", "</metadata>");
+    let silent = Pixmap::decode_png(&png(&silent, 1.5).unwrap()).unwrap();
+    let less = silent.pixels().iter().filter(|p| p.red() < 128).count();
+    assert!(less + 500 < dark, "{less} {dark}");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let (robot, views) = case_three();
+    let options = FigureOptions::default();
+    let refused = |views: &[RobotView], options: &FigureOptions| {
+        robot_figure(&robot, views, options).unwrap_err()
+    };
+    assert!(matches!(refused(&[], &options), PlotError::Empty { .. }));
+    let mut bad = views[1].clone();
+    bad.shape.poses[3].position.x = f64::NAN;
+    let error = refused(&[bad], &options);
+    assert!(matches!(error, PlotError::NotFinite { .. }));
+    assert!(error.to_string().contains("cosserat"), "{error}");
+    let mut bad = views[1].clone();
+    bad.disks.poses.pop();
+    assert!(matches!(refused(&[bad.clone()], &options), PlotError::Count { .. }));
+    bad.disks.arc_length.pop();
+    let error = refused(&[bad], &options).to_string();
+    assert!(error.contains("has 9 entries, but needs 10"), "{error}");
+    let mut bad = views[1].clone();
+    bad.shape.arc_length.swap(3, 4);
+    assert!(matches!(refused(&[bad], &options), PlotError::NotIncreasing { .. }));
+    let lost = FigureOptions { measured: vec![Vec3::X * f64::INFINITY], ..Default::default() };
+    assert!(matches!(refused(&views, &lost), PlotError::NotFinite { .. }));
+    let slim = FigureOptions { width: 20.0, ..Default::default() };
+    assert!(matches!(refused(&views, &slim), PlotError::Size { .. }));
+
+    assert!(matches!(distance_chart("", &[]), Err(PlotError::Empty { .. })));
+    let nan = DistanceSeries { label: "a".into(), disks: vec![(1, f64::NAN)] };
+    assert!(matches!(distance_chart("", &[nan]), Err(PlotError::NotFinite { .. })));
+    let huge = DistanceSeries { label: "a".into(), disks: vec![(1, 1e300)] };
+    assert!(matches!(distance_chart("", &[huge]), Err(PlotError::NotFinite { .. })));
+    let zero = TimingSeries { label: "a".into(), runs: vec![(5, 0.0)], look: None };
+    let error = timing_chart("", &[zero], Scale::Log);
+    assert!(matches!(error, Err(PlotError::NotPositive { .. })));
+    let none = AccuracySeries { label: "a".into(), errors: vec![(0, 1e-3)], look: None };
+    let error = accuracy_chart("", &[none], &[]);
+    assert!(matches!(error, Err(PlotError::NotPositive { .. })));
+
+    assert!(matches!(png("<svg", 1.0), Err(PlotError::Svg(_))));
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\"/>";
+    for scale in [0.0, -1.0, 1e9, f64::NAN] {
+        assert!(matches!(png(svg, scale), Err(PlotError::Size { .. })), "{scale}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn any_robot_makes_a_sound_picture(
+        length in -2.5..1.0_f64,
+        disks in 2_usize..14,
+        slender in 0.02..0.3_f64,
+        cables in 0_usize..7,
+        bend in 0.0..4.0_f64,
+        direction in 0.0..6.3_f64,
+        twist in -6.0..6.0_f64,
+        elevation in -1.5..1.5_f64,
+    ) {
+        let length = 10_f64.powf(length);
+        let ring = slender * length;
+        let backbone = Backbone {
+            section: Some(Section::Rectangle { width: 0.3 * ring, height: 0.9 * ring }),
+            ..Backbone::new(length)
+        };
+        let list = (0..cables).map(|k| {
+            let routing = Routing::Helix { start_angle: k as f64, turns: 0.3, radius: ring };
+            Cable { ends_at: Some((length * (k + 1) as f64 / cables as f64).min(length)), ..Cable::new(format!("cable {k}"), routing) }
+        });
+        let plates = Disks::equally_spaced(length, disks, ring).with_holes(8);
+        let robot = Robot::new(backbone, plates, list.collect()).unwrap();
+        let curvature = |s: f64| {
+            (towards(direction + twist * s / length, bend) + Vec3::Z * twist) * (1.0 / length)
+        };
+        let bent = view(&robot, "model", ViewStyle::Model, curvature);
+        let options = FigureOptions { elevation, ..Default::default() };
+        check(&robot_figure(&robot, &[before(&robot), bent], &options).unwrap());
+    }
+
+    #[test]
+    fn any_chart_is_sound(
+        points in prop::collection::vec((-3.0..3.0_f64, -8.0..8.0_f64), 1..30),
+        offset in -100.0..100.0_f64,
+        logs in (any::<bool>(), any::<bool>()),
+        names in prop::collection::vec("[ -~]{0,40}", 1..9),
+    ) {
+        let map = |v: f64, log: bool| if log { 10_f64.powf(v) } else { offset + v };
+        let points: Vec<_> =
+            points.iter().map(|&(x, y)| [map(x, logs.0), map(y, logs.1)]).collect();
+        let axis = |log: bool| if log { AxisSpec::log("a (mm)") } else { AxisSpec::linear("a (mm)") };
+        let series = names.iter().enumerate().map(|(i, name)| {
+            let errors = points.iter().map(|&[x, y]| [x, y, 0.4 * y.abs()]).collect();
+            Series::new(name.clone(), i, vec![
+                Layer::Line(points.clone()),
+                Layer::Errors(errors),
+                Layer::Markers(points.clone()),
+            ])
+        });
+        let chart = Chart {
+            title: names[0].clone(),
+            x: axis(logs.0),
+            y: axis(logs.1),
+            series: series.collect(),
+            ..Chart::default()
+        };
+        check(&chart.svg().unwrap());
+    }
+}
