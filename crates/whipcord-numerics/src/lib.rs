@@ -4,6 +4,7 @@
 //! no allocation, and they do not depend on how a general matrix library is vectorised by the
 //! compiler of whoever builds this crate.
 
+mod arcsine;
 mod dense;
 mod magnus;
 mod mat3;
@@ -12,8 +13,10 @@ mod pose;
 mod quadrature;
 mod quaternion;
 mod runge_kutta;
+mod sym3;
 mod vec3;
 
+pub use arcsine::asin_ratio;
 pub use dense::{DenseLu, Singular};
 pub use magnus::magnus_6;
 pub use mat3::{Ldlt3, Mat3};
@@ -22,4 +25,5 @@ pub use pose::{Pose, Twist};
 pub use quadrature::{GAUSS_2, GAUSS_3, GaussRule};
 pub use quaternion::UnitQuaternion;
 pub use runge_kutta::{BUTCHER_5, ExplicitTableau};
+pub use sym3::Sym3;
 pub use vec3::Vec3;

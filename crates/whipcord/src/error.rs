@@ -62,6 +62,51 @@ pub enum SolveError {
         reachable: f64,
     },
 
+    /// A section that cannot be bent so far that its cable gets as short as prescribed.
+    #[error(
+        "between disks {disk} and {next_disk} cable `{cable}` cannot be {requested:.6e} m long: that section takes lengths from {shortest:.6e} m to {longest:.6e} m; shorten the cable less",
+        next_disk = disk + 1
+    )]
+    SectionOutOfReach {
+        /// Name of the cable.
+        cable: String,
+        /// Number of the section's lower disk; the base disk is 1.
+        disk: usize,
+        /// Length prescribed there in m.
+        requested: f64,
+        /// Least length in m that the section takes, with the other cables as they are.
+        shortest: f64,
+        /// Length in m in the straight section; a cable prescribed to be longer is slack.
+        longest: f64,
+    },
+
+    /// Cables whose lengths contradict each other by more than a least-squares answer can hide.
+    #[error(
+        "between disks {first_disk} and {last_disk} the prescribed cable lengths contradict each other: at the best compromise cable `{cable}` is still {excess:.6e} m too long; shorten its antagonists less"
+    )]
+    CablesConflict {
+        /// Name of the cable that is farthest from its length.
+        cable: String,
+        /// Number of the disk where the conflict begins; the base disk is 1.
+        first_disk: usize,
+        /// Number of the disk where it ends.
+        last_disk: usize,
+        /// Length of that cable beyond the prescribed one in m.
+        excess: f64,
+    },
+
+    /// A cable that does not decide which way its section bends.
+    #[error(
+        "between disks {disk} and {next_disk} cable `{cable}` has no lever arm (it runs through or across the centre), so shortening it bends the section no way in particular; move its holes outwards to one side",
+        next_disk = disk + 1
+    )]
+    NoLever {
+        /// Name of the cable.
+        cable: String,
+        /// Number of the section's lower disk; the base disk is 1.
+        disk: usize,
+    },
+
     /// The iteration stopped before the equations were met.
     #[error(
         "no equilibrium was found: residual {residual:.3e} after {iterations} iterations; the last load that converged is {last_load:.4} of the given one; {advice}"

@@ -1,47 +1,120 @@
-//! The paper's geometric model: one four-bar section between each two disks.
+//! The geometric model of Mahapatra, Ashwin and Ghosal: one four-bar section between each two
+//! disks, bent as little as the prescribed lengths of the cables allow.
+//!
+//! `docs/theory/four-bar.md` derives the equations whose numbers stand in the code.
 
-use crate::case::{Case, Drive};
+mod as_printed;
+mod bend;
+mod joint;
+mod length;
+mod measure;
+mod one_cable;
+mod options;
+mod plane;
+mod refusal;
+mod section;
+mod several;
+mod solve;
+#[cfg(test)]
+mod tests;
+
+pub use options::{Chord, LengthRule, Objective, Options, UnknownOption};
+pub use solve::Workspace;
+
+use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::Stations;
 use crate::robot::Robot;
 use crate::shape::Solution;
 
-/// What is minimised, and how lengths are shared out.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Options {
-    /// Where the shape is given.
-    pub stations: Stations,
-    /// Which command of each cable counts.
-    pub drive: Drive,
-}
+use section::Section;
 
 /// The four-bar model of one robot.
+///
+/// It is purely geometric: driven by how much each cable is shortened, blind to loads and to
+/// friction (which changes tensions, not prescribed lengths), and without forces in its answer,
+/// but for the tensions that the strain-energy objective yields. Cables only pull: one that is
+/// prescribed to be longer than its path is slack. When lengths contradict each other by little,
+/// the answer is the least-squares one.
+///
+/// ```
+/// use whipcord::four_bar::{FourBar, Options, Workspace};
+/// use whipcord::{Backbone, Cable, Case, Disks, Robot, Routing, Shortening};
+///
+/// // One section of 20 mm, a straight cable at 8 mm, shortened by 1 mm.
+/// let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+/// let disks = Disks::equally_spaced(0.02, 2, 0.008);
+/// let robot = Robot::new(Backbone::new(0.02), disks, vec![cable])?;
+/// let model = FourBar::new(&robot, &Options::default())?;
+/// let case = Case::with_shortenings(&[Shortening::Length(0.001)]);
+/// let solution = model.solve(&case, None, &mut Workspace::default())?;
+/// let bend = solution.shape.tip().rotation.log().norm();
+/// assert!((bend - 2.0 * f64::asin(0.001 / 0.016)).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
-pub struct FourBar {}
-
-/// Scratch memory of a solve.
-#[derive(Clone, Debug, Default)]
-pub struct Workspace {}
+pub struct FourBar {
+    robot: Robot,
+    options: Options,
+    sections: Vec<Section>,
+    /// Initial length of each cable in m.
+    initial_lengths: Vec<f64>,
+    /// Number of sections each cable passes.
+    passages: Vec<usize>,
+    /// Tension in N of a multiplier of 1 rad²/m, eq. (10), where it is known.
+    tension_scale: Option<f64>,
+    /// Arc lengths of the stations in m.
+    stations: Vec<f64>,
+}
 
 impl FourBar {
     /// The model of a robot.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] for what a geometric model cannot take.
-    pub fn new(_robot: &Robot, _options: &Options) -> Result<Self, SolveError> {
-        Ok(Self {})
+    /// [`SolveError::Unsupported`] for what a geometric model cannot take (rest curvature, elastic
+    /// cables, a cable that ends between two disks), [`SolveError::Missing`] when the strain-energy
+    /// objective finds no Poisson's ratio, [`SolveError::NoLever`] when a cable runs through the centre of a section.
+    pub fn new(robot: &Robot, options: &Options) -> Result<Self, SolveError> {
+        refusal::robot(robot, options)?;
+        let sections = section::sections(robot, options.objective, options.chord)?;
+        let mut initial_lengths = vec![0.0; robot.cables().len()];
+        let mut passages = vec![0; robot.cables().len()];
+        for passage in sections.iter().flat_map(|section| &section.passages) {
+            initial_lengths[passage.cable] += passage.initial;
+            passages[passage.cable] += 1;
+        }
+        let tension_scale = (options.objective == Objective::StrainEnergy)
+            .then(|| {
+                let stiffness =
+                    robot.backbone().material.young_modulus? * section::reference_moment(robot)?;
+                Some(stiffness / (2.0 * robot.backbone().length))
+            })
+            .flatten();
+        Ok(Self {
+            robot: robot.clone(),
+            options: options.clone(),
+            sections,
+            initial_lengths,
+            passages,
+            tension_scale,
+            stations: options.stations.arc_lengths(robot),
+        })
     }
 
-    /// The shape under a case.
+    /// The shape under a case. It starts from its own guess, which is close; a warm start changes
+    /// nothing.
     ///
     /// # Errors
-    /// [`SolveError`] with the reason why there is no answer.
+    /// [`SolveError::Unsupported`] for loads, [`SolveError::Missing`] for a cable without a
+    /// shortening, [`SolveError::SectionOutOfReach`], [`SolveError::CablesConflict`] and
+    /// [`SolveError::UnreachableLength`] for lengths that cannot be had,
+    /// [`SolveError::Invalid`] for a case that does not fit the robot.
     pub fn solve(
         &self,
-        _case: &Case,
+        case: &Case,
         _warm_start: Option<&Solution>,
-        _workspace: &mut Workspace,
+        workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
-        unimplemented!()
+        refusal::case(&self.robot, case)?;
+        self.solve_lengths(case, workspace)
     }
 }

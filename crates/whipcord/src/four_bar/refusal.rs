@@ -1,0 +1,106 @@
+//! What the model cannot take, by name.
+
+use whipcord_numerics::Vec3;
+
+use super::options::{Chord, LengthRule, Objective, Options};
+use crate::case::{Case, Drive};
+use crate::error::SolveError;
+use crate::model::ModelKind;
+use crate::robot::Robot;
+
+const GEOMETRIC: &str = "the four-bar model is geometric: leave it out, or use cosserat";
+const GIVE_SHORTENING: &str =
+    "the four-bar model is geometric: give each cable's shortening, or use cosserat";
+
+fn unsupported(path: impl Into<String>, what: &'static str, advice: &'static str) -> SolveError {
+    SolveError::Unsupported { model: ModelKind::FourBar, path: path.into(), what, advice }
+}
+
+/// Refuses a robot or options.
+pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> {
+    if options.drive == Drive::Tension {
+        return Err(unsupported("actuation", "tension", GIVE_SHORTENING));
+    }
+    if !robot.backbone().rest_curvature.is_zero() {
+        return Err(unsupported("backbone.rest_curvature", "a pre-bent backbone", GEOMETRIC));
+    }
+    for (i, cable) in robot.cables().iter().enumerate() {
+        if cable.axial_stiffness.is_some() {
+            let path = format!("cables[{i}].axial_stiffness");
+            return Err(unsupported(path, "an elastic cable", GEOMETRIC));
+        }
+        if options.lengths == LengthRule::Free && cable.friction.is_some_and(|f| f > 0.0) {
+            return Err(unsupported(
+                format!("cables[{i}].friction"),
+                "friction on a cable that slides freely",
+                "take the length rule proportional or equal, where friction changes no length",
+            ));
+        }
+    }
+    if options.objective == Objective::AsPrinted {
+        as_printed(robot, options)?;
+    }
+    Ok(())
+}
+
+fn as_printed(robot: &Robot, options: &Options) -> Result<(), SolveError> {
+    if robot.cables().len() > 1 {
+        return Err(unsupported(
+            "cables[1]",
+            "a second cable with the objective as-printed",
+            "the printed equations are those of one cable: take coupler-angle",
+        ));
+    }
+    if options.lengths == LengthRule::Free {
+        return Err(unsupported(
+            "the length rule free",
+            "with the objective as-printed",
+            "the printed equations take the length in each section as given: take proportional or equal",
+        ));
+    }
+    if options.chord == Chord::Arc {
+        return Err(unsupported(
+            "the chord arc",
+            "with the objective as-printed",
+            "the printed equations have a rigid link: take bisector",
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses a case.
+pub(super) fn case(robot: &Robot, case: &Case) -> Result<(), SolveError> {
+    let plausible = |command: &crate::case::CableCommand| {
+        command.tension.is_none_or(|t| t >= 0.0 && t.is_finite())
+            && command.shortening.is_none_or(|s| s.in_metres(1.0).abs() < 1.0)
+    };
+    let loaded = !case.loads.is_none();
+    // The full check builds the path of every quantity: too slow where all is well.
+    let fits = case.commands.len() == robot.cables().len() && case.commands.iter().all(plausible);
+    if loaded || !fits {
+        case.check(robot)?;
+    }
+    if loaded {
+        let loads = &case.loads;
+        let (path, what) = if loads.gravity.is_some_and(|g| g != Vec3::ZERO) {
+            ("loads.gravity", "weight")
+        } else if loads.tip_force != Vec3::ZERO {
+            ("loads.tip_force", "a force")
+        } else if loads.tip_moment != Vec3::ZERO {
+            ("loads.tip_moment", "a moment")
+        } else {
+            ("loads.point", "a force or moment")
+        };
+        return Err(unsupported(path, what, GEOMETRIC));
+    }
+    for (i, command) in case.commands.iter().enumerate() {
+        if command.shortening.is_none() {
+            return Err(SolveError::Missing {
+                model: ModelKind::FourBar,
+                path: format!("cables[{i}].shortening"),
+                advice: GIVE_SHORTENING,
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,331 @@
+//! From a case to a solution: lengths shared out, sections solved and stacked.
+
+use core::slice;
+
+use whipcord_numerics::Pose;
+
+use super::FourBar;
+use super::as_printed::{self, Unsolvable};
+use super::bend::Bend;
+use super::joint::Joint;
+use super::one_cable;
+use super::options::{LengthRule, Objective};
+use super::several::{Ending, Several};
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::model::{ModelKind, Stations};
+use crate::shape::{CableState, Diagnostics, Shape, Solution};
+
+/// Scratch memory of a solve.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    /// Prescribed length of each cable, in all and in one section.
+    targets: Vec<f64>,
+    section_targets: Vec<f64>,
+    /// By cable, for one section.
+    multipliers: Vec<f64>,
+    cables: Vec<Found>,
+    joints: Vec<Joint>,
+    several: Several,
+}
+
+/// What has been found of one cable.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    length: f64,
+    /// Multiplier conjugate to the total length, rad²/m.
+    multiplier: f64,
+    /// Whether the cable is as long as prescribed in some section.
+    binds: bool,
+}
+
+/// What the diagnostics report.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    iterations: usize,
+    /// Largest difference from a prescribed length in m.
+    residual: f64,
+    /// Whether some lengths were met in the least-squares sense only.
+    compromise: bool,
+}
+
+/// Excess of the prescribed length over the path above which a cable hangs loose, relative to its
+/// initial length: well above the error of a length, well below what anyone can measure.
+const LOOSE: f64 = 1e-10;
+
+/// Conflict of the lengths up to which the least-squares shape is given as the answer, relative
+/// to the length of the backbone in the section.
+const MOST_CONFLICT: f64 = 0.01;
+
+impl FourBar {
+    pub(super) fn solve_lengths(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let count = self.initial_lengths.len();
+        workspace.targets.clear();
+        for (command, &initial) in case.commands.iter().zip(&self.initial_lengths) {
+            let shortening = command.shortening.map_or(0.0, |s| s.in_metres(initial));
+            workspace.targets.push(initial - shortening);
+        }
+        workspace.cables.clear();
+        workspace.cables.resize(count, Found::default());
+        workspace.multipliers.clear();
+        workspace.multipliers.resize(count, 0.0);
+        workspace.joints.clear();
+        let tally = match self.options.lengths {
+            LengthRule::Proportional | LengthRule::Equal => self.each_section(workspace)?,
+            LengthRule::Free => self.all_sections(workspace)?,
+        };
+        Ok(self.solution(workspace, tally))
+    }
+
+    /// Every section with its own lengths.
+    fn each_section(&self, workspace: &mut Workspace) -> Result<Tally, SolveError> {
+        let mut tally = Tally::default();
+        let Workspace { targets, section_targets, multipliers, cables, joints, several } =
+            workspace;
+        section_targets.clear();
+        section_targets.resize(targets.len(), f64::INFINITY);
+        for (index, section) in self.sections.iter().enumerate() {
+            section_targets.fill(f64::INFINITY);
+            multipliers.fill(0.0);
+            let mut pulled = false;
+            for passage in &section.passages {
+                let target = self.share(passage.cable, passage.initial, targets[passage.cable]);
+                section_targets[passage.cable] = target;
+                pulled |= target < passage.initial;
+            }
+            let joint = if self.options.objective == Objective::AsPrinted {
+                self.printed_section(index, section_targets)?
+            } else if pulled {
+                Joint::Bend(self.section(
+                    index,
+                    section_targets,
+                    multipliers,
+                    several,
+                    &mut tally,
+                )?)
+            } else {
+                Joint::Bend(Bend::STRAIGHT)
+            };
+            joints.push(joint);
+            for (i, length) in joint.lengths(section) {
+                let (found, target) = (&mut cables[i], section_targets[i]);
+                found.length += length;
+                // How much of a metre of the whole cable falls to this section.
+                let part = match self.options.lengths {
+                    LengthRule::Equal => 1.0 / self.passages[i] as f64,
+                    LengthRule::Proportional | LengthRule::Free => target / targets[i],
+                };
+                found.multiplier += part * multipliers[i];
+                found.binds |= length >= target * (1.0 - LOOSE);
+                tally.count(length, target, multipliers[i]);
+            }
+        }
+        Ok(tally)
+    }
+
+    /// Length prescribed in a section for a cable that is prescribed `target` in all.
+    fn share(&self, cable: usize, initial: f64, target: f64) -> f64 {
+        let whole = self.initial_lengths[cable];
+        match self.options.lengths {
+            LengthRule::Equal => initial + (target - whole) / self.passages[cable] as f64,
+            LengthRule::Proportional | LengthRule::Free => initial * (target / whole),
+        }
+    }
+
+    /// One section in which some cable pulls.
+    fn section(
+        &self,
+        index: usize,
+        targets: &[f64],
+        multipliers: &mut [f64],
+        several: &mut Several,
+        tally: &mut Tally,
+    ) -> Result<Bend, SolveError> {
+        let section = &self.sections[index];
+        if let [passage] = section.passages[..] {
+            if section.guess.is_none() {
+                return Err(self.no_lever(passage.cable, index));
+            }
+            if let Some(solved) = one_cable::solve(section, targets[passage.cable]) {
+                multipliers[passage.cable] = solved.multiplier;
+                tally.iterations += solved.iterations;
+                return Ok(solved.bend);
+            }
+        }
+        let group = slice::from_ref(section);
+        let ending = several.solve(group, targets);
+        tally.iterations += several.iterations;
+        multipliers.copy_from_slice(&several.multipliers);
+        let bend = several.bends[0];
+        if ending == Ending::Missed {
+            let (worst, excess) = several.worst(targets);
+            if several.only_one_pulls() {
+                let (shortest, longest) = several.range(group, targets, worst);
+                return Err(SolveError::SectionOutOfReach {
+                    cable: self.name(worst),
+                    disk: index + 1,
+                    requested: targets[worst],
+                    shortest,
+                    longest,
+                });
+            }
+            self.tolerate(worst, excess, index, index + 1)?;
+            tally.compromise = true;
+        }
+        Ok(bend)
+    }
+
+    /// One section by the printed equations.
+    fn printed_section(&self, index: usize, targets: &[f64]) -> Result<Joint, SolveError> {
+        let section = &self.sections[index];
+        let Some(passage) = section.passages.first() else {
+            return Ok(Joint::Bend(Bend::STRAIGHT));
+        };
+        let requested = targets[passage.cable];
+        match as_printed::solve(section.length, passage, requested) {
+            Ok(pose) => Ok(Joint::Link(pose)),
+            Err(Unsolvable::Centre) => Err(self.no_lever(passage.cable, index)),
+            Err(Unsolvable::Length(shortest, longest)) => Err(SolveError::SectionOutOfReach {
+                cable: self.name(passage.cable),
+                disk: index + 1,
+                requested,
+                shortest,
+                longest,
+            }),
+        }
+    }
+
+    /// All sections together, with only the total lengths prescribed.
+    fn all_sections(&self, workspace: &mut Workspace) -> Result<Tally, SolveError> {
+        let mut tally = Tally::default();
+        let Workspace { targets, cables, joints, several, .. } = workspace;
+        if targets.iter().zip(&self.initial_lengths).all(|(target, initial)| target >= initial) {
+            joints.resize(self.sections.len(), Joint::Bend(Bend::STRAIGHT));
+        } else {
+            let ending = several.solve(&self.sections, targets);
+            tally.iterations = several.iterations;
+            joints.extend(several.bends.iter().map(|&bend| Joint::Bend(bend)));
+            for (found, &multiplier) in cables.iter_mut().zip(&several.multipliers) {
+                found.multiplier = multiplier;
+            }
+            if ending == Ending::Missed {
+                let (worst, excess) = several.worst(targets);
+                if several.only_one_pulls() {
+                    let (shortest, longest) = several.range(&self.sections, targets, worst);
+                    return Err(SolveError::UnreachableLength {
+                        cable: self.name(worst),
+                        requested: longest - targets[worst],
+                        reachable: longest - shortest,
+                    });
+                }
+                self.tolerate(worst, excess, 0, self.sections.len())?;
+                tally.compromise = true;
+            }
+        }
+        for (section, &joint) in self.sections.iter().zip(&*joints) {
+            for (i, length) in joint.lengths(section) {
+                cables[i].length += length;
+            }
+        }
+        for (found, &target) in cables.iter_mut().zip(&*targets) {
+            found.binds = found.length >= target * (1.0 - LOOSE);
+            tally.count(found.length, target, found.multiplier);
+        }
+        Ok(tally)
+    }
+
+    /// An error when the lengths contradict each other too much for a least-squares answer.
+    fn tolerate(
+        &self,
+        worst: usize,
+        excess: f64,
+        first: usize,
+        last: usize,
+    ) -> Result<(), SolveError> {
+        let s = &self.robot.disks().arc_lengths;
+        if excess <= MOST_CONFLICT * (s[last] - s[first]) {
+            return Ok(());
+        }
+        Err(SolveError::CablesConflict {
+            cable: self.name(worst),
+            first_disk: first + 1,
+            last_disk: last + 1,
+            excess,
+        })
+    }
+
+    fn no_lever(&self, cable: usize, section: usize) -> SolveError {
+        SolveError::NoLever { cable: self.name(cable), disk: section + 1 }
+    }
+
+    fn name(&self, cable: usize) -> String {
+        self.robot.cables()[cable].name.clone()
+    }
+
+    /// Stacks the sections and gathers what became of the cables.
+    fn solution(&self, workspace: &Workspace, tally: Tally) -> Solution {
+        let joints = &workspace.joints;
+        let disks = self.disks(joints);
+        let shape = match self.options.stations {
+            Stations::Disks => disks.clone(),
+            Stations::Equal(_) => self.between(joints, &disks),
+        };
+        let scale = if tally.compromise { None } else { self.tension_scale };
+        let cables = self.robot.cables().iter().zip(&workspace.cables).zip(&self.initial_lengths);
+        Solution {
+            model: ModelKind::FourBar,
+            shape,
+            disks,
+            cables: cables
+                .map(|((cable, found), &initial_length)| CableState {
+                    name: cable.name.clone(),
+                    tension: scale.map(|scale| scale * found.multiplier),
+                    length: found.length,
+                    initial_length,
+                    slack: !found.binds,
+                })
+                .collect(),
+            base_wrench: None,
+            diagnostics: Diagnostics {
+                iterations: tally.iterations,
+                residual: tally.residual / self.robot.backbone().length,
+                stability: None,
+                discretization_error: None,
+                steps: self.sections.len(),
+            },
+        }
+    }
+
+    fn disks(&self, joints: &[Joint]) -> Shape {
+        let mut poses = Vec::with_capacity(joints.len() + 1);
+        let mut pose = Pose::IDENTITY;
+        poses.push(pose);
+        for (section, joint) in self.sections.iter().zip(joints) {
+            pose = pose * joint.pose(section);
+            poses.push(pose);
+        }
+        Shape { arc_length: self.robot.disks().arc_lengths.clone(), poses }
+    }
+
+    /// The shape at stations between the disks.
+    fn between(&self, joints: &[Joint], disks: &Shape) -> Shape {
+        let locate = |&at: &f64| {
+            let (i, t) = self.robot.disks().locate(at);
+            disks.poses[i] * joints[i].pose_at(t, &self.sections[i])
+        };
+        let poses = self.stations.iter().map(locate).collect();
+        Shape { arc_length: self.stations.clone(), poses }
+    }
+}
+
+impl Tally {
+    fn count(&mut self, length: f64, target: f64, multiplier: f64) {
+        let excess = length - target;
+        let miss = if multiplier > 0.0 { excess.abs() } else { excess.max(0.0) };
+        self.residual = self.residual.max(miss);
+    }
+}
