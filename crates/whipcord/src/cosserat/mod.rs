@@ -10,6 +10,7 @@ mod lengths;
 mod loaded;
 mod loads;
 mod model;
+mod newton;
 mod one_cable;
 mod section;
 mod sensitivity;
