@@ -56,8 +56,10 @@ impl Default for Accuracy {
     }
 }
 
-/// Steps from base to tip on the coarser of the two grids that [`Accuracy::Tolerance`] starts with.
+/// Steps from base to tip on the grid that [`Accuracy::Tolerance`] starts with.
 const COARSE_STEPS: usize = 8;
+/// Grids that are made beforehand: with three of them most robots are done.
+const READY_GRIDS: usize = 3;
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 3;
 /// How often the steps may be halved.
@@ -97,7 +99,7 @@ pub struct Cosserat {
     robot: Robot,
     layout: Layout,
     options: Options,
-    /// The only grid, or the first two of a sequence in which the steps are halved.
+    /// The only grid, or the first of a sequence in which the steps are halved.
     grids: Vec<Grid>,
 }
 
@@ -140,7 +142,7 @@ impl Cosserat {
         let layout = Layout::new(robot, stations, loads);
         let grids = match options.accuracy {
             Accuracy::Steps(steps) => vec![Grid::new(robot, &layout, steps)?],
-            Accuracy::Tolerance(_) => (0..2)
+            Accuracy::Tolerance(_) => (0..READY_GRIDS)
                 .map(|level| Grid::refined(robot, &layout, COARSE_STEPS, level))
                 .collect::<Result<_, _>>()?,
         };
@@ -177,7 +179,7 @@ impl Cosserat {
         match self.options.accuracy {
             Accuracy::Steps(_) => {
                 let found = self.solve_on(&self.grids[0], case, &start, workspace)?;
-                Ok(self.solution(&self.grids[0], workspace, found, None))
+                self.solution(&self.grids[0], case, workspace, found, None)
             }
             Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, case, start, workspace),
         }
@@ -195,11 +197,14 @@ impl Cosserat {
         let mut coarser: Option<Found> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
         for level in 0..=MAX_REFINEMENTS {
-            let refined = match level {
-                0 | 1 => None,
-                _ => Some(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?),
+            let refined;
+            let grid = match self.grids.get(level) {
+                Some(grid) => grid,
+                None => {
+                    refined = Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?;
+                    &refined
+                }
             };
-            let grid = refined.as_ref().unwrap_or(&self.grids[level.min(1)]);
             let mut found = match self.solve_on(grid, case, &start, workspace) {
                 // Steps that are too coarse for a strong bend can keep Newton's method away.
                 Err(SolveError::NotConverged { .. })
@@ -213,7 +218,7 @@ impl Cosserat {
                 found = found.after(&coarser);
                 error = workspace.change(grid) / ERROR_RATIO;
                 if error <= tolerance {
-                    return Ok(self.solution(grid, workspace, found, Some(error)));
+                    return self.solution(grid, case, workspace, found, Some(error));
                 }
             }
             workspace.keep_coarse(grid);
@@ -230,17 +235,25 @@ impl Cosserat {
         start: &Start,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let length = self.robot.backbone().length;
-        let problem = statics::Problem {
+        let problem = self.problem(grid, case, &workspace.commands);
+        statics::solve(&problem, start, &mut workspace.scratch)
+            .map_err(|failure| self.explain(failure, &workspace.commands))
+    }
+
+    fn problem<'a>(
+        &self,
+        grid: &'a Grid,
+        case: &'a Case,
+        commands: &'a [Command],
+    ) -> statics::Problem<'a> {
+        statics::Problem {
             grid,
-            length,
-            commands: &workspace.commands,
+            length: self.robot.backbone().length,
+            commands,
             loads: &case.loads,
             stability: self.options.stability,
             tolerance: self.options.residual,
-        };
-        statics::solve(&problem, start, &mut workspace.scratch)
-            .map_err(|failure| self.explain(failure, &workspace.commands))
+        }
     }
 
     /// What drives each cable, in the order of the grid.
@@ -287,10 +300,18 @@ impl Cosserat {
     fn solution(
         &self,
         grid: &Grid,
-        workspace: &Workspace,
+        case: &Case,
+        workspace: &mut Workspace,
         found: Found,
         discretization_error: Option<f64>,
-    ) -> Solution {
+    ) -> Result<Solution, SolveError> {
+        let stability = if self.options.stability {
+            let problem = self.problem(grid, case, &workspace.commands);
+            let least = statics::least_eigenvalue(&problem, &mut workspace.scratch);
+            Some(least.map_err(|failure| self.explain(failure, &workspace.commands))?)
+        } else {
+            None
+        };
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| Shape {
             arc_length: arc_lengths.to_vec(),
@@ -313,7 +334,7 @@ impl Cosserat {
                     && loose > 1e-12 * self.robot.backbone().length,
             });
         }
-        Solution {
+        Ok(Solution {
             model: ModelKind::Cosserat,
             shape: shape(self.layout.stations(), &grid.stations),
             disks: shape(&self.robot.disks().arc_lengths, &grid.disks),
@@ -322,11 +343,11 @@ impl Cosserat {
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,
-                stability: found.stability,
+                stability,
                 discretization_error,
                 steps: grid.len(),
             },
-        }
+        })
     }
 
     fn explain(&self, failure: statics::Failure, commands: &[Command]) -> SolveError {

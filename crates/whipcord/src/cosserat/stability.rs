@@ -33,7 +33,7 @@ pub(super) struct Stability {
 }
 
 /// Relative accuracy of the eigenvalue.
-const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-8;
 
 impl Stability {
     /// The least eigenvalue, from three samples to each step of the grid.

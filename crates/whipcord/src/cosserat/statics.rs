@@ -33,6 +33,7 @@ pub(super) struct Problem<'a> {
     /// In the order of the grid.
     pub commands: &'a [Command],
     pub loads: &'a Loads,
+    /// Whether a cold start may trust an equilibrium only when it is stable.
     pub stability: bool,
     /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
     pub tolerance: f64,
@@ -52,7 +53,6 @@ pub(super) enum Start {
 pub(super) struct Found {
     pub iterations: usize,
     pub residual: f64,
-    pub stability: Option<f64>,
 }
 
 /// Why there is none.
@@ -131,7 +131,7 @@ pub(super) fn solve(
     scratch.newton.point.tensions.clone_from(&scratch.tensions);
     scratch.shot.forget();
     match shoot(problem, scratch, 1.0) {
-        Ok(effort) => finish(problem, scratch, effort),
+        Ok(effort) => Ok(finish(problem, scratch, effort)),
         Err(_) => from_no_load(problem, scratch),
     }
 }
@@ -149,13 +149,12 @@ fn without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, F
     scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
     scratch.lengths.clone_from(&scratch.unloaded.lengths);
     scratch.base_wrench = Wrench::default();
-    let stability = problem.stability.then_some(scratch.unloaded.stability);
-    Ok(Found { iterations: effort.iterations, residual: effort.residual, stability })
+    Ok(Found { iterations: effort.iterations, residual: effort.residual })
 }
 
 /// Strains and tensions of the rod without load.
 fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Effort, Failure> {
-    let wanted = Wanted { length_by_tension: false, stability: problem.stability };
+    let wanted = Wanted::default();
     let commands = problem.commands;
     if commands.iter().all(|c| matches!(c, Command::Tension(_))) {
         set_tensions(commands, &mut scratch.tensions);
@@ -209,12 +208,12 @@ fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, F
     let direct = match shoot(problem, scratch, 1.0) {
         Ok(effort) => {
             spent = effort.iterations;
-            let found = finish(problem, scratch, effort)?;
-            if found.stability.is_none_or(|least| least > 0.0) {
+            let found = finish(problem, scratch, effort);
+            if !problem.stability || least_eigenvalue(problem, scratch)? > 0.0 {
                 return Ok(found);
             }
             // An equilibrium, but not one the robot stays in: the load path may lead to another.
-            Some((found, scratch.newton.point.clone()))
+            Some(scratch.newton.point.clone())
         }
         Err(failed) => {
             spent += failed.effort.iterations;
@@ -225,11 +224,11 @@ fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, F
         Ok(found) => Ok(found),
         Err(failure) => match direct {
             None => Err(failure),
-            Some((_, point)) => {
+            Some(point) => {
                 scratch.newton.point = point;
                 scratch.shot.forget();
                 match shoot(problem, scratch, 1.0) {
-                    Ok(effort) => finish(problem, scratch, effort),
+                    Ok(effort) => Ok(finish(problem, scratch, effort)),
                     Err(_) => Err(failure),
                 }
             }
@@ -281,7 +280,7 @@ fn raise_load(
                 iterations += effort.iterations;
                 if load >= 1.0 {
                     let effort = Effort { iterations, ..effort };
-                    return finish(problem, scratch, effort);
+                    return Ok(finish(problem, scratch, effort));
                 }
                 // A long iteration means the path bends: do not lengthen the step.
                 if effort.iterations <= 5 {
@@ -398,26 +397,32 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
     if effort.residual <= ROUNDING { Ok(effort) } else { Err(Failed { effort, fault: None }) }
 }
 
-/// Copies the answer out of the last shot, and judges its stability.
-fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Result<Found, Failure> {
-    let Scratch { shot, dead, newton, stability, .. } = scratch;
-    let mut least = None;
-    if problem.stability {
-        let aim = Aim {
-            tensions: &newton.point.tensions,
-            base_moment: newton.point.base_moment,
-            load: 1.0,
-            sample: true,
-        };
-        shot.fire(problem.grid, dead, &aim)
-            .map_err(|fault| section_failure(fault, &newton.point.tensions, 1.0))?;
-        least = Some(stability.least_eigenvalue(problem.grid, &shot.samples));
-    }
+/// Copies the answer out of the last shot.
+fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
+    let Scratch { shot, dead, newton, .. } = scratch;
     shot.measure(problem.grid);
     scratch.poses.clone_from(&shot.poses);
     scratch.lengths.clone_from(&shot.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);
     scratch.base_wrench =
         Wrench { force: dead.base_force(problem.grid), moment: newton.point.base_moment };
-    Ok(Found { iterations: effort.iterations, residual: effort.residual, stability: least })
+    Found { iterations: effort.iterations, residual: effort.residual }
+}
+
+/// Stability of the answer in `scratch`, see [`super::stability`].
+pub(super) fn least_eigenvalue(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+) -> Result<f64, Failure> {
+    let Scratch { shot, dead, unloaded, stability, tensions, base_wrench, .. } = scratch;
+    if !dead.any() {
+        let wanted = Wanted { stability: true, ..Wanted::default() };
+        unloaded
+            .sweep(problem.grid, tensions, true, wanted)
+            .map_err(|fault| section_failure(fault, tensions, 0.0))?;
+        return Ok(unloaded.stability);
+    }
+    let aim = Aim { tensions, base_moment: base_wrench.moment, load: 1.0, sample: true };
+    shot.fire(problem.grid, dead, &aim).map_err(|fault| section_failure(fault, tensions, 1.0))?;
+    Ok(stability.least_eigenvalue(problem.grid, &shot.samples))
 }
