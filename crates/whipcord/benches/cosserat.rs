@@ -3,6 +3,8 @@
 //! Before the times it prints the error that goes with each number of steps: the largest distance of
 //! a disk from where a solution with 576 steps puts it, relative to the length.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark fails by panicking")]
+
 use divan::Bencher;
 use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
 use whipcord::{
