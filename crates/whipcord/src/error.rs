@@ -38,7 +38,7 @@ pub enum SolveError {
 
     /// The cables wind the section up so far that one of them has no length left in it.
     #[error(
-        "the section at arc length {arc_length:.6} m folds: under {tension:.6} N cable `{cable}` has no length left there; pull it less, or stiffen the backbone"
+        "the section at arc length {arc_length:.6} m folds: under {tension:.6} N cable `{cable}` has no length left there; the last load that converged is {last_load:.4} of the given one; pull the cable less, or stiffen the backbone"
     )]
     SectionFolds {
         /// Name of the cable.
@@ -47,6 +47,9 @@ pub enum SolveError {
         arc_length: f64,
         /// Tension of that cable in N.
         tension: f64,
+        /// Fraction of what was given up to which equilibrium was found, from 0 to 1: of the
+        /// tensions when those alone fold the section, else of the loads.
+        last_load: f64,
     },
 
     /// A prescribed cable length that no tension reaches.

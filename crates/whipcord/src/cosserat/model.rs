@@ -353,8 +353,8 @@ impl Cosserat {
     fn explain(&self, failure: statics::Failure, commands: &[Command]) -> SolveError {
         let name = |place: usize| self.robot.cables()[self.layout.order[place]].name.clone();
         match failure {
-            statics::Failure::Folds { cable, arc_length, tension } => {
-                SolveError::SectionFolds { cable: name(cable), arc_length, tension }
+            statics::Failure::Folds { cable, arc_length, tension, last_load } => {
+                SolveError::SectionFolds { cable: name(cable), arc_length, tension, last_load }
             }
             statics::Failure::Unreachable { cable, length } => {
                 let initial = self.layout.rest_lengths[cable];

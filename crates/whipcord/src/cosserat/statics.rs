@@ -58,7 +58,7 @@ pub(super) struct Found {
 /// Why there is none.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Failure {
-    Folds { cable: usize, arc_length: f64, tension: f64 },
+    Folds { cable: usize, arc_length: f64, tension: f64, last_load: f64 },
     Unreachable { cable: usize, length: f64 },
     NotConverged { iterations: usize, residual: f64, last_load: f64, advice: &'static str },
 }
@@ -158,11 +158,12 @@ fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Effort, Fail
     let commands = problem.commands;
     if commands.iter().all(|c| matches!(c, Command::Tension(_))) {
         set_tensions(commands, &mut scratch.tensions);
-        return scratch
-            .unloaded
-            .sweep(problem.grid, &scratch.tensions, false, wanted)
-            .map(|()| Effort::default())
-            .map_err(|fault| section_failure(fault, &scratch.tensions, 0.0));
+        let Scratch { unloaded, tensions, .. } = scratch;
+        let Err(fault) = unloaded.sweep(problem.grid, tensions, false, wanted) else {
+            return Ok(Effort::default());
+        };
+        let borne = borne_fraction(problem.grid, tensions, unloaded);
+        return Err(section_failure(fault, &scratch.tensions, borne));
     }
     lengths::solve(
         problem.grid,
@@ -185,11 +186,29 @@ fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Effort, Fail
     })
 }
 
+/// The fraction of the tensions up to which no section folds, by bisection.
+fn borne_fraction(grid: &Grid, tensions: &[f64], unloaded: &mut Unloaded) -> f64 {
+    const BISECTIONS: usize = 16;
+    let (mut borne, mut folded) = (0.0, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (borne + folded);
+        let scaled: Vec<f64> = tensions.iter().map(|t| t * middle).collect();
+        match unloaded.sweep(grid, &scaled, false, Wanted::default()) {
+            Ok(()) => borne = middle,
+            Err(_) => folded = middle,
+        }
+    }
+    borne
+}
+
 fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
     match fault.kind {
-        SectionFault::Folded { cable } => {
-            Failure::Folds { cable, arc_length: fault.arc_length, tension: tensions[cable] }
-        }
+        SectionFault::Folded { cable } => Failure::Folds {
+            cable,
+            arc_length: fault.arc_length,
+            tension: tensions[cable],
+            last_load,
+        },
         SectionFault::Diverged => Failure::NotConverged {
             iterations: 0,
             residual: 1.0,
