@@ -17,7 +17,7 @@ pub mod shape;
 
 pub use case::{CableCommand, Case, Drive, Loads, PointLoad, Shortening};
 pub use error::SolveError;
-pub use model::{Model, ModelKind, Statics, Stations};
+pub use model::{Model, ModelKind, Prepared, Statics, Stations};
 pub use robot::{
     Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot, RobotError,
     Routing, Section,

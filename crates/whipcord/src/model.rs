@@ -3,7 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
-use crate::case::{Case, Drive};
+use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::robot::Robot;
 use crate::shape::Solution;
@@ -113,8 +113,54 @@ impl Model {
     }
 }
 
+/// A model built for one robot, with the scratch memory of its solves: what many cases of a robot
+/// are solved with.
+#[derive(Clone, Debug)]
+pub enum Prepared {
+    /// Cosserat rod with continuous cables.
+    Cosserat(Box<cosserat::Cosserat>, Box<cosserat::Workspace>),
+    /// Four-bar sections.
+    FourBar(Box<four_bar::FourBar>, Box<four_bar::Workspace>),
+}
+
+impl Model {
+    /// The model of a robot whose cases have loads at the places of `loads`.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the model cannot take the robot.
+    pub fn prepare(&self, robot: &Robot, loads: &Loads) -> Result<Prepared, SolveError> {
+        Ok(match self {
+            Self::Cosserat(options) => {
+                let model = cosserat::Cosserat::new(robot, loads, options)?;
+                Prepared::Cosserat(Box::new(model), Box::default())
+            }
+            Self::FourBar(options) => {
+                let model = four_bar::FourBar::new(robot, options)?;
+                Prepared::FourBar(Box::new(model), Box::default())
+            }
+        })
+    }
+}
+
+impl Prepared {
+    /// The shape under a case, starting from the solution of a neighbouring one when given.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the model cannot take the case or finds no answer.
+    pub fn solve(
+        &mut self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+    ) -> Result<Solution, SolveError> {
+        match self {
+            Self::Cosserat(model, workspace) => model.solve(case, warm_start, workspace),
+            Self::FourBar(model, workspace) => model.solve(case, warm_start, workspace),
+        }
+    }
+}
+
 /// Solves one case of one robot from cold. To solve many cases of a robot, build the model once
-/// ([`cosserat::Cosserat::new`], [`four_bar::FourBar::new`]) and keep its workspace.
+/// ([`Model::prepare`]).
 pub trait Statics {
     /// The shape the robot takes.
     ///
@@ -125,15 +171,6 @@ pub trait Statics {
 
 impl Statics for Model {
     fn solve(&self, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-        match self {
-            Self::Cosserat(options) => {
-                let model = cosserat::Cosserat::new(robot, &case.loads, options)?;
-                model.solve(case, None, &mut cosserat::Workspace::default())
-            }
-            Self::FourBar(options) => {
-                let model = four_bar::FourBar::new(robot, options)?;
-                model.solve(case, None, &mut four_bar::Workspace::default())
-            }
-        }
+        self.prepare(robot, &case.loads)?.solve(case, None)
     }
 }

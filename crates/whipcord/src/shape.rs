@@ -3,6 +3,7 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use crate::model::ModelKind;
+use crate::robot::Route;
 
 /// Frames along the backbone, in the base frame.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,6 +75,22 @@ pub struct Solution {
 }
 
 impl Shape {
+    /// A straight backbone along z, unstretched and untwisted, at these arc lengths.
+    #[must_use]
+    pub fn straight(arc_lengths: &[f64]) -> Self {
+        let pose = |&s: &f64| Pose { position: Vec3::new(0.0, 0.0, s), ..Pose::IDENTITY };
+        Self { arc_length: arc_lengths.to_vec(), poses: arc_lengths.iter().map(pose).collect() }
+    }
+
+    /// Length in m of a cable that runs straight from station to station, as a real one does
+    /// between the holes of the disks. `None` when it is anchored where there is no station.
+    #[must_use]
+    pub fn hole_to_hole_length(&self, route: &Route) -> Option<f64> {
+        let anchor = self.arc_length.iter().position(|&s| s == route.end())?;
+        let hole = |i: usize| self.poses[i].transform(route.at(self.arc_length[i]).offset);
+        Some((1..=anchor).map(|i| (hole(i) - hole(i - 1)).norm()).sum())
+    }
+
     /// Positions of the stations in m.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
         self.poses.iter().map(|pose| pose.position)
@@ -98,5 +115,32 @@ impl Shape {
         let (count, sum) =
             self.distances(other).skip(1).fold((0_usize, 0.0), |(n, sum), d| (n + 1, sum + d * d));
         if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{Backbone, Cable, Disks, Robot, Routing};
+
+    #[test]
+    fn a_cable_through_holes_is_as_long_as_its_chords() {
+        let disks = Disks::equally_spaced(0.09, 4, 0.01).with_holes(4);
+        let cables = vec![
+            Cable::new("turning", Routing::holes(vec![1, 2, 2, 3])),
+            Cable::new("short", Routing::holes(vec![1, 1, 1])),
+            Cable {
+                ends_at: Some(0.05),
+                ..Cable::new("between", Routing::Straight { angle: 0.0, radius: 0.01 })
+            },
+        ];
+        let robot = Robot::new(Backbone::new(0.09), disks, cables).unwrap();
+        let shape = Shape::straight(&robot.disks().arc_lengths);
+        let length = |i: usize| shape.hole_to_hole_length(&robot.routes()[i]);
+        // A quarter of a turn on a circle of 10 mm has a chord of √2 · 10 mm.
+        let expected = 0.03 + 2.0 * (0.03_f64.powi(2) + 2.0 * 0.01_f64.powi(2)).sqrt();
+        assert!((length(0).unwrap() - expected).abs() < 1e-15);
+        assert!((length(1).unwrap() - 0.06).abs() < 1e-15);
+        assert_eq!(length(2), None);
     }
 }
