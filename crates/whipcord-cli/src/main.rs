@@ -1,3 +1,84 @@
-//! The `whipcord` command.
+//! The `whipcord` command: one verb for each question about a robot.
 
-fn main() {}
+mod benchmark;
+mod comparison;
+mod failure;
+mod files;
+mod html;
+mod inputs;
+mod progress;
+mod quantity;
+mod statistics;
+mod style;
+mod table;
+mod timing;
+mod verbs;
+mod words;
+
+use std::io::{self, Write};
+use std::process::{self, ExitCode};
+
+use clap::{Parser, Subcommand};
+
+use crate::failure::Failure;
+use crate::style::Style;
+use crate::verbs::{bench, check, compare, schema, solve};
+
+/// Mechanics of cable-driven continuum robots with any cable routing
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Solve(solve::SolveArgs),
+    Compare(compare::CompareArgs),
+    Bench(bench::BenchArgs),
+    Check(check::CheckArgs),
+    Schema(schema::SchemaArgs),
+}
+
+/// Exit status of a process that Ctrl-C has ended, as shells have it.
+const INTERRUPTED: i32 = 130;
+
+fn main() -> ExitCode {
+    // Without the handler the process ends all the same, but may leave a temporary file behind.
+    let _ = ctrlc::set_handler(|| {
+        whipcord_io::remove_unfinished();
+        process::exit(INTERRUPTED);
+    });
+    let style = Style::for_stdout();
+    let outcome = match Cli::parse().verb {
+        Verb::Solve(args) => solve::run(&args, style),
+        Verb::Compare(args) => compare::run(&args, style),
+        Verb::Bench(args) => bench::run(&args, style),
+        Verb::Check(args) => check::run(&args, style),
+        Verb::Schema(args) => schema::run(&args),
+    };
+    match outcome {
+        Ok(text) => print(&text),
+        Err(failure) => {
+            if let Failure::Partial { text, .. } = &failure {
+                print(text);
+            }
+            // When standard error is gone too, the exit status still tells.
+            let _ = writeln!(io::stderr(), "{failure}");
+            ExitCode::from(failure.exit_status())
+        }
+    }
+}
+
+/// Writes to standard output. A reader that has seen enough (`| head`) is no failure.
+fn print(text: &str) -> ExitCode {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            let _ = writeln!(io::stderr(), "error: cannot write to standard output: {error}");
+            ExitCode::from(2)
+        }
+        _ => ExitCode::SUCCESS,
+    }
+}

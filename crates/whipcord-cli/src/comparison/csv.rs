@@ -1,0 +1,199 @@
+//! Every number of a comparison, in SI.
+
+use whipcord::{Shape, Vec3};
+use whipcord_io::{Cell, CsvTable};
+
+use super::study::{Commands, Solved, Study};
+use super::tables::bend;
+
+/// One row for each run: what drove it, its tip, its distances and its time.
+pub fn summary(studies: &[Study]) -> CsvTable {
+    let mut csv = CsvTable::new([
+        "case",
+        "model",
+        "commands",
+        "driven_by",
+        "tip_x",
+        "tip_y",
+        "tip_z",
+        "tip_qw",
+        "tip_qx",
+        "tip_qy",
+        "tip_qz",
+        "bend",
+        "rms_to_first_model",
+        "rms_to_measured",
+        "solve_time",
+        "solve_time_repeats",
+        "build_time",
+        "iterations",
+        "residual",
+        "stability",
+        "steps",
+        "failure",
+    ]);
+    for study in studies {
+        for run in &study.runs {
+            let mut row = vec![
+                Cell::from(study.file.title.as_str()),
+                Cell::from(run.model.name()),
+                Cell::from(commands(run.commands)),
+                Cell::from(run.driven_by.as_str()),
+            ];
+            match &run.outcome {
+                Ok(solved) => {
+                    let tip = solved.solution.disks.tip();
+                    row.extend(tip.position.to_array().map(Cell::from));
+                    row.extend(tip.rotation.wxyz().map(Cell::from));
+                    row.push(Cell::from(bend(solved)));
+                    row.push(Cell::from(study.distance_to_reference(run, solved)));
+                    row.push(Cell::from(study.distance_to_measured(solved)));
+                    row.push(Cell::from(solved.solve.median));
+                    row.push(Cell::from(solved.solve.repeats));
+                    row.push(Cell::from(solved.build.median));
+                    let diagnostics = &solved.solution.diagnostics;
+                    row.push(Cell::from(diagnostics.iterations));
+                    row.push(Cell::from(diagnostics.residual));
+                    row.push(Cell::from(diagnostics.stability));
+                    row.push(Cell::from(diagnostics.steps));
+                }
+                Err(error) => {
+                    row.resize(21, Cell::Empty);
+                    row.push(Cell::from(error.to_string()));
+                }
+            }
+            csv.push(row);
+        }
+    }
+    csv
+}
+
+/// Published values, one row for each case that has them.
+pub fn reference(studies: &[Study]) -> Option<CsvTable> {
+    let mut csv = CsvTable::new([
+        "case",
+        "source",
+        "rms_cosserat",
+        "rms_four_bar",
+        "time_cosserat",
+        "time_four_bar",
+    ]);
+    let mut any = false;
+    for study in studies {
+        if let Some(reference) = &study.file.reference {
+            any = true;
+            csv.push([
+                Cell::from(study.file.title.as_str()),
+                Cell::from(reference.source.as_str()),
+                Cell::from(reference.rms_cosserat),
+                Cell::from(reference.rms_four_bar),
+                Cell::from(reference.time_cosserat),
+                Cell::from(reference.time_four_bar),
+            ]);
+        }
+    }
+    any.then_some(csv)
+}
+
+/// RMS distance over the disks between each two runs of each case.
+pub fn distances(studies: &[Study]) -> CsvTable {
+    let mut csv = CsvTable::new(["case", "a", "a_commands", "b", "b_commands", "rms_distance"]);
+    for study in studies {
+        let solved: Vec<_> = study.solved().collect();
+        for (i, (a, a_solved)) in solved.iter().enumerate() {
+            for (b, b_solved) in &solved[i + 1..] {
+                csv.push([
+                    Cell::from(study.file.title.as_str()),
+                    Cell::from(a.model.name()),
+                    Cell::from(commands(a.commands)),
+                    Cell::from(b.model.name()),
+                    Cell::from(commands(b.commands)),
+                    Cell::from(a_solved.solution.disks.rms_distance(&b_solved.solution.disks)),
+                ]);
+            }
+        }
+    }
+    csv
+}
+
+/// Poses and distances at the disks of one case.
+pub fn disks(study: &Study) -> CsvTable {
+    poses(study, "disk", true, |solved| &solved.solution.disks)
+}
+
+/// Poses at the stations of the smooth shapes of one case.
+pub fn stations(study: &Study) -> CsvTable {
+    poses(study, "station", false, |solved| &solved.fine)
+}
+
+fn poses(
+    study: &Study,
+    number: &'static str,
+    distances: bool,
+    shape: impl Fn(&Solved) -> &Shape,
+) -> CsvTable {
+    let mut columns =
+        vec!["model", "commands", number, "arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"];
+    if distances {
+        columns.extend(["distance_to_first_model", "distance_to_measured"]);
+    }
+    let mut csv = CsvTable::new(columns);
+    let reference = study.reference().map(|(_, solved)| shape(solved));
+    for (run, solved) in study.solved() {
+        let shape = shape(solved);
+        for (i, (arc_length, pose)) in shape.arc_length.iter().zip(&shape.poses).enumerate() {
+            let mut row = vec![
+                Cell::from(run.model.name()),
+                Cell::from(commands(run.commands)),
+                Cell::from(i + 1),
+                Cell::from(*arc_length),
+            ];
+            row.extend(pose.position.to_array().map(Cell::from));
+            row.extend(pose.rotation.wxyz().map(Cell::from));
+            if distances {
+                let to = |other: Vec3| (pose.position - other).norm();
+                let first = reference.and_then(|shape| shape.poses.get(i));
+                row.push(Cell::from(first.map(|first| to(first.position))));
+                row.push(Cell::from(study.measured_at(i + 1).map(to)));
+            }
+            csv.push(row);
+        }
+    }
+    csv
+}
+
+/// The cables of one case.
+pub fn cables(study: &Study) -> CsvTable {
+    let mut csv = CsvTable::new([
+        "model",
+        "commands",
+        "cable",
+        "tension",
+        "length",
+        "initial_length",
+        "shortening",
+        "slack",
+    ]);
+    for (run, solved) in study.solved() {
+        for cable in &solved.solution.cables {
+            csv.push([
+                Cell::from(run.model.name()),
+                Cell::from(commands(run.commands)),
+                Cell::from(cable.name.as_str()),
+                Cell::from(cable.tension),
+                Cell::from(cable.length),
+                Cell::from(cable.initial_length),
+                Cell::from(cable.initial_length - cable.length),
+                Cell::from(if cable.slack { "true" } else { "false" }),
+            ]);
+        }
+    }
+    csv
+}
+
+const fn commands(commands: Commands) -> &'static str {
+    match commands {
+        Commands::File => "file",
+        Commands::CosseratShape => "cosserat-shape",
+    }
+}

@@ -1,0 +1,112 @@
+//! The figures of a case.
+
+use whipcord::{Case, Drive, Model, ModelKind, Robot, Shape, Statics, Stations};
+use whipcord_plot::{
+    DistanceSeries, FigureOptions, PlotError, RobotView, ViewStyle, distance_chart, robot_figure,
+};
+
+use super::study::Study;
+use crate::failure::Failure;
+use crate::files::plot_failure;
+
+/// Stations of the smooth shapes in figures.
+pub const FINE_STATIONS: usize = 181;
+
+/// A figure and what it shows.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// For file names.
+    pub name: &'static str,
+    /// What it shows.
+    pub caption: String,
+    /// The picture.
+    pub svg: String,
+}
+
+/// The robot with the shapes of all models, and their distances at the disks.
+///
+/// # Errors
+/// [`Failure::Input`] when one cannot be drawn.
+pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
+    let mut figures = Vec::new();
+    let fail = |error: PlotError| plot_failure(&study.file.path, &error);
+    let mut views = vec![before(&study.file.robot)];
+    views.extend(study.solved().map(|(run, solved)| RobotView {
+        label: run.label(),
+        shape: solved.fine.clone(),
+        disks: solved.solution.disks.clone(),
+        style: ViewStyle::Model,
+    }));
+    let measured = study.file.measured.as_ref();
+    let options = FigureOptions {
+        title: study.file.title.clone(),
+        measured: measured.map_or_else(Vec::new, |m| m.disks.iter().map(|d| d.position).collect()),
+        ..FigureOptions::default()
+    };
+    figures.push(Figure {
+        name: "robot",
+        caption: String::from(
+            "The robot before actuation (grey) and as each model bends it: in space, and in three orthogonal views of one scale.",
+        ),
+        svg: robot_figure(&study.file.robot, &views, &options).map_err(fail)?,
+    });
+    let distances = distances(study);
+    if !distances.is_empty() {
+        let title = format!("{}: distance at each disk", study.file.title);
+        figures.push(Figure {
+            name: "distances",
+            caption: String::from(
+                "Distance at each disk: between models, and to the measurement where there is one.",
+            ),
+            svg: distance_chart(&title, &distances).map_err(fail)?,
+        });
+    }
+    Ok(figures)
+}
+
+/// The robot before its cables are pulled.
+pub fn before(robot: &Robot) -> RobotView {
+    let stations = Stations::Equal(FINE_STATIONS);
+    let rest = Model::new(ModelKind::Cosserat, stations.clone(), Drive::Tension)
+        .solve(robot, &Case::with_tensions(&vec![0.0; robot.cables().len()]));
+    let label = "before actuation";
+    match rest {
+        Ok(solution) => RobotView::model(label, &solution).before(),
+        // A robot without section or material is known to a geometric model only, for which the
+        // backbone is straight.
+        Err(_) => RobotView {
+            label: label.to_owned(),
+            shape: Shape::straight(&stations.arc_lengths(robot)),
+            disks: Shape::straight(&robot.disks().arc_lengths),
+            style: ViewStyle::Before,
+        },
+    }
+}
+
+fn distances(study: &Study) -> Vec<DistanceSeries> {
+    let mut series = Vec::new();
+    let Some((first, reference)) = study.reference() else { return series };
+    for (run, solved) in study.solved() {
+        let shape = &solved.solution.disks;
+        if study.distance_to_reference(run, solved).is_some() {
+            series.push(DistanceSeries {
+                label: format!("{} to {}", run.label(), first.label()),
+                disks: shape
+                    .distances(&reference.solution.disks)
+                    .enumerate()
+                    .map(|(i, distance)| (i + 1, distance))
+                    .collect(),
+            });
+        }
+        let to_measured: Vec<(usize, f64)> = shape
+            .positions()
+            .enumerate()
+            .filter_map(|(i, p)| Some((i + 1, (p - study.measured_at(i + 1)?).norm())))
+            .collect();
+        if !to_measured.is_empty() {
+            let label = format!("{} to measured", run.label());
+            series.push(DistanceSeries { label, disks: to_measured });
+        }
+    }
+    series
+}

@@ -1,0 +1,160 @@
+//! The report: one HTML file that needs no other and no network.
+
+use super::figures::Figure;
+use super::study::{Commands, Study};
+use super::tables;
+use crate::html::{escape, page};
+use crate::quantity::{fixed_millimetres, newtons, number, percent};
+use crate::table::{Align, Table};
+use crate::words::describe;
+
+/// The report of these cases with the figures of each.
+pub fn html(studies: &[Study], figures: &[Vec<Figure>], passed_over: &[String]) -> String {
+    let mut body = String::from("<h1>Models side by side</h1>\n");
+    body += &tables::summary(studies).html();
+    body += &list(tables::notes(studies).iter().chain(passed_over));
+    if studies.len() > 1 {
+        body += "<nav><ul>\n";
+        for (i, study) in studies.iter().enumerate() {
+            body += &format!(
+                "<li><a href=\"#case-{}\">{}</a></li>\n",
+                i + 1,
+                escape(&study.file.title)
+            );
+        }
+        body += "</ul></nav>\n";
+    }
+    for (i, (study, figures)) in studies.iter().zip(figures).enumerate() {
+        body += &section(i + 1, study, figures);
+    }
+    body += &format!(
+        "<footer>whipcord {}. Every number, in SI, is in the CSV files beside this report.</footer>\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    page("Whipcord: models side by side", &body)
+}
+
+fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
+    let file = &study.file;
+    let mut html = format!(
+        "<section id=\"case-{number}\"><h2>{}</h2>\n<p class=\"path\">{}</p>\n<dl>\n",
+        escape(&file.title),
+        escape(&file.path.display().to_string())
+    );
+    for (name, value) in describe(&file.robot, &file.case) {
+        html += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(&name), escape(&value));
+    }
+    html += "</dl>\n";
+    for figure in figures {
+        html += &format!(
+            "<figure>{}<figcaption>{}</figcaption></figure>\n",
+            figure.svg,
+            escape(&figure.caption)
+        );
+    }
+    html += "<h3>At the disks</h3>\n";
+    html += &disk_table(study).html();
+    html += "<h3>Cables</h3>\n";
+    html += &cable_table(study).html();
+    html += &list(case_notes(study).iter());
+    html + "</section>\n"
+}
+
+/// Distance in mm of each run to the reference and to the measurement, disk by disk.
+fn disk_table(study: &Study) -> Table {
+    let mut columns = vec![(String::from("model"), Align::Left)];
+    let count = study.file.robot.disks().count();
+    columns.extend((1..=count).map(|disk| (format!("disk {disk}"), Align::Right)));
+    let mut table = Table::new(columns);
+    let Some((first, reference)) = study.reference() else { return table };
+    table.group();
+    for (run, solved) in study.solved() {
+        let shape = &solved.solution.disks;
+        if run.model != first.model || run.commands != first.commands {
+            let mut row = vec![format!("{} to {}, mm", run.label(), first.label())];
+            let distances = shape.distances(&reference.solution.disks);
+            row.extend(distances.map(|d| fixed_millimetres(d, 2)));
+            table.row(row);
+        }
+        if study.file.measured.is_some() {
+            let mut row = vec![format!("{} to measured, mm", run.label())];
+            row.extend(shape.positions().enumerate().map(|(i, p)| {
+                let measured = study.measured_at(i + 1);
+                measured.map_or_else(String::new, |m| fixed_millimetres((p - m).norm(), 2))
+            }));
+            table.row(row);
+        }
+    }
+    table
+}
+
+fn cable_table(study: &Study) -> Table {
+    let mut table = Table::new([
+        ("model", Align::Left),
+        ("cable", Align::Left),
+        ("tension", Align::Right),
+        ("length, mm", Align::Right),
+        ("shortening, mm", Align::Right),
+        ("shortening", Align::Right),
+        ("", Align::Left),
+    ]);
+    table.group();
+    for (run, solved) in study.solved() {
+        for cable in &solved.solution.cables {
+            let shortening = cable.initial_length - cable.length;
+            table.row(vec![
+                run.label(),
+                cable.name.clone(),
+                cable.tension.map_or_else(|| String::from("–"), newtons),
+                fixed_millimetres(cable.length, 3),
+                fixed_millimetres(shortening, 3),
+                percent(shortening / cable.initial_length),
+                if cable.slack { String::from("slack") } else { String::new() },
+            ]);
+        }
+    }
+    table
+}
+
+/// What a reader must know of this case to read its numbers rightly.
+fn case_notes(study: &Study) -> Vec<String> {
+    let mut notes: Vec<String> = study
+        .runs
+        .iter()
+        .map(|run| match (&run.outcome, run.commands) {
+            (Err(error), _) => format!("{}: {error}.", run.label()),
+            (Ok(_), Commands::File) => format!("{}: driven by {}, from the file.", run.label(), run.driven_by),
+            (Ok(_), Commands::CosseratShape) => format!(
+                "{}: driven by {}, which is what the cables lose from hole to hole in the Cosserat shape.",
+                run.label(),
+                run.driven_by
+            ),
+        })
+        .collect();
+    if let Some(reference) = &study.file.reference {
+        let models = [
+            (
+                "optimisation-based (four-bar) model",
+                reference.rms_four_bar,
+                reference.time_four_bar,
+            ),
+            ("Cosserat model", reference.rms_cosserat, reference.time_cosserat),
+        ];
+        let mut values = Vec::new();
+        for (name, rms, time) in models {
+            values.extend(rms.map(|rms| format!("{name}: RMS error {} mm", number(rms * 1e3, 4))));
+            values.extend(time.map(|time| format!("{name}: solve time {} s", number(time, 4))));
+        }
+        notes.push(format!(
+            "Published, not computed here ({}): {}. These errors are against photographs that are not public.",
+            reference.source,
+            values.join("; ")
+        ));
+    }
+    notes
+}
+
+fn list<'a>(items: impl Iterator<Item = &'a String>) -> String {
+    let items: String = items.map(|item| format!("<li>{}</li>\n", escape(item))).collect();
+    if items.is_empty() { items } else { format!("<ul class=\"notes\">\n{items}</ul>\n") }
+}

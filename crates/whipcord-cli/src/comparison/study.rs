@@ -1,0 +1,149 @@
+//! One case solved by every model that can take it.
+
+use whipcord::{
+    CableCommand, Case, Drive, Model, ModelKind, Robot, Shape, Shortening, Solution, SolveError,
+    Statics, Stations, Vec3,
+};
+
+use super::figures::FINE_STATIONS;
+use crate::statistics::mean;
+use crate::timing::{self, TimedSolution, Timing};
+use crate::words::driven_by;
+use whipcord_io::CaseFile;
+
+/// A case and what the models say of it.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// What the file says.
+    pub file: CaseFile,
+    /// One for each model and way to drive it, the reference model first.
+    pub runs: Vec<Run>,
+}
+
+/// One model on one case.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Which model.
+    pub model: ModelKind,
+    /// Where its commands come from.
+    pub commands: Commands,
+    /// What drove it, in words.
+    pub driven_by: String,
+    /// Its answer, or why it has none.
+    pub outcome: Result<Solved, SolveError>,
+}
+
+/// Where a run has its commands from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Commands {
+    /// From the file.
+    File,
+    /// The shortenings, from hole to hole, of the cables over the Cosserat model's shape: with the
+    /// same cable lengths, what is left between two models is their difference.
+    CosseratShape,
+}
+
+/// An answer.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// At the disks.
+    pub solution: Solution,
+    /// Smooth, for pictures.
+    pub fine: Shape,
+    /// How long a cold solve takes.
+    pub solve: Timing,
+    /// How long building the model takes, once for a robot.
+    pub build: Timing,
+}
+
+impl Run {
+    /// `four-bar (Cosserat's shortening)`
+    pub fn label(&self) -> String {
+        match self.commands {
+            Commands::File => self.model.to_string(),
+            Commands::CosseratShape => format!("{} (Cosserat's shortening)", self.model),
+        }
+    }
+}
+
+impl Study {
+    /// Solves the case with every model.
+    pub fn new(file: CaseFile) -> Self {
+        let CaseFile { robot, case, .. } = &file;
+        let mut runs: Vec<Run> =
+            ModelKind::ALL.into_iter().map(|kind| run(kind, robot, case, Commands::File)).collect();
+        if let Some(case) = like_for_like(robot, &runs) {
+            runs.push(run(ModelKind::FourBar, robot, &case, Commands::CosseratShape));
+        }
+        Self { file, runs }
+    }
+
+    /// The runs with an answer.
+    pub fn solved(&self) -> impl Iterator<Item = (&Run, &Solved)> {
+        self.runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().ok()?)))
+    }
+
+    /// The answer that the others are compared with: that of the first model that has one.
+    pub fn reference(&self) -> Option<(&Run, &Solved)> {
+        self.solved().next()
+    }
+
+    /// RMS distance in m over the disks to the reference; `None` for the reference itself.
+    pub fn distance_to_reference(&self, run: &Run, solved: &Solved) -> Option<f64> {
+        let (first, reference) = self.reference()?;
+        let is_first = first.model == run.model && first.commands == run.commands;
+        (!is_first).then(|| solved.solution.disks.rms_distance(&reference.solution.disks))
+    }
+
+    /// Where the real robot's disk number `disk`, from 1, was measured.
+    pub fn measured_at(&self, disk: usize) -> Option<Vec3> {
+        let disks = &self.file.measured.as_ref()?.disks;
+        Some(disks.iter().find(|measured| measured.disk == disk)?.position)
+    }
+
+    /// RMS distance in m to the measured disks, without the base disk.
+    pub fn distance_to_measured(&self, solved: &Solved) -> Option<f64> {
+        let squares: Vec<f64> = solved
+            .solution
+            .disks
+            .positions()
+            .enumerate()
+            .skip(1)
+            .filter_map(|(i, p)| Some((p - self.measured_at(i + 1)?).norm_squared()))
+            .collect();
+        (!squares.is_empty()).then(|| mean(&squares).sqrt())
+    }
+}
+
+fn run(kind: ModelKind, robot: &Robot, case: &Case, commands: Commands) -> Run {
+    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+    let outcome = timing::solve(&model, robot, case).and_then(|timed| {
+        let TimedSolution { solution, solve, build } = timed;
+        let fine = Model::new(kind, Stations::Equal(FINE_STATIONS), Drive::Natural);
+        let fine = fine.solve(robot, case)?.shape;
+        Ok(Solved { solution, fine, solve, build })
+    });
+    Run { model: kind, commands, driven_by: driven_by(kind, Drive::Natural, case), outcome }
+}
+
+/// The case in which every cable has, from hole to hole, the length that it has over the Cosserat
+/// model's shape. `None` when that has no shape, when the four-bar model cannot take the robot or its
+/// loads, or when a cable ends between two disks.
+fn like_for_like(robot: &Robot, runs: &[Run]) -> Option<Case> {
+    let outcome = |model| runs.iter().find(|run| run.model == model).map(|run| &run.outcome);
+    if let Err(SolveError::Unsupported { .. }) = outcome(ModelKind::FourBar)? {
+        return None;
+    }
+    let bent = &outcome(ModelKind::Cosserat)?.as_ref().ok()?.solution.disks;
+    let straight = Shape::straight(&robot.disks().arc_lengths);
+    let commands: Option<Vec<CableCommand>> = robot
+        .routes()
+        .iter()
+        .map(|route| {
+            let initial = straight.hole_to_hole_length(route)?;
+            let shortening = Shortening::Fraction(1.0 - bent.hole_to_hole_length(route)? / initial);
+            Some(CableCommand { tension: None, shortening: Some(shortening) })
+        })
+        .collect();
+    Some(Case { commands: commands?, ..Case::default() })
+}

@@ -1,0 +1,133 @@
+//! What the models say, in tables for people.
+
+use whipcord::{ModelKind, Vec3};
+
+use super::study::{Commands, Run, Solved, Study};
+use crate::quantity::{fixed, fixed_millimetres};
+use crate::table::{Align, Table};
+use crate::timing::duration;
+
+/// The one table: a group for each case, a row for each model. Columns for measurements and published
+/// values are there when any case has them.
+pub fn summary(studies: &[Study]) -> Table {
+    let measured = studies.iter().any(|s| s.file.measured.is_some());
+    let published = studies.iter().any(|s| s.file.reference.is_some());
+    let mut columns = vec![
+        ("case", Align::Left),
+        ("model", Align::Left),
+        ("driven by", Align::Left),
+        ("tip x", Align::Right),
+        ("y", Align::Right),
+        ("z", Align::Right),
+        ("bend", Align::Right),
+        ("RMS", Align::Right),
+    ];
+    if measured {
+        columns.push(("to measured", Align::Right));
+    }
+    columns.push(("time", Align::Right));
+    if published {
+        columns.push(("paper: RMS", Align::Right));
+        columns.push(("paper: time", Align::Right));
+    }
+    let mut table = Table::new(columns);
+    for study in studies {
+        table.group();
+        for (i, run) in study.runs.iter().enumerate() {
+            let title = if i == 0 { study.file.title.clone() } else { String::new() };
+            let mut row = vec![title, run.model.to_string(), drive_words(run)];
+            row.extend(answer_cells(study, run, measured));
+            if published {
+                row.extend(published_cells(study, run));
+            }
+            table.row(row);
+        }
+    }
+    table
+}
+
+fn drive_words(run: &Run) -> String {
+    match run.commands {
+        _ if run.outcome.is_err() => String::from("–"),
+        Commands::File => run.driven_by.clone(),
+        Commands::CosseratShape => format!("{} (Cosserat's)", run.driven_by),
+    }
+}
+
+fn answer_cells(study: &Study, run: &Run, measured: bool) -> Vec<String> {
+    let Ok(solved) = &run.outcome else {
+        let mut cells = vec![String::from("–"); 6];
+        if measured {
+            cells.push(String::from("–"));
+        }
+        return cells;
+    };
+    let tip = solved.solution.disks.tip();
+    let mut cells: Vec<String> =
+        tip.position.to_array().map(|x| fixed_millimetres(x, 2)).into_iter().collect();
+    cells.push(format!("{}°", fixed(bend(solved).to_degrees(), 1)));
+    let distance = study.distance_to_reference(run, solved);
+    cells.push(distance.map_or_else(|| String::from("–"), |d| fixed_millimetres(d, 2)));
+    if measured {
+        let distance = study.distance_to_measured(solved);
+        cells.push(distance.map_or_else(String::new, |d| fixed_millimetres(d, 2)));
+    }
+    cells.push(duration(solved.solve.median));
+    cells
+}
+
+/// Values that others published, beside the run that they belong to: the one driven by the file.
+fn published_cells(study: &Study, run: &Run) -> [String; 2] {
+    let Some(reference) = study.file.reference.as_ref().filter(|_| run.commands == Commands::File)
+    else {
+        return Default::default();
+    };
+    let (rms, time) = match run.model {
+        ModelKind::Cosserat => (reference.rms_cosserat, reference.time_cosserat),
+        ModelKind::FourBar => (reference.rms_four_bar, reference.time_four_bar),
+    };
+    [
+        rms.map_or_else(String::new, |d| fixed_millimetres(d, 2)),
+        time.map_or_else(String::new, duration),
+    ]
+}
+
+/// Angle in rad between the tangents at tip and base.
+pub fn bend(solved: &Solved) -> f64 {
+    let tangent = solved.solution.disks.tip().rotation.rotate(Vec3::Z);
+    tangent.x.hypot(tangent.y).atan2(tangent.z)
+}
+
+/// What the columns mean, and what must not be read into them.
+pub fn notes(studies: &[Study]) -> Vec<String> {
+    let mut notes = vec![String::from(
+        "Lengths in mm. RMS: distance over the disks, without the base, to the first model of the case. Time: median of repeated cold solves by a model that is built; cases.csv has the time of building it.",
+    )];
+    let like_for_like = |run: &Run| run.commands == Commands::CosseratShape;
+    if studies.iter().any(|s| s.runs.iter().any(like_for_like)) {
+        notes.push(String::from(
+            "\"(Cosserat's)\": the four-bar model with the cable lengths, from hole to hole, of the Cosserat shape, so that the models are compared like for like.",
+        ));
+    }
+    let mut sources: Vec<&str> = studies
+        .iter()
+        .filter_map(|s| s.file.reference.as_ref())
+        .map(|reference| reference.source.as_str())
+        .collect();
+    sources.sort_unstable();
+    sources.dedup();
+    if !sources.is_empty() {
+        notes.push(format!(
+            "\"paper\": published values, not ours ({}). The RMS errors are against photographs that are not public; they are shown, not reproduced.",
+            sources.join("; ")
+        ));
+    }
+    for study in studies {
+        for run in &study.runs {
+            if let Err(error) = &run.outcome {
+                notes.push(format!("{}, {}: {error}", study.file.title, run.label()));
+            }
+        }
+    }
+    notes
+}

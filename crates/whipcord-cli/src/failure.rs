@@ -1,0 +1,55 @@
+//! Why a verb did not do its work, and the exit status that says so.
+
+use std::io;
+use std::path::Path;
+
+use thiserror::Error;
+use whipcord::SolveError;
+
+/// Why a verb did not do its work. The message is what standard error shows.
+#[derive(Debug, Error)]
+pub enum Failure {
+    /// Bad input or usage.
+    #[error("{0}")]
+    Input(String),
+    /// A solve failed.
+    #[error("{0}")]
+    Solve(String),
+    /// Some of several inputs are bad; what the others gave still counts.
+    #[error("{message}")]
+    Partial {
+        /// For standard output.
+        text: String,
+        /// What is wrong with the others.
+        message: String,
+    },
+}
+
+impl Failure {
+    /// 1 where a solve failed, 2 for bad input or usage.
+    pub const fn exit_status(&self) -> u8 {
+        match self {
+            Self::Solve(_) => 1,
+            Self::Input(_) | Self::Partial { .. } => 2,
+        }
+    }
+
+    /// A file or folder that cannot be read or written.
+    pub fn path(what: &str, path: &Path, error: &io::Error) -> Self {
+        Self::Input(format!("error: cannot {what} {}: {error}", path.display()))
+    }
+
+    /// What a model said about the case in `file`.
+    pub fn from_solve(file: &Path, error: &SolveError) -> Self {
+        let message = format!("error: {}: {error}", file.display());
+        if refuses(error) { Self::Input(message) } else { Self::Solve(message) }
+    }
+}
+
+/// Whether the model does not take the case at all, in contrast to a solve that failed.
+pub const fn refuses(error: &SolveError) -> bool {
+    matches!(
+        error,
+        SolveError::Invalid(_) | SolveError::Missing { .. } | SolveError::Unsupported { .. }
+    )
+}

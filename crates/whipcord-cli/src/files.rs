@@ -1,0 +1,118 @@
+//! Files and folders that are written.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use whipcord_io::{CsvTable, NonFinite, write_atomically};
+use whipcord_plot::{PlotError, png};
+
+use crate::failure::Failure;
+
+/// Pixels of a PNG for each px of its SVG: sharp on dense displays and in print.
+const PNG_SCALE: f64 = 2.0;
+
+/// A folder that results go to.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// Creates the folder where there is none.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] when it cannot be created.
+    pub fn create(path: &Path) -> Result<Self, Failure> {
+        fs::create_dir_all(path).map_err(|error| Failure::path("create", path, &error))?;
+        Ok(Self { path: path.to_owned() })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes a text file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] when it cannot be written.
+    pub fn write(&self, name: &str, text: &str) -> Result<(), Failure> {
+        write(&self.path.join(name), text.as_bytes())
+    }
+
+    /// Writes a table as CSV.
+    ///
+    /// # Errors
+    /// [`Failure`] when it holds what is no number, or cannot be written.
+    pub fn write_table(&self, name: &str, table: &CsvTable) -> Result<(), Failure> {
+        self.write(name, &table.to_csv().map_err(|error| no_result(&error))?)
+    }
+
+    /// Writes a figure as SVG and as PNG.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] when it cannot be drawn or written.
+    pub fn write_figure(&self, name: &str, svg: &str) -> Result<(), Failure> {
+        self.write(&format!("{name}.svg"), svg)?;
+        let path = self.path.join(format!("{name}.png"));
+        write(&path, &picture(svg, &path)?)
+    }
+}
+
+/// An SVG in the format that the name of a file asks for.
+///
+/// # Errors
+/// [`Failure::Input`] when it cannot be drawn.
+pub fn picture(svg: &str, path: &Path) -> Result<Vec<u8>, Failure> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        png(svg, PNG_SCALE).map_err(|error| plot_failure(path, &error))
+    } else {
+        Ok(svg.as_bytes().to_owned())
+    }
+}
+
+/// A picture that cannot be drawn.
+pub fn plot_failure(path: &Path, error: &PlotError) -> Failure {
+    Failure::Input(format!("error: cannot draw {}: {error}", path.display()))
+}
+
+/// An answer that holds what is no number.
+pub fn no_result(error: &NonFinite) -> Failure {
+    Failure::Solve(format!("error: {error}"))
+}
+
+/// Writes a file, whole or not at all.
+///
+/// # Errors
+/// [`Failure::Input`] when it cannot be written.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_atomically(path, bytes).map_err(|error| Failure::path("write", path, &error))
+}
+
+/// A name for the results of each robot file: its own, numbered where several have the same.
+pub fn unique_names<'a>(files: impl Iterator<Item = &'a Path>) -> Vec<String> {
+    let mut taken = HashSet::new();
+    files
+        .map(|file| {
+            let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let numbered = (2..).map(|n| format!("{stem}-{n}"));
+            let name = std::iter::once(stem.clone()).chain(numbered).find(|n| !taken.contains(n));
+            let name = name.unwrap_or(stem);
+            taken.insert(name.clone());
+            name
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_one_name_are_told_apart() {
+        let files = ["a/case.toml", "b/case.toml", "b/case-2.toml", "c/case.toml"];
+        let names = unique_names(files.iter().map(Path::new));
+        assert_eq!(names, ["case", "case-2", "case-2-2", "case-3"]);
+    }
+}

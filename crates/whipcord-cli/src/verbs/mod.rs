@@ -1,0 +1,8 @@
+//! One file for each verb. A verb returns its text for standard output, so that nothing stands there
+//! when it fails.
+
+pub mod bench;
+pub mod check;
+pub mod compare;
+pub mod schema;
+pub mod solve;

@@ -1,0 +1,24 @@
+//! `whipcord schema`: the JSON Schema of robot files.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::failure::Failure;
+use crate::files;
+
+/// Print the JSON Schema of robot files, with which an editor completes and checks them
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// Write it to this file instead
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// The schema, or where it was written.
+pub fn run(args: &SchemaArgs) -> Result<String, Failure> {
+    let schema = format!("{:#}\n", whipcord_io::schema());
+    let Some(path) = &args.out else { return Ok(schema) };
+    files::write(path, schema.as_bytes())?;
+    Ok(format!("{}\n", path.display()))
+}

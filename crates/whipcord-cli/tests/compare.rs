@@ -1,0 +1,148 @@
+//! `whipcord compare`.
+
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod support;
+
+use std::path::Path;
+
+use support::{Scratch, fail, robot, settings, succeed};
+
+fn files(folder: &Path, extension: &str) -> Vec<std::path::PathBuf> {
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == extension))
+        .collect();
+    files.sort();
+    files
+}
+
+/// Cells of each row; quotes as in RFC 4180.
+fn rows(text: &str) -> Vec<Vec<String>> {
+    let (mut rows, mut row, mut cell, mut quoted) = (Vec::new(), Vec::new(), String::new(), false);
+    let mut chars = text.chars().peekable();
+    while let Some(c) = chars.next() {
+        match (c, quoted) {
+            ('"', true) if chars.peek() == Some(&'"') => cell.extend(chars.next()),
+            ('"', _) => quoted = !quoted,
+            (',', false) => row.push(std::mem::take(&mut cell)),
+            ('\n', false) => {
+                row.push(std::mem::take(&mut cell));
+                rows.push(std::mem::take(&mut row));
+            }
+            (c, _) => cell.push(c),
+        }
+    }
+    assert!(row.is_empty() && cell.is_empty() && !quoted);
+    rows
+}
+
+#[test]
+fn the_papers_table_is_solved_drawn_and_written() {
+    let scratch = Scratch::new();
+    let out = scratch.path().join("report");
+    let text = succeed(&["compare", "examples/table1", "--out", out.to_str().unwrap()]);
+    settings(Some(&out)).bind(|| insta::assert_snapshot!("table1", text));
+
+    let csv = files(&out, "csv");
+    assert_eq!(csv.len(), 3 + 4 * 3);
+    for path in &csv {
+        let rows = rows(&std::fs::read_to_string(path).unwrap());
+        assert!(rows.len() > 1 && rows.iter().all(|row| row.len() == rows[0].len()));
+        assert!(rows.iter().flatten().all(|cell| !["NaN", "inf"].contains(&cell.as_str())));
+    }
+    let cases = rows(&std::fs::read_to_string(out.join("cases.csv")).unwrap());
+    assert_eq!(cases.len(), 1 + 4 * 3);
+    let rms = cases[0].iter().position(|name| name == "rms_to_first_model").unwrap();
+    for row in cases.iter().filter(|row| row[2] == "cosserat-shape") {
+        let rms: f64 = row[rms].parse().unwrap();
+        assert!(rms > 1e-4 && rms < 3.5e-3, "{row:?}");
+    }
+
+    let (svg, png) = (files(&out, "svg"), files(&out, "png"));
+    assert_eq!((svg.len(), png.len()), (8, 8));
+    for path in png {
+        let image = resvg::tiny_skia::Pixmap::decode_png(&std::fs::read(&path).unwrap()).unwrap();
+        let first = image.pixels()[0];
+        let drawn = image.pixels().iter().filter(|&&pixel| pixel != first).count();
+        assert!(drawn > image.pixels().len() / 200, "{} is blank", path.display());
+    }
+}
+
+#[test]
+fn the_report_needs_no_other_file_and_no_network() {
+    let scratch = Scratch::new();
+    let out = scratch.path().join("report");
+    succeed(&["compare", "examples/table1/case-3.toml", "--out", out.to_str().unwrap()]);
+    let html = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
+    for outside in ["src=", "<link", "<script", "@import", "url(http", "href=\"http", "file:"] {
+        assert!(!html.contains(outside), "the report has {outside}");
+    }
+    let namespaces = ["http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"];
+    let mut rest = html.clone();
+    for namespace in namespaces {
+        rest = rest.replace(namespace, "");
+    }
+    assert!(!rest.contains("http://") && !rest.contains("https://"));
+    assert_eq!(html.matches("<svg").count(), 2);
+    for words in ["not public", "Mahapatra", "from hole to hole", "10.07 s", "prefers-color-scheme"]
+    {
+        assert!(html.contains(words), "the report does not say {words}");
+    }
+}
+
+#[test]
+fn a_refusal_is_shown_and_not_fatal() {
+    let scratch = Scratch::new();
+    let text = robot("tension = \"1 N\"\n[loads]\ntip_force = [0.05, 0, 0]");
+    let file = scratch.write("loaded.toml", &text);
+    let out = scratch.file("report");
+    let text = succeed(&["compare", &file, "--out", &out]);
+    settings(Some(Path::new(&out))).bind(|| insta::assert_snapshot!("refusal", text));
+}
+
+#[test]
+fn measured_disks_are_compared_with() {
+    let scratch = Scratch::new();
+    scratch.write("disks.csv", "disk,x,y,z\n1,0,0,0\n5,0,0.02,0.07\n10,0,0.1,0.13\n");
+    let text = robot("tension = \"400 gf\"\n[measured]\ndisks = \"disks.csv\"");
+    let file = scratch.write("measured.toml", &text);
+    let out = scratch.file("report");
+    let text = succeed(&["compare", &file, "--out", &out]);
+    assert!(text.contains("to measured"));
+    let cases = rows(&std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap());
+    let column = cases[0].iter().position(|name| name == "rms_to_measured").unwrap();
+    let rms: f64 = cases[1][column].parse().unwrap();
+    assert!(rms > 1e-4 && rms < 0.05);
+}
+
+#[test]
+fn a_case_that_no_model_solves_has_status_1() {
+    let scratch = Scratch::new();
+    let good = scratch.write("good.toml", &robot("tension = \"1 N\""));
+    let bad = scratch.write("bad.toml", &robot("tension = \"1000 kN\""));
+    let out = scratch.file("report");
+    let message = fail(1, &["compare", &good, &bad, "--out", &out]);
+    assert!(message.contains("bad.toml: no model has an answer"), "{message}");
+    assert!(message.contains("cosserat:") && message.contains("four-bar:"), "{message}");
+    assert!(Path::new(&out).join("report.html").exists());
+}
+
+#[test]
+fn bad_input_has_status_2() {
+    let scratch = Scratch::new();
+    let out = scratch.file("report");
+    let empty = scratch.path().join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    let message = fail(2, &["compare", empty.to_str().unwrap(), "--out", &out]);
+    assert!(message.contains("no robot file with cables"), "{message}");
+    fail(2, &["compare"]);
+    let wrong = scratch.write("wrong.toml", "[backbone]\nlength = \"3 N\"\n");
+    let message = fail(2, &["compare", &wrong, "missing.toml", "--out", &out]);
+    assert!(message.contains("wrong.toml:2:") && message.contains("missing.toml"), "{message}");
+    let file = scratch.write("file", "");
+    let message = fail(2, &["compare", "examples/table1", "--out", &file]);
+    assert!(message.contains("cannot create"), "{message}");
+}
