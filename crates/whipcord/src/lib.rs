@@ -24,3 +24,8 @@ pub use robot::{
 };
 pub use shape::{CableState, Diagnostics, Shape, Solution, Wrench};
 pub use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
+
+/// The examples of the project's front page, so that they keep working.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
