@@ -1,0 +1,384 @@
+//! Random robots and cases. Their scales are chosen without dimension: a tension of 1 would bend
+//! the rod by about 1 rad over its length, a force of 1 is `EI/L²`, a moment of 1 is `EI/L`.
+
+use core::f64::consts::TAU;
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{RngSeed, TestRunner};
+use whipcord::cosserat::{Accuracy, Options};
+use whipcord::{
+    Backbone, Cable, CableCommand, Case, Disks, Drive, Interpolation, Loads, Material, Model,
+    PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution, SolveError, Statics,
+    Stations, Vec3,
+};
+
+/// As many cases as are given, the same in every run.
+pub fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(0x7768_6970_636f_7264),
+        failure_persistence: None,
+        max_shrink_iters: 200,
+        ..ProptestConfig::default()
+    }
+}
+
+/// So many values of a strategy, the same in every run; without a search for the smallest one that
+/// fails, for what takes long.
+pub fn samples<S: Strategy>(strategy: S, count: usize) -> impl Iterator<Item = S::Value> {
+    let mut runner = TestRunner::new(config(1));
+    (0..count).map(move |_| strategy.new_tree(&mut runner).unwrap().current())
+}
+
+/// How wild the robots are.
+#[derive(Clone, Copy, Debug)]
+pub struct Wildness {
+    pub cables: usize,
+    /// Of each cable.
+    pub tension: f64,
+    pub force: f64,
+    pub moment: f64,
+    /// Weight of the rod times `L²/EI`.
+    pub weight: f64,
+}
+
+impl Wildness {
+    pub const UNLOADED: Self =
+        Self { cables: 6, tension: 1.2, force: 0.0, moment: 0.0, weight: 0.0 };
+    pub const LOADED: Self = Self { cables: 6, tension: 0.8, force: 1.0, moment: 0.7, weight: 1.0 };
+
+    pub fn loaded(&self) -> bool {
+        self.force > 0.0 || self.moment > 0.0 || self.weight > 0.0
+    }
+}
+
+pub fn bending_stiffness(robot: &Robot) -> f64 {
+    let section = robot.backbone().section_at(robot.disks(), 0.0).unwrap();
+    let material = &robot.backbone().material;
+    material.young_modulus.unwrap() * section.second_moment_x.max(section.second_moment_y)
+}
+
+/// A round rod of 180 mm × 3 mm, E = 1.1 GPa, ν = 0.3: that of the paper.
+pub fn paper_backbone() -> Backbone {
+    Backbone {
+        section: Some(Section::circle(0.003)),
+        material: Material {
+            young_modulus: Some(1.1e9),
+            poisson_ratio: Some(0.3),
+            ..Material::default()
+        },
+        ..Backbone::new(0.18)
+    }
+}
+
+/// The paper's disks: ten of them, twelve holes at 8 mm.
+pub fn paper_disks() -> Disks {
+    Disks::equally_spaced(0.18, 10, 0.008).with_holes(12)
+}
+
+/// The paper's rod with these routings.
+pub fn paper_robot(routings: Vec<Routing>) -> Robot {
+    let cable = |(i, routing)| Cable::new(format!("cable {i}"), routing);
+    let cables = routings.into_iter().enumerate().map(cable).collect();
+    Robot::new(paper_backbone(), paper_disks(), cables).unwrap()
+}
+
+pub fn straight(degrees: f64) -> Routing {
+    Routing::Straight { angle: degrees.to_radians(), radius: 0.008 }
+}
+
+pub fn helix(degrees: f64, turns: f64) -> Routing {
+    Routing::Helix { start_angle: degrees.to_radians(), turns, radius: 0.008 }
+}
+
+pub fn solve_with(options: Options, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    Model::Cosserat(options).solve(robot, case)
+}
+
+/// By tension, with eleven stations.
+pub fn solve(robot: &Robot, case: &Case) -> Solution {
+    let options = Options { stations: Stations::Equal(11), ..Options::default() };
+    solve_with(options, robot, case).unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
+}
+
+/// With a discretisation error that does not count.
+pub fn solve_finely(robot: &Robot, case: &Case) -> Solution {
+    let options = Options {
+        stations: Stations::Equal(11),
+        accuracy: Accuracy::Tolerance(1e-12),
+        residual: 1e-13,
+        ..Options::default()
+    };
+    solve_with(options, robot, case).unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
+}
+
+/// The case in which the cables are as long as in a solution.
+pub fn lengths_of(solution: &Solution, loads: &Loads) -> Case {
+    let shorten = |c: &whipcord::CableState| CableCommand {
+        tension: None,
+        shortening: Some(Shortening::Length(c.initial_length - c.length)),
+    };
+    Case { commands: solution.cables.iter().map(shorten).collect(), loads: loads.clone() }
+}
+
+/// By shortening, with eleven stations.
+pub fn solve_lengths(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    let options =
+        Options { stations: Stations::Equal(11), drive: Drive::Shortening, ..Options::default() };
+    solve_with(options, robot, case)
+}
+
+pub fn tensions(solution: &Solution) -> Vec<f64> {
+    solution.cables.iter().map(|c| c.tension.unwrap()).collect()
+}
+
+/// Largest distance between corresponding positions, at stations and disks, in m.
+pub fn distance(a: &Solution, b: &Solution) -> f64 {
+    let at = |a: &whipcord::Shape, b: &whipcord::Shape| a.distances(b).fold(0.0, f64::max);
+    at(&a.shape, &b.shape).max(at(&a.disks, &b.disks))
+}
+
+/// A vector of the unit ball, or nearly.
+pub fn ball() -> impl Strategy<Value = Vec3> {
+    (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| {
+        let v = Vec3::new(x, y, z);
+        v / v.norm().max(1.0)
+    })
+}
+
+fn section(disks: usize) -> impl Strategy<Value = Section> {
+    // For a rod of unit diameter.
+    prop_oneof![
+        3 => Just(Section::circle(1.0)),
+        1 => (0.3..0.8).prop_map(|inner| Section::Tube { outer: 1.0, inner }),
+        1 => (0.6..1.0).prop_map(|height| Section::Rectangle { width: 1.0, height }),
+        1 => (vec(0.8..1.1, disks), prop_oneof![Just(0.0), 0.2..0.6])
+            .prop_map(|(outer, inner)| Section::Taper { outer, inner }),
+    ]
+}
+
+fn scaled(section: Section, d: f64) -> Section {
+    match section {
+        Section::Circle { diameter } => Section::Circle { diameter: diameter * d },
+        Section::Tube { outer, inner } => Section::Tube { outer: outer * d, inner: inner * d },
+        Section::Rectangle { width, height } => {
+            Section::Rectangle { width: width * d, height: height * d }
+        }
+        Section::Taper { outer, inner } => {
+            Section::Taper { outer: outer.iter().map(|o| o * d).collect(), inner: inner * d }
+        }
+    }
+}
+
+fn rest_curvature(disks: usize) -> impl Strategy<Value = RestCurvature> {
+    // Without dimension: times the length.
+    prop_oneof![
+        3 => Just(RestCurvature::default()),
+        1 => ball().prop_map(RestCurvature::Uniform),
+        1 => vec(ball(), disks).prop_map(RestCurvature::PerDisk),
+    ]
+}
+
+/// Disk positions from 0 to 1.
+fn positions() -> impl Strategy<Value = Vec<f64>> {
+    vec(0.5..1.5_f64, 1..10).prop_map(|gaps| {
+        let whole: f64 = gaps.iter().sum();
+        let mut at = 0.0;
+        let mut places = vec![0.0];
+        for gap in &gaps[..gaps.len() - 1] {
+            at += gap / whole;
+            places.push(at);
+        }
+        places.push(1.0);
+        places
+    })
+}
+
+/// A routing on a robot of unit length, and where it ends; `radius` is that of the hole circle.
+fn routing(disks: usize, radius: f64) -> impl Strategy<Value = (Routing, Option<f64>)> {
+    let ends = || prop_oneof![2 => Just(None), 1 => (0.25..1.0).prop_map(Some)];
+    let near = move || (0.4 * radius..1.2 * radius, 0.0..TAU);
+    let point = |(r, a): (f64, f64)| [r * a.cos(), r * a.sin()];
+    let holes = (1..=12_usize, vec(-2..=2_i64, disks - 1), 0..3_usize, 2..=disks);
+    prop_oneof![
+        (near(), ends())
+            .prop_map(|((radius, angle), end)| { (Routing::Straight { angle, radius }, end) }),
+        (near(), -1.5..1.5, ends()).prop_map(|((radius, start_angle), turns, end)| {
+            (Routing::Helix { start_angle, turns, radius }, end)
+        }),
+        (near(), near(), ends()).prop_map(move |(a, b, end)| {
+            (Routing::Linear { start: point(a), end: point(b) }, end)
+        }),
+        (near(), vec(-1.0..1.0_f64, 6), ends()).prop_map(move |(start, c, end)| {
+            let [x, y] = point(start);
+            let scale = 0.7 * radius;
+            (
+                Routing::Polynomial {
+                    x: vec![x, c[0] * scale, c[1] * scale, c[2] * scale],
+                    y: vec![y, c[3] * scale, c[4] * scale, c[5] * scale],
+                },
+                end,
+            )
+        }),
+        holes.prop_map(|(first, steps, kind, count)| {
+            let mut hole = first as i64 - 1;
+            let mut holes = vec![first];
+            for step in &steps[..count - 1] {
+                hole = (hole + step).rem_euclid(12);
+                holes.push(hole as usize + 1);
+            }
+            let interpolation =
+                [Interpolation::Spline, Interpolation::Spline, Interpolation::Pchip][kind];
+            (Routing::Holes { holes, interpolation }, None)
+        }),
+    ]
+}
+
+/// The same routing for a robot of another length; offsets stay.
+fn stretched(routing: Routing, length: f64) -> Routing {
+    match routing {
+        Routing::Polynomial { x, y } => {
+            let scale = |c: Vec<f64>| -> Vec<f64> {
+                c.iter().enumerate().map(|(k, c)| c / length.powi(k as i32)).collect()
+            };
+            Routing::Polynomial { x: scale(x), y: scale(y) }
+        }
+        other => other,
+    }
+}
+
+/// Length, slenderness of rod and of hole circle, Young's modulus, Poisson's ratio.
+fn size() -> impl Strategy<Value = (f64, f64, f64, f64, f64)> {
+    (0.08..0.4, 40.0..90.0, 15.0..30.0, 8.0..11.0_f64, 0.0..0.45)
+        .prop_map(|(l, d, r, e, nu)| (l, l / d, l / r, 10.0_f64.powf(e), nu))
+}
+
+pub fn robot(wild: Wildness) -> impl Strategy<Value = (Robot, Case)> {
+    (size(), positions(), 1..=wild.cables)
+        .prop_flat_map(move |(size, places, cables)| {
+            let n = places.len();
+            let radius = size.2;
+            (
+                Just((size, places)),
+                (section(n), rest_curvature(n)),
+                prop_oneof![2 => Just(vec![1.0; n]), 1 => vec(0.8..1.2_f64, n)],
+                vec((routing(n, radius), 0.0..wild.tension), cables),
+                loads(),
+            )
+        })
+        .prop_map(move |parts| assemble(wild, parts))
+}
+
+type Parts = (
+    ((f64, f64, f64, f64, f64), Vec<f64>),
+    (Section, RestCurvature),
+    Vec<f64>,
+    Vec<((Routing, Option<f64>), f64)>,
+    RawLoads,
+);
+
+/// Loads without dimension.
+#[derive(Clone, Debug)]
+struct RawLoads {
+    force: Vec3,
+    moment: Vec3,
+    gravity: Option<Vec3>,
+    disk_share: f64,
+    points: Vec<(f64, Vec3, Vec3)>,
+}
+
+fn loads() -> impl Strategy<Value = RawLoads> {
+    (
+        ball(),
+        prop_oneof![Just(Vec3::ZERO), ball()],
+        prop_oneof![Just(None), ball().prop_map(Some)],
+        prop_oneof![Just(0.0), 0.0..1.0],
+        vec((0.05..0.95, ball(), ball()), 0..2),
+    )
+        .prop_map(|(force, moment, gravity, disk_share, points)| RawLoads {
+            force,
+            moment,
+            gravity,
+            disk_share,
+            points,
+        })
+}
+
+fn assemble(wild: Wildness, parts: Parts) -> (Robot, Case) {
+    let (((length, diameter, radius, young, poisson), places), (section, rest), radii, cables, raw) =
+        parts;
+    let rest_curvature = match rest {
+        RestCurvature::Uniform(u) => RestCurvature::Uniform(u / length),
+        RestCurvature::PerDisk(list) => {
+            RestCurvature::PerDisk(list.iter().map(|&u| u / length).collect())
+        }
+    };
+    let material = Material {
+        young_modulus: Some(young),
+        poisson_ratio: Some(poisson),
+        shear_modulus: None,
+        density: Some(1000.0),
+    };
+    let backbone =
+        Backbone { length, section: Some(scaled(section, diameter)), material, rest_curvature };
+    let count = places.len();
+    let mut disks = Disks {
+        arc_lengths: places
+            .iter()
+            .enumerate()
+            .map(|(i, p)| if i + 1 == count { length } else { p * length })
+            .collect(),
+        hole_circle_radii: radii.iter().map(|f| f * radius).collect(),
+        holes: Some(12),
+        mass: 0.0,
+    };
+    let rod = Robot::new(backbone.clone(), disks.clone(), vec![]).unwrap();
+    let stiffness = bending_stiffness(&rod);
+    let rod_mass = 1000.0 * length * rod.backbone().section_at(&disks, 0.0).unwrap().area;
+    disks.mass = raw.disk_share * rod_mass / count as f64;
+
+    let mut commands = Vec::new();
+    let make = |(i, ((routing, end), tension)): (usize, ((Routing, Option<f64>), f64))| {
+        let share = 1.0 / (cables_share(wild.cables));
+        commands.push(CableCommand {
+            tension: Some(tension * share * stiffness / (length * radius)),
+            shortening: None,
+        });
+        Cable {
+            ends_at: end.map(|e| e * length),
+            ..Cable::new(format!("cable {i}"), stretched(routing, length))
+        }
+    };
+    let cables: Vec<Cable> = cables.into_iter().enumerate().map(make).collect();
+
+    let (force, moment) = (stiffness / length.powi(2), stiffness / length);
+    let loads = if wild.loaded() {
+        let gravity = |g: Vec3| g * (wild.weight * force / rod_mass);
+        Loads {
+            gravity: raw.gravity.filter(|_| wild.weight > 0.0).map(gravity),
+            tip_force: raw.force * (wild.force * force),
+            tip_moment: raw.moment * (wild.moment * moment),
+            tip_follower: false,
+            points: raw
+                .points
+                .iter()
+                .map(|&(at, f, m)| PointLoad {
+                    at: at * length,
+                    force: f * (wild.force * force),
+                    moment: m * (0.5 * wild.moment * moment),
+                    follower: false,
+                })
+                .collect(),
+        }
+    } else {
+        Loads::default()
+    };
+    (Robot::new(backbone, disks, cables).unwrap(), Case { commands, loads })
+}
+
+/// The more cables there may be, the less each of them pulls.
+fn cables_share(cables: usize) -> f64 {
+    (cables as f64).sqrt().max(1.0)
+}
