@@ -1,6 +1,4 @@
 //! The Cosserat model against closed forms and against the numbers the project started from.
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use whipcord::cosserat::Options;

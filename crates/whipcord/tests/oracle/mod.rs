@@ -6,11 +6,13 @@
 //! model works with appears nowhere but in these jumps and at the tip. The integrator is Gragg's
 //! midpoint rule with extrapolation, Newton's method differentiates by finite differences.
 
-pub mod linear;
+mod elastic;
+mod linear;
 
 use whipcord::robot::Route;
-use whipcord::{Case, Mat3, RestCurvature, Robot, Vec3};
+use whipcord::{Case, Mat3, Robot, Vec3};
 
+use elastic::{Elastic, Place};
 use linear::{Matrix6, Vector6};
 
 /// The shape at one arc length.
@@ -66,42 +68,12 @@ struct State {
     lengths: Vec<f64>,
 }
 
-/// Stiffness and rest curvature with their derivatives by arc length.
-struct Elastic {
-    shear: Vec3,
-    bending: Vec3,
-    rest: Vec3,
-    shear_rate: Vec3,
-    bending_rate: Vec3,
-    rest_rate: Vec3,
-}
-
-/// Where a state is asked for: a place, and the smooth piece of the rod it belongs to.
-#[derive(Clone, Copy)]
-struct Place {
-    at: f64,
-    from: f64,
-    to: f64,
-}
-
 /// What is left at the tip of a trial, or that the trial blew up.
 type Miss = Option<Vector6>;
 
 const MAX_NEWTON: usize = 25;
 /// Of the scales of force and moment.
 const MET: f64 = 3e-13;
-
-impl Place {
-    /// One-sided: a kink at the end of the piece must not be seen.
-    fn inside(&self) -> f64 {
-        let margin = 1e-11 * (self.to - self.from);
-        self.at.clamp(self.from + margin, self.to - margin)
-    }
-
-    fn middle(&self) -> f64 {
-        0.5 * (self.from + self.to)
-    }
-}
 
 impl State {
     fn clamped(cables: usize) -> Self {
@@ -252,7 +224,7 @@ impl<'a> Oracle<'a> {
     /// Force and moment that count as one unknown.
     fn scales(&self) -> (f64, f64) {
         let length = self.robot.backbone().length;
-        let elastic = self.elastic(&Place { at: 0.0, from: 0.0, to: length });
+        let elastic = Elastic::at(self.robot, &Place { at: 0.0, from: 0.0, to: length });
         let moment = elastic.bending.x.max(elastic.bending.y) / length;
         let loads = self.tip_force.norm()
             + self.points.iter().map(|p| p.1.norm()).sum::<f64>()
@@ -265,7 +237,7 @@ impl<'a> Oracle<'a> {
     fn start(&self, unknown: &Vector6) -> State {
         let (force, moment) = self.scales();
         let first = Place { at: 0.0, from: 0.0, to: self.breaks[1] };
-        let elastic = self.elastic(&first);
+        let elastic = Elastic::at(self.robot, &first);
         let mut state = State::clamped(self.tensions.len());
         for i in 0..3 {
             state.strain[i] = unknown[i] * force / elastic.shear[i];
@@ -280,7 +252,7 @@ impl<'a> Oracle<'a> {
         let n = self.breaks.len();
         let place =
             Place { at: self.breaks[n - 1], from: self.breaks[n - 2], to: self.breaks[n - 1] };
-        let elastic = self.elastic(&place);
+        let elastic = Elastic::at(self.robot, &place);
         let anchored = self.active(&place);
         let (force, moment) = self.pull(load, &place, &anchored, &state);
         let rotation = state.rotation.transpose();
@@ -297,7 +269,7 @@ impl<'a> Oracle<'a> {
         let start = self.start(unknown);
         let mut frames = Vec::new();
         let first = Place { at: 0.0, from: 0.0, to: self.breaks[1] };
-        let elastic = self.elastic(&first);
+        let elastic = Elastic::at(self.robot, &first);
         let (force, moment) = self.pull(1.0, &first, &self.active(&first), &start);
         let base_force = elastic.shear.scale(start.strain) + force;
         let base_moment = elastic.bending.scale(start.curvature - elastic.rest) + moment;
@@ -370,7 +342,7 @@ impl<'a> Oracle<'a> {
     /// The right-hand side of eq. (3).
     fn rate(&self, load: f64, place: &Place, state: &State) -> State {
         let s = place.inside();
-        let elastic = self.elastic(place);
+        let elastic = Elastic::at(self.robot, place);
         let (v, u) = (Vec3::Z + state.strain, state.curvature);
         let (force, moment) =
             (elastic.shear.scale(state.strain), elastic.bending.scale(u - elastic.rest));
@@ -433,7 +405,7 @@ impl<'a> Oracle<'a> {
         if before == after && !turns && applied.0 == Vec3::ZERO && applied.1 == Vec3::ZERO {
             return Some(state);
         }
-        let elastic = self.elastic(ahead);
+        let elastic = Elastic::at(self.robot, ahead);
         let body = state.rotation.transpose();
         let (force, moment) = self.pull(load, behind, &before, &state);
         // Of rod and cables together, beyond the place.
@@ -459,8 +431,8 @@ impl<'a> Oracle<'a> {
                 linear::add_block(&mut matrix, 3, 3, &-(across * a * across));
             }
             let change = linear::solve(&matrix, &[f.x, f.y, f.z, m.x, m.y, m.z])?;
-            state.strain = state.strain - Vec3::new(change[0], change[1], change[2]);
-            state.curvature = state.curvature - Vec3::new(change[3], change[4], change[5]);
+            state.strain -= Vec3::new(change[0], change[1], change[2]);
+            state.curvature -= Vec3::new(change[3], change[4], change[5]);
             if linear::norm(&change) <= 1e-14 * (1.0 + state.curvature.norm()) {
                 return Some(state);
             }
@@ -496,59 +468,4 @@ impl<'a> Oracle<'a> {
         let area = backbone.section_at(self.robot.disks(), s).unwrap().area;
         area * backbone.material.density.unwrap_or(0.0)
     }
-
-    fn elastic(&self, place: &Place) -> Elastic {
-        let backbone = self.robot.backbone();
-        let disks = self.robot.disks();
-        let young = backbone.material.young_modulus.unwrap();
-        let shear = backbone.material.shear_modulus().unwrap();
-        let stiffness = |s: f64| {
-            let p = backbone.section_at(disks, s).unwrap();
-            (
-                Vec3::new(shear * p.area, shear * p.area, young * p.area),
-                Vec3::new(
-                    young * p.second_moment_x,
-                    young * p.second_moment_y,
-                    shear * p.torsion_constant,
-                ),
-            )
-        };
-        let s = place.inside();
-        let (k_se, k_bt) = stiffness(s);
-        let rest = backbone.rest_curvature_at(disks, s);
-        let (mut shear_rate, mut bending_rate) = (Vec3::ZERO, Vec3::ZERO);
-        let mut rest_rate = Vec3::ZERO;
-        if !backbone.is_uniform() {
-            // Polynomials of degree 4 between the disks: the five-point difference is exact.
-            let h = 0.2 * (place.to - place.from);
-            let c = s.clamp(place.from + 2.1 * h, place.to - 2.1 * h);
-            let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| stiffness(c + k * h));
-            let t = (s - c) / h;
-            shear_rate = lagrange_slope(t, &at.map(|k| k.0)) / h;
-            bending_rate = lagrange_slope(t, &at.map(|k| k.1)) / h;
-            if let RestCurvature::PerDisk(_) = backbone.rest_curvature {
-                let [a, b] = [c - h, c + h].map(|s| backbone.rest_curvature_at(disks, s));
-                rest_rate = (b - a) / (2.0 * h);
-            }
-        }
-        Elastic { shear: k_se, bending: k_bt, rest, shear_rate, bending_rate, rest_rate }
-    }
-}
-
-/// Derivative at `t` of the polynomial through values at −2, −1, 0, 1, 2.
-fn lagrange_slope(t: f64, values: &[Vec3; 5]) -> Vec3 {
-    let nodes = [-2.0, -1.0, 0.0, 1.0, 2.0];
-    let mut slope = Vec3::ZERO;
-    for i in 0..5 {
-        let mut weight = 0.0;
-        for j in (0..5).filter(|&j| j != i) {
-            let mut product = 1.0 / (nodes[i] - nodes[j]);
-            for k in (0..5).filter(|&k| k != i && k != j) {
-                product *= (t - nodes[k]) / (nodes[i] - nodes[k]);
-            }
-            weight += product;
-        }
-        slope += weight * values[i];
-    }
-    slope
 }
