@@ -1,20 +1,23 @@
-//! A rod under dead loads, integrated from the base for a given base moment.
+//! A rod under loads, integrated from the base for a given base moment.
 //!
-//! The force `F(s)` at a cut is known (see [`super::loads`]); with the moment `M(s)` in the base
-//! frame the state is `(R, p, M)`:
+//! The force `F(s)` that dead loads exert at a cut is known (see [`super::loads`]); that of follower
+//! forces is constant between them and unknown at the base. With the moment `M(s)` in the base frame
+//! the state is `(R, p, M)`:
 //!
 //! ```text
 //! R′ = R û,   p′ = R v,   M′ = −p′ × F      with (v, u) from eqs. (1), (2) at N = RᵀF, Mᵦ = RᵀM   (4)
 //! ```
 //!
-//! The base moment is the only unknown; [`super::sensitivity`] differentiates by it.
+//! The base moment, and with follower forces their share of the base force, are the only unknowns;
+//! [`super::sensitivity`] differentiates by them.
 
 use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
 use super::grid::Grid;
-use super::loads::DeadLoads;
+use super::loads::AppliedLoads;
 use super::section::{BodyWrench, Strain, Tangent, equilibrium};
 use super::unloaded::Fault;
+use crate::shape::Wrench;
 
 const STAGES: usize = 6;
 /// Which of the places of [`super::grid::SHOOTING_NODES`] each stage uses.
@@ -30,6 +33,7 @@ pub(super) struct Sample {
     pub strain: Strain,
     pub wrench: BodyWrench,
     pub tangent: Tangent,
+    pub rotation: UnitQuaternion,
 }
 
 /// One integration from base to tip.
@@ -39,8 +43,9 @@ pub(super) struct Shot {
     pub poses: Vec<Pose>,
     /// Cable lengths in m, by [`Shot::measure`].
     pub lengths: Vec<f64>,
-    /// Moment left over at the tip beyond what the loads apply there, base frame, in N·m.
-    pub excess: Vec3,
+    /// Force of followers and moment left over at the tip beyond what the loads apply there, base
+    /// frame.
+    pub excess: Wrench,
     /// Start, middle and end of each step, when asked for.
     pub samples: Vec<Sample>,
     /// Of all stages of the last shot: where the sections of the next one start from.
@@ -57,6 +62,8 @@ pub(super) struct Aim<'a> {
     pub tensions: &'a [f64],
     /// Moment at the base in N·m.
     pub base_moment: Vec3,
+    /// Force at the base that follower forces exert, in N.
+    pub follower_force: Vec3,
     /// Factor on all loads.
     pub load: f64,
     /// Whether [`Shot::samples`] are wanted.
@@ -80,18 +87,26 @@ impl Shot {
     }
 
     /// Integrates eqs. (4).
-    pub fn fire(&mut self, grid: &Grid, loads: &DeadLoads, aim: &Aim<'_>) -> Result<(), Fault> {
+    pub fn fire(&mut self, grid: &Grid, loads: &AppliedLoads, aim: &Aim<'_>) -> Result<(), Fault> {
         self.poses.clear();
         self.samples.clear();
         let slots = STAGES * grid.len();
         let known = self.strains.len() == slots;
         self.strains.resize(slots, Strain::default());
-        let base_moment = aim.base_moment - aim.load * loads.moment(0);
-        let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, base_moment);
+        let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, aim.base_moment);
+        let mut follower_force = aim.follower_force;
         self.poses.push(Pose::IDENTITY);
         let mut last = grid.shooting.at(0, 0, 0).0.section.rest_strain();
         for k in 0..grid.len() {
-            let stepped = self.step(grid, loads, aim, k, &mut state, (!known).then_some(last));
+            let stepped = self.step(
+                grid,
+                loads,
+                aim,
+                k,
+                follower_force,
+                &mut state,
+                (!known).then_some(last),
+            );
             if let Err(fault) = stepped {
                 // Half of the sections have new strains: none can be relied on.
                 self.forget();
@@ -99,11 +114,14 @@ impl Shot {
             }
             last = self.strains[STAGES * k + STAGES - 1];
             let (rotation, position, moment) = unpack(&state);
-            let moment = moment - aim.load * loads.moment(k + 1);
+            let follower = loads.follower(k + 1);
+            follower_force -= aim.load * rotation.rotate(follower.force);
+            let moment =
+                moment - aim.load * (loads.moment(k + 1) + rotation.rotate(follower.moment));
             state = pack(rotation, position, moment);
             self.poses.push(Pose { position, rotation });
         }
-        self.excess = unpack(&state).2;
+        self.excess = Wrench { force: follower_force, moment: unpack(&state).2 };
         Ok(())
     }
 
@@ -128,12 +146,14 @@ impl Shot {
     }
 
     /// One step; its sections start from `neighbour` where given, else from the last shot.
+    #[expect(clippy::too_many_arguments, reason = "the state of one sweep, passed step by step")]
     fn step(
         &mut self,
         grid: &Grid,
-        loads: &DeadLoads,
+        loads: &AppliedLoads,
         aim: &Aim<'_>,
         k: usize,
+        follower_force: Vec3,
         state: &mut State,
         neighbour: Option<Strain>,
     ) -> Result<(), Fault> {
@@ -148,7 +168,7 @@ impl Shot {
             let section = &node.section;
             let (rotation, _, moment) = unpack(&stage);
             let r = rotation.to_matrix();
-            let force = aim.load * loads.force(k, node);
+            let force = aim.load * loads.force(k, node) + follower_force;
             let wrench =
                 BodyWrench { linear: r.transpose_mul(force), angular: r.transpose_mul(moment) };
             let fault = |kind| Fault { kind, arc_length: step.start + table.c[i] * h };
@@ -163,7 +183,7 @@ impl Shot {
             }
             if aim.sample && SAMPLED_STAGES.contains(&i) {
                 let tangent = Tangent::at(section, crossings, tensions, &strain).map_err(fault)?;
-                self.samples.push(Sample { strain, wrench, tangent });
+                self.samples.push(Sample { strain, wrench, tangent, rotation });
             }
             let velocity = r * strain.linear;
             slopes[i] = pack(

@@ -293,7 +293,7 @@ impl Cosserat {
         let tension = |&i: &usize| solution.cables.get(i).and_then(|c| c.tension).unwrap_or(0.0);
         Start::From {
             tensions: self.layout.order.iter().map(tension).collect(),
-            base_moment: solution.base_wrench.map(|w| w.moment),
+            base_wrench: solution.base_wrench,
         }
     }
 
@@ -308,7 +308,7 @@ impl Cosserat {
         let stability = if self.options.stability {
             let problem = self.problem(grid, case, &workspace.commands);
             let least = statics::least_eigenvalue(&problem, &mut workspace.scratch);
-            Some(least.map_err(|failure| self.explain(failure, &workspace.commands))?)
+            least.map_err(|failure| self.explain(failure, &workspace.commands))?
         } else {
             None
         };

@@ -6,12 +6,14 @@ use super::grid::Grid;
 use super::lengths::Command;
 use super::loaded::Shot;
 use super::sensitivity::Sensitivity;
+use crate::shape::Wrench;
 
 /// The unknowns and the linear system of eq. (7).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Newton {
     pub point: Point,
     pub trial: Point,
+    change: Point,
     free: Vec<usize>,
     matrix: Vec<f64>,
     step: Vec<f64>,
@@ -23,6 +25,8 @@ pub(super) struct Newton {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Point {
     pub base_moment: Vec3,
+    /// Force that the followers exert on the base, in N.
+    pub follower_force: Vec3,
     pub tensions: Vec<f64>,
 }
 
@@ -32,7 +36,8 @@ const REGULARISATION: f64 = 1e-8;
 
 /// Scales that make the residuals of eq. (7) comparable.
 pub(super) struct Scales {
-    moment: f64,
+    /// `K_bt/L` in N·m.
+    pub moment: f64,
     tension: f64,
     length: f64,
 }
@@ -50,8 +55,9 @@ impl Scales {
 
 /// Size of eq. (7), without dimension.
 pub(super) fn residual(commands: &[Command], point: &Point, shot: &Shot, scales: &Scales) -> f64 {
-    let moment = shot.excess.norm() / (scales.moment + point.base_moment.norm());
-    let mut worst = moment;
+    let moment = shot.excess.moment.norm() / (scales.moment + point.base_moment.norm());
+    let force = shot.excess.force.norm() / (scales.tension + point.follower_force.norm());
+    let mut worst = moment.max(force);
     for (i, command) in commands.iter().enumerate() {
         if matches!(command, Command::Length { .. }) {
             let slack = command.slackness(point.tensions[i], shot.lengths[i]) / scales.length;
@@ -59,7 +65,7 @@ pub(super) fn residual(commands: &[Command], point: &Point, shot: &Shot, scales:
         }
     }
     // A NaN must not pass for a small residual.
-    if worst.is_finite() && moment.is_finite() { worst } else { f64::INFINITY }
+    if worst.is_finite() && (moment + force).is_finite() { worst } else { f64::INFINITY }
 }
 
 impl Newton {
@@ -79,36 +85,39 @@ impl Newton {
                 }
             }
         }
-        let n = 3 + self.free.len();
+        // Unknowns at the base: the moment, and the followers' force where there is one.
+        let base = if lengths_by.is_empty() { columns } else { columns - cables };
+        let n = base + self.free.len();
+        let unit = |i: usize| if i < 3 { scales.moment } else { scales.tension };
         self.matrix.clear();
         self.step.clear();
-        for axis in 0..3 {
-            for j in 0..3 {
-                self.matrix.push(excess_by[j][axis]);
+        for i in 0..base {
+            let component = |w: &Wrench| if i < 3 { w.moment[i] } else { w.force[i - 3] };
+            for j in 0..base {
+                self.matrix.push(component(&excess_by[j]) * unit(j) / unit(i));
             }
             for &j in &self.free {
-                let by = excess_by[3 + j][axis];
-                self.matrix.push(by * scales.tension / scales.moment);
+                self.matrix.push(component(&excess_by[base + j]) * scales.tension / unit(i));
             }
-            let mut right = -shot.excess[axis];
+            let mut right = -component(&shot.excess);
             for j in self.released(commands) {
-                right += excess_by[3 + j][axis] * point.tensions[j];
+                right += component(&excess_by[base + j]) * point.tensions[j];
             }
-            self.step.push(right / scales.moment);
+            self.step.push(right / unit(i));
         }
         for &i in &self.free {
             let row = &lengths_by[i * columns..(i + 1) * columns];
             let Command::Length { compliance, .. } = commands[i] else { continue };
-            for j in 0..3 {
-                self.matrix.push(row[j] * scales.moment / scales.length);
+            for j in 0..base {
+                self.matrix.push(row[j] * unit(j) / scales.length);
             }
             for &j in &self.free {
-                let own = if i == j { compliance - REGULARISATION * row[3 + i] } else { 0.0 };
-                self.matrix.push((row[3 + j] - own) * scales.tension / scales.length);
+                let own = if i == j { compliance - REGULARISATION * row[base + i] } else { 0.0 };
+                self.matrix.push((row[base + j] - own) * scales.tension / scales.length);
             }
             let mut right = command_slack(commands, point, shot, i);
             for j in self.released(commands) {
-                right += row[3 + j] * point.tensions[j];
+                right += row[base + j] * point.tensions[j];
             }
             self.step.push(right / scales.length);
         }
@@ -119,23 +128,28 @@ impl Newton {
         if !self.step.iter().all(|x| x.is_finite()) {
             return false;
         }
-        for i in 0..3 {
-            self.step[i] *= scales.moment;
+        for (i, x) in self.step.iter_mut().enumerate() {
+            *x *= unit(i);
         }
-        for x in &mut self.step[3..] {
-            *x *= scales.tension;
-        }
-        // From here on the step is one of all unknowns.
-        self.step.resize(3 + cables, 0.0);
-        for k in (0..self.free.len()).rev() {
-            self.step.swap(3 + k, 3 + self.free[k]);
-        }
-        for j in 0..cables {
-            if matches!(commands[j], Command::Length { .. }) && !self.free.contains(&j) {
-                self.step[3 + j] = -self.point.tensions[j];
-            }
-        }
+        self.distribute(commands, base);
         true
+    }
+
+    /// Takes the solution of the linear system apart into the step of each unknown.
+    fn distribute(&mut self, commands: &[Command], base: usize) {
+        let vector = |i: usize| Vec3::new(self.step[i], self.step[i + 1], self.step[i + 2]);
+        self.change.base_moment = vector(0);
+        self.change.follower_force = if base == 6 { vector(3) } else { Vec3::ZERO };
+        self.change.tensions.clear();
+        self.change.tensions.extend(commands.iter().zip(&self.point.tensions).map(
+            |(command, tension)| match command {
+                Command::Length { .. } => -tension,
+                Command::Tension(_) => 0.0,
+            },
+        ));
+        for (k, &i) in self.free.iter().enumerate() {
+            self.change.tensions[i] = self.step[base + k];
+        }
     }
 
     /// Cables driven by length that go to zero tension.
@@ -149,18 +163,23 @@ impl Newton {
 
     /// Size of the step relative to the scales of its unknowns.
     pub fn relative_step(&self, scales: &Scales) -> f64 {
-        let moment = Vec3::new(self.step[0], self.step[1], self.step[2]).norm()
-            / (scales.moment + self.point.base_moment.norm());
-        let of_tension = |(d, t): (&f64, &f64)| d.abs() / (scales.tension + t);
-        self.step[3..].iter().zip(&self.point.tensions).map(of_tension).fold(moment, f64::max)
+        let (change, point) = (&self.change, &self.point);
+        let relative = |d: f64, of: f64, scale: f64| d.abs() / (scale + of);
+        let moment = relative(change.base_moment.norm(), point.base_moment.norm(), scales.moment);
+        let force =
+            relative(change.follower_force.norm(), point.follower_force.norm(), scales.tension);
+        let tensions = change.tensions.iter().zip(&point.tensions);
+        tensions.map(|(d, t)| relative(*d, *t, scales.tension)).fold(moment.max(force), f64::max)
     }
 
+    /// Sets the trial point this fraction of the step ahead.
     pub fn aim_trial(&mut self, fraction: f64) {
-        let moment = Vec3::new(self.step[0], self.step[1], self.step[2]);
-        self.trial.base_moment = self.point.base_moment + fraction * moment;
-        self.trial.tensions.clear();
+        let Self { point, trial, change, .. } = self;
+        trial.base_moment = point.base_moment + fraction * change.base_moment;
+        trial.follower_force = point.follower_force + fraction * change.follower_force;
+        trial.tensions.clear();
         let moved = |(t, d): (&f64, &f64)| (t + fraction * d).max(0.0);
-        self.trial.tensions.extend(self.point.tensions.iter().zip(&self.step[3..]).map(moved));
+        trial.tensions.extend(point.tensions.iter().zip(&change.tensions).map(moved));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Static equilibrium on one grid.
 //!
 //! Without load the sections stand for themselves ([`super::unloaded`], [`super::lengths`]). Under
-//! dead loads the unknowns are the base moment and the tensions of the cables whose lengths are
+//! loads the unknowns are the base moment and the tensions of the cables whose lengths are
 //! prescribed; Newton's method shoots at
 //!
 //! ```text
@@ -16,7 +16,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::grid::Grid;
 use super::lengths::{self, Command, Effort, LengthFault, LengthScratch};
 use super::loaded::{Aim, Shot};
-use super::loads::DeadLoads;
+use super::loads::AppliedLoads;
 use super::newton::{Newton, Point, Scales, residual};
 use super::section::SectionFault;
 use super::stability::Stability;
@@ -44,8 +44,8 @@ pub(super) struct Problem<'a> {
 pub(super) enum Start {
     /// From the robot without load.
     Cold,
-    /// From a neighbouring answer: tensions in the order of the grid, and the moment at the base.
-    From { tensions: Vec<f64>, base_moment: Option<Vec3> },
+    /// From a neighbouring answer: tensions in the order of the grid, and the wrench at the base.
+    From { tensions: Vec<f64>, base_wrench: Option<Wrench> },
 }
 
 /// How the answer in [`Scratch`] was found.
@@ -74,7 +74,7 @@ pub(super) struct Scratch {
     pub base_wrench: Wrench,
     unloaded: Unloaded,
     length_scratch: LengthScratch,
-    dead: DeadLoads,
+    applied: AppliedLoads,
     shot: Shot,
     newton: Newton,
     stability: Stability,
@@ -102,7 +102,7 @@ impl Found {
 impl Scratch {
     /// The answer as the start of another solve.
     pub fn as_start(&self) -> Start {
-        Start::From { tensions: self.tensions.clone(), base_moment: Some(self.base_wrench.moment) }
+        Start::From { tensions: self.tensions.clone(), base_wrench: Some(self.base_wrench) }
     }
 }
 
@@ -112,7 +112,7 @@ pub(super) fn solve(
     start: &Start,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
-    scratch.dead.gather(problem.grid, problem.loads);
+    scratch.applied.gather(problem.grid, problem.loads);
     scratch.tensions.clear();
     scratch.tensions.resize(problem.commands.len(), 0.0);
     if let Start::From { tensions, .. } = start {
@@ -120,14 +120,16 @@ pub(super) fn solve(
             *tension = given.max(0.0);
         }
     }
-    if !scratch.dead.any() {
+    if !scratch.applied.any() {
         return without_load(problem, scratch);
     }
-    let Start::From { base_moment: Some(moment), .. } = start else {
+    let Start::From { base_wrench: Some(wrench), .. } = start else {
         return from_no_load(problem, scratch);
     };
     set_tensions(problem.commands, &mut scratch.tensions);
-    scratch.newton.point.base_moment = *moment;
+    scratch.newton.point.base_moment = wrench.moment;
+    scratch.newton.point.follower_force =
+        scratch.applied.follower_share(problem.grid, wrench.force);
     scratch.newton.point.tensions.clone_from(&scratch.tensions);
     scratch.shot.forget();
     match shoot(problem, scratch, 1.0) {
@@ -223,12 +225,18 @@ fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, F
     sections(problem, scratch)?;
     scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
     seed(problem, scratch, 1.0);
+    if scratch.applied.any_follower() && scratch.newton.point.is_strong(problem) {
+        // No energy tells which of several equilibria is meant: it is the one the load leads to.
+        return raise_load(problem, scratch, 0);
+    }
     let mut spent = 0;
     let direct = match shoot(problem, scratch, 1.0) {
         Ok(effort) => {
             spent = effort.iterations;
             let found = finish(problem, scratch, effort);
-            if !problem.stability || least_eigenvalue(problem, scratch)? > 0.0 {
+            if !problem.stability
+                || least_eigenvalue(problem, scratch)?.is_none_or(|least| least > 0.0)
+            {
                 return Ok(found);
             }
             // An equilibrium, but not one the robot stays in: the load path may lead to another.
@@ -255,19 +263,30 @@ fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, F
     }
 }
 
-/// Base moment that would carry the load on the shape without load.
+/// Base wrench that would carry the load on the shape without load.
 fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     let grid = problem.grid;
-    let mut moment = Vec3::ZERO;
-    for k in 0..grid.len() {
-        let (node, _) = grid.shooting.at(k, 2, 0);
-        let run = scratch.poses[k + 1].position - scratch.poses[k].position;
-        moment += scratch.dead.moment(k) + run.cross(scratch.dead.force(k, node));
+    let Scratch { poses, applied, newton, .. } = scratch;
+    let (mut moment, mut follower_force) = (Vec3::ZERO, Vec3::ZERO);
+    for k in (0..grid.len()).rev() {
+        let (near, far) = (&poses[k], &poses[k + 1]);
+        let follower = applied.follower(k + 1);
+        follower_force += far.rotation.rotate(follower.force);
+        moment += applied.moment(k + 1) + far.rotation.rotate(follower.moment);
+        let force = applied.force(k, grid.shooting.at(k, 2, 0).0) + follower_force;
+        moment += (far.position - near.position).cross(force);
     }
-    moment += scratch.dead.moment(grid.len());
-    scratch.newton.point.base_moment = moment * load;
-    scratch.newton.point.tensions.clone_from(&scratch.tensions);
+    newton.point.base_moment = moment * load;
+    newton.point.follower_force = follower_force * load;
+    newton.point.tensions.clone_from(&scratch.tensions);
     scratch.shot.seed(grid, &scratch.unloaded.strains);
+}
+
+impl Point {
+    /// Whether the load bends the rod by more than about a radian.
+    fn is_strong(&self, problem: &Problem<'_>) -> bool {
+        self.base_moment.norm() > Scales::of(problem.grid, problem.length).moment
+    }
 }
 
 /// A Newton iteration that ended without an answer.
@@ -334,6 +353,8 @@ fn extrapolate(here: &(f64, Point), before: Option<&(f64, Point)>, load: f64) ->
     let tension = |(b, a): (&f64, &f64)| (b + t * (b - a)).max(0.0);
     Point {
         base_moment: here.1.base_moment + t * (here.1.base_moment - before.1.base_moment),
+        follower_force: here.1.follower_force
+            + t * (here.1.follower_force - before.1.follower_force),
         tensions: here.1.tensions.iter().zip(&before.1.tensions).map(tension).collect(),
     }
 }
@@ -345,11 +366,12 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
     let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
     let tensions = if lengths_driven { commands.len() } else { 0 };
     let scales = Scales::of(problem.grid, problem.length);
-    let Scratch { shot, dead, newton, .. } = scratch;
+    let Scratch { shot, applied, newton, .. } = scratch;
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
     let fire = |shot: &mut Shot, point: &Point, sample| -> Result<(), Fault> {
-        let aim = Aim { tensions: &point.tensions, base_moment: point.base_moment, load, sample };
-        shot.fire(problem.grid, dead, &aim)?;
+        let Point { base_moment, follower_force, ref tensions } = *point;
+        let aim = Aim { tensions, base_moment, follower_force, load, sample };
+        shot.fire(problem.grid, applied, &aim)?;
         if lengths_driven {
             shot.measure(problem.grid);
         }
@@ -368,7 +390,7 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
         if fresh {
             newton.sensitivity.compute(
                 problem.grid,
-                dead,
+                applied,
                 load,
                 &shot.samples,
                 &shot.poses,
@@ -418,30 +440,43 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
 
 /// Copies the answer out of the last shot.
 fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
-    let Scratch { shot, dead, newton, .. } = scratch;
+    let Scratch { shot, applied, newton, .. } = scratch;
     shot.measure(problem.grid);
     scratch.poses.clone_from(&shot.poses);
     scratch.lengths.clone_from(&shot.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);
-    scratch.base_wrench =
-        Wrench { force: dead.base_force(problem.grid), moment: newton.point.base_moment };
+    scratch.base_wrench = Wrench {
+        force: applied.base_force(problem.grid) + newton.point.follower_force,
+        moment: newton.point.base_moment,
+    };
     Found { iterations: effort.iterations, residual: effort.residual }
 }
 
-/// Stability of the answer in `scratch`, see [`super::stability`].
+/// Stability of the answer in `scratch`, see [`super::stability`]; `None` under follower loads, which
+/// have no energy.
 pub(super) fn least_eigenvalue(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-) -> Result<f64, Failure> {
-    let Scratch { shot, dead, unloaded, stability, tensions, base_wrench, .. } = scratch;
-    if !dead.any() {
+) -> Result<Option<f64>, Failure> {
+    let Scratch { shot, applied, unloaded, stability, tensions, base_wrench, .. } = scratch;
+    if !applied.any() {
         let wanted = Wanted { stability: true, ..Wanted::default() };
         unloaded
             .sweep(problem.grid, tensions, true, wanted)
             .map_err(|fault| section_failure(fault, tensions, 0.0))?;
-        return Ok(unloaded.stability);
+        return Ok(Some(unloaded.stability));
     }
-    let aim = Aim { tensions, base_moment: base_wrench.moment, load: 1.0, sample: true };
-    shot.fire(problem.grid, dead, &aim).map_err(|fault| section_failure(fault, tensions, 1.0))?;
-    Ok(stability.least_eigenvalue(problem.grid, &shot.samples))
+    if applied.any_follower() {
+        return Ok(None);
+    }
+    let aim = Aim {
+        tensions,
+        base_moment: base_wrench.moment,
+        follower_force: Vec3::ZERO,
+        load: 1.0,
+        sample: true,
+    };
+    shot.fire(problem.grid, applied, &aim)
+        .map_err(|fault| section_failure(fault, tensions, 1.0))?;
+    Ok(Some(stability.least_eigenvalue(problem.grid, &shot.samples)))
 }
