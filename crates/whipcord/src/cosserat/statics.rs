@@ -1,11 +1,11 @@
 //! Static equilibrium on one grid.
 //!
 //! Without load the sections stand for themselves ([`super::unloaded`], [`super::lengths`]). Under
-//! loads the unknowns are the base moment and the tensions of the cables whose lengths are
-//! prescribed; Newton's method shoots at
+//! loads the unknowns are the base moment, the share of follower forces in the base force, and the
+//! tensions of the cables whose lengths are prescribed; Newton's method shoots at
 //!
 //! ```text
-//! M(L) − M_tip = 0,    min(τᵢ, gᵢ) = 0        g: slackness, eq. (6)        (7)
+//! M(L) = M_tip,   F_follower(L) = F_tip,   min(τᵢ, gᵢ) = 0        g: slackness, eq. (6)        (7)
 //! ```
 //!
 //! from the shape without load, or from a neighbouring answer; where that fails the load is raised
