@@ -4,23 +4,21 @@
 
 mod support;
 
-use support::{Scratch, fail, robot, run, settings, succeed};
+use support::{Scratch, fail, robot, run, succeed};
 
 #[test]
 fn a_robot_is_put_in_words() {
-    settings(None).bind(|| {
-        for name in [
-            "table1/case-3",
-            "table1/prototype",
-            "three-cable-segment",
-            "two-segment-arm",
-            "helical-finger",
-            "precurved-catheter",
-        ] {
-            let text = succeed(&["check", &format!("examples/{name}.toml")]);
-            insta::assert_snapshot!(name.replace('/', "_"), text);
-        }
-    });
+    for name in [
+        "table1/case-3",
+        "table1/prototype",
+        "three-cable-segment",
+        "two-segment-arm",
+        "helical-finger",
+        "precurved-catheter",
+    ] {
+        let text = succeed(&["check", &format!("examples/{name}.toml")]);
+        insta::assert_snapshot!(name.replace('/', "_"), text);
+    }
 }
 
 #[test]

@@ -61,6 +61,8 @@ pub fn settings(out: Option<&Path>) -> insta::Settings {
     settings.add_filter(r"\d+ steps", "[n] steps");
     settings.add_filter(r", \d+ iterations", "");
     settings.add_filter("─+", "───");
+    // A column is as wide as its widest time.
+    settings.add_filter(" {2,}", "  ");
     if let Some(out) = out {
         settings.add_filter(&regex_literal(&out.display().to_string()), "[out]");
     }
