@@ -5,13 +5,6 @@
 //! masses, and bending up to 178°.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-#![allow(
-    clippy::expect_used,
-    clippy::panic,
-    clippy::unwrap_used,
-    reason = "a test fails by panicking"
-)]
-
 use serde_json::Value;
 use whipcord::cosserat::Options;
 use whipcord::{

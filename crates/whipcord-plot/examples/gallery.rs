@@ -87,6 +87,7 @@ fn charts() -> Result<Pictures, Box<dyn Error>> {
     let distances = |label: &str, end: f64| DistanceSeries {
         label: label.into(),
         disks: (1..=10).map(|k| (k, end * (k as f64 - 1.0).powf(1.6) / 33.6)).collect(),
+        look: None,
     };
     let series = [
         distances("cosserat to four-bar", 3.1e-3),
@@ -99,6 +100,7 @@ fn charts() -> Result<Pictures, Box<dyn Error>> {
         .map(|i| DistanceSeries {
             label: format!("case {i}, cosserat to four-bar"),
             disks: (1..=41).map(|k| (k, 1e-6 * (i + 1) as f64 * (k as f64).sqrt())).collect(),
+            look: None,
         })
         .collect();
     pictures.push(("distance_many", distance_chart("Fine model", &many)?));

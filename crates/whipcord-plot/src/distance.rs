@@ -1,7 +1,9 @@
 //! Distance at each disk.
 
 use crate::chart::{AxisSpec, Chart, Layer, Series};
+use crate::colour::Colour;
 use crate::error::{PlotError, finite, not_empty};
+use crate::marker::Marker;
 use crate::unit;
 
 /// Distances at the disks: of a model to another one, or to a measurement.
@@ -11,6 +13,9 @@ pub struct DistanceSeries {
     pub label: String,
     /// Number of the disk, from 1, and distance in m.
     pub disks: Vec<(usize, f64)>,
+    /// Colour and sign; `None` for the next ones of the palette. With them, a model looks here as it
+    /// does in other figures.
+    pub look: Option<(Colour, Marker)>,
 }
 
 /// More columns than this beside each other cannot be read.
@@ -25,6 +30,7 @@ const MOST_COLUMNS: usize = 80;
 /// let series = DistanceSeries {
 ///     label: "four-bar to cosserat".into(),
 ///     disks: (1..=10).map(|disk| (disk, 2e-5 * (disk * disk) as f64)).collect(),
+///     look: None,
 /// };
 /// let svg = distance_chart("Case III", &[series])?;
 /// assert!(svg.contains("distance (mm)"));
@@ -52,7 +58,11 @@ pub fn distance_chart(title: &str, series: &[DistanceSeries]) -> Result<String, 
         } else {
             vec![Layer::Line(points.clone()), Layer::Markers(points)]
         };
-        Series::new(one.label.clone(), i, layers)
+        let mut series = Series::new(one.label.clone(), i, layers);
+        if let Some((colour, marker)) = one.look {
+            (series.colour, series.marker) = (colour, marker);
+        }
+        series
     });
     Chart {
         title: title.to_owned(),

@@ -162,7 +162,11 @@ fn long_and_hostile_labels_stay_in_their_places() {
     let options = FigureOptions { title: "Wörd & <tag> ".repeat(30), ..Default::default() };
     check(&robot_figure(&robot, &views, &options).unwrap());
 
-    let series = DistanceSeries { label: views[1].label.clone(), disks: vec![(1, 0.0), (2, 1e-3)] };
+    let series = DistanceSeries {
+        label: views[1].label.clone(),
+        disks: vec![(1, 0.0), (2, 1e-3)],
+        look: None,
+    };
     check(&distance_chart(&options.title, &[series]).unwrap());
 }
 
@@ -171,6 +175,7 @@ fn distances_are_columns_in_millimetres() {
     let series = ["a", "b"].map(|label| DistanceSeries {
         label: label.into(),
         disks: (1..=10).map(|k| (k, 2e-4 * k as f64)).collect(),
+        look: None,
     });
     let svg = distance_chart("Distances", &series).unwrap();
     check(&svg);
@@ -179,11 +184,13 @@ fn distances_are_columns_in_millimetres() {
     // The ground, two swatches and the columns.
     assert_eq!(svg.matches("<rect").count(), 1 + 2 + 20);
 
-    let nothing = DistanceSeries { label: "same".into(), disks: vec![(1, 0.0), (2, 0.0)] };
+    let nothing =
+        DistanceSeries { label: "same".into(), disks: vec![(1, 0.0), (2, 0.0)], look: None };
     check(&distance_chart("", &[nothing]).unwrap());
     let many = DistanceSeries {
         label: "many".into(),
         disks: (1..=321).map(|k| (k, 1e-9 * k as f64)).collect(),
+        look: None,
     };
     let svg = distance_chart("", &[many]).unwrap();
     check(&svg);
@@ -272,9 +279,9 @@ fn what_cannot_be_drawn_is_refused() {
     assert!(matches!(refused(&views, &slim), PlotError::Size { .. }));
 
     assert!(matches!(distance_chart("", &[]), Err(PlotError::Empty { .. })));
-    let nan = DistanceSeries { label: "a".into(), disks: vec![(1, f64::NAN)] };
+    let nan = DistanceSeries { label: "a".into(), disks: vec![(1, f64::NAN)], look: None };
     assert!(matches!(distance_chart("", &[nan]), Err(PlotError::NotFinite { .. })));
-    let huge = DistanceSeries { label: "a".into(), disks: vec![(1, 1e300)] };
+    let huge = DistanceSeries { label: "a".into(), disks: vec![(1, 1e300)], look: None };
     assert!(matches!(distance_chart("", &[huge]), Err(PlotError::NotFinite { .. })));
     let zero = TimingSeries { label: "a".into(), runs: vec![(5, 0.0)], look: None };
     let error = timing_chart("", &[zero], Scale::Log);

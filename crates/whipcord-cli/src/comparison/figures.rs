@@ -2,7 +2,8 @@
 
 use whipcord::{Case, Drive, Model, ModelKind, Robot, Shape, Statics, Stations};
 use whipcord_plot::{
-    DistanceSeries, FigureOptions, PlotError, RobotView, ViewStyle, distance_chart, robot_figure,
+    Colour, DistanceSeries, FigureOptions, Marker, PlotError, RobotView, ViewStyle, distance_chart,
+    robot_figure,
 };
 
 use super::study::Study;
@@ -52,7 +53,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
     });
     let distances = distances(study);
     if !distances.is_empty() {
-        let title = format!("{}: distance at each disk", study.file.title);
+        let title = format!("Distance at each disk: {}", study.file.title);
         figures.push(Figure {
             name: "distances",
             caption: String::from(
@@ -86,7 +87,11 @@ pub fn before(robot: &Robot) -> RobotView {
 fn distances(study: &Study) -> Vec<DistanceSeries> {
     let mut series = Vec::new();
     let Some((first, reference)) = study.reference() else { return series };
-    for (run, solved) in study.solved() {
+    for (index, (run, solved)) in study.solved().enumerate() {
+        // As in the figure of the robot; paler where the colour is taken by the distance to the
+        // measurement.
+        let (colour, marker) = (Colour::nth(index), Marker::nth(index));
+        let pale = if study.file.measured.is_some() { colour.tint(0.5) } else { colour };
         let shape = &solved.solution.disks;
         if study.distance_to_reference(run, solved).is_some() {
             series.push(DistanceSeries {
@@ -96,6 +101,7 @@ fn distances(study: &Study) -> Vec<DistanceSeries> {
                     .enumerate()
                     .map(|(i, distance)| (i + 1, distance))
                     .collect(),
+                look: Some((pale, marker)),
             });
         }
         let to_measured: Vec<(usize, f64)> = shape
@@ -105,7 +111,7 @@ fn distances(study: &Study) -> Vec<DistanceSeries> {
             .collect();
         if !to_measured.is_empty() {
             let label = format!("{} to measured", run.label());
-            series.push(DistanceSeries { label, disks: to_measured });
+            series.push(DistanceSeries { label, disks: to_measured, look: Some((colour, marker)) });
         }
     }
     series
