@@ -309,6 +309,7 @@ fn raise_load(
     let mut before: Option<(f64, Point)> = None;
     let mut step: f64 = 0.25;
     let mut iterations = spent;
+    let mut stable = problem.stability;
     loop {
         let load = (here.0 + step).min(1.0);
         scratch.newton.point = extrapolate(&here, before.as_ref(), load);
@@ -316,6 +317,15 @@ fn raise_load(
         let failed = match shoot(problem, scratch, load) {
             Ok(effort) => {
                 iterations += effort.iterations;
+                if stable && !stays(problem, scratch, load) {
+                    // A long step can miss where the stable path turns off; where the shortest
+                    // one stays on an unstable path, the path itself has lost its stability.
+                    if step >= 2.0 * LEAST_LOAD_STEP {
+                        step *= 0.5;
+                        continue;
+                    }
+                    stable = false;
+                }
                 if load >= 1.0 {
                     let effort = Effort { iterations, ..effort };
                     return Ok(finish(problem, scratch, effort));
@@ -345,6 +355,16 @@ fn raise_load(
             });
         }
     }
+}
+
+/// Whether the equilibrium at `scratch.newton.point` is stable; followers leave that open.
+fn stays(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> bool {
+    let Scratch { shot, applied, newton, stability, .. } = scratch;
+    let Point { base_moment, follower_force, ref tensions } = newton.point;
+    let aim = Aim { tensions, base_moment, follower_force, load, sample: true };
+    applied.any_follower()
+        || shot.fire(problem.grid, applied, &aim).is_ok()
+            && stability.least_eigenvalue(problem.grid, &shot.samples) > 0.0
 }
 
 fn extrapolate(here: &(f64, Point), before: Option<&(f64, Point)>, load: f64) -> Point {
