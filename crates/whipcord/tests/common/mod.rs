@@ -60,6 +60,18 @@ pub fn bending_stiffness(robot: &Robot) -> f64 {
     material.young_modulus.unwrap() * section.second_moment_x.max(section.second_moment_y)
 }
 
+pub fn round(length: f64, diameter: f64, young: f64, shear: f64) -> Backbone {
+    Backbone {
+        section: Some(Section::circle(diameter)),
+        material: Material {
+            young_modulus: Some(young),
+            shear_modulus: Some(shear),
+            ..Material::default()
+        },
+        ..Backbone::new(length)
+    }
+}
+
 /// A round rod of 180 mm × 3 mm, E = 1.1 GPa, ν = 0.3: that of the paper.
 pub fn paper_backbone() -> Backbone {
     Backbone {
@@ -103,15 +115,18 @@ pub fn solve(robot: &Robot, case: &Case) -> Solution {
     solve_with(options, robot, case).unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
 }
 
-/// With a discretisation error that does not count.
-pub fn solve_finely(robot: &Robot, case: &Case) -> Solution {
-    let options = Options {
+/// With an error of discretisation and iteration that does not count, and eleven stations.
+pub fn fine_options() -> Options {
+    Options {
         stations: Stations::Equal(11),
         accuracy: Accuracy::Tolerance(1e-12),
         residual: 1e-13,
         ..Options::default()
-    };
-    solve_with(options, robot, case).unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
+    }
+}
+
+pub fn solve_finely(robot: &Robot, case: &Case) -> Solution {
+    solve_with(fine_options(), robot, case).unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
 }
 
 /// The case in which the cables are as long as in a solution.
