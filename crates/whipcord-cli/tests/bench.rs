@@ -21,7 +21,7 @@ fn cost_and_accuracy_are_measured_tabled_and_drawn() {
     let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
     // Two models, four routings, six sizes.
     assert_eq!(read("cost.csv").lines().count(), 1 + 2 * 4 * 6);
-    assert_eq!(read("lines.csv").lines().count(), 1 + 2);
+    assert_eq!(read("lines.csv").lines().count(), 1 + 2 * (4 + 1));
     assert_eq!(read("accuracy.csv").lines().count(), 1 + 4 * 4);
     for name in ["time", "time-logarithmic", "accuracy"] {
         assert!(read(&format!("{name}.svg")).starts_with("<svg"));

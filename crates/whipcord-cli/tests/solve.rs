@@ -148,6 +148,7 @@ fn no_answer_has_status_1_and_a_reason() {
     for format in ["--json", "--csv", "--stations=5"] {
         let message = fail(1, &["solve", &file, format]);
         assert!(message.contains("`pull`"), "{message}");
+        assert!(message.contains("the last load that converged is 0."), "{message}");
     }
 }
 

@@ -53,22 +53,29 @@ pub fn cost(kind: ModelKind, example: usize, examples: &[Example], sections: usi
     Cost { model: kind, example, sections, samples }
 }
 
-/// All measurements of one model with one number of sections.
-pub fn pooled(costs: &[Cost], model: ModelKind, sections: usize) -> Samples {
+/// All measurements of one model with one number of sections, on one example or on all of them.
+pub fn pooled(
+    costs: &[Cost],
+    model: ModelKind,
+    example: Option<usize>,
+    sections: usize,
+) -> Samples {
     let times = costs
         .iter()
         .filter(|cost| cost.model == model && cost.sections == sections)
+        .filter(|cost| example.is_none_or(|example| cost.example == example))
         .filter_map(|cost| cost.samples.as_ref().ok())
         .flat_map(|samples| samples.times.iter().copied())
         .collect();
     Samples { times }
 }
 
-/// The line through the mean solve time of a model at each number of sections.
-pub fn fitted_line(costs: &[Cost], model: ModelKind) -> Option<Line> {
+/// The line through the mean solve time of a model at each number of sections, on one example or on
+/// all of them.
+pub fn fitted_line(costs: &[Cost], model: ModelKind, example: Option<usize>) -> Option<Line> {
     let points: Vec<_> = SECTIONS
         .into_iter()
-        .map(|sections| (sections as f64, pooled(costs, model, sections)))
+        .map(|sections| (sections as f64, pooled(costs, model, example, sections)))
         .filter(|(_, samples)| !samples.times.is_empty())
         .map(|(sections, samples)| (sections, samples.mean()))
         .collect();

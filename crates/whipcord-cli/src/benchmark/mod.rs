@@ -13,13 +13,17 @@ use crate::statistics::{deviation, mean, median};
 /// Several measurements of one solve time.
 #[derive(Clone, Debug)]
 pub struct Samples {
-    /// Seconds per solve, each averaged over a batch.
+    /// Seconds per solve.
     pub times: Vec<f64>,
 }
 
 impl Samples {
     /// Measurements of one solve time; enough for a mean and its scatter.
-    pub const COUNT: usize = 20;
+    pub const COUNT: usize = 10;
+
+    /// A measurement is the median of this many batches: where the system has stopped the process
+    /// amid a batch, it measured something else.
+    const BATCHES: usize = 5;
 
     /// A batch lasts at least this long, so that the clock's own resolution and cost vanish in it.
     const BATCH: Duration = Duration::from_micros(200);
@@ -31,18 +35,19 @@ impl Samples {
         while batch < 1 << 20 && time(batch, &mut solve) < Self::BATCH.as_secs_f64() {
             batch *= 2;
         }
-        let times = (0..Self::COUNT).map(|_| time(batch, &mut solve) / batch as f64).collect();
-        Self { times }
+        let mut measurement = || {
+            let mut times = [0.0; Self::BATCHES];
+            for time_of_one in &mut times {
+                *time_of_one = time(batch, &mut solve) / batch as f64;
+            }
+            median(&mut times)
+        };
+        Self { times: (0..Self::COUNT).map(|_| measurement()).collect() }
     }
 
     /// Mean in s.
     pub fn mean(&self) -> f64 {
         mean(&self.times)
-    }
-
-    /// Median in s, which other work on the machine moves less than the mean.
-    pub fn median(&self) -> f64 {
-        median(&mut self.times.clone())
     }
 
     /// Standard deviation in s.

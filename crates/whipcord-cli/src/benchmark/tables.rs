@@ -17,33 +17,31 @@ pub fn models(costs: &[Cost]) -> Vec<ModelKind> {
     ModelKind::ALL.into_iter().filter(has_times).collect()
 }
 
-/// Mean and scatter over all routings for each model and number of sections.
-pub fn cost_table(costs: &[Cost]) -> Table {
-    let mut table = Table::new([
-        ("model", Align::Left),
-        ("sections", Align::Right),
-        ("mean", Align::Right),
-        ("scatter", Align::Right),
-        ("median", Align::Right),
-        ("per section", Align::Right),
-        ("solves", Align::Right),
-    ]);
+/// For each model and number of sections: the mean of each routing, and mean and scatter of all of
+/// them.
+pub fn cost_table(examples: &[Example], costs: &[Cost]) -> Table {
+    let mut columns = vec![("model", Align::Left), ("sections", Align::Right)];
+    columns.extend(examples.iter().map(|example| (example.title.as_str(), Align::Right)));
+    columns.extend(["mean", "scatter", "per section"].map(|name| (name, Align::Right)));
+    let mut table = Table::new(columns);
     for model in models(costs) {
         table.group();
         for sections in SECTIONS {
-            let samples = pooled(costs, model, sections);
-            if samples.times.is_empty() {
+            let all = pooled(costs, model, None, sections);
+            if all.times.is_empty() {
                 continue;
             }
-            table.row(vec![
-                model.to_string(),
-                sections.to_string(),
-                duration(samples.mean()),
-                format!("± {}", duration(samples.deviation())),
-                duration(samples.median()),
-                format!("{:.0} ns", samples.median() / sections as f64 * 1e9),
-                samples.times.len().to_string(),
+            let mut row = vec![model.to_string(), sections.to_string()];
+            row.extend((0..examples.len()).map(|example| {
+                let samples = pooled(costs, model, Some(example), sections);
+                if samples.times.is_empty() { "–".to_owned() } else { duration(samples.mean()) }
+            }));
+            row.extend([
+                duration(all.mean()),
+                format!("± {}", duration(all.deviation())),
+                format!("{:.0} ns", all.mean() / sections as f64 * 1e9),
             ]);
+            table.row(row);
         }
     }
     table
@@ -54,7 +52,7 @@ pub fn line_words(costs: &[Cost]) -> Vec<String> {
     models(costs)
         .into_iter()
         .filter_map(|model| {
-            let line = fitted_line(costs, model)?;
+            let line = fitted_line(costs, model, None)?;
             Some(format!(
                 "{model}: {} + {:.0} ns for each section (R² {})",
                 duration(line.intercept),
@@ -102,16 +100,8 @@ fn order(coarse: &StepError, fine: &StepError) -> Option<f64> {
 
 /// Every mean and scatter, in s.
 pub fn cost_csv(examples: &[Example], costs: &[Cost]) -> CsvTable {
-    let mut csv = CsvTable::new([
-        "model",
-        "routing",
-        "sections",
-        "mean",
-        "deviation",
-        "median",
-        "samples",
-        "failure",
-    ]);
+    let mut csv =
+        CsvTable::new(["model", "routing", "sections", "mean", "deviation", "samples", "failure"]);
     for cost in costs {
         let samples = cost.samples.as_ref().ok();
         let failure = cost.samples.as_ref().err().map(ToString::to_string);
@@ -121,7 +111,6 @@ pub fn cost_csv(examples: &[Example], costs: &[Cost]) -> CsvTable {
             Cell::from(cost.sections),
             Cell::from(samples.map(Samples::mean)),
             Cell::from(samples.map(Samples::deviation)),
-            Cell::from(samples.map(Samples::median)),
             Cell::from(samples.map(|samples| samples.times.len())),
             Cell::from(failure),
         ]);
@@ -129,17 +118,20 @@ pub fn cost_csv(examples: &[Example], costs: &[Cost]) -> CsvTable {
     csv
 }
 
-/// The fitted lines, in s.
-pub fn line_csv(costs: &[Cost]) -> CsvTable {
-    let mut csv = CsvTable::new(["model", "intercept", "slope", "r_squared"]);
+/// The fitted lines, in s: of each model on each routing, and, without one, on all of them.
+pub fn line_csv(examples: &[Example], costs: &[Cost]) -> CsvTable {
+    let mut csv = CsvTable::new(["model", "routing", "intercept", "slope", "r_squared"]);
     for model in models(costs) {
-        if let Some(line) = fitted_line(costs, model) {
-            csv.push([
-                Cell::from(model.name()),
-                Cell::from(line.intercept),
-                Cell::from(line.slope),
-                Cell::from(line.r_squared),
-            ]);
+        for example in (0..examples.len()).map(Some).chain([None]) {
+            if let Some(line) = fitted_line(costs, model, example) {
+                csv.push([
+                    Cell::from(model.name()),
+                    Cell::from(example.map(|example| examples[example].title.as_str())),
+                    Cell::from(line.intercept),
+                    Cell::from(line.slope),
+                    Cell::from(line.r_squared),
+                ]);
+            }
         }
     }
     csv

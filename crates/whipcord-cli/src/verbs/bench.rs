@@ -6,6 +6,7 @@ use clap::Args;
 use whipcord::ModelKind;
 use whipcord_plot::{AccuracySeries, Scale, TimingSeries, accuracy_chart, timing_chart};
 
+use crate::benchmark::Samples;
 use crate::benchmark::accuracy::{StepError, step_errors};
 use crate::benchmark::cost::{Cost, SECTIONS, cost};
 use crate::benchmark::paper::{self, Example};
@@ -68,14 +69,14 @@ pub fn run(args: &BenchArgs, style: Style) -> Result<String, Failure> {
     }
 
     folder.write_table("cost.csv", &tables::cost_csv(&examples, &costs))?;
-    folder.write_table("lines.csv", &tables::line_csv(&costs))?;
+    folder.write_table("lines.csv", &tables::line_csv(&examples, &costs))?;
     folder.write_table("accuracy.csv", &tables::accuracy_csv(&examples, &errors))?;
     for (name, svg) in figures(&examples, &costs, &errors)? {
         folder.write_figure(&name, &svg)?;
     }
 
     let mut text = style.heading("Solve time against number of sections") + "\n\n";
-    text += &tables::cost_table(&costs).text(style);
+    text += &tables::cost_table(&examples, &costs).text(style);
     text += "\nLeast-squares lines through the means:\n";
     for line in tables::line_words(&costs) {
         text += &format!("  {line}\n");
@@ -88,7 +89,8 @@ pub fn run(args: &BenchArgs, style: Style) -> Result<String, Failure> {
         text += &tables::accuracy_table(&examples, &errors).text(style);
     }
     text += &format!(
-        "\nMean and standard deviation over all robots; a solve is cold, by a model that is built.\nFigures and CSV: {}\n",
+        "\nMean and standard deviation of {} measurements for each robot; a solve is cold, by a model that is built.\nFigures and CSV: {}\n",
+        Samples::COUNT,
         folder.path().display()
     );
     for note in notes {
