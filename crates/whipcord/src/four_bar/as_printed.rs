@@ -1,4 +1,4 @@
-//! Eqs. (1) and (2) of the paper as they are printed.
+//! The paper's eqs. (1) and (2) as they are printed.
 //!
 //! They compare the couplers of disk i with those of disk i−1, and leave the chord of the backbone
 //! free. Their minimum has a closed form (`docs/theory/four-bar.md`, "Why not eq. (1) literally"):
@@ -82,7 +82,7 @@ mod tests {
         a.cross(b).norm().atan2(a.dot(b))
     }
 
-    /// The sum of eq. (1) for the six variables x₀ and x_a, with x_b from eq. (2).
+    /// The sum of the paper's eq. (1) for the six variables x₀ and x_a, with x_b from its eq. (2).
     fn printed(passage: &Passage, x0: Vec3, xa: Vec3) -> f64 {
         let below = passage.from.with(0.0);
         let b = |arm: Vec3, chord: Vec3| arm.cross(chord);
@@ -97,8 +97,8 @@ mod tests {
         Vec3::new(r * angle.cos(), r * angle.sin(), z)
     }
 
-    /// Least value of eq. (1) over couplers on a grid and, for each, the chords that meet the
-    /// constraints of eq. (2).
+    /// Least value of it over couplers on a grid and, for each, the chords that meet the
+    /// constraints.
     fn least_on_grid(l0: f64, passage: &Passage, target: f64) -> f64 {
         let a1 = passage.to.norm();
         let mut best = f64::INFINITY;

@@ -34,7 +34,8 @@ use section::Section;
 /// friction (which changes tensions, not prescribed lengths), and without forces in its answer,
 /// but for the tensions that the strain-energy objective yields. Cables only pull: one that is
 /// prescribed to be longer than its path is slack. When lengths contradict each other by little,
-/// the answer is the least-squares one.
+/// the answer is the least-squares one, and [`Diagnostics::residual`](crate::Diagnostics::residual)
+/// is the largest difference from a prescribed length, relative to the length of the backbone.
 ///
 /// ```
 /// use whipcord::four_bar::{FourBar, Options, Workspace};
@@ -71,8 +72,8 @@ impl FourBar {
     ///
     /// # Errors
     /// [`SolveError::Unsupported`] for what a geometric model cannot take (rest curvature, elastic
-    /// cables, a cable that ends between two disks), [`SolveError::Missing`] when the strain-energy
-    /// objective finds no Poisson's ratio, [`SolveError::NoLever`] when a cable runs through the centre of a section.
+    /// cables, a cable that ends between two disks, tension as the command), and
+    /// [`SolveError::Missing`] when the strain-energy objective finds no Poisson's ratio.
     pub fn new(robot: &Robot, options: &Options) -> Result<Self, SolveError> {
         refusal::robot(robot, options)?;
         let sections = section::sections(robot, options.objective, options.chord)?;
@@ -105,8 +106,9 @@ impl FourBar {
     ///
     /// # Errors
     /// [`SolveError::Unsupported`] for loads, [`SolveError::Missing`] for a cable without a
-    /// shortening, [`SolveError::SectionOutOfReach`], [`SolveError::CablesConflict`] and
-    /// [`SolveError::UnreachableLength`] for lengths that cannot be had,
+    /// shortening, [`SolveError::SectionOutOfReach`], [`SolveError::UnreachableLength`] (length
+    /// rule `free`) and [`SolveError::CablesConflict`] for lengths that cannot be had,
+    /// [`SolveError::NoLever`] for a cable through the centre of a section,
     /// [`SolveError::Invalid`] for a case that does not fit the robot.
     pub fn solve(
         &self,

@@ -42,8 +42,8 @@ impl Section {
         (self.measure.at(&turn) * self.weight, half)
     }
 
-    /// Least eigenvalue-free bound on what a unit of cable costs: the lever arm g of a passage at
-    /// the straight shape, and `gᵀH⁻¹g` with the Hessian H of the measure.
+    /// `H⁻¹g` and `gᵀH⁻¹g` at the straight shape, with the gradient g of a cable's length and the
+    /// Hessian H of the measure: how easily the section gives way to that cable.
     pub fn lever(&self, passage: &Passage) -> (Vec3, f64) {
         let turn = Bend::STRAIGHT.turn();
         let g = passage.length(&turn, self.length, self.chord).gradient;
@@ -83,7 +83,6 @@ pub(super) fn sections(
         let mut section = Section { length, chord, passages, measure, weight, guess: None };
         if let [passage] = section.passages[..] {
             let (scaled, lever) = section.lever(&passage);
-            // Relative to a cable at half the section's length from the backbone.
             if lever > NO_LEVER * length * length {
                 section.guess = Some((scaled * (1.0 / lever), -1.0 / lever));
             }

@@ -70,10 +70,15 @@ const PENALTY: f64 = 1e2;
 const GREATEST_PENALTY: f64 = 1e10;
 /// Size of a Newton step after which the error is of the order of rounding.
 const FINEST: f64 = 1e-8;
+/// Longest step in any coordinate: what lies beyond is another fold of the section.
+const LONGEST: f64 = 0.25;
 /// Smallest part of the way to the targets that is tried as one step.
 const LEAST_APPROACH: f64 = 1.0 / 256.0;
-const MOST_UPDATES: usize = 40;
-const MOST_STEPS: usize = 100;
+/// Conflict of the lengths up to which the least-squares shape is given as the answer, relative
+/// to the length of the backbone concerned.
+const MOST_CONFLICT: f64 = 0.01;
+const MOST_UPDATES: usize = 30;
+const MOST_STEPS: usize = 40;
 /// Excess length that counts as none, relative to the length of the straight section.
 const MET: f64 = 2e-13;
 
@@ -83,24 +88,31 @@ impl Several {
     /// the lengths are brought to their targets little by little.
     pub fn solve(&mut self, sections: &[Section], targets: &[f64]) -> Ending {
         self.reset(sections, targets);
-        match self.minimise(sections, targets) {
-            Stop::Met => Ending::Met,
-            Stop::Compromise => Ending::Missed,
-            Stop::Stalled => {
-                let stalled = self.state();
-                if self.approach(sections, targets) {
-                    return Ending::Met;
-                }
-                self.restore(&stalled);
-                self.evaluate(sections, targets);
-                Ending::Missed
-            }
+        let least = match self.minimise(sections, targets) {
+            Stop::Met => return Ending::Met,
+            // Lengths that do contradict each other do so from the first part of the way on.
+            Stop::Compromise if self.is_tolerable(sections, targets) => 0.25,
+            Stop::Compromise | Stop::Stalled => LEAST_APPROACH,
+        };
+        let found = self.state();
+        if self.approach(sections, targets, least) >= 1.0 {
+            return Ending::Met;
         }
+        self.restore(&found);
+        self.evaluate(sections, targets);
+        Ending::Missed
+    }
+
+    /// Whether the lengths contradict each other by so little that the least-squares shape is an
+    /// answer.
+    pub fn is_tolerable(&self, sections: &[Section], targets: &[f64]) -> bool {
+        let reach: f64 = sections.iter().map(|section| section.length).sum();
+        self.worst(targets).1 <= MOST_CONFLICT * reach
     }
 
     /// Brings the lengths from those of the straight shape to their targets, in steps that are
-    /// halved where they fail; whether it got there.
-    fn approach(&mut self, sections: &[Section], targets: &[f64]) -> bool {
+    /// halved where they fail but no smaller than `least`; the part of the way that it got.
+    fn approach(&mut self, sections: &[Section], targets: &[f64], least: f64) -> f64 {
         let spent = self.iterations;
         self.reset(sections, targets);
         self.iterations = spent;
@@ -120,12 +132,12 @@ impl Several {
             } else {
                 self.restore(&state);
                 step *= 0.5;
-                if step < LEAST_APPROACH {
-                    return false;
+                if step < least {
+                    break;
                 }
             }
         }
-        true
+        done
     }
 
     fn state(&self) -> (Vec<Bend>, Vec<f64>) {
@@ -149,22 +161,21 @@ impl Several {
             while size > tolerance && steps < MOST_STEPS {
                 self.set_pulls(targets);
                 let slope = self.newton_step(sections);
-                (size, merit) = self.descend(sections, targets, merit, slope);
                 steps += 1;
+                let Some(next) = self.descend(sections, targets, merit, slope) else { break };
+                (size, merit) = next;
             }
             self.iterations += steps;
             self.set_pulls(targets);
             self.multipliers.copy_from_slice(&self.pulls);
             let (violation, relative) = self.violation(targets);
-            if size <= FINEST {
-                if relative <= MET {
-                    return Stop::Met;
-                }
-                if self.is_least_squares(sections, targets) {
-                    return Stop::Compromise;
-                }
+            if size <= FINEST && relative <= MET {
+                return Stop::Met;
             }
             if violation > 0.25 * last_violation {
+                if size <= FINEST && self.is_least_squares(sections, targets) {
+                    return Stop::Compromise;
+                }
                 self.penalty *= 10.0;
                 if self.penalty > GREATEST_PENALTY / self.least_lever() {
                     break;
@@ -177,21 +188,13 @@ impl Several {
         Stop::Stalled
     }
 
-    /// The range of lengths that one cable can be given with the targets of the others as they
-    /// are; the lower end by bisection, to a millionth.
+    /// The lengths that one cable takes on the way to the targets: to a millionth in one section,
+    /// to a thousandth in several, where every step costs more.
     pub fn range(&mut self, sections: &[Section], targets: &[f64], cable: usize) -> (f64, f64) {
         let longest = self.straight[cable];
-        let mut targets = targets.to_vec();
-        let (mut reached, mut missed) = (longest, targets[cable].max(0.0));
-        while reached - missed > 1e-6 * longest {
-            let middle = 0.5 * (reached + missed);
-            targets[cable] = middle;
-            match self.solve(sections, &targets) {
-                Ending::Met => reached = middle,
-                Ending::Missed => missed = middle,
-            }
-        }
-        (reached, longest)
+        let least = if sections.len() == 1 { 1e-6 } else { 1e-3 };
+        let part = self.approach(sections, targets, least);
+        (longest + part * (targets[cable] - longest), longest)
     }
 
     /// The cable that exceeds its prescribed length most, and by how much.
@@ -383,33 +386,35 @@ impl Several {
         }
     }
 
-    /// Moves along the step as far as Φ falls; returns the size of the move and the new Φ.
+    /// Moves along the step, not too far, as far as Φ falls; returns the size of the Newton step
+    /// and the new Φ, or `None` when Φ does not fall at all.
     fn descend(
         &mut self,
         sections: &[Section],
         targets: &[f64],
         merit: f64,
         slope: f64,
-    ) -> (f64, f64) {
+    ) -> Option<(f64, f64)> {
         let size = self.steps.iter().map(|step| step.max_abs()).fold(0.0, f64::max);
         self.trial.copy_from_slice(&self.bends);
         // Below this the change of Φ drowns in rounding.
         let noise = 1e-14 * (merit.abs() + 1e-6);
-        let mut t = 1.0;
-        while t > 1e-10 {
+        let mut t = if size > LONGEST { LONGEST / size } else { 1.0 };
+        while t * size > 1e-12 || t == 1.0 {
             for (s, bend) in self.bends.iter_mut().enumerate() {
                 *bend = self.trial[s].moved(self.steps[s] * t);
             }
             if self.bends.iter().all(|bend| bend.is_valid()) {
                 let next = self.evaluate(sections, targets);
                 if next <= merit + 1e-4 * t * slope + noise {
-                    return (t * size, next);
+                    return Some((size, next));
                 }
             }
             t *= 0.5;
         }
         self.bends.copy_from_slice(&self.trial);
-        (0.0, self.evaluate(sections, targets))
+        self.evaluate(sections, targets);
+        None
     }
 
     /// Whether no small move reduces the sum of squared excess lengths.

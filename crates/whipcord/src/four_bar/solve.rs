@@ -53,10 +53,6 @@ struct Tally {
 /// initial length: well above the error of a length, well below what anyone can measure.
 const LOOSE: f64 = 1e-10;
 
-/// Conflict of the lengths up to which the least-squares shape is given as the answer, relative
-/// to the length of the backbone in the section.
-const MOST_CONFLICT: f64 = 0.01;
-
 impl FourBar {
     pub(super) fn solve_lengths(
         &self,
@@ -173,7 +169,9 @@ impl FourBar {
                     longest,
                 });
             }
-            self.tolerate(worst, excess, index, index + 1)?;
+            if !several.is_tolerable(group, targets) {
+                return Err(self.conflict((worst, excess), index, index + 1));
+            }
             tally.compromise = true;
         }
         Ok(bend)
@@ -222,7 +220,9 @@ impl FourBar {
                         reachable: longest - shortest,
                     });
                 }
-                self.tolerate(worst, excess, 0, self.sections.len())?;
+                if !several.is_tolerable(&self.sections, targets) {
+                    return Err(self.conflict((worst, excess), 0, self.sections.len()));
+                }
                 tally.compromise = true;
             }
         }
@@ -238,24 +238,13 @@ impl FourBar {
         Ok(tally)
     }
 
-    /// An error when the lengths contradict each other too much for a least-squares answer.
-    fn tolerate(
-        &self,
-        worst: usize,
-        excess: f64,
-        first: usize,
-        last: usize,
-    ) -> Result<(), SolveError> {
-        let s = &self.robot.disks().arc_lengths;
-        if excess <= MOST_CONFLICT * (s[last] - s[first]) {
-            return Ok(());
-        }
-        Err(SolveError::CablesConflict {
+    fn conflict(&self, (worst, excess): (usize, f64), first: usize, last: usize) -> SolveError {
+        SolveError::CablesConflict {
             cable: self.name(worst),
             first_disk: first + 1,
             last_disk: last + 1,
             excess,
-        })
+        }
     }
 
     fn no_lever(&self, cable: usize, section: usize) -> SolveError {

@@ -2,8 +2,10 @@
 //! program: minimisation over the rotation vector ω by sequential quadratic programming from
 //! several starts, polished by Newton's method on finite differences.
 
-use whipcord::four_bar::{Chord, FourBar, Objective, Options, Workspace};
-use whipcord::{Backbone, Cable, Case, Disks, Material, Robot, Routing, Shortening, Vec3};
+use whipcord::four_bar::{Chord, Objective, Options};
+use whipcord::{Case, Model, ModelKind, Robot, Routing, Statics, Stations, Vec3};
+
+use super::{equal_disks, solve};
 
 const HOLES: [[usize; 10]; 4] = [
     [4, 4, 4, 4, 4, 4, 4, 4, 4, 4],
@@ -41,26 +43,37 @@ const TIPS: [(Objective, Chord, [[f64; 3]; 4]); 4] = [
     ]),
 ];
 
+fn robot(case: usize) -> Robot {
+    super::robot(&equal_disks(0.18, 9), vec![Routing::holes(HOLES[case].to_vec())])
+}
+
 #[test]
 fn tips_are_those_of_an_independent_minimisation() {
     for (objective, chord, tips) in TIPS {
         for case in 0..4 {
-            let material = Material { poisson_ratio: Some(0.3), ..Material::default() };
-            let cable = Cable::new("pull", Routing::holes(HOLES[case].to_vec()));
-            let robot = Robot::new(
-                Backbone { material, ..Backbone::new(0.18) },
-                Disks::equally_spaced(0.18, 10, 0.008).with_holes(12),
-                vec![cable],
-            )
-            .unwrap();
+            let robot = robot(case);
             let options = Options { objective, chord, ..Options::default() };
-            let model = FourBar::new(&robot, &options).unwrap();
-            let lengths = Case::with_shortenings(&[Shortening::Fraction(SHORTENINGS[case])]);
-            let solution = model.solve(&lengths, None, &mut Workspace::default()).unwrap();
+            let initial = solve(&robot, &options, &[0.0]).cables[0].initial_length;
+            let solution = solve(&robot, &options, &[SHORTENINGS[case] * initial]);
             let error = solution.disks.tip().position - Vec3::from(tips[case]);
             assert!(error.max_abs() < 2e-10, "{objective} {chord} {case}: {error:?}");
             assert!(solution.diagnostics.residual < 1e-13);
             assert!(!solution.cables[0].slack);
         }
+    }
+}
+
+#[test]
+fn shapes_are_near_those_of_the_cosserat_rod_with_the_same_lengths_from_hole_to_hole() {
+    for case in 0..4 {
+        let robot = robot(case);
+        let cosserat = Model::new(ModelKind::Cosserat, Stations::Disks, Default::default());
+        let rod = cosserat.solve(&robot, &Case::with_tensions(&[0.4 * 9.806_65])).unwrap();
+        let length = rod.disks.hole_to_hole_length(&robot.routes()[0]).unwrap();
+        let initial = solve(&robot, &Options::default(), &[0.0]).cables[0].initial_length;
+        let bars = solve(&robot, &Options::default(), &[initial - length]);
+        let apart = bars.disks.rms_distance(&rod.disks);
+        println!("case {}: {:.3} mm", case + 1, 1e3 * apart);
+        assert!(apart < 3.5e-3, "{case}: {apart}");
     }
 }
