@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use whipcord_numerics::Pose;
 
 use super::grid::{Grid, Layout};
@@ -43,7 +45,7 @@ impl Default for Options {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accuracy {
     /// The steps are halved until the estimated error of every position and of every cable's length
-    /// is below this fraction of the length.
+    /// is below this fraction of the length; where lengths are given, at the tensions found.
     Tolerance(f64),
     /// At least this many steps from base to tip. Disks, stations, cable ends, kinks of a routing
     /// and point loads always end a step.
@@ -66,6 +68,11 @@ const GIVE_UP_LEVEL: usize = 3;
 const MAX_REFINEMENTS: usize = 9;
 /// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
 const ERROR_RATIO: f64 = 15.0;
+/// Where lengths are given they do not change with the steps; the tensions do. The steps are those
+/// that suffice for the tensions found, so that the lengths of an answer return its tensions and not
+/// those of another grid. The positions may be off by this much more than the tolerance, where they
+/// hang more on the lengths than on the tensions.
+const LENGTHS_SLACK: f64 = 10.0;
 
 /// The Cosserat model of one robot: all that does not change from case to case.
 ///
@@ -109,6 +116,8 @@ pub struct Cosserat {
 pub struct Workspace {
     scratch: Scratch,
     commands: Vec<Command>,
+    coarse: Scratch,
+    tensions: Vec<Command>,
     coarse_poses: Vec<Pose>,
     coarse_lengths: Vec<f64>,
 }
@@ -116,10 +125,7 @@ pub struct Workspace {
 impl Workspace {
     /// Keeps what the answer on a coarse grid is compared by.
     fn keep_coarse(&mut self, grid: &Grid) {
-        let kept = grid.disks.iter().chain(&grid.stations);
-        self.coarse_poses.clear();
-        self.coarse_poses.extend(kept.map(|&k| self.scratch.poses[k]));
-        self.coarse_lengths.clone_from(&self.scratch.lengths);
+        keep(&self.scratch, grid, &mut self.coarse_poses, &mut self.coarse_lengths);
     }
 
     /// Largest change of a position or a cable's length since then, in m.
@@ -130,6 +136,14 @@ impl Workspace {
         let lengths = self.scratch.lengths.iter().zip(&self.coarse_lengths);
         moved.chain(lengths.map(|(fine, coarse)| (fine - coarse).abs())).fold(0.0, f64::max)
     }
+}
+
+/// Copies what answers on different grids are compared by.
+fn keep(answer: &Scratch, grid: &Grid, poses: &mut Vec<Pose>, lengths: &mut Vec<f64>) {
+    let kept = grid.disks.iter().chain(&grid.stations);
+    poses.clear();
+    poses.extend(kept.map(|&k| answer.poses[k]));
+    lengths.clone_from(&answer.lengths);
 }
 
 impl Cosserat {
@@ -194,18 +208,14 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
         let tolerance = tolerance * self.robot.backbone().length;
-        let mut coarser: Option<Found> = None;
+        let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
         for level in 0..=MAX_REFINEMENTS {
-            let refined;
             let grid = match self.grids.get(level) {
-                Some(grid) => grid,
-                None => {
-                    refined = Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?;
-                    &refined
-                }
+                Some(grid) => Cow::Borrowed(grid),
+                None => Cow::Owned(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?),
             };
-            let mut found = match self.solve_on(grid, case, &start, workspace) {
+            let mut found = match self.solve_on(&grid, case, &start, workspace) {
                 // Steps that are too coarse for a strong bend can keep Newton's method away.
                 Err(SolveError::NotConverged { .. })
                     if coarser.is_none() && level < GIVE_UP_LEVEL =>
@@ -214,18 +224,48 @@ impl Cosserat {
                 }
                 other => other?,
             };
-            if let Some(coarser) = coarser {
-                found = found.after(&coarser);
-                error = workspace.change(grid) / ERROR_RATIO;
-                if error <= tolerance {
-                    return self.solution(grid, case, workspace, found, Some(error));
+            if let Some((earlier, coarse)) = &coarser {
+                found = found.after(earlier);
+                error = workspace.change(&grid) / ERROR_RATIO;
+                let given_lengths =
+                    workspace.commands.iter().any(|c| matches!(c, Command::Length { .. }));
+                let mut met = error <= tolerance;
+                if given_lengths && error <= LENGTHS_SLACK * tolerance {
+                    let at_tensions = self.change_at_tensions(coarse, &grid, case, workspace);
+                    met = at_tensions <= tolerance;
+                    error = error.max(at_tensions);
+                }
+                if met {
+                    return self.solution(&grid, case, workspace, found, Some(error));
                 }
             }
-            workspace.keep_coarse(grid);
+            workspace.keep_coarse(&grid);
             start = workspace.scratch.as_start();
-            (coarser, steps) = (Some(found), grid.len());
+            steps = grid.len();
+            coarser = Some((found, grid));
         }
         Err(SolveError::StepsTooCoarse { error, tolerance, steps })
+    }
+
+    /// The estimated error that the answer in the workspace would have if its tensions had been
+    /// given instead of lengths.
+    fn change_at_tensions(
+        &self,
+        coarse: &Grid,
+        grid: &Grid,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> f64 {
+        workspace.tensions.clear();
+        workspace.tensions.extend(workspace.scratch.tensions.iter().map(|&t| Command::Tension(t)));
+        let problem = self.problem(coarse, case, &workspace.tensions);
+        let start = workspace.scratch.as_start();
+        if statics::solve(&problem, &start, &mut workspace.coarse).is_err() {
+            return f64::INFINITY;
+        }
+        let Workspace { coarse: answer, coarse_poses, coarse_lengths, .. } = &mut *workspace;
+        keep(answer, coarse, coarse_poses, coarse_lengths);
+        workspace.change(grid) / ERROR_RATIO
     }
 
     fn solve_on(
