@@ -39,6 +39,11 @@ impl Table {
         }
     }
 
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.groups.iter().all(Vec::is_empty)
+    }
+
     /// As text, each line ended.
     pub fn text(&self, style: Style) -> String {
         let widths: Vec<usize> = (0..self.columns.len())

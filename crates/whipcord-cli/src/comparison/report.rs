@@ -52,8 +52,11 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
             escape(&figure.caption)
         );
     }
-    html += "<h3>At the disks</h3>\n";
-    html += &disk_table(study).html();
+    let disks = disk_table(study);
+    if !disks.is_empty() {
+        html += "<h3>Distances at the disks</h3>\n";
+        html += &disks.html();
+    }
     html += "<h3>Cables</h3>\n";
     html += &cable_table(study).html();
     html += &list(case_notes(study).iter());
