@@ -64,6 +64,8 @@ const COARSE_STEPS: usize = 8;
 const READY_GRIDS: usize = 3;
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 3;
+/// How far a cable can be shortened is said with steps halved this often.
+const FOLD_LEVEL: usize = 5;
 /// How often the steps may be halved.
 const MAX_REFINEMENTS: usize = 9;
 /// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
@@ -72,7 +74,7 @@ const ERROR_RATIO: f64 = 15.0;
 /// that suffice for the tensions found, so that the lengths of an answer return its tensions and not
 /// those of another grid. The positions may be off by this much more than the tolerance, where they
 /// hang more on the lengths than on the tensions.
-const LENGTHS_SLACK: f64 = 10.0;
+const LENGTHS_SLACK: f64 = 100.0;
 
 /// The Cosserat model of one robot: all that does not change from case to case.
 ///
@@ -208,6 +210,7 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
         let tolerance = tolerance * self.robot.backbone().length;
+        let cold = start.clone();
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
         for level in 0..=MAX_REFINEMENTS {
@@ -222,6 +225,13 @@ impl Cosserat {
                 {
                     continue;
                 }
+                // A section folds between the nodes of a coarse grid before it does at them: only
+                // with fine steps is it known how far a cable goes.
+                Err(SolveError::UnreachableLength { .. }) if level < FOLD_LEVEL => {
+                    coarser = None;
+                    start = cold.clone();
+                    continue;
+                }
                 other => other?,
             };
             if let Some((earlier, coarse)) = &coarser {
@@ -230,10 +240,12 @@ impl Cosserat {
                 let given_lengths =
                     workspace.commands.iter().any(|c| matches!(c, Command::Length { .. }));
                 let mut met = error <= tolerance;
-                if given_lengths && error <= LENGTHS_SLACK * tolerance {
-                    let at_tensions = self.change_at_tensions(coarse, &grid, case, workspace);
-                    met = at_tensions <= tolerance;
-                    error = error.max(at_tensions);
+                if given_lengths
+                    && error <= LENGTHS_SLACK * tolerance
+                    && let Some(other) = self.change_at_tensions(coarse, &grid, case, workspace)
+                {
+                    met = other <= tolerance;
+                    error = error.max(other);
                 }
                 if met {
                     return self.solution(&grid, case, workspace, found, Some(error));
@@ -248,24 +260,22 @@ impl Cosserat {
     }
 
     /// The estimated error that the answer in the workspace would have if its tensions had been
-    /// given instead of lengths.
+    /// given instead of lengths; `None` where they fold the coarse grid.
     fn change_at_tensions(
         &self,
         coarse: &Grid,
         grid: &Grid,
         case: &Case,
         workspace: &mut Workspace,
-    ) -> f64 {
+    ) -> Option<f64> {
         workspace.tensions.clear();
         workspace.tensions.extend(workspace.scratch.tensions.iter().map(|&t| Command::Tension(t)));
         let problem = self.problem(coarse, case, &workspace.tensions);
         let start = workspace.scratch.as_start();
-        if statics::solve(&problem, &start, &mut workspace.coarse).is_err() {
-            return f64::INFINITY;
-        }
+        statics::solve(&problem, &start, &mut workspace.coarse).ok()?;
         let Workspace { coarse: answer, coarse_poses, coarse_lengths, .. } = &mut *workspace;
         keep(answer, coarse, coarse_poses, coarse_lengths);
-        workspace.change(grid) / ERROR_RATIO
+        Some(workspace.change(grid) / ERROR_RATIO)
     }
 
     fn solve_on(
