@@ -125,6 +125,25 @@ impl Shot {
         Ok(())
     }
 
+    /// Shoots step `k` alone, from a start of its own: the frame at its end, with the position
+    /// relative to the start, and the moment there in the base frame. Adds to [`Shot::samples`]. The
+    /// sections start from [`Shot::seed`] or the last shot.
+    pub fn fire_step(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        aim: &Aim<'_>,
+        k: usize,
+        rotation: UnitQuaternion,
+        moment: Vec3,
+    ) -> Result<(Pose, Vec3), Fault> {
+        debug_assert_eq!(self.strains.len(), STAGES * grid.len());
+        let mut state = pack(rotation, Vec3::ZERO, moment);
+        self.step(grid, loads, aim, k, Vec3::ZERO, &mut state, None)?;
+        let (rotation, position, moment) = unpack(&state);
+        Ok((Pose { position, rotation }, moment))
+    }
+
     /// Computes [`Shot::lengths`] from the strains of the last shot.
     pub fn measure(&mut self, grid: &Grid) {
         self.lengths.clear();

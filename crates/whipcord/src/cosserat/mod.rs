@@ -5,6 +5,8 @@
 //! `unloaded` and `loaded` put the sections together, `lengths` finds the tensions that
 //! give prescribed cable lengths, and `stability` says whether the equilibrium is one to stay in.
 
+mod chain;
+mod continuation;
 mod grid;
 mod lengths;
 mod loaded;

@@ -344,6 +344,7 @@ impl Cosserat {
         Start::From {
             tensions: self.layout.order.iter().map(tension).collect(),
             base_wrench: solution.base_wrench,
+            stable: solution.diagnostics.stability.is_none_or(|least| least > 0.0),
         }
     }
 

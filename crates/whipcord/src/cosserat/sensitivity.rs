@@ -12,7 +12,7 @@
 //! where `qⱼ = (tⱼ, rⱼ × tⱼ)`. The classical Runge–Kutta method takes it from start, middle and end
 //! of each step: to order 4, as fine as Newton's method needs it.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Mat3, Pose, Vec3};
 
 use super::grid::Grid;
 use super::loaded::{SAMPLED_NODES, Sample};
@@ -53,7 +53,33 @@ impl Column {
 const STAGES: [(usize, f64, f64); 4] =
     [(0, 0.0, 1.0 / 6.0), (1, 0.5, 1.0 / 3.0), (1, 0.5, 1.0 / 3.0), (2, 1.0, 1.0 / 6.0)];
 
+/// `[[∂η/∂η, ∂η/∂μ], [∂μ/∂η, ∂μ/∂μ]]` from the start of a step to its end, body frames.
+pub(super) type Transition = [[Mat3; 2]; 2];
+
 impl Sensitivity {
+    /// The transition over step `k` and across the dead moment at its end, given in the body frame.
+    pub fn transition(
+        &mut self,
+        grid: &Grid,
+        k: usize,
+        samples: &[Sample],
+        applied: Vec3,
+    ) -> Transition {
+        self.columns.clear();
+        self.columns.resize(6, Column::default());
+        for (j, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
+            self.columns[j].turn = axis;
+            self.columns[3 + j].moment = axis;
+        }
+        self.step(grid, k, samples, 0);
+        let turn = |c: usize| self.columns[c].turn;
+        let moment = |c: usize| self.columns[c].moment - applied.cross(self.columns[c].turn);
+        let blocks = |of: &dyn Fn(usize) -> Vec3| {
+            [Mat3::from_columns(of(0), of(1), of(2)), Mat3::from_columns(of(3), of(4), of(5))]
+        };
+        [blocks(&turn), blocks(&moment)]
+    }
+
     /// Differentiates a sampled shot by the unknowns at the base and the first `tensions` tensions.
     pub fn compute(
         &mut self,

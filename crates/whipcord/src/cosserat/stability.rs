@@ -38,13 +38,23 @@ const TOLERANCE: f64 = 1e-8;
 impl Stability {
     /// The least eigenvalue, from three samples to each step of the grid.
     pub fn least_eigenvalue(&mut self, grid: &Grid, samples: &[Sample]) -> f64 {
+        self.assemble(grid, samples);
+        self.bisect()
+    }
+
+    /// Whether it is positive.
+    pub fn is_stable(&mut self, grid: &Grid, samples: &[Sample]) -> bool {
+        self.assemble(grid, samples);
+        !self.has_eigenvalue_below(0.0)
+    }
+
+    fn assemble(&mut self, grid: &Grid, samples: &[Sample]) {
         self.elements.clear();
         for (k, triple) in samples.chunks_exact(3).enumerate() {
             let bending =
                 |j: usize| grid.shooting.at(k, SAMPLED_NODES[j], 0).0.section.stiffness.bending;
             self.elements.push(element(grid.steps[k].length, triple, bending));
         }
-        self.bisect()
     }
 
     /// Bisection on the number of eigenvalues below a shift: monotone, so it cannot miss.

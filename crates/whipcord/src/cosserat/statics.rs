@@ -13,6 +13,8 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
+use super::chain::Chain;
+use super::continuation::{chain_applies, raise_load, raise_load_on_chain};
 use super::grid::Grid;
 use super::lengths::{self, Command, Effort, LengthFault, LengthScratch};
 use super::loaded::{Aim, Shot};
@@ -45,7 +47,12 @@ pub(super) enum Start {
     /// From the robot without load.
     Cold,
     /// From a neighbouring answer: tensions in the order of the grid, and the wrench at the base.
-    From { tensions: Vec<f64>, base_wrench: Option<Wrench> },
+    From {
+        tensions: Vec<f64>,
+        base_wrench: Option<Wrench>,
+        /// Whether that answer was stable, so that this one is held to be.
+        stable: bool,
+    },
 }
 
 /// How the answer in [`Scratch`] was found.
@@ -72,12 +79,17 @@ pub(super) struct Scratch {
     pub tensions: Vec<f64>,
     pub lengths: Vec<f64>,
     pub base_wrench: Wrench,
-    unloaded: Unloaded,
+    pub(super) unloaded: Unloaded,
+    pub(super) applied: AppliedLoads,
+    pub(super) shot: Shot,
+    pub(super) newton: Newton,
+    pub(super) chain: Chain,
+    pub(super) stability: Stability,
     length_scratch: LengthScratch,
-    applied: AppliedLoads,
-    shot: Shot,
-    newton: Newton,
-    stability: Stability,
+    /// Whether the last shot holds the samples of the answer, which a single shot would miss.
+    on_chain: bool,
+    /// Whether the answer is stable, as far as that was asked for.
+    stable: bool,
 }
 
 const MAX_ITERATIONS: usize = 40;
@@ -89,8 +101,6 @@ const KEEP_RATIO: f64 = 0.1;
 const LEAST_FRACTION: f64 = 1.0 / 256.0;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e-9;
-/// The load is raised by at least this fraction, or the path is given up.
-const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
 
 impl Found {
     /// With the effort of an earlier stage of the same solve added.
@@ -102,7 +112,11 @@ impl Found {
 impl Scratch {
     /// The answer as the start of another solve.
     pub fn as_start(&self) -> Start {
-        Start::From { tensions: self.tensions.clone(), base_wrench: Some(self.base_wrench) }
+        Start::From {
+            tensions: self.tensions.clone(),
+            base_wrench: Some(self.base_wrench),
+            stable: self.stable,
+        }
     }
 }
 
@@ -113,6 +127,7 @@ pub(super) fn solve(
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     scratch.applied.gather(problem.grid, problem.loads);
+    (scratch.on_chain, scratch.stable) = (false, true);
     scratch.tensions.clear();
     scratch.tensions.resize(problem.commands.len(), 0.0);
     if let Start::From { tensions, .. } = start {
@@ -123,7 +138,7 @@ pub(super) fn solve(
     if !scratch.applied.any() {
         return without_load(problem, scratch);
     }
-    let Start::From { base_wrench: Some(wrench), .. } = start else {
+    let Start::From { base_wrench: Some(wrench), stable, .. } = start else {
         return from_no_load(problem, scratch);
     };
     set_tensions(problem.commands, &mut scratch.tensions);
@@ -132,10 +147,14 @@ pub(super) fn solve(
         scratch.applied.follower_share(problem.grid, wrench.force);
     scratch.newton.point.tensions.clone_from(&scratch.tensions);
     scratch.shot.forget();
-    match shoot(problem, scratch, 1.0) {
-        Ok(effort) => Ok(finish(problem, scratch, effort)),
-        Err(_) => from_no_load(problem, scratch),
+    if let Ok(effort) = shoot(problem, scratch, 1.0) {
+        let found = finish(problem, scratch, effort);
+        scratch.stable = *stable;
+        if !stable || is_trusted(problem, scratch) {
+            return Ok(found);
+        }
     }
+    from_no_load(problem, scratch)
 }
 
 fn set_tensions(commands: &[Command], tensions: &mut [f64]) {
@@ -203,7 +222,7 @@ fn borne_fraction(grid: &Grid, tensions: &[f64], unloaded: &mut Unloaded) -> f64
     borne
 }
 
-fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
+pub(super) fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
     match fault.kind {
         SectionFault::Folded { cable } => Failure::Folds {
             cable,
@@ -222,49 +241,86 @@ fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
 
 /// From the rod without load: at once, or raising the load step by step.
 fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, Failure> {
-    sections(problem, scratch)?;
-    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
+    start_without_load(problem, scratch)?;
     seed(problem, scratch, 1.0);
     if scratch.applied.any_follower() && scratch.newton.point.is_strong(problem) {
         // No energy tells which of several equilibria is meant: it is the one the load leads to.
+        scratch.stable = true;
         return raise_load(problem, scratch, 0);
     }
-    let mut spent = 0;
-    let direct = match shoot(problem, scratch, 1.0) {
+    let (spent, direct) = match shoot(problem, scratch, 1.0) {
         Ok(effort) => {
-            spent = effort.iterations;
             let found = finish(problem, scratch, effort);
-            if !problem.stability
-                || least_eigenvalue(problem, scratch)?.is_none_or(|least| least > 0.0)
-            {
+            scratch.stable = is_trusted(problem, scratch);
+            if scratch.stable {
                 return Ok(found);
             }
             // An equilibrium, but not one the robot stays in: the load path may lead to another.
-            Some(scratch.newton.point.clone())
+            (effort.iterations, Some(scratch.newton.point.clone()))
         }
-        Err(failed) => {
-            spent += failed.effort.iterations;
-            None
-        }
+        Err(failed) => (failed.effort.iterations, None),
     };
-    match raise_load(problem, scratch, spent) {
-        Ok(found) => Ok(found),
-        Err(failure) => match direct {
-            None => Err(failure),
-            Some(point) => {
-                scratch.newton.point = point;
-                scratch.shot.forget();
-                match shoot(problem, scratch, 1.0) {
-                    Ok(effort) => Ok(finish(problem, scratch, effort)),
-                    Err(_) => Err(failure),
-                }
-            }
-        },
+    if chain_applies(problem, scratch)
+        && let Ok(found) = raise_load_on_chain(problem, scratch, spent)
+        && is_trusted(problem, scratch)
+    {
+        scratch.stable = true;
+        return Ok(found);
+    }
+    let failure = match raise_load(problem, scratch, spent) {
+        Ok(found) => {
+            scratch.stable = is_trusted(problem, scratch);
+            return Ok(found);
+        }
+        Err(failure) => failure,
+    };
+    let Some(point) = direct else { return Err(failure) };
+    scratch.newton.point = point;
+    scratch.shot.forget();
+    match shoot(problem, scratch, 1.0) {
+        Ok(effort) => Ok(finish(problem, scratch, effort)),
+        Err(_) => Err(failure),
     }
 }
 
+/// Whether the answer in `scratch` is stable, where that is asked for and defined.
+fn is_trusted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
+    if !problem.stability || scratch.applied.any_follower() {
+        return true;
+    }
+    let sampled = sample(problem, scratch).is_ok();
+    sampled && scratch.stability.is_stable(problem.grid, &scratch.shot.samples)
+}
+
+/// Makes the samples of the answer in `scratch`, unless the chain has left them.
+fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Fault> {
+    if scratch.on_chain {
+        return Ok(());
+    }
+    let Scratch { shot, applied, tensions, base_wrench, .. } = scratch;
+    let aim = Aim {
+        tensions,
+        base_moment: base_wrench.moment,
+        follower_force: applied.follower_share(problem.grid, base_wrench.force),
+        load: 1.0,
+        sample: true,
+    };
+    shot.fire(problem.grid, applied, &aim)
+}
+
+/// The rod without load: tensions, strains and frames.
+pub(super) fn start_without_load(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+) -> Result<(), Failure> {
+    scratch.tensions.iter_mut().for_each(|tension| *tension = 0.0);
+    sections(problem, scratch)?;
+    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
+    Ok(())
+}
+
 /// Base wrench that would carry the load on the shape without load.
-fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
+pub(super) fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     let grid = problem.grid;
     let Scratch { poses, applied, newton, .. } = scratch;
     let (mut moment, mut follower_force) = (Vec3::ZERO, Vec3::ZERO);
@@ -290,98 +346,18 @@ impl Point {
 }
 
 /// A Newton iteration that ended without an answer.
-struct Failed {
-    effort: Effort,
-    fault: Option<Fault>,
-}
-
-/// Continuation in the load, from none to all of it.
-fn raise_load(
-    problem: &Problem<'_>,
-    scratch: &mut Scratch,
-    spent: usize,
-) -> Result<Found, Failure> {
-    scratch.tensions.iter_mut().for_each(|t| *t = 0.0);
-    sections(problem, scratch)?;
-    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
-    seed(problem, scratch, 0.0);
-    let mut here = (0.0, scratch.newton.point.clone());
-    let mut before: Option<(f64, Point)> = None;
-    let mut step: f64 = 0.25;
-    let mut iterations = spent;
-    let mut stable = problem.stability;
-    loop {
-        let load = (here.0 + step).min(1.0);
-        scratch.newton.point = extrapolate(&here, before.as_ref(), load);
-        scratch.shot.forget();
-        let failed = match shoot(problem, scratch, load) {
-            Ok(effort) => {
-                iterations += effort.iterations;
-                if stable && !stays(problem, scratch, load) {
-                    // A long step can miss where the stable path turns off; where the shortest
-                    // one stays on an unstable path, the path itself has lost its stability.
-                    if step >= 2.0 * LEAST_LOAD_STEP {
-                        step *= 0.5;
-                        continue;
-                    }
-                    stable = false;
-                }
-                if load >= 1.0 {
-                    let effort = Effort { iterations, ..effort };
-                    return Ok(finish(problem, scratch, effort));
-                }
-                // A long iteration means the path bends: do not lengthen the step.
-                if effort.iterations <= 5 {
-                    step *= 2.0;
-                }
-                before = Some(core::mem::replace(&mut here, (load, scratch.newton.point.clone())));
-                continue;
-            }
-            Err(failed) => failed,
-        };
-        iterations += failed.effort.iterations;
-        step *= 0.5;
-        if step < LEAST_LOAD_STEP {
-            return Err(match failed.fault {
-                Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
-                    section_failure(fault, &scratch.newton.point.tensions, here.0)
-                }
-                _ => Failure::NotConverged {
-                    iterations,
-                    residual: failed.effort.residual,
-                    last_load: here.0,
-                    advice: "the load path ends there, as at a snap-through: apply less load, or lead the robot there by other tensions first",
-                },
-            });
-        }
-    }
-}
-
-/// Whether the equilibrium at `scratch.newton.point` is stable; followers leave that open.
-fn stays(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> bool {
-    let Scratch { shot, applied, newton, stability, .. } = scratch;
-    let Point { base_moment, follower_force, ref tensions } = newton.point;
-    let aim = Aim { tensions, base_moment, follower_force, load, sample: true };
-    applied.any_follower()
-        || shot.fire(problem.grid, applied, &aim).is_ok()
-            && stability.least_eigenvalue(problem.grid, &shot.samples) > 0.0
-}
-
-fn extrapolate(here: &(f64, Point), before: Option<&(f64, Point)>, load: f64) -> Point {
-    let Some(before) = before else { return here.1.clone() };
-    let t = (load - here.0) / (here.0 - before.0);
-    let tension = |(b, a): (&f64, &f64)| (b + t * (b - a)).max(0.0);
-    Point {
-        base_moment: here.1.base_moment + t * (here.1.base_moment - before.1.base_moment),
-        follower_force: here.1.follower_force
-            + t * (here.1.follower_force - before.1.follower_force),
-        tensions: here.1.tensions.iter().zip(&before.1.tensions).map(tension).collect(),
-    }
+pub(super) struct Failed {
+    pub effort: Effort,
+    pub fault: Option<Fault>,
 }
 
 /// Newton's method on eq. (7) from `scratch.newton.point`, where it also ends. The derivatives are
 /// kept as long as each step with them takes most of the residual away.
-fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effort, Failed> {
+pub(super) fn shoot(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    load: f64,
+) -> Result<Effort, Failed> {
     let commands = problem.commands;
     let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
     let tensions = if lengths_driven { commands.len() } else { 0 };
@@ -459,9 +435,10 @@ fn shoot(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<Effo
 }
 
 /// Copies the answer out of the last shot.
-fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
+pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
     let Scratch { shot, applied, newton, .. } = scratch;
     shot.measure(problem.grid);
+    scratch.on_chain = false;
     scratch.poses.clone_from(&shot.poses);
     scratch.lengths.clone_from(&shot.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);
@@ -472,31 +449,35 @@ fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found
     Found { iterations: effort.iterations, residual: effort.residual }
 }
 
+/// Copies the answer out of the closed chain.
+pub(super) fn finish_chain(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
+    let Scratch { shot, applied, chain, .. } = scratch;
+    shot.measure(problem.grid);
+    chain.poses(&mut scratch.poses);
+    scratch.lengths.clone_from(&shot.lengths);
+    scratch.base_wrench =
+        Wrench { force: applied.base_force(problem.grid), moment: chain.nodes[0].moment };
+    scratch.on_chain = true;
+    Found { iterations: effort.iterations, residual: effort.residual }
+}
+
 /// Stability of the answer in `scratch`, see [`super::stability`]; `None` under follower loads, which
 /// have no energy.
 pub(super) fn least_eigenvalue(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
 ) -> Result<Option<f64>, Failure> {
-    let Scratch { shot, applied, unloaded, stability, tensions, base_wrench, .. } = scratch;
-    if !applied.any() {
+    if !scratch.applied.any() {
+        let Scratch { unloaded, tensions, .. } = scratch;
         let wanted = Wanted { stability: true, ..Wanted::default() };
         unloaded
             .sweep(problem.grid, tensions, true, wanted)
             .map_err(|fault| section_failure(fault, tensions, 0.0))?;
         return Ok(Some(unloaded.stability));
     }
-    if applied.any_follower() {
+    if scratch.applied.any_follower() {
         return Ok(None);
     }
-    let aim = Aim {
-        tensions,
-        base_moment: base_wrench.moment,
-        follower_force: Vec3::ZERO,
-        load: 1.0,
-        sample: true,
-    };
-    shot.fire(problem.grid, applied, &aim)
-        .map_err(|fault| section_failure(fault, tensions, 1.0))?;
-    Ok(Some(stability.least_eigenvalue(problem.grid, &shot.samples)))
+    sample(problem, scratch).map_err(|fault| section_failure(fault, &scratch.tensions, 1.0))?;
+    Ok(Some(scratch.stability.least_eigenvalue(problem.grid, &scratch.shot.samples)))
 }
