@@ -10,7 +10,8 @@ use crate::robot::Route;
 pub struct Shape {
     /// Arc length of each station on the undeformed backbone in m.
     pub arc_length: Vec<f64>,
-    /// Pose of the cross-section at each station.
+    /// Pose of the cross-section at each station. The sign of the quaternions is continuous along
+    /// the backbone, from (1, 0, 0, 0) at the base.
     pub poses: Vec<Pose>,
 }
 

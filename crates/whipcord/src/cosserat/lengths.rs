@@ -72,9 +72,95 @@ pub(super) const MAX_ITERATIONS: usize = 100;
 /// lengths are independent, and picks tensions of least change there.
 const REGULARISATION: f64 = 1e-13;
 
+/// How closely the limit of what can be reached is bracketed, relative to it.
+const LIMIT_TOLERANCE: f64 = 1e-6;
+
 /// Solves eq. (6), starting from `tensions`; `unloaded` ends with the sweep of the answer.
 /// `wanted` is what that sweep computes beside.
 pub(super) fn solve(
+    grid: &Grid,
+    length: f64,
+    commands: &[Command],
+    tensions: &mut [f64],
+    unloaded: &mut Unloaded,
+    scratch: &mut LengthScratch,
+    wanted: Wanted,
+) -> Result<Effort, LengthFault> {
+    match attempt(grid, length, commands, tensions, unloaded, scratch, wanted) {
+        Err(LengthFault::Unreachable { .. }) => {
+            Err(limit(grid, length, commands, tensions, unloaded, scratch))
+        }
+        other => other,
+    }
+}
+
+/// How far the cables go when all are shortened in proportion: by bisection between no tension and
+/// what was asked.
+fn limit(
+    grid: &Grid,
+    length: f64,
+    commands: &[Command],
+    tensions: &mut [f64],
+    unloaded: &mut Unloaded,
+    scratch: &mut LengthScratch,
+) -> LengthFault {
+    release(commands, tensions);
+    if let Err(fault) = unloaded.sweep(grid, tensions, false, Wanted::default()) {
+        return LengthFault::Section(fault);
+    }
+    let loose = unloaded.lengths.clone();
+    // What each cable driven by length lacks at no tension, in m.
+    let lack = |i: usize| match commands[i] {
+        Command::Length { target, .. } => (loose[i] - target).max(0.0),
+        Command::Tension(_) => 0.0,
+    };
+    let scaled = |fraction: f64| -> Vec<Command> {
+        let of_cable = |(i, command): (usize, &Command)| match *command {
+            Command::Length { compliance, .. } if lack(i) > 0.0 => {
+                Command::Length { target: loose[i] - fraction * lack(i), compliance }
+            }
+            other => other,
+        };
+        commands.iter().enumerate().map(of_cable).collect()
+    };
+    // No cable gets shorter than nothing.
+    let mut missed = (0..commands.len())
+        .map(|i| if lack(i) > 0.0 { loose[i] / lack(i) } else { 1.0 })
+        .fold(1.0, f64::min);
+    let mut reached = 0.0;
+    let mut good = tensions.to_vec();
+    while missed - reached > LIMIT_TOLERANCE * missed {
+        let middle = 0.5 * (reached + missed);
+        tensions.copy_from_slice(&good);
+        let wanted = Wanted::default();
+        match attempt(grid, length, &scaled(middle), tensions, unloaded, scratch, wanted) {
+            Ok(_) => {
+                reached = middle;
+                good.copy_from_slice(tensions);
+            }
+            Err(_) => missed = middle,
+        }
+    }
+    let relative = |i: usize| lack(i) / loose[i];
+    match (0..commands.len()).max_by(|&a, &b| relative(a).total_cmp(&relative(b))) {
+        Some(cable) => {
+            LengthFault::Unreachable { cable, length: loose[cable] - reached * lack(cable) }
+        }
+        None => LengthFault::Stalled { residual: f64::MAX },
+    }
+}
+
+/// Takes the tension off the cables that are driven by length.
+pub(super) fn release(commands: &[Command], tensions: &mut [f64]) {
+    for (tension, command) in tensions.iter_mut().zip(commands) {
+        if matches!(command, Command::Length { .. }) {
+            *tension = 0.0;
+        }
+    }
+}
+
+/// [`solve`], with the first sign that a section folds as the reason of a failure.
+fn attempt(
     grid: &Grid,
     length: f64,
     commands: &[Command],
@@ -91,11 +177,7 @@ pub(super) fn solve(
     }
     if let Err(fault) = unloaded.sweep(grid, tensions, false, wanted) {
         // A start that folds, from a neighbour or a guess, says nothing: start from no tension.
-        for (tension, command) in tensions.iter_mut().zip(commands) {
-            if matches!(command, Command::Length { .. }) {
-                *tension = 0.0;
-            }
-        }
+        release(commands, tensions);
         unloaded.sweep(grid, tensions, false, wanted).map_err(|_| LengthFault::Section(fault))?;
     }
     let mut residual = f64::INFINITY;

@@ -9,7 +9,7 @@ use super::statics::{self, Found, Scratch, Start};
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::{ModelKind, Stations};
-use crate::robot::{Problem, Robot, RobotError};
+use crate::robot::{Cable, Problem, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, Shape, Solution};
 
 /// How the model is discretised and driven.
@@ -152,8 +152,10 @@ impl Cosserat {
     /// The model of a robot that may carry point loads at the places where `loads` has them.
     ///
     /// # Errors
-    /// [`SolveError::Missing`] when the robot's stiffness is not given.
+    /// [`SolveError::Missing`] when the robot's stiffness is not given, and
+    /// [`SolveError::Unsupported`] when its cables rub.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
+        refuse_friction(robot)?;
         let stations = options.stations.arc_lengths(robot);
         let layout = Layout::new(robot, stations, loads);
         let grids = match options.accuracy {
@@ -420,8 +422,23 @@ impl Cosserat {
                 }
             }
             statics::Failure::NotConverged { iterations, residual, last_load, advice } => {
+                // A start from which no section was solved leaves all of the equations.
+                let residual = if residual.is_finite() { residual } else { 1.0 };
                 SolveError::NotConverged { iterations, residual, last_load, advice }
             }
         }
+    }
+}
+
+fn refuse_friction(robot: &Robot) -> Result<(), SolveError> {
+    let rubs = |cable: &Cable| cable.friction.is_some_and(|coefficient| coefficient > 0.0);
+    match robot.cables().iter().position(rubs) {
+        None => Ok(()),
+        Some(cable) => Err(SolveError::Unsupported {
+            model: ModelKind::Cosserat,
+            path: format!("cables[{cable}].friction"),
+            what: "friction at the holes",
+            advice: "its cables slide freely: remove the friction, or set it to 0",
+        }),
     }
 }

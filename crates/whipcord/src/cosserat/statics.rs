@@ -241,7 +241,9 @@ pub(super) fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) ->
 
 /// From the rod without load: at once, or raising the load step by step.
 fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, Failure> {
-    start_without_load(problem, scratch)?;
+    if let Err(failure) = start_without_load(problem, scratch) {
+        return from_loose_cables(problem, scratch).ok_or(failure);
+    }
     seed(problem, scratch, 1.0);
     if scratch.applied.any_follower() && scratch.newton.point.is_strong(problem) {
         // No energy tells which of several equilibria is meant: it is the one the load leads to.
@@ -281,6 +283,20 @@ fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, F
         Ok(effort) => Ok(finish(problem, scratch, effort)),
         Err(_) => Err(failure),
     }
+}
+
+/// Lengths that only the loaded rod can take: from the rod without load whose cables are loose.
+fn from_loose_cables(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
+    lengths::release(problem.commands, &mut scratch.tensions);
+    set_tensions(problem.commands, &mut scratch.tensions);
+    let Scratch { unloaded, tensions, .. } = scratch;
+    unloaded.sweep(problem.grid, tensions, false, Wanted::default()).ok()?;
+    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
+    seed(problem, scratch, 1.0);
+    let effort = shoot(problem, scratch, 1.0).ok()?;
+    let found = finish(problem, scratch, effort);
+    scratch.stable = is_trusted(problem, scratch);
+    Some(found)
 }
 
 /// Whether the answer in `scratch` is stable, where that is asked for and defined.
