@@ -93,6 +93,18 @@ impl Chain {
         self.nodes.extend(poses.iter().map(unloaded));
     }
 
+    /// Starts from the nodes of a chain with half as many steps.
+    pub fn start_halved(&mut self, coarse: &[Node]) {
+        self.nodes.clear();
+        for pair in coarse.windows(2) {
+            let turn = (pair[0].rotation.conjugate() * pair[1].rotation).log();
+            let rotation = pair[0].rotation * UnitQuaternion::exp(0.5 * turn);
+            let moment = 0.5 * (pair[0].moment + pair[1].moment);
+            self.nodes.extend([pair[0], Node { rotation, moment, ..Node::default() }]);
+        }
+        self.nodes.extend(coarse.last());
+    }
+
     /// Newton's method; returns the iterations and the greatest gap left. The shot ends with the
     /// strains and samples of the answer.
     pub fn close(&mut self, task: &Task<'_>, shot: &mut Shot) -> Result<(usize, f64), Open> {

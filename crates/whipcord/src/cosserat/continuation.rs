@@ -161,6 +161,22 @@ pub(super) fn raise_load_on_chain(
     }
 }
 
+/// All of the load at once, from a chain with half as many steps.
+pub(super) fn refine_chain(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    coarse: &[Node],
+) -> Option<Found> {
+    if problem.grid.len() != 2 * (coarse.len() - 1) {
+        return None;
+    }
+    start_without_load(problem, scratch).ok()?;
+    scratch.chain.start_halved(coarse);
+    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
+    let (iterations, residual) = close(problem, scratch, 1.0).ok()?;
+    Some(finish_chain(problem, scratch, Effort { iterations, residual }))
+}
+
 fn close(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<(usize, f64), Open> {
     let Scratch { chain, shot, applied, tensions, .. } = scratch;
     let task = Task {

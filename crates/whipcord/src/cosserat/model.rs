@@ -347,6 +347,7 @@ impl Cosserat {
             tensions: self.layout.order.iter().map(tension).collect(),
             base_wrench: solution.base_wrench,
             stable: solution.diagnostics.stability.is_none_or(|least| least > 0.0),
+            chain: None,
         }
     }
 

@@ -13,8 +13,8 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::chain::Chain;
-use super::continuation::{chain_applies, raise_load, raise_load_on_chain};
+use super::chain::{Chain, Node};
+use super::continuation::{chain_applies, raise_load, raise_load_on_chain, refine_chain};
 use super::grid::Grid;
 use super::lengths::{self, Command, Effort, LengthFault, LengthScratch};
 use super::loaded::{Aim, Shot};
@@ -52,6 +52,8 @@ pub(super) enum Start {
         base_wrench: Option<Wrench>,
         /// Whether that answer was stable, so that this one is held to be.
         stable: bool,
+        /// The nodes of an answer that took multiple shooting, on a grid with half as many steps.
+        chain: Option<Vec<Node>>,
     },
 }
 
@@ -116,6 +118,7 @@ impl Scratch {
             tensions: self.tensions.clone(),
             base_wrench: Some(self.base_wrench),
             stable: self.stable,
+            chain: self.on_chain.then(|| self.chain.nodes.clone()),
         }
     }
 }
@@ -138,9 +141,17 @@ pub(super) fn solve(
     if !scratch.applied.any() {
         return without_load(problem, scratch);
     }
-    let Start::From { base_wrench: Some(wrench), stable, .. } = start else {
+    let Start::From { base_wrench: Some(wrench), stable, chain, .. } = start else {
         return from_no_load(problem, scratch);
     };
+    if let Some(coarse) = chain
+        && let Some(found) = refine_chain(problem, scratch, coarse)
+        && (!stable || is_trusted(problem, scratch))
+    {
+        scratch.stable = *stable;
+        return Ok(found);
+    }
+    scratch.on_chain = false;
     set_tensions(problem.commands, &mut scratch.tensions);
     scratch.newton.point.base_moment = wrench.moment;
     scratch.newton.point.follower_force =
