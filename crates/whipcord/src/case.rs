@@ -102,6 +102,14 @@ impl Loads {
             && self.tip_moment == Vec3::ZERO
             && self.points.iter().all(|p| p.force == Vec3::ZERO && p.moment == Vec3::ZERO)
     }
+
+    /// Whether a load turns with the backbone. Such loads have no energy.
+    #[must_use]
+    pub fn has_follower(&self) -> bool {
+        let acts = |force: Vec3, moment: Vec3| force != Vec3::ZERO || moment != Vec3::ZERO;
+        (self.tip_follower && acts(self.tip_force, self.tip_moment))
+            || self.points.iter().any(|p| p.follower && acts(p.force, p.moment))
+    }
 }
 
 impl Shortening {

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::digits::{Round, millimetres, newtons, share, significant};
 use crate::model::ModelKind;
 use crate::robot::RobotError;
 
@@ -38,7 +39,8 @@ pub enum SolveError {
 
     /// The cables wind the section up so far that one of them has no length left in it.
     #[error(
-        "the section at arc length {arc_length:.6} m folds: under {tension:.6} N cable `{cable}` has no length left there; the last load that converged is {last_load:.4} of the given one; pull the cable less, or stiffen the backbone"
+        "the section at arc length {} folds: under {} cable `{cable}` has no length left there; the last load that converged is {} of the given one; pull the cable less, or stiffen the backbone",
+        millimetres(*arc_length, Round::Nearest), newtons(*tension), share(*last_load)
     )]
     SectionFolds {
         /// Name of the cable.
@@ -54,7 +56,8 @@ pub enum SolveError {
 
     /// A prescribed cable length that no tension reaches.
     #[error(
-        "cable `{cable}` cannot be shortened by {requested:.6e} m: {reachable:.6e} m is as far as it goes here; prescribe at most that"
+        "cable `{cable}` cannot be shortened by {}: {} is as far as it goes here; prescribe at most that",
+        millimetres(*requested, Round::Nearest), millimetres(*reachable, Round::Down)
     )]
     UnreachableLength {
         /// Name of the cable.
@@ -67,7 +70,8 @@ pub enum SolveError {
 
     /// A section that cannot be bent so far that its cable gets as short as prescribed.
     #[error(
-        "between disks {disk} and {next_disk} cable `{cable}` cannot be {requested:.6e} m long: that section takes lengths from {shortest:.6e} m to {longest:.6e} m; shorten the cable less",
+        "between disks {disk} and {next_disk} cable `{cable}` cannot be {} long: that section takes lengths from {} to {}; shorten the cable less",
+        millimetres(*requested, Round::Nearest), millimetres(*shortest, Round::Up), millimetres(*longest, Round::Down),
         next_disk = disk + 1
     )]
     SectionOutOfReach {
@@ -85,7 +89,8 @@ pub enum SolveError {
 
     /// Cables whose lengths contradict each other by more than a least-squares answer can hide.
     #[error(
-        "between disks {first_disk} and {last_disk} the prescribed cable lengths contradict each other: at the best compromise cable `{cable}` is still {excess:.6e} m too long; shorten its antagonists less"
+        "between disks {first_disk} and {last_disk} the prescribed cable lengths contradict each other: at the best compromise cable `{cable}` is still {} too long; shorten its antagonists less",
+        millimetres(*excess, Round::Nearest)
     )]
     CablesConflict {
         /// Name of the cable that is farthest from its length.
@@ -112,7 +117,8 @@ pub enum SolveError {
 
     /// The iteration stopped before the equations were met.
     #[error(
-        "no equilibrium was found: residual {residual:.3e} after {iterations} iterations; the last load that converged is {last_load:.4} of the given one; {advice}"
+        "no equilibrium was found: residual {} after {iterations} iterations; the last load that converged is {} of the given one; {advice}",
+        significant(*residual, 3, Round::Nearest), share(*last_load)
     )]
     NotConverged {
         /// Newton iterations spent.
@@ -127,7 +133,8 @@ pub enum SolveError {
 
     /// The estimated error does not fall below the tolerance.
     #[error(
-        "the discretisation error is still {error:.3e} m with {steps} steps, above the tolerance of {tolerance:.3e} m: relax the tolerance, or smooth the routing"
+        "the discretisation error is still {} with {steps} steps, above the tolerance of {}: relax the tolerance, or smooth the routing",
+        millimetres(*error, Round::Nearest), millimetres(*tolerance, Round::Nearest)
     )]
     StepsTooCoarse {
         /// Estimated error of a position in m.
@@ -137,4 +144,58 @@ pub enum SolveError {
         /// Steps used.
         steps: usize,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_read_millimetres_and_newtons() {
+        let cable = || "pull".to_owned();
+        let errors = [
+            SolveError::SectionFolds {
+                cable: cable(),
+                arc_length: 0.18,
+                tension: 1e6,
+                last_load: 6.8e-5,
+            },
+            SolveError::UnreachableLength {
+                cable: cable(),
+                requested: 0.180_858_7,
+                reachable: 0.019_999_999,
+            },
+            SolveError::SectionOutOfReach {
+                cable: cable(),
+                disk: 3,
+                requested: 0.0,
+                shortest: 0.001_234_561,
+                longest: 0.02,
+            },
+            SolveError::CablesConflict {
+                cable: cable(),
+                first_disk: 1,
+                last_disk: 2,
+                excess: 0.002_5,
+            },
+            SolveError::NotConverged {
+                iterations: 30,
+                residual: 0.012_345,
+                last_load: 0.999_99,
+                advice: "load it less",
+            },
+            SolveError::StepsTooCoarse { error: 2e-9, tolerance: 1.8e-10, steps: 4096 },
+        ];
+        let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        for (text, words) in texts.iter().zip([
+            "at arc length 180 mm folds: under 1000000 N cable `pull` has no length left there; the last load that converged is 0.000068 of",
+            "shortened by 180.859 mm: 19.9999 mm is as far",
+            "between disks 3 and 4 cable `pull` cannot be 0 mm long: that section takes lengths from 1.23457 mm to 20 mm;",
+            "still 2.5 mm too long",
+            "residual 0.0123 after 30 iterations; the last load that converged is 0.999 of the given one; load it less",
+            "still 2e-6 mm with 4096 steps, above the tolerance of 1.8e-7 mm",
+        ]) {
+            assert!(text.contains(words), "{text}");
+        }
+    }
 }

@@ -9,6 +9,7 @@
 
 pub mod case;
 pub mod cosserat;
+mod digits;
 pub mod error;
 pub mod four_bar;
 pub mod model;

@@ -57,6 +57,14 @@ pub struct Diagnostics {
     pub steps: usize,
 }
 
+impl Diagnostics {
+    /// Whether the answer is an equilibrium that the robot leaves at the slightest disturbance.
+    #[must_use]
+    pub fn is_unstable(&self) -> bool {
+        self.stability.is_some_and(|least| least < 0.0)
+    }
+}
+
 /// A converged answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
