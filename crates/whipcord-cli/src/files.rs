@@ -90,16 +90,27 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_atomically(path, bytes).map_err(|error| Failure::path("write", path, &error))
 }
 
-/// A name for the results of each robot file: its own, numbered where several have the same.
+/// A name for the results of each robot file: its own; where several have the same, the first keeps
+/// it and the others get a number that makes it the name of no other file. Names that differ in
+/// capitals alone are the same, as they are to some file systems.
 pub fn unique_names<'a>(files: impl Iterator<Item = &'a Path>) -> Vec<String> {
-    let mut taken = HashSet::new();
-    files
-        .map(|file| {
-            let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let numbered = (2..).map(|n| format!("{stem}-{n}"));
-            let name = std::iter::once(stem.clone()).chain(numbered).find(|n| !taken.contains(n));
-            let name = name.unwrap_or(stem);
-            taken.insert(name.clone());
+    let stem = |file: &Path| file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stems: Vec<String> = files.map(stem).collect();
+    let mut taken: HashSet<String> = stems.iter().map(|stem| stem.to_lowercase()).collect();
+    let mut kept = HashSet::new();
+    stems
+        .into_iter()
+        .map(|stem| {
+            if kept.insert(stem.to_lowercase()) {
+                return stem;
+            }
+            let mut name = stem.clone();
+            for n in 2_usize.. {
+                name = format!("{stem}-{n}");
+                if taken.insert(name.to_lowercase()) {
+                    break;
+                }
+            }
             name
         })
         .collect()
@@ -111,8 +122,13 @@ mod tests {
 
     #[test]
     fn files_of_one_name_are_told_apart() {
+        let names = |files: &[&str]| unique_names(files.iter().map(Path::new));
         let files = ["a/case.toml", "b/case.toml", "b/case-2.toml", "c/case.toml"];
-        let names = unique_names(files.iter().map(Path::new));
-        assert_eq!(names, ["case", "case-2", "case-2-2", "case-3"]);
+        assert_eq!(names(&files), ["case", "case-3", "case-2", "case-4"]);
+        assert_eq!(names(&["a/Arm.toml", "b/arm.toml", "c/arm-2.toml"]), ["Arm", "arm-3", "arm-2"]);
+        assert_eq!(
+            names(&["a.toml", "a.toml", "a-2.toml", "a-2.toml"]),
+            ["a", "a-3", "a-2", "a-2-2"]
+        );
     }
 }

@@ -28,7 +28,7 @@ impl Inputs {
         let mut messages = Vec::new();
         for path in paths {
             if path.is_dir() {
-                for file in toml_files(path).map_err(|e| Failure::path("read", path, &e))? {
+                for file in robot_files(path)? {
                     match load(&file) {
                         Ok(case) if case.robot.cables().is_empty() => inputs.notes.push(format!(
                             "{} has no cables: it is there to be extended",
@@ -70,6 +70,18 @@ pub fn read_one(path: &Path) -> Result<CaseFile, Failure> {
 /// A file's error as standard error shows it.
 pub fn message(error: &FileError) -> String {
     render(error, Style::for_stderr().is_enabled()).trim_end().to_owned()
+}
+
+/// The file, or all `.toml` files of the folder in the order of their names.
+///
+/// # Errors
+/// [`Failure::Input`] when the folder cannot be read.
+pub fn robot_files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    if path.is_dir() {
+        toml_files(path).map_err(|error| Failure::path("read", path, &error))
+    } else {
+        Ok(vec![path.to_owned()])
+    }
 }
 
 fn toml_files(folder: &Path) -> io::Result<Vec<PathBuf>> {

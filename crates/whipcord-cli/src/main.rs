@@ -26,7 +26,7 @@ use crate::verbs::{bench, check, compare, schema, solve};
 
 /// Mechanics of cable-driven continuum robots with any cable routing
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true)]
+#[command(name = "whipcord", version, propagate_version = true)]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,

@@ -3,7 +3,7 @@
 use whipcord::robot::SectionProperties;
 use whipcord::{
     Cable, CableCommand, Case, Disks, Drive, Interpolation, Loads, ModelKind, RestCurvature, Robot,
-    Routing, Section, Vec3,
+    Routing, Section, Solution, Vec3,
 };
 
 use crate::quantity::{degrees, millimetres, newtons, number, shortening, vector};
@@ -192,6 +192,13 @@ fn loads(loads: &Loads) -> String {
         parts.push(format!("{} at {}{follows}", what.join(" and "), millimetres(point.at)));
     }
     if parts.is_empty() { "none".to_owned() } else { parts.join("; ") }
+}
+
+/// What an answer's stability means, where it is to be known.
+pub fn instability(solution: &Solution) -> Option<String> {
+    let diagnostics = &solution.diagnostics;
+    let least = diagnostics.stability.filter(|_| diagnostics.is_unstable())?;
+    Some(format!("unstable: the robot leaves this shape (stability {})", number(least, 3)))
 }
 
 /// What drives a model: the tension or shortening of each cable that it uses.

@@ -10,6 +10,8 @@ use super::tables::bend;
 pub fn summary(studies: &[Study]) -> CsvTable {
     let mut csv = CsvTable::new([
         "case",
+        "file",
+        "stem",
         "model",
         "commands",
         "driven_by",
@@ -34,12 +36,12 @@ pub fn summary(studies: &[Study]) -> CsvTable {
     ]);
     for study in studies {
         for run in &study.runs {
-            let mut row = vec![
-                Cell::from(study.file.title.as_str()),
+            let mut row = identity(study).to_vec();
+            row.extend([
                 Cell::from(run.model.name()),
                 Cell::from(commands(run.commands)),
                 Cell::from(run.driven_by.as_str()),
-            ];
+            ]);
             match &run.outcome {
                 Ok(solved) => {
                     let tip = solved.solution.disks.tip();
@@ -58,7 +60,7 @@ pub fn summary(studies: &[Study]) -> CsvTable {
                     row.push(Cell::from(diagnostics.steps));
                 }
                 Err(error) => {
-                    row.resize(21, Cell::Empty);
+                    row.resize(23, Cell::Empty);
                     row.push(Cell::from(error.to_string()));
                 }
             }
@@ -68,10 +70,22 @@ pub fn summary(studies: &[Study]) -> CsvTable {
     csv
 }
 
+/// What tells a case from others: its title, its file, and what the names of its own result files
+/// begin with.
+fn identity(study: &Study) -> [Cell; 3] {
+    [
+        Cell::from(study.file.title.as_str()),
+        Cell::from(study.file.path.display().to_string()),
+        Cell::from(study.stem.as_str()),
+    ]
+}
+
 /// Published values, one row for each case that has them.
 pub fn reference(studies: &[Study]) -> Option<CsvTable> {
     let mut csv = CsvTable::new([
         "case",
+        "file",
+        "stem",
         "source",
         "rms_cosserat",
         "rms_four_bar",
@@ -82,8 +96,11 @@ pub fn reference(studies: &[Study]) -> Option<CsvTable> {
     for study in studies {
         if let Some(reference) = &study.file.reference {
             any = true;
+            let [case, file, stem] = identity(study);
             csv.push([
-                Cell::from(study.file.title.as_str()),
+                case,
+                file,
+                stem,
                 Cell::from(reference.source.as_str()),
                 Cell::from(reference.rms_cosserat),
                 Cell::from(reference.rms_four_bar),
@@ -95,15 +112,21 @@ pub fn reference(studies: &[Study]) -> Option<CsvTable> {
     any.then_some(csv)
 }
 
-/// RMS distance over the disks between each two runs of each case.
-pub fn distances(studies: &[Study]) -> CsvTable {
-    let mut csv = CsvTable::new(["case", "a", "a_commands", "b", "b_commands", "rms_distance"]);
+/// RMS distance over the disks between each two runs of each case; `None` where no case has two.
+pub fn distances(studies: &[Study]) -> Option<CsvTable> {
+    let columns = ["case", "file", "stem", "a", "a_commands", "b", "b_commands", "rms_distance"];
+    let mut csv = CsvTable::new(columns);
+    let mut any = false;
     for study in studies {
         let solved: Vec<_> = study.solved().collect();
         for (i, (a, a_solved)) in solved.iter().enumerate() {
             for (b, b_solved) in &solved[i + 1..] {
+                any = true;
+                let [case, file, stem] = identity(study);
                 csv.push([
-                    Cell::from(study.file.title.as_str()),
+                    case,
+                    file,
+                    stem,
                     Cell::from(a.model.name()),
                     Cell::from(commands(a.commands)),
                     Cell::from(b.model.name()),
@@ -113,7 +136,7 @@ pub fn distances(studies: &[Study]) -> CsvTable {
             }
         }
     }
-    csv
+    any.then_some(csv)
 }
 
 /// Poses and distances at the disks of one case.
@@ -162,8 +185,8 @@ fn poses(
     csv
 }
 
-/// The cables of one case.
-pub fn cables(study: &Study) -> CsvTable {
+/// The cables of one case; `None` where it has none.
+pub fn cables(study: &Study) -> Option<CsvTable> {
     let mut csv = CsvTable::new([
         "model",
         "commands",
@@ -188,7 +211,7 @@ pub fn cables(study: &Study) -> CsvTable {
             ]);
         }
     }
-    csv
+    (!study.file.robot.cables().is_empty()).then_some(csv)
 }
 
 const fn commands(commands: Commands) -> &'static str {

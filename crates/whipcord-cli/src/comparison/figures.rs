@@ -24,16 +24,20 @@ pub struct Figure {
     pub svg: String,
 }
 
-/// The robot with the shapes of all models, and their distances at the disks.
+/// The robot with the shapes of all models, and their distances at the disks; none of a case
+/// without an answer.
 ///
 /// # Errors
 /// [`Failure::Input`] when one cannot be drawn.
 pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
     let mut figures = Vec::new();
+    if study.reference().is_none() {
+        return Ok(figures);
+    }
     let fail = |error: PlotError| plot_failure(&study.file.path, &error);
     let mut views = vec![before(&study.file.robot)];
     views.extend(study.solved().map(|(run, solved)| RobotView {
-        label: run.label(),
+        label: if run.is_unstable() { format!("{}, unstable", run.label()) } else { run.label() },
         shape: solved.fine.clone(),
         disks: solved.solution.disks.clone(),
         style: ViewStyle::Model,

@@ -6,7 +6,7 @@ use super::tables;
 use crate::html::{escape, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
-use crate::words::describe;
+use crate::words::{describe, instability};
 
 /// The report of these cases with the figures of each.
 pub fn html(studies: &[Study], figures: &[Vec<Figure>], passed_over: &[String]) -> String {
@@ -17,9 +17,10 @@ pub fn html(studies: &[Study], figures: &[Vec<Figure>], passed_over: &[String]) 
         body += "<nav><ul>\n";
         for (i, study) in studies.iter().enumerate() {
             body += &format!(
-                "<li><a href=\"#case-{}\">{}</a></li>\n",
+                "<li><a href=\"#case-{}\">{}</a> <span class=\"path\">{}</span></li>\n",
                 i + 1,
-                escape(&study.file.title)
+                escape(&study.file.title),
+                escape(&place(study))
             );
         }
         body += "</ul></nav>\n";
@@ -39,7 +40,7 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
     let mut html = format!(
         "<section id=\"case-{number}\"><h2>{}</h2>\n<p class=\"path\">{}</p>\n<dl>\n",
         escape(&file.title),
-        escape(&file.path.display().to_string())
+        escape(&place(study))
     );
     for (name, value) in describe(&file.robot, &file.case) {
         html += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(&name), escape(&value));
@@ -57,10 +58,22 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
         html += "<h3>Distances at the disks</h3>\n";
         html += &disks.html();
     }
-    html += "<h3>Cables</h3>\n";
-    html += &cable_table(study).html();
+    let cables = cable_table(study);
+    if !cables.is_empty() {
+        html += "<h3>Cables</h3>\n";
+        html += &cables.html();
+    }
     html += &list(case_notes(study).iter());
     html + "</section>\n"
+}
+
+/// Where the case comes from, and where its numbers are.
+fn place(study: &Study) -> String {
+    let path = study.file.path.display();
+    match study.reference() {
+        Some(_) => format!("{path}; numbers in {}-*.csv", study.stem),
+        None => path.to_string(),
+    }
 }
 
 /// Distance in mm of each run to the reference and to the measurement, disk by disk.
@@ -134,6 +147,9 @@ fn case_notes(study: &Study) -> Vec<String> {
             ),
         })
         .collect();
+    notes.extend(study.solved().filter_map(|(run, solved)| {
+        Some(format!("{}: {}.", run.label(), instability(&solved.solution)?))
+    }));
     if let Some(reference) = &study.file.reference {
         let models = [
             (

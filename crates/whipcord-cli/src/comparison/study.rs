@@ -16,6 +16,8 @@ use whipcord_io::CaseFile;
 pub struct Study {
     /// What the file says.
     pub file: CaseFile,
+    /// What the names of the case's own result files begin with.
+    pub stem: String,
     /// One for each model and way to drive it, the reference model first.
     pub runs: Vec<Run>,
 }
@@ -57,6 +59,11 @@ pub struct Solved {
 }
 
 impl Run {
+    /// Whether the answer is a shape that the robot leaves.
+    pub fn is_unstable(&self) -> bool {
+        self.outcome.as_ref().is_ok_and(|solved| solved.solution.diagnostics.is_unstable())
+    }
+
     /// `four-bar (Cosserat's shortening)`
     pub fn label(&self) -> String {
         match self.commands {
@@ -68,14 +75,14 @@ impl Run {
 
 impl Study {
     /// Solves the case with every model.
-    pub fn new(file: CaseFile) -> Self {
+    pub fn new(file: CaseFile, stem: String) -> Self {
         let CaseFile { robot, case, .. } = &file;
         let mut runs: Vec<Run> =
             ModelKind::ALL.into_iter().map(|kind| run(kind, robot, case, Commands::File)).collect();
         if let Some(case) = like_for_like(robot, &runs) {
             runs.push(run(ModelKind::FourBar, robot, &case, Commands::CosseratShape));
         }
-        Self { file, runs }
+        Self { file, stem, runs }
     }
 
     /// The runs with an answer.
@@ -127,9 +134,12 @@ fn run(kind: ModelKind, robot: &Robot, case: &Case, commands: Commands) -> Run {
 }
 
 /// The case in which every cable has, from hole to hole, the length that it has over the Cosserat
-/// model's shape. `None` when that has no shape, when the four-bar model cannot take the robot or its
-/// loads, or when a cable ends between two disks.
+/// model's shape. `None` when there are no cables, when that has no shape, when the four-bar model
+/// cannot take the robot or its loads, or when a cable ends between two disks.
 fn like_for_like(robot: &Robot, runs: &[Run]) -> Option<Case> {
+    if robot.cables().is_empty() {
+        return None;
+    }
     let outcome = |model| runs.iter().find(|run| run.model == model).map(|run| &run.outcome);
     if let Err(SolveError::Unsupported { .. }) = outcome(ModelKind::FourBar)? {
         return None;

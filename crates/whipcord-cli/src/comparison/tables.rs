@@ -7,6 +7,9 @@ use crate::quantity::{fixed, fixed_millimetres};
 use crate::table::{Align, Table};
 use crate::timing::duration;
 
+/// Marks an answer that the robot leaves.
+const UNSTABLE: &str = "†";
+
 /// The one table: a group for each case, a row for each model. Columns for measurements and published
 /// values are there when any case has them.
 pub fn summary(studies: &[Study]) -> Table {
@@ -35,7 +38,8 @@ pub fn summary(studies: &[Study]) -> Table {
         table.group();
         for (i, run) in study.runs.iter().enumerate() {
             let title = if i == 0 { study.file.title.clone() } else { String::new() };
-            let mut row = vec![title, run.model.to_string(), drive_words(run)];
+            let mark = if run.is_unstable() { format!(" {UNSTABLE}") } else { String::new() };
+            let mut row = vec![title, format!("{}{mark}", run.model), drive_words(run)];
             row.extend(answer_cells(study, run, measured));
             if published {
                 row.extend(published_cells(study, run));
@@ -108,6 +112,9 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
         notes.push(String::from(
             "\"(Cosserat's)\": the four-bar model with the cable lengths, from hole to hole, of the Cosserat shape, so that the models are compared like for like.",
         ));
+    }
+    if studies.iter().flat_map(|study| &study.runs).any(Run::is_unstable) {
+        notes.push(format!("{UNSTABLE} unstable: the robot leaves this shape."));
     }
     let mut sources: Vec<&str> = studies
         .iter()

@@ -10,15 +10,15 @@ use crate::failure::{Failure, refuses};
 use crate::inputs;
 use crate::quantity::millimetres;
 use crate::style::Style;
-use crate::words::{describe, driven_by};
+use crate::words::{describe, driven_by, instability};
 
 /// Validate robot files and print what was understood
 ///
 /// Prints each robot in words, and which models can take it. Every file is checked, also after one
-/// with a mistake.
+/// with a mistake: those without are printed, and the exit status is 2.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Robot files
+    /// Robot files, or folders of them
     #[arg(required = true)]
     files: Vec<PathBuf>,
 }
@@ -28,9 +28,15 @@ pub fn run(args: &CheckArgs, style: Style) -> Result<String, Failure> {
     let mut texts = Vec::new();
     let mut messages = Vec::new();
     for path in &args.files {
-        match load(path) {
-            Ok(file) => texts.push(words(&file, style)),
-            Err(error) => messages.push(inputs::message(&error)),
+        let files = inputs::robot_files(path)?;
+        if files.is_empty() {
+            messages.push(format!("error: there is no robot file in {}", path.display()));
+        }
+        for file in files {
+            match load(&file) {
+                Ok(file) => texts.push(words(&file, style)),
+                Err(error) => messages.push(inputs::message(&error)),
+            }
         }
     }
     let text = texts.join("\n");
@@ -73,7 +79,11 @@ fn words(file: &CaseFile, style: Style) -> String {
     }
     for (kind, answer) in answers {
         let verdict = match answer {
-            Ok(_) => format!("takes it, driven by {}", driven_by(kind, Drive::Natural, &file.case)),
+            Ok(solution) => {
+                let driver = driven_by(kind, Drive::Natural, &file.case);
+                let unstable = instability(&solution).map(|words| format!("; {words}"));
+                format!("takes it, driven by {driver}{}", unstable.unwrap_or_default())
+            }
             Err(error) if refuses(&error) => format!("cannot take it: {error}"),
             Err(error) => format!("takes it, but finds no answer: {error}"),
         };

@@ -33,34 +33,44 @@ pub struct CompareArgs {
 /// Solves, writes the files, and returns the table.
 pub fn run(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     let Inputs { cases, notes: passed_over } = Inputs::read(&args.files)?;
-    let folder = Folder::create(&args.out)?;
+    let stems = unique_names(cases.iter().map(|case| case.path.as_path()));
     let progress = progress::bar(cases.len());
     let studies: Vec<Study> = cases
         .into_iter()
-        .map(|case| {
+        .zip(stems)
+        .map(|(case, stem)| {
             progress.set_message(case.title.clone());
-            let study = Study::new(case);
+            let study = Study::new(case, stem);
             progress.inc(1);
             study
         })
         .collect();
     progress.finish_and_clear();
 
-    let names = unique_names(studies.iter().map(|study| study.file.path.as_path()));
-    let figures = write_figures(&folder, &studies, &names)?;
-    for (study, name) in studies.iter().zip(&names) {
-        folder.write_table(&format!("{name}-disks.csv"), &csv::disks(study))?;
-        folder.write_table(&format!("{name}-stations.csv"), &csv::stations(study))?;
-        folder.write_table(&format!("{name}-cables.csv"), &csv::cables(study))?;
+    let unsolved = unsolved(&studies);
+    if studies.iter().all(|study| study.reference().is_none()) {
+        return Err(Failure::Solve(unsolved.trim_end().to_owned()));
+    }
+
+    let folder = Folder::create(&args.out)?;
+    let figures = write_figures(&folder, &studies)?;
+    for study in studies.iter().filter(|study| study.reference().is_some()) {
+        let stem = &study.stem;
+        folder.write_table(&format!("{stem}-disks.csv"), &csv::disks(study))?;
+        folder.write_table(&format!("{stem}-stations.csv"), &csv::stations(study))?;
+        if let Some(cables) = csv::cables(study) {
+            folder.write_table(&format!("{stem}-cables.csv"), &cables)?;
+        }
     }
     folder.write_table("cases.csv", &csv::summary(&studies))?;
-    folder.write_table("distances.csv", &csv::distances(&studies))?;
+    if let Some(distances) = csv::distances(&studies) {
+        folder.write_table("distances.csv", &distances)?;
+    }
     if let Some(reference) = csv::reference(&studies) {
         folder.write_table("reference.csv", &reference)?;
     }
     folder.write("report.html", &report::html(&studies, &figures, &passed_over))?;
 
-    let unsolved = unsolved(&studies);
     if !unsolved.is_empty() {
         return Err(Failure::Solve(format!(
             "{unsolved}What the other cases gave is in {}",
@@ -90,19 +100,17 @@ fn unsolved(studies: &[Study]) -> String {
 }
 
 /// Draws and writes the figures of all cases, as many at a time as there are processors.
-fn write_figures(
-    folder: &Folder,
-    studies: &[Study],
-    names: &[String],
-) -> Result<Vec<Vec<Figure>>, Failure> {
+fn write_figures(folder: &Folder, studies: &[Study]) -> Result<Vec<Vec<Figure>>, Failure> {
     let mut all = Vec::with_capacity(studies.len());
     for study in studies {
         all.push(figures(study)?);
     }
     let jobs: Vec<(String, &Figure)> = all
         .iter()
-        .zip(names)
-        .flat_map(|(figures, name)| figures.iter().map(move |f| (format!("{name}-{}", f.name), f)))
+        .zip(studies)
+        .flat_map(|(figures, study)| {
+            figures.iter().map(|figure| (format!("{}-{}", study.stem, figure.name), figure))
+        })
         .collect();
     let next = AtomicUsize::new(0);
     let work = || -> Result<(), Failure> {
