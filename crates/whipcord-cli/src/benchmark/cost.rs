@@ -3,11 +3,14 @@
 use std::hint::black_box;
 
 use whipcord::cosserat::{self, Accuracy};
-use whipcord::{Model, ModelKind, SolveError, four_bar};
+use whipcord::{Drive, Model, ModelKind, Robot, SolveError, Statics as _, Stations, four_bar};
 
 use super::Samples;
+use thiserror::Error;
+
 use super::paper::Example;
 use super::resample::resample;
+use crate::failure::refuses;
 use crate::statistics::Line;
 
 /// Numbers of sections: six from 5 to 320, about equally far apart on a logarithmic axis.
@@ -23,7 +26,23 @@ pub struct Cost {
     /// Number of sections, which is the Cosserat model's number of steps.
     pub sections: usize,
     /// Seconds per solve, or why there is none.
-    pub samples: Result<Samples, SolveError>,
+    pub samples: Result<Samples, Untimed>,
+}
+
+/// Why there is no time, in the terms of the robot as its file has it.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Untimed {
+    /// The model does not solve the robot at all.
+    #[error("{0}")]
+    Robot(SolveError),
+    /// The model does not solve the robot with this number of sections.
+    #[error("{model}: not timed with every number of sections: {reason}")]
+    Sections {
+        /// The model.
+        model: ModelKind,
+        /// Why.
+        reason: String,
+    },
 }
 
 /// The model as the paper times it: one integration step for each section of the Cosserat rod, and
@@ -39,18 +58,44 @@ fn model(kind: ModelKind, sections: usize) -> Model {
     }
 }
 
+/// Why a model does not solve an example as it is; then it is not to be cut into other sections.
+pub fn refusal(kind: ModelKind, example: &Example) -> Option<SolveError> {
+    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+    model.solve(&example.robot, &example.case).err()
+}
+
 /// Measures one model on one example.
 pub fn cost(kind: ModelKind, example: usize, examples: &[Example], sections: usize) -> Cost {
     let Example { robot, case, .. } = &examples[example];
-    let samples = resample(robot, sections).map_err(SolveError::from).and_then(|robot| {
-        let mut model = model(kind, sections).prepare(&robot, &case.loads)?;
-        model.solve(case, None)?;
-        Ok(Samples::take(|| {
-            // It has just been solved, and a solve is deterministic.
-            let _ = black_box(model.solve(black_box(case), None));
-        }))
-    });
+    if let Some(error) = refusal(kind, &examples[example]) {
+        return Cost { model: kind, example, sections, samples: Err(Untimed::Robot(error)) };
+    }
+    let untimed = |reason| Untimed::Sections { model: kind, reason };
+    let samples =
+        resample(robot, sections).map_err(|error| untimed(error.to_string())).and_then(|robot| {
+            let words = |error: SolveError| {
+                untimed(match ends_between_disks(&robot) {
+                    Some(cable) if refuses(&error) => {
+                        format!("cable `{cable}` would end between two disks")
+                    }
+                    _ => error.to_string(),
+                })
+            };
+            let mut model = model(kind, sections).prepare(&robot, &case.loads).map_err(words)?;
+            model.solve(case, None).map_err(words)?;
+            Ok(Samples::take(|| {
+                // It has just been solved, and a solve is deterministic.
+                let _ = black_box(model.solve(black_box(case), None));
+            }))
+        });
     Cost { model: kind, example, sections, samples }
+}
+
+/// A cable that is anchored where there is no disk.
+fn ends_between_disks(robot: &Robot) -> Option<&str> {
+    let at_disk = |end| robot.disks().arc_lengths.contains(&end);
+    let index = robot.routes().iter().position(|route| !at_disk(route.end()))?;
+    Some(&robot.cables()[index].name)
 }
 
 /// All measurements of one model with one number of sections, on one example or on all of them.

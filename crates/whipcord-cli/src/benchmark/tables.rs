@@ -152,15 +152,15 @@ pub fn accuracy_csv(examples: &[Example], errors: &[StepError]) -> CsvTable {
     csv
 }
 
-/// Why a model has no times, once for each model and robot.
+/// Why a model has no times, each reason once for each robot.
 pub fn failures(examples: &[Example], costs: &[Cost]) -> Vec<String> {
-    let mut failures: Vec<String> = costs
-        .iter()
-        .filter_map(|cost| {
-            let error = cost.samples.as_ref().err()?;
-            Some(format!("{}: {error}", examples[cost.example].title))
-        })
-        .collect();
-    failures.dedup();
+    let mut failures: Vec<String> = Vec::new();
+    for cost in costs {
+        let Err(error) = &cost.samples else { continue };
+        let failure = format!("{}: {error}", examples[cost.example].title);
+        if !failures.contains(&failure) {
+            failures.push(failure);
+        }
+    }
     failures
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _};
 use clap::{Args, ValueEnum};
-use whipcord::{Drive, Model, ModelKind, Solution, Statics, Stations, Vec3};
+use whipcord::{Drive, Loads, Model, ModelKind, Robot, Shape, Solution, Stations, Vec3};
 use whipcord_io::{CaseFile, shape_csv, solution_json};
 use whipcord_plot::{FigureOptions, RobotView, robot_figure};
 
@@ -16,7 +16,7 @@ use crate::quantity::{degrees, fixed, fixed_millimetres, newtons, number, percen
 use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
-use crate::words::driven_by;
+use crate::words::{driven_by, instability};
 
 /// Solve one case with one model
 ///
@@ -32,7 +32,8 @@ pub struct SolveArgs {
     /// What drives all cables; by default what the model is driven by, where the file gives it
     #[arg(long, value_name = "WHAT")]
     actuation: Option<Actuation>,
-    /// Give the shape at N equally spaced places, both ends included; by default at the disks
+    /// Give the shape at N equally spaced places, 2 to 100000, both ends included; by default at the
+    /// disks
     #[arg(long, value_name = "N", value_parser = stations_parser())]
     stations: Option<usize>,
     /// Print one JSON object
@@ -55,8 +56,8 @@ enum Actuation {
     Shortening,
 }
 
-/// More stations than anyone draws; what is beyond is a slip of the finger.
-const MOST_STATIONS: u64 = 1_000_000;
+/// Each station ends an integration step, so that many of them take long; this many take seconds.
+const MOST_STATIONS: u64 = 100_000;
 
 fn model_parser() -> impl clap::builder::TypedValueParser<Value = ModelKind> {
     PossibleValuesParser::new(ModelKind::ALL.map(ModelKind::name))
@@ -79,34 +80,63 @@ fn picture_path(text: &str) -> Result<PathBuf, String> {
 /// Solves and returns what standard output shows.
 pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     let file = read_one(&args.file)?;
-    let stations = args.stations.map_or(Stations::Disks, Stations::Equal);
+    let solved = match &args.plot {
+        Some(_) => Stations::Equal(args.stations.map_or(FINE_STATIONS, fine)),
+        None => args.stations.map_or(Stations::Disks, Stations::Equal),
+    };
     let drive = match args.actuation {
         None => Drive::Natural,
         Some(Actuation::Tension) => Drive::Tension,
         Some(Actuation::Shortening) => Drive::Shortening,
     };
-    let model = Model::new(args.model, stations, drive);
-    let timed = timing::solve(&model, &file.robot, &file.case)
+    let model = Model::new(args.model, solved, drive);
+    let mut timed = timing::solve(&model, &file.robot, &file.case)
         .map_err(|error| Failure::from_solve(&args.file, &error))?;
-    let solution = &timed.solution;
-    if let Some(path) = &args.plot {
-        plot(path, &file, solution, drive)?;
+    let picture = match &args.plot {
+        Some(path) => Some((path, draw(path, &file, &timed.solution)?)),
+        None => None,
+    };
+    if picture.is_some() {
+        timed.solution.shape = asked_for(&file.robot, &timed.solution, args.stations);
     }
-    if args.json {
+    let solution = &timed.solution;
+    let text = if args.json {
         let json = solution_json(&file.title, solution, timed.solve.median);
-        Ok(format!("{}\n", json.map_err(|error| files::no_result(&error))?))
+        format!("{}\n", json.map_err(|error| files::no_result(&error))?)
     } else if args.csv {
-        shape_csv(&solution.shape).map_err(|error| files::no_result(&error))
+        shape_csv(&solution.shape).map_err(|error| files::no_result(&error))?
     } else {
-        Ok(summary(&file, &timed, drive, args.plot.as_deref(), style))
+        summary(&file, &timed, drive, args.plot.as_deref(), style)
+    };
+    // What can fail has been done: now the picture is written, or there is neither.
+    if let Some((path, bytes)) = picture {
+        files::write(path, &bytes)?;
+    }
+    Ok(text)
+}
+
+/// Stations that a picture is smooth with and that have `stations` equally spaced ones among them,
+/// so that picture and numbers come from one solve.
+const fn fine(stations: usize) -> usize {
+    let parts = stations - 1;
+    parts * (FINE_STATIONS - 1).div_ceil(parts) + 1
+}
+
+/// The part of a solution at [`fine`] stations that was asked for: at equally spaced stations, or at
+/// the disks.
+fn asked_for(robot: &Robot, solution: &Solution, stations: Option<usize>) -> Shape {
+    let Some(count) = stations else { return solution.disks.clone() };
+    let every = (solution.shape.poses.len() - 1) / (count - 1);
+    Shape {
+        arc_length: Stations::Equal(count).arc_lengths(robot),
+        poses: solution.shape.poses.iter().step_by(every).copied().collect(),
     }
 }
 
-fn plot(path: &Path, file: &CaseFile, solution: &Solution, drive: Drive) -> Result<(), Failure> {
-    let fine = Model::new(solution.model, Stations::Equal(FINE_STATIONS), drive)
-        .solve(&file.robot, &file.case)
-        .map_err(|error| Failure::from_solve(&file.path, &error))?;
-    let views = [before(&file.robot), RobotView::model(solution.model.name(), &fine)];
+fn draw(path: &Path, file: &CaseFile, solution: &Solution) -> Result<Vec<u8>, Failure> {
+    let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
+    let label = format!("{}{unstable}", solution.model);
+    let views = [before(&file.robot), RobotView::model(label, solution)];
     let measured = file.measured.as_ref();
     let options = FigureOptions {
         title: file.title.clone(),
@@ -115,7 +145,7 @@ fn plot(path: &Path, file: &CaseFile, solution: &Solution, drive: Drive) -> Resu
     };
     let svg = robot_figure(&file.robot, &views, &options)
         .map_err(|error| files::plot_failure(path, &error))?;
-    files::write(path, &files::picture(&svg, path)?)
+    files::picture(&svg, path)
 }
 
 fn summary(
@@ -148,13 +178,18 @@ fn summary(
     line("orientation", format!("({quaternion}) as w, x, y, z"));
     text.push('\n');
     text += &cables(solution).text(style);
-    text += &format!("\n{}\n", diagnostics(solution));
+    text.push('\n');
+    if let Some(words) = instability(solution) {
+        text += &format!("{}\n", style.heading(words));
+    }
+    text += &format!("{}\n", diagnostics(solution, &file.case.loads));
     let repeats = match solve.repeats {
         1 => String::from("one cold solve"),
         n => format!("median of {n} cold solves"),
     };
+    let stations = if plot.is_some() { " with the stations of the picture" } else { "" };
     text += &format!(
-        "solve time {} ({repeats}; building the model took {})\n",
+        "solve time {} ({repeats}{stations}; building the model took {})\n",
         duration(solve.median),
         duration(build.median)
     );
@@ -188,7 +223,7 @@ fn cables(solution: &Solution) -> Table {
     table
 }
 
-fn diagnostics(solution: &Solution) -> String {
+fn diagnostics(solution: &Solution, loads: &Loads) -> String {
     let diagnostics = &solution.diagnostics;
     let mut parts = vec![format!("converged: {} steps", diagnostics.steps)];
     if diagnostics.iterations > 0 {
@@ -196,10 +231,16 @@ fn diagnostics(solution: &Solution) -> String {
     }
     parts.push(format!("residual {}", number(diagnostics.residual, 2)));
     if let Some(error) = diagnostics.discretization_error {
-        parts.push(format!("estimated error {} m", number(error, 2)));
+        parts.push(format!("estimated error {} mm", number(error * 1e3, 2)));
     }
-    if let Some(stability) = diagnostics.stability {
-        parts.push(format!("stability {}", number(stability, 3)));
+    match diagnostics.stability {
+        Some(stability) if !diagnostics.is_unstable() => {
+            parts.push(format!("stability {}", number(stability, 3)));
+        }
+        None if solution.model == ModelKind::Cosserat && loads.has_follower() => {
+            parts.push(String::from("stability not defined under loads that follow the backbone"));
+        }
+        _ => {}
     }
     parts.join(", ")
 }
