@@ -4,7 +4,7 @@
 
 mod support;
 
-use support::{Scratch, fail, robot, run, succeed};
+use support::{Scratch, fail, pushed_rod, robot, run, succeed};
 
 #[test]
 fn a_robot_is_put_in_words() {
@@ -15,6 +15,7 @@ fn a_robot_is_put_in_words() {
         "two-segment-arm",
         "helical-finger",
         "precurved-catheter",
+        "tapered-arm",
     ] {
         let text = succeed(&["check", &format!("examples/{name}.toml")]);
         insta::assert_snapshot!(name.replace('/', "_"), text);
@@ -31,6 +32,23 @@ fn every_file_is_reported() {
     assert!(run.stdout.contains("good.toml: valid") && !run.stdout.contains("bad.toml"));
     assert!(run.stderr.contains("bad.toml:15:11") && run.stderr.contains("missing.toml"));
     assert!(!run.stderr.contains("good.toml"));
+}
+
+#[test]
+fn folders_are_checked_file_by_file() {
+    let text = succeed(&["check", "examples/table1"]);
+    assert_eq!(text.matches(": valid").count(), 5);
+    let scratch = Scratch::new();
+    let message = fail(2, &["check", &scratch.file("")]);
+    assert!(message.contains("there is no robot file in"), "{message}");
+}
+
+#[test]
+fn what_a_robot_leaves_is_said_to_be_unstable() {
+    let scratch = Scratch::new();
+    let file = scratch.write("rod.toml", &pushed_rod(""));
+    let text = succeed(&["check", &file]);
+    assert!(text.contains("loads alone; unstable: the robot leaves this shape"), "{text}");
 }
 
 #[test]
@@ -59,6 +77,7 @@ fn help_and_version_are_no_failures() {
     for args in [["--help"], ["--version"]] {
         assert!(succeed(&args).contains("whipcord") || args == ["--help"]);
     }
+    assert_eq!(succeed(&["--version"]), format!("whipcord {}\n", env!("CARGO_PKG_VERSION")));
     for verb in ["solve", "compare", "bench", "check", "schema"] {
         assert!(succeed(&[verb, "--help"]).contains("Usage: whipcord"));
     }

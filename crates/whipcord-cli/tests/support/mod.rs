@@ -101,6 +101,13 @@ impl Scratch {
     }
 }
 
+/// A bare rod that its load, whose last lines are given, presses down on its end by more than it bears.
+pub fn pushed_rod(lines: &str) -> String {
+    let robot = robot("");
+    let rod = robot.split("[[cables]]").next().unwrap_or_default();
+    format!("{rod}[loads]\ntip_force = [0, 0, -0.5]\n{lines}\n")
+}
+
 /// A robot with one straight cable, whose last lines are given.
 pub fn robot(cable: &str) -> String {
     format!(
