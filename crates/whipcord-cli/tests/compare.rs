@@ -6,7 +6,7 @@ mod support;
 
 use std::path::Path;
 
-use support::{Scratch, fail, robot, settings, succeed};
+use support::{Scratch, fail, pushed_rod, robot, settings, succeed};
 
 fn files(folder: &Path, extension: &str) -> Vec<std::path::PathBuf> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
@@ -55,7 +55,7 @@ fn the_papers_table_is_solved_drawn_and_written() {
     let cases = rows(&std::fs::read_to_string(out.join("cases.csv")).unwrap());
     assert_eq!(cases.len(), 1 + 4 * 3);
     let rms = cases[0].iter().position(|name| name == "rms_to_first_model").unwrap();
-    for row in cases.iter().filter(|row| row[2] == "cosserat-shape") {
+    for row in cases.iter().filter(|row| row[4] == "cosserat-shape") {
         let rms: f64 = row[rms].parse().unwrap();
         assert!(rms > 1e-4 && rms < 3.5e-3, "{row:?}");
     }
@@ -104,6 +104,60 @@ fn a_refusal_is_shown_and_not_fatal() {
 }
 
 #[test]
+fn what_the_robot_leaves_is_marked() {
+    let scratch = Scratch::new();
+    let file = scratch.write("rod.toml", &pushed_rod(""));
+    let out = scratch.file("report");
+    let text = succeed(&["compare", &file, "--out", &out]);
+    settings(Some(Path::new(&out))).bind(|| insta::assert_snapshot!("unstable", text));
+    let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    assert!(html.contains("<li>cosserat: unstable: the robot leaves this shape (stability -0.5"));
+    assert!(html.contains("cosserat †") && html.contains("cosserat, unstable"));
+    // A robot without cables has no table of them, and one model alone no distances.
+    assert!(!html.contains("<h3>Cables"));
+    let names: Vec<_> = files(Path::new(&out), "csv")
+        .iter()
+        .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    assert_eq!(names, ["cases.csv", "rod-disks.csv", "rod-stations.csv"]);
+}
+
+#[test]
+fn a_robot_without_cables_is_not_compared_like_for_like() {
+    let scratch = Scratch::new();
+    let text = robot("");
+    let file = scratch.write("rod.toml", text.split("[[cables]]").next().unwrap());
+    let text = succeed(&["compare", &file, "--out", &scratch.file("report")]);
+    assert!(!text.contains("Cosserat's"), "{text}");
+}
+
+#[test]
+fn cases_of_one_title_and_name_are_told_apart() {
+    let scratch = Scratch::new();
+    for folder in ["a", "b"] {
+        std::fs::create_dir(scratch.path().join(folder)).unwrap();
+    }
+    let text = robot("tension = \"1 N\"\nshortening = \"1 %\"");
+    let files = ["a/case.toml", "b/case.toml", "b/case-2.toml"].map(|n| scratch.write(n, &text));
+    let out = scratch.file("report");
+    succeed(&["compare", &files[0], &files[1], &files[2], "--out", &out]);
+    let stems = ["case", "case-3", "case-2"];
+    for name in ["cases.csv", "distances.csv"] {
+        let rows = rows(&std::fs::read_to_string(Path::new(&out).join(name)).unwrap());
+        assert_eq!(rows[0][..3], ["case", "file", "stem"]);
+        assert_eq!(rows.len(), 1 + 3 * 3);
+        for (i, row) in rows[1..].iter().enumerate() {
+            assert_eq!(row[..3], ["Test robot", &files[i / 3], stems[i / 3]]);
+        }
+    }
+    let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    for (file, stem) in files.iter().zip(stems) {
+        assert!(Path::new(&out).join(format!("{stem}-cables.csv")).exists());
+        assert_eq!(html.matches(&format!("{file}; numbers in {stem}-*.csv")).count(), 2);
+    }
+}
+
+#[test]
 fn measured_disks_are_compared_with() {
     let scratch = Scratch::new();
     scratch.write("disks.csv", "disk,x,y,z\n1,0,0,0\n5,0,0.02,0.07\n10,0,0.1,0.13\n");
@@ -127,7 +181,15 @@ fn a_case_that_no_model_solves_has_status_1() {
     let message = fail(1, &["compare", &good, &bad, "--out", &out]);
     assert!(message.contains("bad.toml: no model has an answer"), "{message}");
     assert!(message.contains("cosserat:") && message.contains("four-bar:"), "{message}");
+    assert!(message.contains("What the other cases gave is in"), "{message}");
     assert!(Path::new(&out).join("report.html").exists());
+    assert!(files(Path::new(&out), "svg").iter().all(|path| !path.ends_with("bad-robot.svg")));
+    assert!(!Path::new(&out).join("bad-disks.csv").exists());
+
+    let alone = scratch.file("alone");
+    let message = fail(1, &["compare", &bad, "--out", &alone]);
+    assert!(!message.contains("other cases"), "{message}");
+    assert!(!Path::new(&alone).exists());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::io::Read;
 use std::process::Stdio;
 
 use serde_json::Value;
-use support::{Scratch, command, fail, robot, settings, succeed};
+use support::{Scratch, command, fail, pushed_rod, robot, settings, succeed};
 
 const CASE_3: &str = "examples/table1/case-3.toml";
 
@@ -103,12 +103,51 @@ fn pictures_are_drawn_before_and_after() {
 }
 
 #[test]
+fn what_the_robot_leaves_is_said_to_be_unstable() {
+    let scratch = Scratch::new();
+    let file = scratch.write("rod.toml", &pushed_rod(""));
+    settings(None).bind(|| insta::assert_snapshot!("unstable", succeed(&["solve", &file])));
+    let json: Value = serde_json::from_str(&succeed(&["solve", &file, "--json"])).unwrap();
+    assert_eq!(json["status"], "converged");
+    assert!(json["diagnostics"]["stability"].as_f64().unwrap() < 0.0);
+
+    let follower = scratch.write("follower.toml", &pushed_rod("follower = true"));
+    let text = succeed(&["solve", &follower]);
+    assert!(text.contains("stability not defined under loads that follow"), "{text}");
+    assert!(!text.contains("unstable"), "{text}");
+}
+
+#[test]
+fn a_picture_changes_no_numbers() {
+    let scratch = Scratch::new();
+    let svg = scratch.file("robot.svg");
+    let points = |args: &[&str]| -> Vec<Vec<f64>> {
+        let text = succeed(args);
+        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        text.lines().skip(1).map(row).collect()
+    };
+    for stations in [None, Some("--stations=2"), Some("--stations=8"), Some("--stations=250")] {
+        let mut args = vec!["solve", CASE_3, "--csv"];
+        args.extend(stations);
+        let without = points(&args);
+        args.extend(["--plot", &svg]);
+        let with = points(&args);
+        assert_eq!(with.len(), without.len());
+        for (a, b) in with.iter().zip(&without) {
+            assert_eq!(a[0], b[0]);
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
 fn bad_usage_has_status_2() {
     let unknown = fail(2, &["solve", CASE_3, "--model", "coserat"]);
     assert!(unknown.contains("cosserat, four-bar"), "{unknown}");
     fail(2, &["solve", CASE_3, "--stations", "1"]);
     fail(2, &["solve", CASE_3, "--stations", "-3"]);
-    fail(2, &["solve", CASE_3, "--stations", "99999999999999"]);
+    let many = fail(2, &["solve", CASE_3, "--stations", "100001"]);
+    assert!(many.contains("100001 is not in 2..=100000"), "{many}");
     fail(2, &["solve", CASE_3, "--actuation", "pressure"]);
     fail(2, &["solve", CASE_3, "--json", "--csv"]);
     let picture = fail(2, &["solve", CASE_3, "--plot", "robot.bmp"]);

@@ -176,8 +176,9 @@ fn summary(
     line("tip", format!("({x}, {y}, {z}) mm"));
     line("bend", format!("{}{towards}", degrees(bend)));
     line("orientation", format!("({quaternion}) as w, x, y, z"));
-    text.push('\n');
-    text += &cables(solution).text(style);
+    if !solution.cables.is_empty() {
+        text += &format!("\n{}", cables(solution).text(style));
+    }
     text.push('\n');
     if let Some(words) = instability(solution) {
         text += &format!("{}\n", style.heading(words));
