@@ -5,11 +5,9 @@ use super::lengths::{Command, Effort};
 use super::loaded::Aim;
 use super::newton::Point;
 use super::section::SectionFault;
-use super::statics::{
-    Failed, Failure, Found, Problem, Scratch, finish, finish_chain, section_failure, seed, shoot,
-    start_without_load,
-};
+use super::statics::{Failed, Failure, Found, Problem, Scratch, finish, finish_chain, seed, shoot};
 use super::unloaded::Fault;
+use super::without_load::{section_failure, start_without_load};
 
 /// The load is raised by at least this fraction, or the path is given up.
 const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;

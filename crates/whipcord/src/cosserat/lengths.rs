@@ -57,6 +57,15 @@ pub(super) struct LengthScratch {
     lu: DenseLu,
 }
 
+/// What is to be solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Given<'a> {
+    pub grid: &'a Grid,
+    /// Length of the backbone in m.
+    pub length: f64,
+    pub commands: &'a [Command],
+}
+
 /// Effort and quality of an answer.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Effort {
@@ -78,18 +87,14 @@ const LIMIT_TOLERANCE: f64 = 1e-6;
 /// Solves eq. (6), starting from `tensions`; `unloaded` ends with the sweep of the answer.
 /// `wanted` is what that sweep computes beside.
 pub(super) fn solve(
-    grid: &Grid,
-    length: f64,
-    commands: &[Command],
+    given: &Given<'_>,
     tensions: &mut [f64],
     unloaded: &mut Unloaded,
     scratch: &mut LengthScratch,
     wanted: Wanted,
 ) -> Result<Effort, LengthFault> {
-    match attempt(grid, length, commands, tensions, unloaded, scratch, wanted) {
-        Err(LengthFault::Unreachable { .. }) => {
-            Err(limit(grid, length, commands, tensions, unloaded, scratch))
-        }
+    match attempt(given, tensions, unloaded, scratch, wanted) {
+        Err(LengthFault::Unreachable { .. }) => Err(limit(given, tensions, unloaded, scratch)),
         other => other,
     }
 }
@@ -97,13 +102,12 @@ pub(super) fn solve(
 /// How far the cables go when all are shortened in proportion: by bisection between no tension and
 /// what was asked.
 fn limit(
-    grid: &Grid,
-    length: f64,
-    commands: &[Command],
+    given: &Given<'_>,
     tensions: &mut [f64],
     unloaded: &mut Unloaded,
     scratch: &mut LengthScratch,
 ) -> LengthFault {
+    let Given { grid, commands, .. } = *given;
     release(commands, tensions);
     if let Err(fault) = unloaded.sweep(grid, tensions, false, Wanted::default()) {
         return LengthFault::Section(fault);
@@ -133,7 +137,8 @@ fn limit(
         let middle = 0.5 * (reached + missed);
         tensions.copy_from_slice(&good);
         let wanted = Wanted::default();
-        match attempt(grid, length, &scaled(middle), tensions, unloaded, scratch, wanted) {
+        let part = Given { commands: &scaled(middle), ..*given };
+        match attempt(&part, tensions, unloaded, scratch, wanted) {
             Ok(_) => {
                 reached = middle;
                 good.copy_from_slice(tensions);
@@ -161,14 +166,13 @@ pub(super) fn release(commands: &[Command], tensions: &mut [f64]) {
 
 /// [`solve`], with the first sign that a section folds as the reason of a failure.
 fn attempt(
-    grid: &Grid,
-    length: f64,
-    commands: &[Command],
+    given: &Given<'_>,
     tensions: &mut [f64],
     unloaded: &mut Unloaded,
     scratch: &mut LengthScratch,
     wanted: Wanted,
 ) -> Result<Effort, LengthFault> {
+    let Given { grid, length, commands } = *given;
     let wanted = Wanted { length_by_tension: true, ..wanted };
     for (tension, command) in tensions.iter_mut().zip(commands) {
         if let Command::Tension(given) = command {

@@ -16,13 +16,13 @@ use whipcord_numerics::{Pose, Vec3};
 use super::chain::{Chain, Node};
 use super::continuation::{chain_applies, raise_load, raise_load_on_chain, refine_chain};
 use super::grid::Grid;
-use super::lengths::{self, Command, Effort, LengthFault, LengthScratch};
+use super::lengths::{self, Command, Effort, LengthScratch};
 use super::loaded::{Aim, Shot};
 use super::loads::AppliedLoads;
 use super::newton::{Newton, Point, Scales, residual};
-use super::section::SectionFault;
 use super::stability::Stability;
 use super::unloaded::{Fault, Unloaded, Wanted};
+use super::without_load::{section_failure, set_tensions, start_without_load, without_load};
 use crate::case::Loads;
 use crate::shape::Wrench;
 
@@ -87,7 +87,7 @@ pub(super) struct Scratch {
     pub(super) newton: Newton,
     pub(super) chain: Chain,
     pub(super) stability: Stability,
-    length_scratch: LengthScratch,
+    pub(super) length_scratch: LengthScratch,
     /// Whether the last shot holds the samples of the answer, which a single shot would miss.
     on_chain: bool,
     /// Whether the answer is stable, as far as that was asked for.
@@ -166,88 +166,6 @@ pub(super) fn solve(
         }
     }
     from_no_load(problem, scratch)
-}
-
-fn set_tensions(commands: &[Command], tensions: &mut [f64]) {
-    for (tension, command) in tensions.iter_mut().zip(commands) {
-        if let Command::Tension(given) = command {
-            *tension = *given;
-        }
-    }
-}
-
-fn without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, Failure> {
-    let effort = sections(problem, scratch)?;
-    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
-    scratch.lengths.clone_from(&scratch.unloaded.lengths);
-    scratch.base_wrench = Wrench::default();
-    Ok(Found { iterations: effort.iterations, residual: effort.residual })
-}
-
-/// Strains and tensions of the rod without load.
-fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Effort, Failure> {
-    let wanted = Wanted::default();
-    let commands = problem.commands;
-    if commands.iter().all(|c| matches!(c, Command::Tension(_))) {
-        set_tensions(commands, &mut scratch.tensions);
-        let Scratch { unloaded, tensions, .. } = scratch;
-        let Err(fault) = unloaded.sweep(problem.grid, tensions, false, wanted) else {
-            return Ok(Effort::default());
-        };
-        let borne = borne_fraction(problem.grid, tensions, unloaded);
-        return Err(section_failure(fault, &scratch.tensions, borne));
-    }
-    lengths::solve(
-        problem.grid,
-        problem.length,
-        commands,
-        &mut scratch.tensions,
-        &mut scratch.unloaded,
-        &mut scratch.length_scratch,
-        wanted,
-    )
-    .map_err(|fault| match fault {
-        LengthFault::Section(fault) => section_failure(fault, &scratch.tensions, 0.0),
-        LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
-        LengthFault::Stalled { residual } => Failure::NotConverged {
-            iterations: lengths::MAX_ITERATIONS,
-            residual,
-            last_load: 0.0,
-            advice: "the cable lengths contradict one another: prescribe fewer of them",
-        },
-    })
-}
-
-/// The fraction of the tensions up to which no section folds, by bisection.
-fn borne_fraction(grid: &Grid, tensions: &[f64], unloaded: &mut Unloaded) -> f64 {
-    const BISECTIONS: usize = 16;
-    let (mut borne, mut folded) = (0.0, 1.0);
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (borne + folded);
-        let scaled: Vec<f64> = tensions.iter().map(|t| t * middle).collect();
-        match unloaded.sweep(grid, &scaled, false, Wanted::default()) {
-            Ok(()) => borne = middle,
-            Err(_) => folded = middle,
-        }
-    }
-    borne
-}
-
-pub(super) fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
-    match fault.kind {
-        SectionFault::Folded { cable } => Failure::Folds {
-            cable,
-            arc_length: fault.arc_length,
-            tension: tensions[cable],
-            last_load,
-        },
-        SectionFault::Diverged => Failure::NotConverged {
-            iterations: 0,
-            residual: 1.0,
-            last_load,
-            advice: "a section finds no equilibrium: tension or load is beyond what it bears",
-        },
-    }
 }
 
 /// From the rod without load: at once, or raising the load step by step.
@@ -333,17 +251,6 @@ fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Fault> {
         sample: true,
     };
     shot.fire(problem.grid, applied, &aim)
-}
-
-/// The rod without load: tensions, strains and frames.
-pub(super) fn start_without_load(
-    problem: &Problem<'_>,
-    scratch: &mut Scratch,
-) -> Result<(), Failure> {
-    scratch.tensions.iter_mut().for_each(|tension| *tension = 0.0);
-    sections(problem, scratch)?;
-    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
-    Ok(())
 }
 
 /// Base wrench that would carry the load on the shape without load.

@@ -1,0 +1,101 @@
+//! The rod without load on one grid: the answer where there is none, the start where there is.
+
+use super::grid::Grid;
+use super::lengths::{self, Command, Effort, Given, LengthFault};
+use super::section::SectionFault;
+use super::statics::{Failure, Found, Problem, Scratch};
+use super::unloaded::{Fault, Unloaded, Wanted};
+use crate::shape::Wrench;
+
+/// Puts the given tensions in their place.
+pub(super) fn set_tensions(commands: &[Command], tensions: &mut [f64]) {
+    for (tension, command) in tensions.iter_mut().zip(commands) {
+        if let Command::Tension(given) = command {
+            *tension = *given;
+        }
+    }
+}
+
+/// The whole answer where there is no load.
+pub(super) fn without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, Failure> {
+    let effort = sections(problem, scratch)?;
+    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
+    scratch.lengths.clone_from(&scratch.unloaded.lengths);
+    scratch.base_wrench = Wrench::default();
+    Ok(Found { iterations: effort.iterations, residual: effort.residual })
+}
+
+/// Strains and tensions of the rod without load.
+pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Effort, Failure> {
+    let wanted = Wanted::default();
+    let commands = problem.commands;
+    if commands.iter().all(|c| matches!(c, Command::Tension(_))) {
+        set_tensions(commands, &mut scratch.tensions);
+        let Scratch { unloaded, tensions, .. } = scratch;
+        let Err(fault) = unloaded.sweep(problem.grid, tensions, false, wanted) else {
+            return Ok(Effort::default());
+        };
+        let borne = borne_fraction(problem.grid, tensions, unloaded);
+        return Err(section_failure(fault, &scratch.tensions, borne));
+    }
+    lengths::solve(
+        &Given { grid: problem.grid, length: problem.length, commands },
+        &mut scratch.tensions,
+        &mut scratch.unloaded,
+        &mut scratch.length_scratch,
+        wanted,
+    )
+    .map_err(|fault| match fault {
+        LengthFault::Section(fault) => section_failure(fault, &scratch.tensions, 0.0),
+        LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
+        LengthFault::Stalled { residual } => Failure::NotConverged {
+            iterations: lengths::MAX_ITERATIONS,
+            residual,
+            last_load: 0.0,
+            advice: "the cable lengths contradict one another: prescribe fewer of them",
+        },
+    })
+}
+
+/// The fraction of the tensions up to which no section folds, by bisection.
+fn borne_fraction(grid: &Grid, tensions: &[f64], unloaded: &mut Unloaded) -> f64 {
+    const BISECTIONS: usize = 16;
+    let (mut borne, mut folded) = (0.0, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (borne + folded);
+        let scaled: Vec<f64> = tensions.iter().map(|t| t * middle).collect();
+        match unloaded.sweep(grid, &scaled, false, Wanted::default()) {
+            Ok(()) => borne = middle,
+            Err(_) => folded = middle,
+        }
+    }
+    borne
+}
+
+pub(super) fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
+    match fault.kind {
+        SectionFault::Folded { cable } => Failure::Folds {
+            cable,
+            arc_length: fault.arc_length,
+            tension: tensions[cable],
+            last_load,
+        },
+        SectionFault::Diverged => Failure::NotConverged {
+            iterations: 0,
+            residual: 1.0,
+            last_load,
+            advice: "a section finds no equilibrium: tension or load is beyond what it bears",
+        },
+    }
+}
+
+/// The rod without load: tensions, strains and frames.
+pub(super) fn start_without_load(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+) -> Result<(), Failure> {
+    scratch.tensions.iter_mut().for_each(|tension| *tension = 0.0);
+    sections(problem, scratch)?;
+    scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
+    Ok(())
+}
