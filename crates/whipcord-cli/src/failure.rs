@@ -5,6 +5,9 @@ use std::path::Path;
 
 use thiserror::Error;
 use whipcord::SolveError;
+use whipcord_io::CaseFile;
+
+use crate::inputs;
 
 /// Why a verb did not do its work. The message is what standard error shows.
 #[derive(Debug, Error)]
@@ -39,9 +42,12 @@ impl Failure {
         Self::Input(format!("error: cannot {what} {}: {error}", path.display()))
     }
 
-    /// What a model said about the case in `file`.
-    pub fn from_solve(file: &Path, error: &SolveError) -> Self {
-        let message = format!("error: {}: {error}", file.display());
+    /// What a model said about the case in `file`: with its place there when the model refuses it.
+    pub fn from_solve(file: &CaseFile, error: &SolveError) -> Self {
+        if let Some(located) = file.locate(error) {
+            return Self::Input(inputs::message(&located));
+        }
+        let message = format!("error: {}: {error}", file.path.display());
         if refuses(error) { Self::Input(message) } else { Self::Solve(message) }
     }
 }

@@ -39,7 +39,7 @@ fn what_is_not_timed_is_said_once_and_in_the_terms_of_the_file() {
     let text = succeed(&["bench", "examples/two-segment-arm.toml", "--out", &out]);
     let notes: Vec<&str> = text.lines().filter(|line| line.starts_with("note:")).collect();
     assert_eq!(notes.len(), 1, "{text}");
-    assert!(notes[0].contains("four-bar model cannot take loads.gravity"), "{text}");
+    assert!(notes[0].contains("four-bar model cannot take `loads.gravity`"), "{text}");
 
     let robot = robot("shortening = \"1 %\"").replace("count = 10", "count = 11");
     let short = robot.replace("[4, 4, 4, 4, 4, 4, 4, 4, 4, 4]", "[4, 4, 4, 4, 4, 4]");

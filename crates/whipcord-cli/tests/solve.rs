@@ -166,7 +166,9 @@ fn bad_input_has_status_2() {
     assert!(message.contains("key.toml:15:1") && message.contains("tension"), "{message}");
     let nothing = scratch.write("nothing.toml", &robot(""));
     let message = fail(2, &["solve", &nothing]);
-    assert!(message.contains("cables[0].tension"), "{message}");
+    assert!(message.contains("nothing.toml:12:1: error: the cosserat model needs"), "{message}");
+    assert!(message.contains("`tension` of cable 1"), "{message}");
+    assert!(message.contains("help: give this cable a tension, or a shortening"), "{message}");
     let unwritable = fail(2, &["solve", CASE_3, "--plot", &scratch.file("no/such/folder/a.svg")]);
     assert!(unwritable.contains("cannot write"), "{unwritable}");
 }

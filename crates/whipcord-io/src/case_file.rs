@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use whipcord::{Case, Robot};
+use whipcord::{Case, Robot, SolveError};
 
 use crate::check::{self, Fields};
 use crate::error::{FileError, Problems};
@@ -11,7 +11,7 @@ use crate::node::{Node, Value};
 use crate::read::{self, Measured, Reference};
 use crate::schema::ROOT;
 use crate::source::Sources;
-use crate::validate::{Parts, assemble};
+use crate::validate::{Parts, assemble, refusal};
 
 /// A robot and what is asked of it, as a file describes them.
 #[derive(Clone, Debug)]
@@ -28,6 +28,18 @@ pub struct CaseFile {
     pub reference: Option<Reference>,
     /// The file it was read from.
     pub path: PathBuf,
+    document: Node,
+    sources: Sources,
+}
+
+impl CaseFile {
+    /// What a model that refuses the robot or the case says, with its place in the file. `None`
+    /// where nothing in the file is at fault: when a solve failed, or an option is refused.
+    #[must_use]
+    pub fn locate(&self, error: &SolveError) -> Option<FileError> {
+        let diagnostic = refusal(error, &self.document)?;
+        Some(FileError { problems: vec![diagnostic], more: 0, sources: self.sources.clone() })
+    }
 }
 
 /// Reads a robot file, and the files it names.
@@ -58,15 +70,15 @@ pub fn parse(text: &str, name: impl AsRef<Path>) -> Result<CaseFile, FileError> 
     let path = name.as_ref();
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
     let file = files::document(path, text, &mut sources, &mut problems)
-        .and_then(|document| read(&document, path, &mut sources, &mut problems));
+        .and_then(|document| read(document, path, &mut sources, &mut problems));
     match file {
-        Some(file) if problems.is_empty() => Ok(file),
+        Some(file) if problems.is_empty() => Ok(CaseFile { sources, ..file }),
         _ => Err(problems.into_error(sources)),
     }
 }
 
 fn read(
-    document: &Node,
+    document: Node,
     path: &Path,
     sources: &mut Sources,
     problems: &mut Problems,
@@ -83,7 +95,7 @@ fn read(
     if !problems.is_empty() {
         return None;
     }
-    let (robot, case) = assemble(parts?, document, problems)?;
+    let (robot, case) = assemble(parts?, &document, problems)?;
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Some(CaseFile {
         title: fields.text("title").map_or_else(stem, str::to_owned),
@@ -92,6 +104,9 @@ fn read(
         measured,
         reference: fields.table("reference").and_then(read::reference),
         path: path.to_owned(),
+        document,
+        // Those that were read are put in when all is well.
+        sources: Sources::default(),
     })
 }
 

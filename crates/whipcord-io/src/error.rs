@@ -3,7 +3,8 @@
 use core::fmt;
 
 use thiserror::Error;
-use whipcord::Problem;
+use whipcord::robot::in_words;
+use whipcord::{ModelKind, Problem};
 
 use crate::source::{Sources, Span};
 use crate::units::{Dimension, QuantityError, listed};
@@ -228,6 +229,28 @@ pub enum FileProblem {
         /// What is wrong with it.
         problem: Problem,
     },
+    /// A quantity that is not given, and that the model needs.
+    #[error("the {model} model needs {}", in_words(path))]
+    Needed {
+        /// The model.
+        model: ModelKind,
+        /// Which quantity, as the library names it; cables count from 0.
+        path: String,
+        /// What to do.
+        help: &'static str,
+    },
+    /// A part of the robot or of the case that the model cannot take.
+    #[error("the {model} model cannot take {} ({what})", in_words(path))]
+    NotTaken {
+        /// The model.
+        model: ModelKind,
+        /// Which part, as the library names it; cables count from 0.
+        path: String,
+        /// What it is.
+        what: &'static str,
+        /// What to do.
+        help: &'static str,
+    },
     /// A line of a table of measured positions.
     #[error("{message}")]
     Measured {
@@ -248,27 +271,7 @@ fn physical(path: &str, problem: &Problem) -> String {
         _ => problem.to_string(),
     };
     let predicate = ["must ", "has ", "names ", "lies "].iter().any(|verb| said.starts_with(verb));
-    format!("{}{} {said}", subject(path), if predicate { "" } else { ":" })
-}
-
-/// The quantity at a path, named as people would: `tension` of cable 2.
-fn subject(path: &str) -> String {
-    let path = match path.rfind('[') {
-        // The mark shows which entry of the list it is.
-        Some(at) if path.ends_with(']') => &path[..at],
-        _ => path,
-    };
-    let numbered = |list: &str| {
-        let (number, rest) = path.strip_prefix(list)?.strip_prefix('[')?.split_once("].")?;
-        Some((number.parse::<usize>().ok()? + 1, rest))
-    };
-    if let Some((number, rest)) = numbered("cables") {
-        format!("`{rest}` of cable {number}")
-    } else if let Some((number, rest)) = numbered("loads.point") {
-        format!("`{rest}` of point load {number}")
-    } else {
-        format!("`{path}`")
-    }
+    format!("{}{} {said}", in_words(path), if predicate { "" } else { ":" })
 }
 
 fn bound(value: i64, least: usize, greatest: usize) -> String {

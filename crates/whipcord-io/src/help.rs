@@ -62,7 +62,9 @@ impl FileProblem {
                 None => format!("choose {}", listed(choices.iter().copied(), "or")),
             },
             Self::Physical { problem, .. } => physical_help(problem),
-            Self::Measured { help, .. } => (*help).to_owned(),
+            Self::Needed { help, .. } | Self::NotTaken { help, .. } | Self::Measured { help, .. } => {
+                (*help).to_owned()
+            }
         }
     }
 }

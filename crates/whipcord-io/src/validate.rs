@@ -1,9 +1,12 @@
 //! Asks the library whether the robot and the case can be, and finds the place of what cannot.
 
-use whipcord::{Backbone, Cable, CableCommand, Case, Disks, Loads, Problem, Robot, RobotError};
+use whipcord::{
+    Backbone, Cable, CableCommand, Case, Disks, Loads, Problem, Robot, RobotError, SolveError,
+};
 
-use crate::error::{FileProblem, Problems};
+use crate::error::{Diagnostic, FileProblem, Problems};
 use crate::node::Node;
+use crate::schema::ROOT;
 
 /// The parts of a robot and of a case as the file gives them.
 pub(crate) struct Parts {
@@ -78,4 +81,27 @@ fn report(error: &RobotError, numbers: &[usize], document: &Node, problems: &mut
     }
     let place = document.locate(&path);
     problems.push_related(place.span, related, || FileProblem::Physical { path, problem });
+}
+
+/// What a model that refuses the robot or the case says, and where that is: at the value, or, where
+/// it is missing, at the header of what it belongs to. `None` for what no file says.
+pub(crate) fn refusal(error: &SolveError, document: &Node) -> Option<Diagnostic> {
+    let (path, problem) = match error.clone() {
+        SolveError::Invalid(RobotError { path, problem }) => {
+            (path.clone(), FileProblem::Physical { path, problem })
+        }
+        SolveError::Missing { model, path, advice } => {
+            (path.clone(), FileProblem::Needed { model, path, help: advice })
+        }
+        SolveError::Unsupported { model, path, what, advice } => {
+            (path.clone(), FileProblem::NotTaken { model, path, what, help: advice })
+        }
+        _ => return None,
+    };
+    ROOT.key(path.split(['.', '[']).next()?)?;
+    // A density is missed only by weight.
+    let weight = path == "backbone.density" && document.locate("loads").has("gravity");
+    let related =
+        weight.then(|| (document.locate("loads.gravity").span, "the gravity is given here"));
+    Some(Diagnostic { span: document.locate(&path).span, problem, related })
 }

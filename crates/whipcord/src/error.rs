@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::digits::{Round, millimetres, newtons, share, significant};
 use crate::model::ModelKind;
-use crate::robot::RobotError;
+use crate::robot::{RobotError, in_words};
 
 /// Why a model gives no answer.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -14,7 +14,7 @@ pub enum SolveError {
     Invalid(#[from] RobotError),
 
     /// The model needs a quantity that the robot or the case does not give.
-    #[error("the {model} model needs {path}: {advice}")]
+    #[error("the {model} model needs {}: {advice}", in_words(path))]
     Missing {
         /// The model.
         model: ModelKind,
@@ -25,7 +25,7 @@ pub enum SolveError {
     },
 
     /// The model cannot take a part of the robot or of the case.
-    #[error("the {model} model cannot take {path} ({what}): {advice}")]
+    #[error("the {model} model cannot take {} ({what}): {advice}", in_words(path))]
     Unsupported {
         /// The model.
         model: ModelKind,

@@ -91,7 +91,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     };
     let model = Model::new(args.model, solved, drive);
     let mut timed = timing::solve(&model, &file.robot, &file.case)
-        .map_err(|error| Failure::from_solve(&args.file, &error))?;
+        .map_err(|error| Failure::from_solve(&file, &error))?;
     let picture = match &args.plot {
         Some(path) => Some((path, draw(path, &file, &timed.solution)?)),
         None => None,

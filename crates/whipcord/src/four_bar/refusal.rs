@@ -3,7 +3,7 @@
 use whipcord_numerics::Vec3;
 
 use super::options::{Chord, LengthRule, Objective, Options};
-use crate::case::{Case, Drive};
+use crate::case::{Case, Drive, PointLoad};
 use crate::error::SolveError;
 use crate::model::ModelKind;
 use crate::robot::Robot;
@@ -82,14 +82,16 @@ pub(super) fn case(robot: &Robot, case: &Case) -> Result<(), SolveError> {
     }
     if loaded {
         let loads = &case.loads;
+        let bears = |p: &PointLoad| p.force != Vec3::ZERO || p.moment != Vec3::ZERO;
         let (path, what) = if loads.gravity.is_some_and(|g| g != Vec3::ZERO) {
-            ("loads.gravity", "weight")
+            ("loads.gravity".to_owned(), "weight")
         } else if loads.tip_force != Vec3::ZERO {
-            ("loads.tip_force", "a force")
+            ("loads.tip_force".to_owned(), "a force")
         } else if loads.tip_moment != Vec3::ZERO {
-            ("loads.tip_moment", "a moment")
+            ("loads.tip_moment".to_owned(), "a moment")
         } else {
-            ("loads.point", "a force or moment")
+            let first = loads.points.iter().position(bears).unwrap_or(0);
+            (format!("loads.point[{first}]"), "a force or moment")
         };
         return Err(unsupported(path, what, GEOMETRIC));
     }

@@ -2,7 +2,7 @@ use thiserror::Error;
 
 /// A quantity of a robot or a case that cannot be.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("{path}: {problem}")]
+#[error("{}: {problem}", in_words(path))]
 pub struct RobotError {
     /// Which quantity, in the terms of the robot file: `backbone.length`, `cables[1].holes[3]`
     /// (indices from 0).
@@ -20,6 +20,34 @@ impl RobotError {
     pub(crate) fn under(mut self, parent: &str) -> Self {
         self.path = format!("{parent}.{}", self.path);
         self
+    }
+}
+
+/// The quantity at a path such as `cables[1].holes[3]`, named as people would: `` `holes` of cable 2 ``.
+/// Which entry of a list it is, a path in words leaves out.
+#[must_use]
+pub fn in_words(path: &str) -> String {
+    for (list, what) in [("cables[", "cable"), ("loads.point[", "point load")] {
+        let numbered = path.strip_prefix(list).and_then(|rest| rest.split_once(']'));
+        if let Some((number, rest)) = numbered
+            && let Ok(number) = number.parse::<usize>()
+        {
+            let number = number.saturating_add(1);
+            return match rest.strip_prefix('.') {
+                Some(rest) => format!("`{}` of {what} {number}", without_entry(rest)),
+                None => format!("{what} {number}"),
+            };
+        }
+    }
+    // What no file says, such as an option of a model, is in words already.
+    if path.contains(' ') { path.to_owned() } else { format!("`{}`", without_entry(path)) }
+}
+
+/// A path without the number of the list's entry at its end.
+fn without_entry(path: &str) -> &str {
+    match path.rfind('[') {
+        Some(at) if path.ends_with(']') => &path[..at],
+        _ => path,
     }
 }
 

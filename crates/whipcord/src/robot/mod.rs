@@ -12,7 +12,7 @@ pub use backbone::{Backbone, Material, RestCurvature};
 pub use cable::{Cable, Interpolation, Routing};
 pub use disks::Disks;
 pub(crate) use error::check;
-pub use error::{Problem, RobotError};
+pub use error::{Problem, RobotError, in_words};
 pub use route::{Route, RoutePoint};
 pub use section::{Section, SectionProperties};
 

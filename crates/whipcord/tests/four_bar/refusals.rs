@@ -44,7 +44,7 @@ fn what_a_geometric_model_cannot_take_is_named() {
     assert!(text.contains("cables[1].axial_stiffness (an elastic cable)"), "{text}");
     let between = Cable { ends_at: Some(0.09), ..straight() };
     let text = refused(&robot(Backbone::new(0.18), vec![between]), &options);
-    assert!(text.contains("cables[0].ends_at (a cable that ends between two disks)"), "{text}");
+    assert!(text.contains("`ends_at` of cable 1 (a cable that ends between two disks)"), "{text}");
     let text = refused(&plain(), &Options { drive: Drive::Tension, ..options.clone() });
     assert!(text.contains("give each cable's shortening, or use cosserat"), "{text}");
     let strain = Options { objective: Objective::StrainEnergy, ..options.clone() };
@@ -54,7 +54,7 @@ fn what_a_geometric_model_cannot_take_is_named() {
     let rubbing = robot(Backbone::new(0.18), vec![rubbing]);
     assert!(FourBar::new(&rubbing, &options).is_ok());
     let text = refused(&rubbing, &Options { lengths: LengthRule::Free, ..options });
-    assert!(text.contains("cables[0].friction"), "{text}");
+    assert!(text.contains("`friction` of cable 1"), "{text}");
 }
 
 fn straight_named(name: &str) -> Cable {
@@ -88,11 +88,11 @@ fn loads_and_missing_commands_are_named() {
     let point = |c: &mut Case| {
         c.loads.points.push(PointLoad { at: 0.09, force: Vec3::X, ..PointLoad::default() });
     };
-    assert!(with(point).contains("loads.point"));
+    assert!(with(point).contains("point load 1 (a force or moment)"));
     let tension = Case::with_tensions(&[3.0]);
     assert_eq!(
         solve(&tension),
-        "the four-bar model needs cables[0].shortening: \
+        "the four-bar model needs `shortening` of cable 1: \
          the four-bar model is geometric: give each cable's shortening, or use cosserat"
     );
     // A tension beside the shortening does no harm.
