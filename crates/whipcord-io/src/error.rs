@@ -263,13 +263,7 @@ pub enum FileProblem {
 
 /// What the library says of a quantity, as a sentence.
 fn physical(path: &str, problem: &Problem) -> String {
-    let said = match *problem {
-        // A range without a lower end.
-        Problem::OutOfRange { value, least, greatest } if least <= f64::MIN => {
-            format!("must be at most {greatest}, but is {value}")
-        }
-        _ => problem.to_string(),
-    };
+    let said = problem.to_string();
     let predicate = ["must ", "has ", "names ", "lies "].iter().any(|verb| said.starts_with(verb));
     format!("{}{} {said}", in_words(path), if predicate { "" } else { ":" })
 }

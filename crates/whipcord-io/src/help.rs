@@ -1,6 +1,7 @@
 //! What to do about each problem.
 
 use whipcord::Problem;
+use whipcord::robot::limits::number;
 
 use crate::error::FileProblem;
 use crate::units::{Dimension, QuantityError, listed};
@@ -116,12 +117,9 @@ fn physical_help(problem: &Problem) -> String {
         Problem::NotFinite { .. } => "write a finite number".to_owned(),
         Problem::NotPositive { .. } => "give a value greater than zero".to_owned(),
         Problem::Negative { .. } => "give zero or a value greater than zero".to_owned(),
-        Problem::OutOfRange { least, greatest, .. } => {
-            if least <= f64::MIN {
-                format!("give at most {greatest}")
-            } else {
-                format!("give a value from {least} to {greatest}")
-            }
+        Problem::OutOfRange { range, .. } => format!("give a value {range}"),
+        Problem::TooClose { least, .. } => {
+            format!("put disks at least {} m apart", number(least))
         }
         Problem::Count { given, expected } => {
             if given > expected {
@@ -146,12 +144,12 @@ fn physical_help(problem: &Problem) -> String {
             "put the positions in ascending order, each once".to_owned()
         }
         Problem::NotAtEnd { expected, .. } => {
-            format!("write {expected}, in m, or the same with a unit")
+            format!("write {}, in m, or the same with a unit", number(expected))
         }
         Problem::BeyondTip { length, .. } => {
-            format!("give a place from 0 to {length} m, or lengthen the backbone")
+            format!("give a place from 0 to {} m, or lengthen the backbone", number(length))
         }
-        Problem::BeyondLastHole { last, .. } => format!("give at most {last} m"),
+        Problem::BeyondLastHole { last, .. } => format!("give at most {} m", number(last)),
         Problem::BoreTooWide { .. } => "make the bore smaller or the tube thicker".to_owned(),
         Problem::DuplicateName { .. } => "rename one of the two".to_owned(),
         Problem::CableCount { cables, .. } => format!("give {cables}, one for each cable"),

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
-use crate::robot::{Problem, Robot, RobotError, check};
+use crate::robot::{Problem, Robot, RobotError, check_on_backbone, limits};
 
 /// What is asked of a robot.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,11 +75,11 @@ pub struct PointLoad {
 impl CableCommand {
     fn check(&self) -> Result<(), RobotError> {
         if let Some(tension) = self.tension {
-            check::not_negative("tension", tension)?;
+            limits::TENSION.check("tension", tension)?;
         }
         match self.shortening {
-            Some(Shortening::Length(length)) => check::finite("shortening", length),
-            Some(Shortening::Fraction(f)) => check::within("shortening", f, f64::MIN, 1.0),
+            Some(Shortening::Length(length)) => limits::COORDINATE.check("shortening", length),
+            Some(Shortening::Fraction(f)) => limits::FRACTION.check("shortening", f),
             None => Ok(()),
         }
     }
@@ -87,9 +87,9 @@ impl CableCommand {
 
 impl PointLoad {
     fn check(&self, length: f64) -> Result<(), RobotError> {
-        check::on_backbone("at", self.at, length)?;
-        check::finite_vector("force", self.force)?;
-        check::finite_vector("moment", self.moment)
+        check_on_backbone("at", self.at, length)?;
+        limits::FORCE.check_vector("force", self.force)?;
+        limits::MOMENT.check_vector("moment", self.moment)
     }
 }
 
@@ -152,10 +152,10 @@ impl Case {
         }
         let loads = &self.loads;
         if let Some(gravity) = loads.gravity {
-            check::finite_vector("loads.gravity", gravity)?;
+            limits::ACCELERATION.check_vector("loads.gravity", gravity)?;
         }
-        check::finite_vector("loads.tip_force", loads.tip_force)?;
-        check::finite_vector("loads.tip_moment", loads.tip_moment)?;
+        limits::FORCE.check_vector("loads.tip_force", loads.tip_force)?;
+        limits::MOMENT.check_vector("loads.tip_moment", loads.tip_moment)?;
         for (i, point) in loads.points.iter().enumerate() {
             point
                 .check(robot.backbone().length)

@@ -1,7 +1,8 @@
 use whipcord_numerics::Vec3;
 
 use super::disks::Disks;
-use super::error::{Problem, RobotError, check};
+use super::error::{Problem, RobotError};
+use super::limits::{CURVATURE, DENSITY, DISTANCE, LENGTH, MODULUS, POISSON_RATIO};
 use super::section::{Section, SectionProperties};
 
 /// The elastic rod that runs through the disks.
@@ -117,33 +118,26 @@ impl Backbone {
     }
 
     pub(super) fn check(&self, disks: &Disks) -> Result<(), RobotError> {
-        check::positive("backbone.length", self.length)?;
+        LENGTH.check("backbone.length", self.length)?;
         let count = disks.arc_lengths.len();
         if let Some(section) = &self.section {
             check_section(section, count)?;
         }
         let material = &self.material;
         if let Some(value) = material.young_modulus {
-            check::positive("backbone.young_modulus", value)?;
+            MODULUS.check("backbone.young_modulus", value)?;
         }
         if let Some(value) = material.shear_modulus {
-            check::positive("backbone.shear_modulus", value)?;
+            MODULUS.check("backbone.shear_modulus", value)?;
         }
         if let Some(value) = material.poisson_ratio {
-            check::finite("backbone.poisson_ratio", value)?;
-            // ν = −1 has an infinite shear modulus.
-            if !(value > -1.0 && value <= 0.5) {
-                return Err(RobotError::new(
-                    "backbone.poisson_ratio",
-                    Problem::OutOfRange { value, least: -1.0, greatest: 0.5 },
-                ));
-            }
+            POISSON_RATIO.check("backbone.poisson_ratio", value)?;
         }
         if let Some(value) = material.density {
-            check::positive("backbone.density", value)?;
+            DENSITY.check("backbone.density", value)?;
         }
         match &self.rest_curvature {
-            RestCurvature::Uniform(u) => check::finite_vector("backbone.rest_curvature", *u),
+            RestCurvature::Uniform(u) => CURVATURE.check_vector("backbone.rest_curvature", *u),
             RestCurvature::PerDisk(list) => {
                 if list.len() != count {
                     return Err(RobotError::new(
@@ -152,7 +146,7 @@ impl Backbone {
                     ));
                 }
                 list.iter().enumerate().try_for_each(|(i, u)| {
-                    check::finite_vector(&format!("backbone.rest_curvature[{i}]"), *u)
+                    CURVATURE.check_vector(&format!("backbone.rest_curvature[{i}]"), *u)
                 })
             }
         }
@@ -161,7 +155,7 @@ impl Backbone {
 
 fn check_section(section: &Section, disks: usize) -> Result<(), RobotError> {
     let bore = |inner: f64, outer: f64| {
-        check::not_negative("backbone.inner_diameter", inner)?;
+        DISTANCE.check("backbone.inner_diameter", inner)?;
         if inner < outer {
             Ok(())
         } else {
@@ -170,14 +164,14 @@ fn check_section(section: &Section, disks: usize) -> Result<(), RobotError> {
         }
     };
     match section {
-        Section::Circle { diameter } => check::positive("backbone.diameter", *diameter),
+        Section::Circle { diameter } => LENGTH.check("backbone.diameter", *diameter),
         Section::Tube { outer, inner } => {
-            check::positive("backbone.diameter", *outer)?;
+            LENGTH.check("backbone.diameter", *outer)?;
             bore(*inner, *outer)
         }
         Section::Rectangle { width, height } => {
-            check::positive("backbone.section.width", *width)?;
-            check::positive("backbone.section.height", *height)
+            LENGTH.check("backbone.section.width", *width)?;
+            LENGTH.check("backbone.section.height", *height)
         }
         Section::Taper { outer, inner } => {
             if outer.len() != disks {
@@ -187,7 +181,7 @@ fn check_section(section: &Section, disks: usize) -> Result<(), RobotError> {
                 ));
             }
             outer.iter().enumerate().try_for_each(|(i, &d)| {
-                check::positive(&format!("backbone.diameters[{i}]"), d)?;
+                LENGTH.check(&format!("backbone.diameters[{i}]"), d)?;
                 bore(*inner, d)
             })
         }

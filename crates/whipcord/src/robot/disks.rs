@@ -1,5 +1,6 @@
 use super::backbone::Backbone;
-use super::error::{Problem, RobotError, check};
+use super::error::{Problem, RobotError};
+use super::limits::{COORDINATE, LEAST_PITCH, LENGTH, MASS};
 
 /// The perforated disks, base disk first.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,9 +62,13 @@ impl Disks {
         }
         for (i, &value) in s.iter().enumerate() {
             let path = format!("disks.positions[{i}]");
-            check::finite(&path, value)?;
+            COORDINATE.check(&path, value)?;
             if i > 0 && value <= s[i - 1] {
                 let problem = Problem::NotIncreasing { value, previous: s[i - 1] };
+                return Err(RobotError::new(path, problem));
+            }
+            if i > 0 && value - s[i - 1] < LEAST_PITCH {
+                let problem = Problem::TooClose { pitch: value - s[i - 1], least: LEAST_PITCH };
                 return Err(RobotError::new(path, problem));
             }
         }
@@ -79,11 +84,11 @@ impl Disks {
             return Err(RobotError::new("disks.hole_circle_radius", problem));
         }
         for (i, &radius) in self.hole_circle_radii.iter().enumerate() {
-            check::positive(&format!("disks.hole_circle_radius[{i}]"), radius)?;
+            LENGTH.check(&format!("disks.hole_circle_radius[{i}]"), radius)?;
         }
         if self.holes == Some(0) {
             return Err(RobotError::new("disks.holes", Problem::NotPositive { value: 0.0 }));
         }
-        check::not_negative("disks.mass", self.mass)
+        MASS.check("disks.mass", self.mass)
     }
 }

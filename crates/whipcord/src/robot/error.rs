@@ -1,5 +1,7 @@
 use thiserror::Error;
 
+use super::limits::{Range, number};
+
 /// A quantity of a robot or a case that cannot be.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{}: {problem}", in_words(path))]
@@ -61,26 +63,24 @@ pub enum Problem {
         value: f64,
     },
     /// Zero or negative where only a positive number makes sense.
-    #[error("must be greater than zero, but is {value}")]
+    #[error("must be greater than zero, but is {}", number(*value))]
     NotPositive {
         /// Value given.
         value: f64,
     },
     /// Negative where zero is the least that makes sense.
-    #[error("must not be negative, but is {value}")]
+    #[error("must not be negative, but is {}", number(*value))]
     Negative {
         /// Value given.
         value: f64,
     },
-    /// Outside the range that is physically possible.
-    #[error("must lie between {least} and {greatest}, but is {value}")]
+    /// Outside the range that is possible.
+    #[error("must be {}, but is {}", range.end_passed(*value), range.with_unit(*value))]
     OutOfRange {
         /// Value given.
         value: f64,
-        /// Least value that is possible.
-        least: f64,
-        /// Greatest value that is possible.
-        greatest: f64,
+        /// Values that are possible.
+        range: Range,
     },
     /// A list of the wrong length.
     #[error("must have {expected} entries, one for each disk, but has {given}")]
@@ -122,16 +122,26 @@ pub enum Problem {
     )]
     DisksWithoutHoles,
     /// Positions that do not increase.
-    #[error("must increase from the base to the tip, but {value} follows {previous}")]
+    #[error("must increase from the base to the tip, but {} follows {}", number(*value), number(*previous))]
     NotIncreasing {
         /// Value given.
         value: f64,
         /// The value before it.
         previous: f64,
     },
+    /// Disks at the same place, but for rounding.
+    #[error("lies only {} m behind the disk before it", number(*pitch))]
+    TooClose {
+        /// Distance to the disk before in m.
+        pitch: f64,
+        /// Least distance in m.
+        least: f64,
+    },
     /// The first disk is the base disk and the last one the tip disk.
     #[error(
-        "must be {expected}, but is {value}: the first disk sits at the base and the last at the tip"
+        "must be {}, but is {}: the first disk sits at the base and the last at the tip",
+        number(*expected),
+        number(*value)
     )]
     NotAtEnd {
         /// Value given.
@@ -140,7 +150,7 @@ pub enum Problem {
         expected: f64,
     },
     /// A place beyond the end of the backbone.
-    #[error("lies at {value} m, beyond the tip at {length} m")]
+    #[error("lies at {} m, beyond the tip at {} m", number(*value), number(*length))]
     BeyondTip {
         /// Arc length given.
         value: f64,
@@ -149,7 +159,9 @@ pub enum Problem {
     },
     /// A cable that is to end where it has no hole left.
     #[error(
-        "lies at {value} m, beyond the disk of the cable's last hole at {last} m: name more holes, or end the cable earlier"
+        "lies at {} m, beyond the disk of the cable's last hole at {} m: name more holes, or end the cable earlier",
+        number(*value),
+        number(*last)
     )]
     BeyondLastHole {
         /// Arc length given.
@@ -158,7 +170,7 @@ pub enum Problem {
         last: f64,
     },
     /// A tube whose bore is not smaller than its outside.
-    #[error("must be smaller than the outer diameter {outer}, but is {inner}")]
+    #[error("must be smaller than the outer diameter {}, but is {}", number(*outer), number(*inner))]
     BoreTooWide {
         /// Inner diameter given.
         inner: f64,
@@ -188,60 +200,16 @@ pub enum Problem {
     },
 }
 
-/// Checks of single numbers; each names the quantity it refuses.
-pub(crate) mod check {
-    use super::{Problem, RobotError};
-    use whipcord_numerics::Vec3;
-
-    pub(crate) fn finite(path: &str, value: f64) -> Result<(), RobotError> {
-        if value.is_finite() {
-            Ok(())
-        } else {
-            Err(RobotError::new(path, Problem::NotFinite { value }))
-        }
-    }
-
-    pub(crate) fn finite_vector(path: &str, value: Vec3) -> Result<(), RobotError> {
-        match (0..3).find(|&i| !value[i].is_finite()) {
-            Some(i) => finite(&format!("{path}[{i}]"), value[i]),
-            None => Ok(()),
-        }
-    }
-
-    pub(crate) fn positive(path: &str, value: f64) -> Result<(), RobotError> {
-        finite(path, value)?;
-        if value > 0.0 {
-            Ok(())
-        } else {
-            Err(RobotError::new(path, Problem::NotPositive { value }))
-        }
-    }
-
-    pub(crate) fn not_negative(path: &str, value: f64) -> Result<(), RobotError> {
-        finite(path, value)?;
-        if value >= 0.0 { Ok(()) } else { Err(RobotError::new(path, Problem::Negative { value })) }
-    }
-
-    pub(crate) fn within(
-        path: &str,
-        value: f64,
-        least: f64,
-        greatest: f64,
-    ) -> Result<(), RobotError> {
-        finite(path, value)?;
-        if (least..=greatest).contains(&value) {
-            Ok(())
-        } else {
-            Err(RobotError::new(path, Problem::OutOfRange { value, least, greatest }))
-        }
-    }
-
-    pub(crate) fn on_backbone(path: &str, value: f64, length: f64) -> Result<(), RobotError> {
-        not_negative(path, value)?;
-        if value <= length {
-            Ok(())
-        } else {
-            Err(RobotError::new(path, Problem::BeyondTip { value, length }))
-        }
-    }
+/// Refuses a place that is not on the backbone.
+pub(crate) fn check_on_backbone(path: &str, value: f64, length: f64) -> Result<(), RobotError> {
+    let problem = if !value.is_finite() {
+        Problem::NotFinite { value }
+    } else if value < 0.0 {
+        Problem::Negative { value }
+    } else if value > length {
+        Problem::BeyondTip { value, length }
+    } else {
+        return Ok(());
+    };
+    Err(RobotError::new(path, problem))
 }

@@ -5,13 +5,14 @@ mod cable;
 mod disks;
 mod error;
 mod fourier;
+pub mod limits;
 mod route;
 mod section;
 
 pub use backbone::{Backbone, Material, RestCurvature};
 pub use cable::{Cable, Interpolation, Routing};
 pub use disks::Disks;
-pub(crate) use error::check;
+pub(crate) use error::check_on_backbone;
 pub use error::{Problem, RobotError, in_words};
 pub use route::{Route, RoutePoint};
 pub use section::{Section, SectionProperties};

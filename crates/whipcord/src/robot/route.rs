@@ -5,8 +5,9 @@ use whipcord_numerics::{PiecewiseCubic, Vec3};
 use super::backbone::Backbone;
 use super::cable::{Cable, Interpolation, Routing};
 use super::disks::Disks;
-use super::error::{Problem, RobotError, check};
+use super::error::{Problem, RobotError, check_on_backbone};
 use super::fourier::Fourier;
+use super::limits::{ANGLE, AXIAL_STIFFNESS, COORDINATE, DISTANCE, FRICTION, LENGTH, Range, TURNS};
 
 /// Where a cable runs: its offset `r(s)` from the backbone in the frame of the cross-section.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,21 +54,21 @@ impl Route {
                 holes_curve(holes, *interpolation, knots, disks)
             }
             Routing::Straight { angle, radius } => {
-                check::finite("routing.angle", *angle)?;
-                check::not_negative("routing.radius", *radius)?;
+                ANGLE.check("routing.angle", *angle)?;
+                DISTANCE.check("routing.radius", *radius)?;
                 Curve::Polynomial { x: vec![radius * angle.cos()], y: vec![radius * angle.sin()] }
             }
             Routing::Helix { start_angle, turns, radius } => {
-                check::finite("routing.start_angle", *start_angle)?;
-                check::finite("routing.turns", *turns)?;
-                check::not_negative("routing.radius", *radius)?;
+                ANGLE.check("routing.start_angle", *start_angle)?;
+                TURNS.check("routing.turns", *turns)?;
+                DISTANCE.check("routing.radius", *radius)?;
                 let rate = TAU * turns / length;
                 Curve::Helix { start_angle: *start_angle, rate, radius: *radius }
             }
             Routing::Linear { start, end } => {
                 for i in 0..2 {
-                    check::finite(&format!("routing.start[{i}]"), start[i])?;
-                    check::finite(&format!("routing.end[{i}]"), end[i])?;
+                    COORDINATE.check(&format!("routing.start[{i}]"), start[i])?;
+                    COORDINATE.check(&format!("routing.end[{i}]"), end[i])?;
                 }
                 let line = |i: usize| vec![start[i], (end[i] - start[i]) / length];
                 Curve::Polynomial { x: line(0), y: line(1) }
@@ -75,23 +76,24 @@ impl Route {
             Routing::Polynomial { x, y } => {
                 for (name, list) in [("x", x), ("y", y)] {
                     for (i, &c) in list.iter().enumerate() {
-                        check::finite(&format!("routing.{name}[{i}]"), c)?;
+                        Range::of_coefficient(i, length)
+                            .check(&format!("routing.{name}[{i}]"), c)?;
                     }
                 }
                 Curve::Polynomial { x: x.clone(), y: y.clone() }
             }
         };
         if let Some(value) = cable.friction {
-            check::not_negative("friction", value)?;
+            FRICTION.check("friction", value)?;
         }
         if let Some(value) = cable.axial_stiffness {
-            check::positive("axial_stiffness", value)?;
+            AXIAL_STIFFNESS.check("axial_stiffness", value)?;
         }
         let end = match cable.ends_at {
             None => longest,
             Some(end) => {
-                check::positive("ends_at", end)?;
-                check::on_backbone("ends_at", end, length)?;
+                LENGTH.check("ends_at", end)?;
+                check_on_backbone("ends_at", end, length)?;
                 if end > longest {
                     let problem = Problem::BeyondLastHole { value: end, last: longest };
                     return Err(RobotError::new("ends_at", problem));

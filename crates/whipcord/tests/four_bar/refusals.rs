@@ -36,12 +36,12 @@ fn what_a_geometric_model_cannot_take_is_named() {
     };
     assert_eq!(
         refused(&robot(curved, vec![straight()]), &options),
-        "the four-bar model cannot take backbone.rest_curvature (a pre-bent backbone): \
+        "the four-bar model cannot take `backbone.rest_curvature` (a pre-bent backbone): \
          the four-bar model is geometric: leave it out, or use cosserat"
     );
     let elastic = Cable { axial_stiffness: Some(2e3), ..straight() };
     let text = refused(&robot(Backbone::new(0.18), vec![straight_named("a"), elastic]), &options);
-    assert!(text.contains("cables[1].axial_stiffness (an elastic cable)"), "{text}");
+    assert!(text.contains("`axial_stiffness` of cable 2 (an elastic cable)"), "{text}");
     let between = Cable { ends_at: Some(0.09), ..straight() };
     let text = refused(&robot(Backbone::new(0.18), vec![between]), &options);
     assert!(text.contains("`ends_at` of cable 1 (a cable that ends between two disks)"), "{text}");
@@ -49,7 +49,7 @@ fn what_a_geometric_model_cannot_take_is_named() {
     assert!(text.contains("give each cable's shortening, or use cosserat"), "{text}");
     let strain = Options { objective: Objective::StrainEnergy, ..options.clone() };
     let text = refused(&plain(), &strain);
-    assert!(text.contains("needs backbone.poisson_ratio"), "{text}");
+    assert!(text.contains("needs `backbone.poisson_ratio`"), "{text}");
     let rubbing = Cable { friction: Some(0.1), ..straight() };
     let rubbing = robot(Backbone::new(0.18), vec![rubbing]);
     assert!(FourBar::new(&rubbing, &options).is_ok());
@@ -65,7 +65,7 @@ fn straight_named(name: &str) -> Cable {
 fn the_printed_equations_take_one_cable_and_no_variants() {
     let printed = Options { objective: Objective::AsPrinted, ..Options::default() };
     let two = robot(Backbone::new(0.18), vec![straight_named("a"), straight_named("b")]);
-    assert!(refused(&two, &printed).contains("cables[1]"));
+    assert!(refused(&two, &printed).contains("cable 2 (a second"));
     assert!(refused(&plain(), &Options { chord: Chord::Arc, ..printed.clone() }).contains("arc"));
     assert!(refused(&plain(), &Options { lengths: LengthRule::Free, ..printed }).contains("free"));
 }
@@ -82,7 +82,7 @@ fn loads_and_missing_commands_are_named() {
         solve(&case)
     };
     let text = with(|c| c.loads.gravity = Some(Vec3::new(0.0, 0.0, -9.81)));
-    assert!(text.contains("loads.gravity (weight)") && text.contains("use cosserat"), "{text}");
+    assert!(text.contains("`loads.gravity` (weight)") && text.contains("use cosserat"), "{text}");
     assert!(with(|c| c.loads.tip_force = Vec3::X).contains("loads.tip_force"));
     assert!(with(|c| c.loads.tip_moment = Vec3::X).contains("loads.tip_moment"));
     let point = |c: &mut Case| {

@@ -1,0 +1,183 @@
+//! What a quantity may be. The limits lie far beyond every robot, and so near that no power or
+//! quotient of quantities within them leaves the range of floating-point numbers.
+
+use core::fmt;
+
+use super::error::{Problem, RobotError};
+use whipcord_numerics::Vec3;
+
+/// The values that a quantity may have, in SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Least value,
+    pub least: f64,
+    /// which may itself be left out.
+    pub above: bool,
+    /// Greatest value.
+    pub greatest: f64,
+    /// Unit, empty for a plain number.
+    pub unit: &'static str,
+}
+
+/// A length that must not vanish, such as the backbone's or a diameter: 1 nm to 1000 km.
+pub const LENGTH: Range = Range::from(1e-9, 1e6, "m");
+/// A length that may vanish, such as a cable's distance from the axis: to 1000 km.
+pub const DISTANCE: Range = Range::from(0.0, 1e6, "m");
+/// A coordinate, or the length by which a cable is shortened: to 1000 km either way.
+pub const COORDINATE: Range = Range::either_way(1e6, "m");
+/// By how much a cable is shortened, as a part of its length: not to less than nothing.
+pub const FRACTION: Range = Range::from(-1e6, 1.0, "");
+/// Young's and the shear modulus: 1 Pa to 10⁶ GPa, a thousand times that of diamond.
+pub const MODULUS: Range = Range::from(1.0, 1e15, "Pa");
+/// Poisson's ratio of a stable material; at −1 the shear modulus would be infinite.
+pub const POISSON_RATIO: Range = Range { above: true, ..Range::from(-1.0, 0.5, "") };
+/// A density; that of osmium is 22 590 kg/m³.
+pub const DENSITY: Range = Range::from(1e-9, 1e9, "kg/m³");
+/// The mass of a disk.
+pub const MASS: Range = Range::from(0.0, 1e9, "kg");
+/// A component of a curvature: to that of a circle as small as 1 nm.
+pub const CURVATURE: Range = Range::either_way(1e9, "1/m");
+/// An angle.
+pub const ANGLE: Range = Range::either_way(1e9, "rad");
+/// Turns of a helix.
+pub const TURNS: Range = Range::either_way(1e6, "");
+/// A coefficient of friction.
+pub const FRICTION: Range = Range::from(0.0, 100.0, "");
+/// A cable's axial stiffness.
+pub const AXIAL_STIFFNESS: Range = Range::from(1e-9, 1e15, "N");
+/// A tension.
+pub const TENSION: Range = Range::from(0.0, 1e12, "N");
+/// A component of a force.
+pub const FORCE: Range = Range::either_way(1e12, "N");
+/// A component of a moment.
+pub const MOMENT: Range = Range::either_way(1e12, "N·m");
+/// A component of the acceleration of gravity.
+pub const ACCELERATION: Range = Range::either_way(1e6, "m/s²");
+/// Greatest coefficient of a polynomial, whatever its power.
+const LARGEST_COEFFICIENT: f64 = 1e100;
+/// Least distance in m between neighbouring disks.
+pub(crate) const LEAST_PITCH: f64 = 1e-15;
+
+impl Range {
+    const fn from(least: f64, greatest: f64, unit: &'static str) -> Self {
+        Self { least, above: false, greatest, unit }
+    }
+
+    const fn either_way(greatest: f64, unit: &'static str) -> Self {
+        Self::from(-greatest, greatest, unit)
+    }
+
+    /// The range of the coefficient of `s^power` of a cable's coordinate on a backbone of this
+    /// length: the term stays a [`COORDINATE`] all along it.
+    pub(crate) fn of_coefficient(power: usize, length: f64) -> Self {
+        let reach = length.powf(power as f64);
+        Self::either_way((COORDINATE.greatest / reach).min(LARGEST_COEFFICIENT), "")
+    }
+
+    /// What is wrong with a value, if anything.
+    #[must_use]
+    pub fn problem(self, value: f64) -> Option<Problem> {
+        let Self { least, above, greatest, .. } = self;
+        if !value.is_finite() {
+            Some(Problem::NotFinite { value })
+        } else if least > 0.0 && value <= 0.0 {
+            Some(Problem::NotPositive { value })
+        } else if least == 0.0 && value < 0.0 {
+            Some(Problem::Negative { value })
+        } else if value < least || value > greatest || (above && value <= least) {
+            Some(Problem::OutOfRange { value, range: self })
+        } else {
+            None
+        }
+    }
+
+    pub(crate) fn check(self, path: &str, value: f64) -> Result<(), RobotError> {
+        match self.problem(value) {
+            None => Ok(()),
+            Some(problem) => Err(RobotError::new(path, problem)),
+        }
+    }
+
+    /// The same of every component.
+    pub(crate) fn check_vector(self, path: &str, value: Vec3) -> Result<(), RobotError> {
+        match (0..3).find(|&i| self.problem(value[i]).is_some()) {
+            Some(i) => self.check(&format!("{path}[{i}]"), value[i]),
+            None => Ok(()),
+        }
+    }
+
+    /// A value in the range's unit.
+    pub(super) fn with_unit(self, value: f64) -> String {
+        let space = if self.unit.is_empty() { "" } else { " " };
+        format!("{}{space}{}", number(value), self.unit)
+    }
+
+    /// The end of the range beyond which a value lies.
+    pub(super) fn end_passed(self, value: f64) -> String {
+        if value > self.greatest {
+            format!("at most {}", self.with_unit(self.greatest))
+        } else if self.above {
+            format!("greater than {}", self.with_unit(self.least))
+        } else {
+            format!("at least {}", self.with_unit(self.least))
+        }
+    }
+}
+
+/// What may be given: "from 1e-9 m to 1e6 m".
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let greatest = self.with_unit(self.greatest);
+        if self.above {
+            write!(f, "greater than {} and at most {greatest}", self.with_unit(self.least))
+        } else {
+            write!(f, "from {} to {greatest}", self.with_unit(self.least))
+        }
+    }
+}
+
+/// A number as it is written in a message: very large and very small ones with an exponent.
+#[must_use]
+pub fn number(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() || (1e-6..1e6).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_end_is_told_apart() {
+        let told = |range: Range, value| range.problem(value).map(|problem| problem.to_string());
+        assert_eq!(told(LENGTH, 1e-9), None);
+        assert_eq!(told(LENGTH, 0.0).as_deref(), Some("must be greater than zero, but is 0"));
+        assert_eq!(
+            told(LENGTH, 1e-300).as_deref(),
+            Some("must be at least 1e-9 m, but is 1e-300 m")
+        );
+        assert_eq!(told(LENGTH, 1e300).as_deref(), Some("must be at most 1e6 m, but is 1e300 m"));
+        assert_eq!(told(DISTANCE, -0.0), None);
+        assert_eq!(told(DISTANCE, -1.0).as_deref(), Some("must not be negative, but is -1"));
+        assert_eq!(
+            told(POISSON_RATIO, -1.0).as_deref(),
+            Some("must be greater than -1, but is -1")
+        );
+        assert_eq!(told(POISSON_RATIO, 0.5), None);
+        assert_eq!(
+            told(COORDINATE, -2e6).as_deref(),
+            Some("must be at least -1e6 m, but is -2e6 m")
+        );
+        assert_eq!(told(FORCE, f64::NAN).as_deref(), Some("must be a finite number, but is NaN"));
+    }
+
+    #[test]
+    fn coefficients_are_bounded_by_what_they_reach() {
+        assert_eq!(Range::of_coefficient(2, 1e-9).greatest, 1e24);
+        assert_eq!(Range::of_coefficient(40, 1e-9).greatest, LARGEST_COEFFICIENT);
+        assert_eq!(Range::of_coefficient(80, 1e6).greatest, 0.0);
+    }
+}
