@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use whipcord::robot::limits;
 use whipcord::{Case, Robot, SolveError};
 
 use crate::check::{self, Fields};
-use crate::error::{FileError, Problems};
+use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::{Node, Value};
 use crate::read::{self, Measured, Reference};
-use crate::schema::ROOT;
+use crate::schema::{DURATION, ROOT};
 use crate::source::Sources;
 use crate::validate::{Parts, assemble, refusal};
 
@@ -91,6 +92,10 @@ fn read(
         let named = document.locate("measured.disks").span;
         read::measured(csv, named, disks, sources, problems)
     });
+    let reference = fields.table("reference").and_then(read::reference);
+    if let Some(reference) = &reference {
+        published(reference, &document, problems);
+    }
     // What the checks refused would only be refused again.
     if !problems.is_empty() {
         return None;
@@ -102,7 +107,7 @@ fn read(
         robot,
         case,
         measured,
-        reference: fields.table("reference").and_then(read::reference),
+        reference,
         path: path.to_owned(),
         document,
         // Those that were read are put in when all is well.
@@ -123,4 +128,21 @@ fn parts(fields: &Fields) -> Option<Parts> {
         commands: tables.iter().map(read::command).collect(),
         loads: fields.table("loads").map(read::loads).unwrap_or_default(),
     })
+}
+
+/// Refuses published values that cannot be.
+fn published(reference: &Reference, document: &Node, problems: &mut Problems) {
+    let values = [
+        ("rms_four_bar", reference.rms_four_bar, limits::DISTANCE),
+        ("rms_cosserat", reference.rms_cosserat, limits::DISTANCE),
+        ("time_four_bar", reference.time_four_bar, DURATION),
+        ("time_cosserat", reference.time_cosserat, DURATION),
+    ];
+    for (key, value, range) in values {
+        if let Some(problem) = value.and_then(|value| range.problem(value)) {
+            let path = format!("reference.{key}");
+            let span = document.locate(&path).span;
+            problems.push(span, || FileProblem::Physical { path, problem });
+        }
+    }
 }

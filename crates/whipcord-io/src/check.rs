@@ -251,10 +251,10 @@ pub(crate) fn value(
         (Kind::Number, Value::Integer(_) | Value::Number(_)) => {
             number(node, key, Dimension::Ratio, problems)
         }
-        (Kind::Quantity(dimensions), Value::Integer(_) | Value::Number(_)) => {
+        (Kind::Quantity(dimensions, _), Value::Integer(_) | Value::Number(_)) => {
             number(node, key, *dimensions.first()?, problems)
         }
-        (Kind::Quantity(expected), Value::Text(text)) => {
+        (Kind::Quantity(expected, _), Value::Text(text)) => {
             quantity(node, expected, text, key, problems)
         }
         (Kind::Vector(item, expected), Value::List(items)) => {
@@ -269,7 +269,7 @@ pub(crate) fn value(
             }
             list(items, item, key, problems)
         }
-        (Kind::List(item), Value::List(items)) => {
+        (Kind::List(item, _), Value::List(items)) => {
             if items.is_empty() {
                 problems.push(node.span, || empty(key));
                 return None;
@@ -302,8 +302,8 @@ pub(crate) fn value(
 /// Whether a value has the outward form of a kind.
 fn resembles(value: &Value, kind: &Kind) -> bool {
     match (kind, value) {
-        (Kind::Quantity(_), Value::Text(_) | Value::Integer(_) | Value::Number(_)) => true,
-        (Kind::Vector(item, _) | Kind::List(item), Value::List(items)) => {
+        (Kind::Quantity(..), Value::Text(_) | Value::Integer(_) | Value::Number(_)) => true,
+        (Kind::Vector(item, _) | Kind::List(item, _), Value::List(items)) => {
             items.first().is_none_or(|first| resembles(&first.value, item))
         }
         _ => false,
@@ -406,6 +406,13 @@ fn wrong_type(
     problems.push(node.span, || {
         let (mut expected, mut found) = (kind.description(), node.value.type_name());
         let help = match (kind, &node.value) {
+            // Beyond 64 bits the parser gives a number of any kind.
+            (Kind::Count { least, greatest }, Value::Number(value))
+                if value.abs() >= 2f64.powi(63) =>
+            {
+                found = "a number that is far too large";
+                format!("write a number from {least} to {greatest}")
+            }
             (Kind::Count { .. }, Value::Number(value)) => {
                 found = "a number with a decimal point";
                 if value.fract() == 0.0 && value.abs() < 1e15 {

@@ -1,6 +1,6 @@
 //! Reads files, and the files they extend.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -32,6 +32,13 @@ fn read(path: &Path) -> Result<String, Refusal> {
         text: None,
         at: 0,
     };
+    // A pipe without a writer would be waited for, and a device may have no end.
+    let kind = fs::metadata(path).map_err(|error| unreadable(&error))?.file_type();
+    if !kind.is_file() && !kind.is_dir() {
+        let reason = "it is not a file with content of its own, but a pipe or a device".to_owned();
+        let problem = FileProblem::Unreadable { reason, missing: false };
+        return Err(Refusal { problem, text: None, at: 0 });
+    }
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(LARGEST as u64 + 1).read_to_end(&mut bytes))

@@ -165,6 +165,9 @@ fn types_and_counts() {
         ("one disk", with_disks("count = 1")),
         ("a negative count", with_disks("count = -3")),
         ("a huge count", with_disks("count = 4000000000")),
+        ("a count beyond counting", with_disks("count = 99999999999999999999")),
+        ("a hole beyond counting", with_cable("holes = [1, 99999999999999999999]")),
+        ("a hexadecimal one", with_cable("holes = [1, 0xffffffffffffffffffff]")),
         ("hole zero", with_cable("holes = [0, 1]")),
         ("half a hole", with_cable("holes = [1, 2.5]")),
         ("holes as a text", with_cable("holes = \"1-2-3\"")),
@@ -239,6 +242,12 @@ fn what_cannot_be() {
         (
             "a coefficient too large",
             with_cable("routing = { kind = \"polynomial\", x = [0.008, 0, 1e9], y = [0] }"),
+        ),
+        (
+            "published values too large",
+            format!(
+                "{BACKBONE}{DISKS}[reference]\nsource = \"x\"\nrms_cosserat = 1e308\ntime_four_bar = -1\n"
+            ),
         ),
         ("a bore too wide", with_backbone("length = 1\ndiameter = 0.01\ninner_diameter = 0.02")),
         (
@@ -422,6 +431,21 @@ fn files_that_cannot_be_read() {
 
 #[cfg(unix)]
 #[test]
+fn pipes_and_devices_are_refused_at_once() {
+    let folder = folder_of(&[
+        ("of-pipe.toml", b"extends = \"pipe\"\n"),
+        ("measured.toml", format!("{BACKBONE}{DISKS}[measured]\ndisks = \"pipe\"\n").as_bytes()),
+    ]);
+    let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
+    assert!(made.unwrap().success());
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("link")).unwrap();
+    let told = ["pipe", "link", "of-pipe.toml", "measured.toml"];
+    let told = told.map(|name| format!("{name}\n\n{}", loaded(folder.path(), name)));
+    insta::assert_snapshot!(told.join("\n"));
+}
+
+#[cfg(unix)]
+#[test]
 fn measured_positions() {
     let tables: &[(&str, &str)] = &[
         ("empty", ""),
@@ -435,6 +459,7 @@ fn measured_positions() {
         ("disk-0", "disk,x,y,z\n0,0,0,0\n1.5,0,0,0\n"),
         ("disk-twice", "disk,x,y,z\n2,0,0,0.02\n2,0,0,0.02\n"),
         ("units", "disk,x,y,z\n2,0 mm,0 mm,20 mm\n"),
+        ("too-far", "disk,x,y,z\n2,0,0,1e300\n"),
     ];
     let folder = tempfile::tempdir().unwrap();
     let mut all = Vec::new();

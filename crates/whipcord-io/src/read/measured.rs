@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use whipcord::Vec3;
+use whipcord::robot::limits::COORDINATE;
 
 use crate::error::{FileProblem, Problems};
 use crate::files;
@@ -132,6 +133,13 @@ impl Table<'_> {
                 let message = format!("`{}` is not a finite number", quoted(text));
                 let help = "write positions as plain numbers in m, with a decimal point";
                 self.problems.push(span, || problem(message, help));
+            }
+            if let Some(problem) = number.filter(|_| column > 0).and_then(|n| COORDINATE.problem(n))
+            {
+                let message = format!("a position {problem}");
+                let help = "write positions as plain numbers in m, with a decimal point";
+                self.problems.push(span, || self::problem(message, help));
+                continue;
             }
             values[column] = number;
         }

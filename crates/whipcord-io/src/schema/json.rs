@@ -1,6 +1,7 @@
 //! The declarations as a JSON Schema.
 
 use serde_json::{Map, Value, json};
+use whipcord::robot::limits::Range;
 
 use super::{Kind, ROOT, Rule, Table};
 use crate::units::Dimension;
@@ -127,14 +128,17 @@ fn kind(declared: &Kind) -> Value {
             json!({ "type": "integer", "minimum": least, "maximum": greatest })
         }
         Kind::Number => json!({ "type": "number" }),
-        Kind::Quantity([dimension]) => reference(*dimension),
-        Kind::Quantity(dimensions) => {
-            json!({ "anyOf": dimensions.iter().map(|d| reference(*d)).collect::<Vec<_>>() })
+        Kind::Quantity([dimension], range) => bounded(reference(*dimension), *range),
+        Kind::Quantity(dimensions, range) => {
+            let any_of: Vec<Value> = dimensions.iter().map(|d| reference(*d)).collect();
+            bounded(json!({ "anyOf": any_of }), *range)
         }
         Kind::Vector(item, count) => {
             json!({ "type": "array", "items": kind(item), "minItems": count, "maxItems": count })
         }
-        Kind::List(item) => json!({ "type": "array", "items": kind(item), "minItems": 1 }),
+        Kind::List(item, least) => {
+            json!({ "type": "array", "items": kind(item), "minItems": least })
+        }
         Kind::Either(kinds) => json!({ "anyOf": kinds.iter().map(kind).collect::<Vec<_>>() }),
         Kind::Table(inner) => table(inner),
         Kind::Tables(inner) => json!({ "type": "array", "items": whole(inner) }),
@@ -154,6 +158,14 @@ fn variant(tag: &str, word: &str, declared: &Table) -> Value {
     } else {
         schema["required"] = json!([tag]);
     }
+    schema
+}
+
+/// The same for numbers within a range; a text with a unit a schema cannot compare.
+fn bounded(mut schema: Value, range: Range) -> Value {
+    let least = if range.above { "exclusiveMinimum" } else { "minimum" };
+    schema[least] = json!(range.least);
+    schema["maximum"] = json!(range.greatest);
     schema
 }
 

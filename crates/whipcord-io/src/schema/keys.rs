@@ -1,5 +1,7 @@
 //! The tables and keys of a robot file.
 
+use whipcord::robot::limits::{self, Range};
+
 use super::{Key, Kind, Rule, Table};
 use crate::units::Dimension;
 
@@ -7,16 +9,27 @@ use crate::units::Dimension;
 const MOST_DISKS: usize = 100_000;
 const MOST_HOLES: usize = 100_000;
 
-const LENGTH: Kind = Kind::Quantity(&[Dimension::Length]);
-const PRESSURE: Kind = Kind::Quantity(&[Dimension::Pressure]);
-const FORCE: Kind = Kind::Quantity(&[Dimension::Force]);
-const ANGLE: Kind = Kind::Quantity(&[Dimension::Angle]);
-const RATIO: Kind = Kind::Quantity(&[Dimension::Ratio]);
-const TIME: Kind = Kind::Quantity(&[Dimension::Time]);
-const FORCE_VECTOR: Kind = Kind::Vector(&FORCE, 3);
-const MOMENT_VECTOR: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Moment]), 3);
-const CURVATURE_VECTOR: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Curvature]), 3);
-const POINT: Kind = Kind::Vector(&LENGTH, 2);
+const LENGTH: Kind = Kind::Quantity(&[Dimension::Length], limits::LENGTH);
+const DISTANCE: Kind = Kind::Quantity(&[Dimension::Length], limits::DISTANCE);
+const PRESSURE: Kind = Kind::Quantity(&[Dimension::Pressure], limits::MODULUS);
+const ANGLE: Kind = Kind::Quantity(&[Dimension::Angle], limits::ANGLE);
+const PUBLISHED_TIME: Kind = Kind::Quantity(&[Dimension::Time], DURATION);
+const FORCE_VECTOR: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Force], limits::FORCE), 3);
+const MOMENT_VECTOR: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Moment], limits::MOMENT), 3);
+const CURVATURE_VECTOR: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Curvature], limits::CURVATURE), 3);
+const POINT: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Length], limits::COORDINATE), 2);
+
+/// What a published solve time may be: up to 30 years.
+pub(crate) const DURATION: Range = Range { least: 0.0, above: false, greatest: 1e9, unit: "s" };
+
+const fn ratio(range: Range) -> Kind {
+    Kind::Quantity(&[Dimension::Ratio], range)
+}
+
+const fn force(range: Range) -> Kind {
+    Kind::Quantity(&[Dimension::Force], range)
+}
 
 const fn key(name: &'static str, kind: Kind, example: &'static str, doc: &'static str) -> Key {
     Key { name, kind, example, doc }
@@ -57,13 +70,13 @@ static BACKBONE: Table = Table {
         key("diameter", LENGTH, r#""3 mm""#, "Outer diameter of a round rod or tube."),
         key(
             "inner_diameter",
-            LENGTH,
+            DISTANCE,
             r#""2 mm""#,
             "Inner diameter of a tube; beside `diameter` or `diameters`.",
         ),
         key(
             "diameters",
-            Kind::List(&LENGTH),
+            Kind::List(&LENGTH, 2),
             r#"["4 mm", "3 mm", "2 mm"]"#,
             "Outer diameter at each disk, base disk first; it varies linearly between them.",
         ),
@@ -74,7 +87,12 @@ static BACKBONE: Table = Table {
             SECTION.doc,
         ),
         key("young_modulus", PRESSURE, r#""1.1 GPa""#, "Young's modulus."),
-        key("poisson_ratio", RATIO, "0.3", "Poisson's ratio; instead of `shear_modulus`."),
+        key(
+            "poisson_ratio",
+            ratio(limits::POISSON_RATIO),
+            "0.3",
+            "Poisson's ratio; instead of `shear_modulus`.",
+        ),
         key(
             "shear_modulus",
             PRESSURE,
@@ -83,13 +101,13 @@ static BACKBONE: Table = Table {
         ),
         key(
             "density",
-            Kind::Quantity(&[Dimension::Density]),
+            Kind::Quantity(&[Dimension::Density], limits::DENSITY),
             r#""1040 kg/m^3""#,
             "Density; needed only with gravity or motion.",
         ),
         key(
             "rest_curvature",
-            Kind::Either(&[CURVATURE_VECTOR, Kind::List(&CURVATURE_VECTOR)]),
+            Kind::Either(&[CURVATURE_VECTOR, Kind::List(&CURVATURE_VECTOR, 2)]),
             r#"["0 1/m", "4 1/m", "0 1/m"]"#,
             "Curvature of the backbone when nothing pulls on it, in its own frame: about x, about y, twist. One such vector, or a list with one for each disk, between which it varies linearly.",
         ),
@@ -125,13 +143,13 @@ static DISKS: Table = Table {
         ),
         key(
             "positions",
-            Kind::List(&LENGTH),
+            Kind::List(&DISTANCE, 2),
             r#"["0 mm", "90 mm", "180 mm"]"#,
             "Arc length of each disk, from 0 to the length of the backbone; instead of `count`.",
         ),
         key(
             "hole_circle_radius",
-            Kind::Either(&[LENGTH, Kind::List(&LENGTH)]),
+            Kind::Either(&[LENGTH, Kind::List(&LENGTH, 2)]),
             r#""8 mm""#,
             "Radius of the circle on which the holes lie: one for all disks, or a list with one for each.",
         ),
@@ -143,7 +161,7 @@ static DISKS: Table = Table {
         ),
         key(
             "mass",
-            Kind::Quantity(&[Dimension::Mass]),
+            Kind::Quantity(&[Dimension::Mass], limits::MASS),
             r#""1.2 g""#,
             "Mass of each disk; 0 by default.",
         ),
@@ -163,7 +181,7 @@ static CABLE: Table = Table {
         ),
         key(
             "holes",
-            Kind::List(&Kind::Count { least: 1, greatest: MOST_HOLES }),
+            Kind::List(&Kind::Count { least: 1, greatest: MOST_HOLES }, 2),
             "[1, 2, 3, 4]",
             "The hole it passes at each disk, from the base disk on, counted from 1. A list shorter than the disks ends the cable at its last hole.",
         ),
@@ -185,19 +203,29 @@ static CABLE: Table = Table {
             r#""90 mm""#,
             "Arc length at which it is anchored; by default the tip.",
         ),
-        key("friction", RATIO, "0.1", "Capstan friction coefficient at the holes; 0 by default."),
+        key(
+            "friction",
+            ratio(limits::FRICTION),
+            "0.1",
+            "Capstan friction coefficient at the holes; 0 by default.",
+        ),
         key(
             "axial_stiffness",
-            FORCE,
+            force(limits::AXIAL_STIFFNESS),
             r#""2 kN""#,
-            "Axial stiffness, Young's modulus times area; inextensible by default.",
+            "Axial stiffness, Young's modulus times area; inextensible by default. A commanded length is then that of the unstretched cable: the part inside the robot, of unstretched length l0, is longer by tension * l0 / axial_stiffness.",
         ),
-        key("tension", FORCE, r#""400 gf""#, "Tension, for models driven by force."),
+        key(
+            "tension",
+            force(limits::TENSION),
+            r#""400 gf""#,
+            "Tension, for models driven by force.",
+        ),
         key(
             "shortening",
-            Kind::Quantity(&[Dimension::Length, Dimension::Ratio]),
+            Kind::Quantity(&[Dimension::Length, Dimension::Ratio], limits::COORDINATE),
             r#""5.7 %""#,
-            "By how much its part inside the robot is shortened, for models driven by length: a length, or `%` of its own initial length. Negative is paid out.",
+            "By how much its part inside the robot is shortened, for models driven by length: a length, or `%` of its own initial length. Negative is paid out. With `axial_stiffness` it is the unstretched cable that is shortened.",
         ),
     ],
     rules: &[
@@ -226,7 +254,7 @@ static ROUTINGS: &[(&str, Table)] = &[
                     r#""90 deg""#,
                     "Angle from x, counter-clockwise seen from the tip.",
                 ),
-                key("radius", LENGTH, r#""8 mm""#, "Distance from the backbone's axis."),
+                key("radius", DISTANCE, r#""8 mm""#, "Distance from the backbone's axis."),
             ],
             rules: &[Rule::Required("angle"), Rule::Required("radius")],
         },
@@ -240,11 +268,11 @@ static ROUTINGS: &[(&str, Table)] = &[
                 key("start_angle", ANGLE, r#""0 deg""#, "Angle at the base; 0 by default."),
                 key(
                     "turns",
-                    RATIO,
+                    ratio(limits::TURNS),
                     "0.75",
                     "Turns over the whole backbone, positive counter-clockwise seen from the tip.",
                 ),
-                key("radius", LENGTH, r#""8 mm""#, "Distance from the backbone's axis."),
+                key("radius", DISTANCE, r#""8 mm""#, "Distance from the backbone's axis."),
             ],
             rules: &[Rule::Required("turns"), Rule::Required("radius")],
         },
@@ -269,13 +297,13 @@ static ROUTINGS: &[(&str, Table)] = &[
             keys: &[
                 key(
                     "x",
-                    Kind::List(&Kind::Number),
+                    Kind::List(&Kind::Number, 1),
                     "[0.008, 0.0]",
                     "Coefficients of x in ascending powers of the arc length, in SI.",
                 ),
                 key(
                     "y",
-                    Kind::List(&Kind::Number),
+                    Kind::List(&Kind::Number, 1),
                     "[0.0, 0.02]",
                     "Coefficients of y in ascending powers of the arc length, in SI.",
                 ),
@@ -291,7 +319,7 @@ static LOADS: Table = Table {
     keys: &[
         key(
             "gravity",
-            Kind::Vector(&Kind::Quantity(&[Dimension::Acceleration]), 3),
+            Kind::Vector(&Kind::Quantity(&[Dimension::Acceleration], limits::ACCELERATION), 3),
             r#"["0", "0", "-9.81 m/s^2"]"#,
             "Acceleration of gravity as a vector; z points from base to tip of the straight robot.",
         ),
@@ -322,7 +350,7 @@ static POINT_LOAD: Table = Table {
     title: "[[loads.point]]",
     doc: "A force and a moment at one place of the backbone.",
     keys: &[
-        key("at", LENGTH, r#""90 mm""#, "Arc length of the place."),
+        key("at", DISTANCE, r#""90 mm""#, "Arc length of the place."),
         key("force", FORCE_VECTOR, r#"["0 N", "0.1 N", "0 N"]"#, "Force."),
         key("moment", MOMENT_VECTOR, r#"["0", "0", "1 mN*m"]"#, "Moment."),
         key(
@@ -354,18 +382,18 @@ static REFERENCE: Table = Table {
         key("source", Kind::Text, r#""Table 1""#, "Where the values stand."),
         key(
             "rms_four_bar",
-            LENGTH,
+            DISTANCE,
             r#""1.44 mm""#,
             "RMS error of the four-bar model against the measurement.",
         ),
         key(
             "rms_cosserat",
-            LENGTH,
+            DISTANCE,
             r#""1.80 mm""#,
             "RMS error of the Cosserat model against the measurement.",
         ),
-        key("time_four_bar", TIME, r#""2.20 s""#, "Solve time of the four-bar model."),
-        key("time_cosserat", TIME, r#""10.07 s""#, "Solve time of the Cosserat model."),
+        key("time_four_bar", PUBLISHED_TIME, r#""2.20 s""#, "Solve time of the four-bar model."),
+        key("time_cosserat", PUBLISHED_TIME, r#""10.07 s""#, "Solve time of the Cosserat model."),
     ],
     rules: &[Rule::Required("source")],
 };

@@ -4,10 +4,12 @@
 mod json;
 mod keys;
 
+use whipcord::robot::limits::Range;
+
 use crate::units::Dimension;
 
 pub use json::schema;
-pub(crate) use keys::ROOT;
+pub(crate) use keys::{DURATION, ROOT};
 
 /// A table of the file.
 #[derive(Debug)]
@@ -44,12 +46,13 @@ pub(crate) enum Kind {
     },
     /// A plain number in SI.
     Number,
-    /// A quantity of one of these dimensions; a plain number is of the first.
-    Quantity(&'static [Dimension]),
+    /// A quantity of one of these dimensions; a plain number is of the first, and the library takes
+    /// it within this range.
+    Quantity(&'static [Dimension], Range),
     /// Exactly this many values.
     Vector(&'static Kind, usize),
-    /// One value or more.
-    List(&'static Kind),
+    /// One value or more; the library takes no fewer than so many.
+    List(&'static Kind, usize),
     /// One of several, told apart by their outward form.
     Either(&'static [Kind]),
     Table(&'static Table),
@@ -123,7 +126,7 @@ impl Kind {
             Self::Choice(words) => crate::units::listed(words.iter().copied(), "or"),
             Self::Count { .. } => "a whole number".to_owned(),
             Self::Number => "a number".to_owned(),
-            Self::Quantity(dimensions) => {
+            Self::Quantity(dimensions, _) => {
                 let names: Vec<String> =
                     dimensions.iter().map(|d| article(&d.to_string())).collect();
                 names.join(" or ")
@@ -131,7 +134,7 @@ impl Kind {
             Self::Vector(item, count) => {
                 format!("a list of {count} values, each {}", item.description())
             }
-            Self::List(item) => format!("a list of values, each {}", item.description()),
+            Self::List(item, _) => format!("a list of values, each {}", item.description()),
             Self::Either(kinds) => {
                 let names: Vec<String> = kinds.iter().map(Self::description).collect();
                 names.join(", or ")

@@ -71,7 +71,9 @@ impl Range {
     /// length: the term stays a [`COORDINATE`] all along it.
     pub(crate) fn of_coefficient(power: usize, length: f64) -> Self {
         let reach = length.powf(power as f64);
-        Self::either_way((COORDINATE.greatest / reach).min(LARGEST_COEFFICIENT), "")
+        // A power of ten, which is short in a message.
+        let digits = (COORDINATE.greatest / reach).log10() + 1e-9;
+        Self::either_way(10.0_f64.powi(digits.floor() as i32).min(LARGEST_COEFFICIENT), "")
     }
 
     /// What is wrong with a value, if anything.
