@@ -27,12 +27,14 @@ pub const DISTANCE: Range = Range::from(0.0, 1e6, "m");
 pub const COORDINATE: Range = Range::either_way(1e6, "m");
 /// By how much a cable is shortened, as a part of its length: not to less than nothing.
 pub const FRACTION: Range = Range::from(-1e6, 1.0, "");
-/// Young's and the shear modulus: 1 Pa to 10⁶ GPa, a thousand times that of diamond.
-pub const MODULUS: Range = Range::from(1.0, 1e15, "Pa");
+/// Young's and the shear modulus: from 1 Pa to far above that of diamond, 1.2 TPa, so that a rod
+/// that does not stretch can be made up of a large modulus and a small diameter.
+pub const MODULUS: Range = Range::from(1.0, 1e24, "Pa");
 /// Poisson's ratio of a stable material; at −1 the shear modulus would be infinite.
 pub const POISSON_RATIO: Range = Range { above: true, ..Range::from(-1.0, 0.5, "") };
-/// A density; that of osmium is 22 590 kg/m³.
-pub const DENSITY: Range = Range::from(1e-9, 1e9, "kg/m³");
+/// A density: to far above that of osmium, 22 590 kg/m³, for the weight of a rod that stands for
+/// something thicker.
+pub const DENSITY: Range = Range::from(1e-9, 1e15, "kg/m³");
 /// The mass of a disk.
 pub const MASS: Range = Range::from(0.0, 1e9, "kg");
 /// A component of a curvature: to that of a circle as small as 1 nm.
@@ -52,7 +54,7 @@ pub const FORCE: Range = Range::either_way(1e12, "N");
 /// A component of a moment.
 pub const MOMENT: Range = Range::either_way(1e12, "N·m");
 /// A component of the acceleration of gravity.
-pub const ACCELERATION: Range = Range::either_way(1e6, "m/s²");
+pub const ACCELERATION: Range = Range::either_way(1e12, "m/s²");
 /// Greatest coefficient of a polynomial, whatever its power.
 const LARGEST_COEFFICIENT: f64 = 1e100;
 /// Least distance in m between neighbouring disks.
