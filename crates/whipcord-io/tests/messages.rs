@@ -2,11 +2,15 @@
 //! group of files; read them as a user would.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod common;
+
 use std::fs;
 use std::path::Path;
 
 use whipcord::{Drive, Model, ModelKind, Statics as _, Stations};
 use whipcord_io::{CaseFile, load, parse};
+
+use common::folder;
 
 /// A file without fault, into which the cases put one.
 const BACKBONE: &str = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\n";
@@ -309,21 +313,11 @@ fn loaded(folder: &Path, file: &str) -> String {
     text.lines().map(|line| format!("{line}\n")).collect()
 }
 
-fn folder_of(files: &[(&str, &[u8])]) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, content) in files {
-        let path = folder.path().join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, content).unwrap();
-    }
-    folder
-}
-
 #[cfg(unix)]
 #[test]
 fn files_that_extend_others() {
     let extends = |name: &str| format!("extends = \"{name}\"\n");
-    let folder = folder_of(&[
+    let folder = folder(&[
         ("a.toml", extends("b.toml").as_bytes()),
         ("b.toml", extends("c.toml").as_bytes()),
         ("c.toml", format!("title = \"x\"\n{}", extends("./a.toml")).as_bytes()),
@@ -392,7 +386,7 @@ fn files_that_extend_others() {
 fn files_that_cannot_be_read() {
     let garbage: Vec<u8> =
         (0..10_000_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    let folder = folder_of(&[
+    let folder = folder(&[
         ("garbage.toml", garbage.as_slice()),
         ("binary.toml", &garbage[..5000]),
         ("latin.toml", b"title = \"K\xf6rper\"\n"),
@@ -432,8 +426,8 @@ fn files_that_cannot_be_read() {
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_refused_at_once() {
-    let folder = folder_of(&[
-        ("of-pipe.toml", b"extends = \"pipe\"\n"),
+    let folder = folder(&[
+        ("of-pipe.toml", b"extends = \"pipe\"\n".as_slice()),
         ("measured.toml", format!("{BACKBONE}{DISKS}[measured]\ndisks = \"pipe\"\n").as_bytes()),
     ]);
     let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
@@ -531,7 +525,7 @@ fn what_a_model_refuses() {
 
 #[test]
 fn what_a_model_refuses_of_a_file_that_extends_another() {
-    let folder = folder_of(&[
+    let folder = folder(&[
         ("base.toml", format!("{BACKBONE}rest_curvature = [0, 4, 0]\n{DISKS}").as_bytes()),
         ("case.toml", format!("extends = \"base.toml\"\n\n{CABLE}").as_bytes()),
         (

@@ -1,26 +1,17 @@
 //! What files say is what is read.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use std::fs;
+mod common;
 
 use whipcord::{
     Interpolation, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Vec3,
 };
 use whipcord_io::{CaseFile, load, parse};
 
+use common::folder;
+
 fn read(text: &str) -> CaseFile {
     parse(text, "robot.toml").unwrap_or_else(|error| panic!("{error}"))
-}
-
-/// The files of a folder.
-fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, content) in files {
-        let path = folder.path().join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, content).unwrap();
-    }
-    folder
 }
 
 #[test]

@@ -75,7 +75,7 @@ pub(super) struct Effort {
 }
 
 /// Lengths are met to this fraction of the backbone's length.
-pub(super) const LENGTH_TOLERANCE: f64 = 2e-14;
+const LENGTH_TOLERANCE: f64 = 2e-14;
 pub(super) const MAX_ITERATIONS: usize = 100;
 /// Of the largest diagonal entry: keeps the step defined where more straight cables are taut than
 /// lengths are independent, and picks tensions of least change there.
@@ -252,7 +252,7 @@ fn unreachable(commands: &[Command], scratch: &LengthScratch) -> LengthFault {
 }
 
 /// Largest violation of the complementarity conditions, in m.
-pub(super) fn residual_of(commands: &[Command], tensions: &[f64], lengths: &[f64]) -> f64 {
+fn residual_of(commands: &[Command], tensions: &[f64], lengths: &[f64]) -> f64 {
     let mut worst: f64 = 0.0;
     for (i, command) in commands.iter().enumerate() {
         if matches!(command, Command::Length { .. }) {

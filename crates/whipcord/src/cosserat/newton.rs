@@ -53,6 +53,13 @@ impl Scales {
     }
 }
 
+impl Point {
+    /// Whether the load bends the rod by more than about a radian.
+    pub fn is_strong(&self, scales: &Scales) -> bool {
+        self.base_moment.norm() > scales.moment
+    }
+}
+
 /// Size of eq. (7), without dimension.
 pub(super) fn residual(commands: &[Command], point: &Point, shot: &Shot, scales: &Scales) -> f64 {
     let moment = shot.excess.moment.norm() / (scales.moment + point.base_moment.norm());

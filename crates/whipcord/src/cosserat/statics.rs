@@ -88,8 +88,10 @@ pub(super) struct Scratch {
     pub(super) chain: Chain,
     pub(super) stability: Stability,
     pub(super) length_scratch: LengthScratch,
-    /// Whether the last shot holds the samples of the answer, which a single shot would miss.
+    /// Whether the answer is that of the chain, which a single shot would miss.
     on_chain: bool,
+    /// Whether the samples of the last shot are those of the answer.
+    sampled: bool,
     /// Whether the answer is stable, as far as that was asked for.
     stable: bool,
 }
@@ -130,7 +132,7 @@ pub(super) fn solve(
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     scratch.applied.gather(problem.grid, problem.loads);
-    (scratch.on_chain, scratch.stable) = (false, true);
+    (scratch.on_chain, scratch.sampled, scratch.stable) = (false, false, true);
     scratch.tensions.clear();
     scratch.tensions.resize(problem.commands.len(), 0.0);
     if let Start::From { tensions, .. } = start {
@@ -151,7 +153,7 @@ pub(super) fn solve(
         scratch.stable = *stable;
         return Ok(found);
     }
-    scratch.on_chain = false;
+    (scratch.on_chain, scratch.sampled) = (false, false);
     set_tensions(problem.commands, &mut scratch.tensions);
     scratch.newton.point.base_moment = wrench.moment;
     scratch.newton.point.follower_force =
@@ -174,7 +176,9 @@ fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, F
         return from_loose_cables(problem, scratch).ok_or(failure);
     }
     seed(problem, scratch, 1.0);
-    if scratch.applied.any_follower() && scratch.newton.point.is_strong(problem) {
+    if scratch.applied.any_follower()
+        && scratch.newton.point.is_strong(&Scales::of(problem.grid, problem.length))
+    {
         // No energy tells which of several equilibria is meant: it is the one the load leads to.
         scratch.stable = true;
         return raise_load(problem, scratch, 0);
@@ -237,9 +241,9 @@ fn is_trusted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     sampled && scratch.stability.is_stable(problem.grid, &scratch.shot.samples)
 }
 
-/// Makes the samples of the answer in `scratch`, unless the chain has left them.
+/// Makes the samples of the answer in `scratch`, unless they are there.
 fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Fault> {
-    if scratch.on_chain {
+    if scratch.sampled {
         return Ok(());
     }
     let Scratch { shot, applied, tensions, base_wrench, .. } = scratch;
@@ -250,7 +254,9 @@ fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Fault> {
         load: 1.0,
         sample: true,
     };
-    shot.fire(problem.grid, applied, &aim)
+    shot.fire(problem.grid, applied, &aim)?;
+    scratch.sampled = true;
+    Ok(())
 }
 
 /// Base wrench that would carry the load on the shape without load.
@@ -270,13 +276,6 @@ pub(super) fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     newton.point.follower_force = follower_force * load;
     newton.point.tensions.clone_from(&scratch.tensions);
     scratch.shot.seed(grid, &scratch.unloaded.strains);
-}
-
-impl Point {
-    /// Whether the load bends the rod by more than about a radian.
-    fn is_strong(&self, problem: &Problem<'_>) -> bool {
-        self.base_moment.norm() > Scales::of(problem.grid, problem.length).moment
-    }
 }
 
 /// A Newton iteration that ended without an answer.
@@ -372,7 +371,7 @@ pub(super) fn shoot(
 pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
     let Scratch { shot, applied, newton, .. } = scratch;
     shot.measure(problem.grid);
-    scratch.on_chain = false;
+    (scratch.on_chain, scratch.sampled) = (false, false);
     scratch.poses.clone_from(&shot.poses);
     scratch.lengths.clone_from(&shot.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);
@@ -391,7 +390,7 @@ pub(super) fn finish_chain(problem: &Problem<'_>, scratch: &mut Scratch, effort:
     scratch.lengths.clone_from(&shot.lengths);
     scratch.base_wrench =
         Wrench { force: applied.base_force(problem.grid), moment: chain.nodes[0].moment };
-    scratch.on_chain = true;
+    (scratch.on_chain, scratch.sampled) = (true, true);
     Found { iterations: effort.iterations, residual: effort.residual }
 }
 

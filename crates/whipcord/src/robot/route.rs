@@ -134,24 +134,6 @@ impl Route {
             }
         }
     }
-
-    /// Whether the cable runs parallel to the backbone.
-    #[must_use]
-    pub fn is_straight(&self) -> bool {
-        match &self.curve {
-            Curve::Polynomial { x, y } => {
-                x.iter().skip(1).chain(y.iter().skip(1)).all(|&c| c == 0.0)
-            }
-            Curve::Helix { rate, radius, .. } => *rate == 0.0 || *radius == 0.0,
-            Curve::Polar { .. } | Curve::Fourier { .. } => {
-                let start = self.at(0.0).offset;
-                let knots = self.breakpoints.iter().chain([&self.end]);
-                knots
-                    .into_iter()
-                    .all(|&s| (self.at(s).offset - start).max_abs() <= 1e-12 * start.max_abs())
-            }
-        }
-    }
 }
 
 /// Arc lengths of the disks whose holes the cable passes.
