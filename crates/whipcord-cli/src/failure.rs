@@ -42,6 +42,17 @@ impl Failure {
         Self::Input(format!("error: cannot {what} {}: {error}", path.display()))
     }
 
+    /// What a model said about step number `step` of the case in `file`, from 1.
+    pub fn from_step(file: &CaseFile, error: &SolveError, step: usize, of: usize) -> Self {
+        match Self::from_solve(file, error) {
+            Self::Solve(_) => {
+                let path = file.path.display();
+                Self::Solve(format!("error: {path}: step {step} of {of}: {error}"))
+            }
+            refused => refused,
+        }
+    }
+
     /// What a model said about the case in `file`: with its place there when the model refuses it.
     pub fn from_solve(file: &CaseFile, error: &SolveError) -> Self {
         if let Some(located) = file.locate(error) {

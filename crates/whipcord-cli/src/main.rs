@@ -6,9 +6,12 @@ mod failure;
 mod files;
 mod html;
 mod inputs;
+mod paths;
 mod progress;
 mod quantity;
+mod rubbing;
 mod statistics;
+mod steps;
 mod style;
 mod table;
 mod timing;
@@ -22,7 +25,7 @@ use clap::{Parser, Subcommand};
 
 use crate::failure::Failure;
 use crate::style::Style;
-use crate::verbs::{bench, check, compare, schema, solve};
+use crate::verbs::{bench, check, compare, schema, solve, stiffness};
 
 /// Mechanics of cable-driven continuum robots with any cable routing
 #[derive(Debug, Parser)]
@@ -35,6 +38,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Solve(solve::SolveArgs),
+    Stiffness(stiffness::StiffnessArgs),
     Compare(compare::CompareArgs),
     Bench(bench::BenchArgs),
     Check(check::CheckArgs),
@@ -53,6 +57,7 @@ fn main() -> ExitCode {
     let style = Style::for_stdout();
     let outcome = match Cli::parse().verb {
         Verb::Solve(args) => solve::run(&args, style),
+        Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Bench(args) => bench::run(&args, style),
         Verb::Check(args) => check::run(&args, style),

@@ -1,9 +1,10 @@
 //! A robot and its case in words.
 
+use whipcord::case::Piece;
 use whipcord::robot::SectionProperties;
 use whipcord::{
-    Cable, CableCommand, Case, Disks, Drive, Interpolation, Loads, ModelKind, RestCurvature, Robot,
-    Routing, Section, Solution, Vec3,
+    Along, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Interpolation, LoadFrame,
+    Loads, ModelKind, Pose, RestCurvature, Robot, Routing, Section, Solution, Stiffness, Vec3,
 };
 
 use crate::quantity::{degrees, millimetres, newtons, number, shortening, vector};
@@ -15,60 +16,136 @@ pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
         ("stiffness".to_owned(), stiffness(robot)),
         ("disks".to_owned(), disks(robot.disks())),
     ];
+    let in_steps = !case.before.is_empty();
     for ((cable, route), command) in robot.cables().iter().zip(robot.routes()).zip(&case.commands) {
         let midway = (route.end() < robot.backbone().length).then(|| route.end());
+        let command = (!in_steps).then_some(command);
         lines.push((format!("cable {}", cable.name), cable_words(cable, midway, command)));
     }
+    if in_steps {
+        for (i, step) in case.steps().enumerate() {
+            let commands: Vec<String> = step.commands.iter().map(command_words).collect();
+            lines.push((format!("step {}", i + 1), commands.join("; ")));
+        }
+    }
     lines.push(("loads".to_owned(), loads(&case.loads)));
+    if case.base != Pose::IDENTITY {
+        lines.push(("base".to_owned(), base(&case.base)));
+    }
     lines
 }
 
 fn backbone(robot: &Robot) -> String {
     let backbone = robot.backbone();
     let section = match &backbone.section {
-        None => "cross-section not given".to_owned(),
-        Some(Section::Circle { diameter }) => {
-            format!("solid rod, diameter {}", millimetres(*diameter))
-        }
-        Some(Section::Tube { outer, inner }) => {
-            format!("tube, diameters {} and {}", millimetres(*outer), millimetres(*inner))
-        }
+        None if backbone.stiffness.is_some() => None,
+        None => Some("cross-section not given".to_owned()),
+        Some(Section::Round { outer, inner }) => Some(round(outer, inner)),
         Some(Section::Rectangle { width, height }) => {
-            format!("rectangular bar, {} by {}", millimetres(*width), millimetres(*height))
-        }
-        Some(Section::Taper { outer, inner }) => {
-            let ends = [outer.first(), outer.last()].map(|d| d.copied().unwrap_or_default());
-            let bore = if *inner > 0.0 {
-                format!(", bore {}", millimetres(*inner))
-            } else {
-                String::new()
-            };
-            format!("tapered, diameter {} to {}{bore}", millimetres(ends[0]), millimetres(ends[1]))
+            let tapered = if width.is_uniform() && height.is_uniform() { "" } else { "tapered " };
+            let (width, height) = (lengths(width), lengths(height));
+            Some(format!("{tapered}rectangular bar, {width} by {height}"))
         }
     };
     let rest = match &backbone.rest_curvature {
         curvature if curvature.is_zero() => "straight at rest".to_owned(),
         RestCurvature::Uniform(u) => format!("rest curvature {} 1/m", vector(*u)),
         RestCurvature::PerDisk(_) => "rest curvature given at each disk".to_owned(),
+        RestCurvature::At { arc_lengths, .. } => {
+            format!("rest curvature given at {}", places(arc_lengths.len()))
+        }
     };
-    format!("{} long, {section}, {rest}", millimetres(backbone.length))
+    let weight = backbone.linear_density.as_ref().map(|along| {
+        let (from, to) = along.ends();
+        format!("{} g/m", from_to(from * 1e3, to * 1e3))
+    });
+    let parts =
+        [Some(format!("{} long", millimetres(backbone.length))), section, Some(rest), weight];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+fn places(count: usize) -> String {
+    if count == 1 { "1 place".to_owned() } else { format!("{count} places") }
+}
+
+fn round(outer: &Along<f64>, inner: &Along<f64>) -> String {
+    let solid = inner.values().iter().all(|d| *d == 0.0);
+    match (outer.is_uniform() && inner.is_uniform(), solid) {
+        (true, true) => format!("solid rod, diameter {}", lengths(outer)),
+        (true, false) => format!("tube, diameters {} and {}", lengths(outer), lengths(inner)),
+        (false, true) => format!("tapered, diameter {}", lengths(outer)),
+        (false, false) => format!("tapered, diameter {}, bore {}", lengths(outer), lengths(inner)),
+    }
+}
+
+/// A length that may vary: from the base to the tip.
+fn lengths(along: &Along<f64>) -> String {
+    let (base, tip) = along.ends();
+    if along.is_uniform() {
+        millimetres(*base)
+    } else {
+        format!("{} to {}", millimetres(*base), millimetres(*tip))
+    }
+}
+
+/// Two numbers, or one where they are the same.
+fn from_to(a: f64, b: f64) -> String {
+    let (a, b) = (number(a, 5), number(b, 5));
+    if a == b { a } else { format!("{a} to {b}") }
 }
 
 fn stiffness(robot: &Robot) -> String {
     let backbone = robot.backbone();
+    let mut parts = match &backbone.stiffness {
+        Some(given) => given_stiffness(robot, given),
+        None => material_stiffness(robot),
+    };
+    if backbone.shear_correction != 1.0 {
+        parts.push(format!("shear correction {}", number(backbone.shear_correction, 5)));
+    }
+    let held = [(backbone.extensible, "does not stretch"), (backbone.shearable, "does not shear")];
+    parts.extend(held.iter().filter(|(free, _)| !free).map(|(_, words)| (*words).to_owned()));
+    parts.join(", ")
+}
+
+fn given_stiffness(robot: &Robot, given: &Stiffness) -> Vec<String> {
+    let backbone = robot.backbone();
+    let end = |s| given.at_end(robot.disks(), s, s);
+    let (base, tip) = (end(0.0), end(backbone.length));
+    let range = |name: &str, unit: &str, i: usize| {
+        format!("{name} {} {unit}", from_to(base[i][i], tip[i][i]))
+    };
+    let mut parts = Vec::new();
+    if base[3][3] == base[4][4] && tip[3][3] == tip[4][4] {
+        parts.push(range("EI", "N·m²", 3));
+    } else {
+        parts.push(range("EI_x", "N·m²", 3));
+        parts.push(range("EI_y", "N·m²", 4));
+    }
+    parts.push(range("GJ", "N·m²", 5));
+    if backbone.extensible {
+        parts.push(range("EA", "N", 2));
+    }
+    if given.is_coupled() {
+        parts.push("coupled".to_owned());
+    }
+    parts
+}
+
+fn material_stiffness(robot: &Robot) -> Vec<String> {
+    let backbone = robot.backbone();
     let Some(young) = backbone.material.young_modulus else {
-        return "Young's modulus not given".to_owned();
+        return vec!["Young's modulus not given".to_owned()];
     };
     let at = |s| backbone.section_at(robot.disks(), s);
     let (Some(base), Some(tip)) = (at(0.0), at(backbone.length)) else {
-        return format!("E {} Pa", number(young, 5));
+        return vec![format!("E {} Pa", number(young, 5))];
     };
     let range = |name: &str, unit: &str, f: &dyn Fn(&SectionProperties) -> f64| {
-        let (a, b) = (number(f(&base), 5), number(f(&tip), 5));
-        if a == b { format!("{name} {a} {unit}") } else { format!("{name} {a} to {b} {unit}") }
+        format!("{name} {} {unit}", from_to(f(&base), f(&tip)))
     };
     let mut parts = Vec::new();
-    if base.second_moment_x == base.second_moment_y {
+    if base.second_moment_x == base.second_moment_y && tip.second_moment_x == tip.second_moment_y {
         parts.push(range("EI", "N·m²", &|p| young * p.second_moment_x));
     } else {
         parts.push(range("EI_x", "N·m²", &|p| young * p.second_moment_x));
@@ -80,8 +157,10 @@ fn stiffness(robot: &Robot) -> String {
             parts.push("GJ unknown: neither Poisson's ratio nor shear modulus given".to_owned())
         }
     }
-    parts.push(range("EA", "N", &|p| young * p.area));
-    parts.join(", ")
+    if backbone.extensible {
+        parts.push(range("EA", "N", &|p| young * p.area));
+    }
+    parts
 }
 
 fn disks(disks: &Disks) -> String {
@@ -114,20 +193,22 @@ fn extent(values: &[f64]) -> Option<(f64, f64)> {
     Some((least, greatest))
 }
 
-fn cable_words(cable: &Cable, ends_midway: Option<f64>, command: &CableCommand) -> String {
+fn command_words(command: &CableCommand) -> String {
+    let tension = command.tension.map(|tension| format!("tension {}", newtons(tension)));
+    let shortening = command.shortening.map(|value| format!("shortening {}", shortening(value)));
+    match (tension, shortening) {
+        (None, None) => "neither tension nor shortening given".to_owned(),
+        (Some(one), None) | (None, Some(one)) => one,
+        (Some(tension), Some(shortening)) => format!("{tension}, {shortening}"),
+    }
+}
+
+fn cable_words(cable: &Cable, ends_midway: Option<f64>, command: Option<&CableCommand>) -> String {
     let mut parts = vec![routing(&cable.routing)];
     if let Some(end) = ends_midway {
         parts.push(format!("ends at {}", millimetres(end)));
     }
-    if let Some(tension) = command.tension {
-        parts.push(format!("tension {}", newtons(tension)));
-    }
-    if let Some(value) = command.shortening {
-        parts.push(format!("shortening {}", shortening(value)));
-    }
-    if command.tension.is_none() && command.shortening.is_none() {
-        parts.push("neither tension nor shortening given".to_owned());
-    }
+    parts.extend(command.map(command_words));
     if let Some(friction) = cable.friction {
         parts.push(format!("friction {}", number(friction, 4)));
     }
@@ -191,20 +272,84 @@ fn loads(loads: &Loads) -> String {
         let follows = if point.follower { ", turning with the backbone" } else { "" };
         parts.push(format!("{} at {}{follows}", what.join(" and "), millimetres(point.at)));
     }
+    parts.extend(loads.distributed.iter().map(distributed));
+    for mass in &loads.masses {
+        parts.push(format!("{} g at {}", number(1e3 * mass.mass, 4), millimetres(mass.at)));
+    }
+    if loads.frame == LoadFrame::World && !loads.is_none() {
+        parts.push("in the frame of the world".to_owned());
+    }
     if parts.is_empty() { "none".to_owned() } else { parts.join("; ") }
+}
+
+fn distributed(load: &DistributedLoad) -> String {
+    let mut what = Vec::new();
+    let (mut places, mut knots) = ([0.0; 2], 0);
+    for (i, piece) in load.profile.pieces().enumerate() {
+        if i == 0 {
+            places[0] = piece.at[0];
+        }
+        (places[1], knots) = (piece.at[1], i + 2);
+    }
+    let ends = |of: fn(&Piece) -> [Vec3; 2], unit: &str| {
+        let pieces: Vec<[Vec3; 2]> = load.profile.pieces().map(|piece| of(&piece)).collect();
+        let [first, .., last] = pieces.iter().flatten().copied().collect::<Vec<_>>()[..] else {
+            return None;
+        };
+        if pieces.iter().flatten().all(|v| *v == Vec3::ZERO) {
+            None
+        } else if pieces.iter().flatten().all(|v| *v == first) {
+            Some(format!("{} {unit}", vector(first)))
+        } else {
+            Some(format!("from {} to {} {unit}", vector(first), vector(last)))
+        }
+    };
+    what.extend(ends(|piece| piece.force, "N/m").map(|text| format!("force {text}")));
+    what.extend(ends(|piece| piece.moment, "N·m/m").map(|text| format!("moment {text}")));
+    let [from, to] = places.map(millimetres);
+    let stations = if knots > 2 { format!(" at {knots} stations") } else { String::new() };
+    let follows = if load.follower { ", turning with the backbone" } else { "" };
+    let what = if what.is_empty() { "nothing".to_owned() } else { what.join(" and ") };
+    format!("{what} spread from {from} to {to}{stations}{follows}")
+}
+
+fn base(base: &Pose) -> String {
+    let place = base.position;
+    let mut text = format!("at {}", [place.x, place.y, place.z].map(millimetres).join(", "));
+    let turn = base.rotation.log();
+    let angle = turn.norm();
+    if angle > 0.0 {
+        text += &format!(", turned by {} about {}", degrees(angle), vector(turn / angle));
+    }
+    text
 }
 
 /// What an answer's stability means, where it is to be known.
 pub fn instability(solution: &Solution) -> Option<String> {
     let diagnostics = &solution.diagnostics;
-    let least = diagnostics.stability.filter(|_| diagnostics.is_unstable())?;
-    Some(format!("unstable: the robot leaves this shape (stability {})", number(least, 3)))
+    let share = |load: f64| format!("{} % of the load", number(100.0 * load, 3));
+    match (
+        diagnostics.stability.filter(|_| diagnostics.is_unstable()),
+        diagnostics.stability_lost_at,
+    ) {
+        (Some(least), lost_at) => {
+            let buckles =
+                lost_at.map_or_else(String::new, |load| format!("; it buckles at {}", share(load)));
+            let least = number(least, 3);
+            Some(format!("unstable: the robot leaves this shape (stability {least}){buckles}"))
+        }
+        (None, Some(load)) => Some(format!(
+            "snapped through: at {} the robot leaves the shape it had; this is a stable one beyond",
+            share(load)
+        )),
+        (None, None) => None,
+    }
 }
 
 /// What drives a model: the tension or shortening of each cable that it uses.
 pub fn driven_by(model: ModelKind, drive: Drive, case: &Case) -> String {
     let prefers_tension = match drive {
-        Drive::Natural => model == ModelKind::Cosserat,
+        Drive::Natural => model != ModelKind::FourBar,
         Drive::Tension => true,
         Drive::Shortening => false,
     };

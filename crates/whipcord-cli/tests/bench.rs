@@ -19,9 +19,9 @@ fn cost_and_accuracy_are_measured_tabled_and_drawn() {
         assert!(text.contains(words), "{words} is missing from\n{text}");
     }
     let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
-    // Two models, four routings, six sizes.
-    assert_eq!(read("cost.csv").lines().count(), 1 + 2 * 4 * 6);
-    assert_eq!(read("lines.csv").lines().count(), 1 + 2 * (4 + 1));
+    // Three models, four routings, six sizes.
+    assert_eq!(read("cost.csv").lines().count(), 1 + 3 * 4 * 6);
+    assert_eq!(read("lines.csv").lines().count(), 1 + 3 * (4 + 1));
     assert_eq!(read("accuracy.csv").lines().count(), 1 + 4 * 4);
     for name in ["time", "time-logarithmic", "accuracy"] {
         assert!(read(&format!("{name}.svg")).starts_with("<svg"));
@@ -38,8 +38,9 @@ fn what_is_not_timed_is_said_once_and_in_the_terms_of_the_file() {
     let out = scratch.file("bench");
     let text = succeed(&["bench", "examples/two-segment-arm.toml", "--out", &out]);
     let notes: Vec<&str> = text.lines().filter(|line| line.starts_with("note:")).collect();
-    assert_eq!(notes.len(), 1, "{text}");
-    assert!(notes[0].contains("four-bar model cannot take `loads.gravity`"), "{text}");
+    assert_eq!(notes.len(), 2, "{text}");
+    assert!(notes[0].contains("cosserat-disks: not timed with every number"), "{text}");
+    assert!(notes[1].contains("four-bar model cannot take `loads.gravity`"), "{text}");
 
     let robot = robot("shortening = \"1 %\"").replace("count = 10", "count = 11");
     let short = robot.replace("[4, 4, 4, 4, 4, 4, 4, 4, 4, 4]", "[4, 4, 4, 4, 4, 4]");
@@ -48,6 +49,7 @@ fn what_is_not_timed_is_said_once_and_in_the_terms_of_the_file() {
     assert_eq!(
         notes,
         [
+            "note: Test robot: cosserat-disks: not timed with every number of sections: cable `pull` would end between two disks",
             "note: Test robot: four-bar: not timed with every number of sections: cable `pull` would end between two disks"
         ]
     );

@@ -16,6 +16,8 @@ fn a_robot_is_put_in_words() {
         "helical-finger",
         "precurved-catheter",
         "tapered-arm",
+        "composite-finger",
+        "rubbing-finger",
     ] {
         let text = succeed(&["check", &format!("examples/{name}.toml")]);
         insta::assert_snapshot!(name.replace('/', "_"), text);

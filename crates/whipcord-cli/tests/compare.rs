@@ -53,7 +53,7 @@ fn the_papers_table_is_solved_drawn_and_written() {
         assert!(rows.iter().flatten().all(|cell| !["NaN", "inf"].contains(&cell.as_str())));
     }
     let cases = rows(&std::fs::read_to_string(out.join("cases.csv")).unwrap());
-    assert_eq!(cases.len(), 1 + 4 * 3);
+    assert_eq!(cases.len(), 1 + 4 * 4);
     let rms = cases[0].iter().position(|name| name == "rms_to_first_model").unwrap();
     for row in cases.iter().filter(|row| row[4] == "cosserat-shape") {
         let rms: f64 = row[rms].parse().unwrap();
@@ -113,13 +113,13 @@ fn what_the_robot_leaves_is_marked() {
     let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
     assert!(html.contains("<li>cosserat: unstable: the robot leaves this shape (stability -0.5"));
     assert!(html.contains("cosserat †") && html.contains("cosserat, unstable"));
-    // A robot without cables has no table of them, and one model alone no distances.
+    // A robot without cables has no table of them.
     assert!(!html.contains("<h3>Cables"));
     let names: Vec<_> = files(Path::new(&out), "csv")
         .iter()
         .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
         .collect();
-    assert_eq!(names, ["cases.csv", "rod-disks.csv", "rod-stations.csv"]);
+    assert_eq!(names, ["cases.csv", "distances.csv", "rod-disks.csv", "rod-stations.csv"]);
 }
 
 #[test]
@@ -142,12 +142,13 @@ fn cases_of_one_title_and_name_are_told_apart() {
     let out = scratch.file("report");
     succeed(&["compare", &files[0], &files[1], &files[2], "--out", &out]);
     let stems = ["case", "case-3", "case-2"];
-    for name in ["cases.csv", "distances.csv"] {
+    // Four runs of each case, and the six pairs of them.
+    for (name, of_each) in [("cases.csv", 4), ("distances.csv", 6)] {
         let rows = rows(&std::fs::read_to_string(Path::new(&out).join(name)).unwrap());
         assert_eq!(rows[0][..3], ["case", "file", "stem"]);
-        assert_eq!(rows.len(), 1 + 3 * 3);
+        assert_eq!(rows.len(), 1 + 3 * of_each);
         for (i, row) in rows[1..].iter().enumerate() {
-            assert_eq!(row[..3], ["Test robot", &files[i / 3], stems[i / 3]]);
+            assert_eq!(row[..3], ["Test robot", &files[i / of_each], stems[i / of_each]]);
         }
     }
     let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();

@@ -140,6 +140,7 @@ fn prescribing_the_lengths_of_an_answer_returns_its_tensions_and_shape() {
         let case = Case {
             commands: pulled.cables.iter().map(shorten).collect(),
             loads: file.case.loads.clone(),
+            ..Case::default()
         };
         let shortened = solve(robot, &case, Drive::Shortening, &name);
 

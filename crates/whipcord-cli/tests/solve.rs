@@ -8,7 +8,7 @@ use std::io::Read;
 use std::process::Stdio;
 
 use serde_json::Value;
-use support::{Scratch, command, fail, pushed_rod, robot, settings, succeed};
+use support::{Scratch, command, fail, pushed_rod, robot, run, settings, succeed};
 
 const CASE_3: &str = "examples/table1/case-3.toml";
 
@@ -118,6 +118,69 @@ fn what_the_robot_leaves_is_said_to_be_unstable() {
 }
 
 #[test]
+fn branches_are_listed() {
+    let scratch = Scratch::new();
+    let file = scratch.write("rod.toml", &pushed_rod(""));
+    settings(None)
+        .bind(|| insta::assert_snapshot!("branches", succeed(&["solve", &file, "--branches"])));
+    let text = succeed(&["solve", &file, "--branches", "--json"]);
+    let json: Value = serde_json::from_str(&text).unwrap();
+    let branches = json["branches"].as_array().unwrap();
+    let of = |key: &str| branches.iter().map(|b| b[key].clone()).collect::<Value>();
+    assert_eq!(of("stable"), serde_json::json!([false, true, true]));
+    assert_eq!(of("branch"), serde_json::json!([0, 1, 2]));
+    assert_eq!(branches[0]["disks"][9]["position"], json["disks"][9]["position"]);
+    let points = &json["critical_points"];
+    assert_eq!(points[0]["kind"], "bifurcation");
+    assert_eq!(points[0]["leads_to"], serde_json::json!([1, 2]));
+    // Euler's load of the rod is about two thirds of what pushes it.
+    assert!((points[0]["load"].as_f64().unwrap() - 0.666).abs() < 1e-3);
+    let message = fail(2, &["solve", CASE_3, "--model", "four-bar", "--branches"]);
+    assert!(message.contains("--branches is for the cosserat model"), "{message}");
+}
+
+#[test]
+fn iterations_are_shown_on_standard_error() {
+    let scratch = Scratch::new();
+    let pushed = pushed_rod("").replace("[0, 0, -0.5]", "[0.05, 0, -8]");
+    let file = scratch.write("rod.toml", &pushed);
+    let (plain, traced) =
+        (succeed(&["solve", &file, "--csv"]), run(&["solve", &file, "--csv", "--trace"]));
+    assert_eq!((traced.status, traced.stdout), (0, plain));
+    for stage in ["cold", "load steps"] {
+        assert!(traced.stderr.lines().any(|line| line.starts_with(stage)), "{}", traced.stderr);
+    }
+
+    let loaded = robot("tension = \"1 N\"\n[loads]\ntip_force = [0.1, 0, 0]");
+    let file = scratch.write("loaded.toml", &loaded);
+    let text = run(&["solve", &file, "--trace", "--json"]);
+    let json: Value = serde_json::from_str(&text.stdout).unwrap();
+    let trace = json["trace"].as_array().unwrap();
+    assert_eq!(trace[0]["stage"], "cold");
+    assert_eq!((&trace[0]["iteration"], &trace[0]["load"]), (&1.into(), &1.0.into()));
+    assert_eq!(trace[0]["tensions"], serde_json::json!([1.0]));
+    // Each iteration leaves less than the one before it.
+    for pair in trace.windows(2) {
+        if pair[1]["iteration"].as_u64() > Some(1) {
+            assert!(pair[1]["residual"].as_f64() < pair[0]["residual"].as_f64(), "{pair:?}");
+        }
+    }
+    settings(None).bind(|| {
+        let mut settings = insta::Settings::clone_current();
+        settings.add_filter(r"\d\.\de-\d+", "[residual]");
+        settings.bind(|| insta::assert_snapshot!("trace", text.stderr));
+    });
+    let unloaded = run(&["solve", CASE_3, "--trace"]);
+    assert!(unloaded.stderr.contains("no iterations: without load"), "{}", unloaded.stderr);
+
+    // What leads to no answer is shown, too.
+    let far = robot("tension = \"1000 kN\"\n[loads]\ntip_force = [0.1, 0, 0]");
+    let far = run(&["solve", &scratch.write("far.toml", &far), "--trace"]);
+    assert_eq!((far.status, far.stdout.as_str()), (1, ""));
+    assert!(far.stderr.contains("folds"), "{}", far.stderr);
+}
+
+#[test]
 fn a_picture_changes_no_numbers() {
     let scratch = Scratch::new();
     let svg = scratch.file("robot.svg");
@@ -143,7 +206,7 @@ fn a_picture_changes_no_numbers() {
 #[test]
 fn bad_usage_has_status_2() {
     let unknown = fail(2, &["solve", CASE_3, "--model", "coserat"]);
-    assert!(unknown.contains("cosserat, four-bar"), "{unknown}");
+    assert!(unknown.contains("cosserat, cosserat-disks, four-bar"), "{unknown}");
     fail(2, &["solve", CASE_3, "--stations", "1"]);
     fail(2, &["solve", CASE_3, "--stations", "-3"]);
     let many = fail(2, &["solve", CASE_3, "--stations", "100001"]);
@@ -207,4 +270,65 @@ fn a_reader_that_stops_early_is_no_failure() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
     assert!(output.status.success());
+}
+
+#[test]
+fn steps_are_solved_in_order() {
+    let folder = Scratch::new();
+    let steps = "[[cables]]\nname = \"hold\"\nholes = [10, 10, 10, 10, 10]\n[[steps]]\ntension = [1, 0]\n[[steps]]\ntension = [3, \"0.5 N\"]\n[[steps]]\ntension = [1, 0]\n";
+    let text = robot(steps);
+    let file = folder.write("steps.toml", &text);
+    let file = file.as_str();
+    settings(None).bind(|| insta::assert_snapshot!("steps", succeed(&["solve", file])));
+
+    let object: Value = serde_json::from_str(&succeed(&["solve", file, "--json"])).unwrap();
+    let steps = object["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 3);
+    assert_eq!(object["disks"], steps[2]["disks"]);
+    assert_eq!(steps[1]["cables"][1]["tension"], 0.5);
+    // Without friction the same tensions give the same shape, whatever came between.
+    let tip = |step: &Value| step["disks"][9]["position"][1].as_f64().unwrap();
+    assert!((tip(&steps[0]) - tip(&steps[2])).abs() < 1e-12 && tip(&steps[1]) > 0.06);
+
+    let csv = succeed(&["solve", file, "--csv"]);
+    assert!(csv.starts_with("step,arc_length,x,y,z,qw,qx,qy,qz\n1,0.0,"));
+    assert_eq!(csv.lines().count(), 1 + 3 * 10);
+    assert!(csv.lines().last().unwrap().starts_with("3,0.18,"));
+
+    let folds = folder.write("folds.toml", &text.replace("[3,", "[3000,"));
+    let message = fail(1, &["solve", &folds]);
+    assert!(message.contains("step 2 of 3: the section at"), "{message}");
+}
+
+/// Pulling and releasing differ: the same tension, twice, on the way out and on the way back.
+#[test]
+fn friction_shows_at_every_step() {
+    let file = "examples/rubbing-finger.toml";
+    let model = ["--model", "cosserat-disks"];
+    let solve = |more: &[&str]| succeed(&[&["solve", file], &model[..], more].concat());
+    settings(None).bind(|| insta::assert_snapshot!("rubbing", solve(&[])));
+
+    let object: Value = serde_json::from_str(&solve(&["--json"])).unwrap();
+    let steps = object["steps"].as_array().unwrap();
+    let cable = |step: usize| &steps[step]["cables"][0];
+    assert_eq!((&cable(0)["tension"], &cable(3)["tension"]), (&1.5.into(), &1.5.into()));
+    let across = |step: usize| steps[step]["disks"][9]["position"][1].as_f64().unwrap();
+    assert!(across(3) > across(0) + 1e-3);
+    let tensions: Vec<f64> = serde_json::from_value(cable(1)["span_tensions"].clone()).unwrap();
+    assert_eq!(tensions.len(), 9);
+    assert!(tensions[0] < 4.0 && tensions.is_sorted_by(|a, b| a > b), "{tensions:?}");
+    assert_eq!(cable(2)["contacts"][0], "released");
+    assert_eq!(cable(2)["contacts"][8], "sticks");
+
+    // One step, and no friction.
+    let folder = Scratch::new();
+    let once = robot("tension = \"3 N\"\nfriction = 0.1");
+    let once = folder.write("once.toml", &once);
+    let text = succeed(&["solve", &once, "--model", "cosserat-disks"]);
+    assert!(text.contains("rubbing cable") && text.contains("disks 1–9 pulled"), "{text}");
+    let free = folder.write("free.toml", &robot("tension = \"3 N\""));
+    let text = succeed(&["solve", &free, "--model", "cosserat-disks"]);
+    assert!(!text.contains("rubbing"), "{text}");
+    let json = succeed(&["solve", &free, "--model", "cosserat-disks", "--json"]);
+    assert!(!json.contains("span_tensions") && !json.contains("contacts"), "{json}");
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use whipcord::robot::limits;
-use whipcord::{Case, Robot, SolveError};
+use whipcord::{Case, Pose, Problem, Robot, SolveError};
 
 use crate::check::{self, Fields};
 use crate::error::{FileError, FileProblem, Problems};
@@ -86,7 +86,8 @@ fn read(
 ) -> Option<CaseFile> {
     let Value::Table(entries) = &document.value else { return None };
     let fields = check::table(entries, document.span, &ROOT, problems);
-    let parts = parts(&fields);
+    steps(&fields, &document, problems);
+    let parts = parts(&fields, &document, problems);
     let disks = parts.as_ref().map(|parts| parts.disks.count());
     let measured = fields.table("measured").and_then(|table| table.text("disks")).and_then(|csv| {
         let named = document.locate("measured.disks").span;
@@ -116,18 +117,69 @@ fn read(
 }
 
 /// The parts that the tables describe; `None` when one is missing or was refused.
-fn parts(fields: &Fields) -> Option<Parts> {
+fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Parts> {
     let backbone = read::backbone(fields.table("backbone")?)?;
     let disks = read::disks(fields.table("disks")?, backbone.length)?;
+    let loads = fields.table("loads").map(|table| read::loads(table, backbone.length));
+    let loads = loads.unwrap_or_default();
+    let base = match fields.table("base").map(read::base) {
+        None => Pose::IDENTITY,
+        Some(Ok(base)) => base,
+        Some(Err(path)) => {
+            let (path, problem) = (path.to_owned(), Problem::NoDirection);
+            let span = document.locate(&path).span;
+            problems.push(span, || FileProblem::Physical { path, problem });
+            Pose::IDENTITY
+        }
+    };
     let tables = fields.tables("cables");
     let cables = tables.iter().enumerate().map(|(i, table)| read::cable(table, i));
+    let steps = fields.tables("steps").iter().map(|table| read::step(table, tables.len()));
     Some(Parts {
         backbone,
         disks,
         cables: cables.collect::<Option<_>>()?,
         commands: tables.iter().map(read::command).collect(),
-        loads: fields.table("loads").map(read::loads).unwrap_or_default(),
+        loads,
+        base,
+        steps: steps.collect(),
     })
+}
+
+/// Refuses steps that do not say what each cable does, and cables that have something of their own
+/// to say beside the steps of the same file.
+fn steps(fields: &Fields, document: &Node, problems: &mut Problems) {
+    const COMMANDS: [&str; 2] = ["tension", "shortening"];
+    let cables = fields.tables("cables");
+    let steps = fields.tables("steps");
+    if steps.is_empty() {
+        return;
+    }
+    let span = |path: String| document.locate(&path).span;
+    for (k, step) in steps.iter().enumerate() {
+        for key in COMMANDS {
+            let (given, expected) = (step.list(key).map(<[_]>::len), cables.len());
+            if let Some(given) = given.filter(|given| *given != expected) {
+                let list = span(format!("steps[{k}].{key}"));
+                problems.push(list, || FileProblem::WrongCount { key, expected, given });
+            }
+        }
+    }
+    let first = span("steps[0]".to_owned());
+    for (i, cable) in cables.iter().enumerate() {
+        for second in COMMANDS.into_iter().filter(|key| cable.quantity(key).is_some()) {
+            let own = span(format!("cables[{i}].{second}"));
+            // A file that is extended gives way to what is laid over it.
+            if own.file == first.file {
+                let related = Some((first, "the steps say what each cable does"));
+                problems.push_related(own, related, || FileProblem::Exclusive {
+                    first: "steps",
+                    second,
+                    table: "one file",
+                });
+            }
+        }
+    }
 }
 
 /// Refuses published values that cannot be.

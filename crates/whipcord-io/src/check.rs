@@ -44,6 +44,14 @@ impl Fields {
         matches!(self.values.get(name), Some(Data::Flag(true)))
     }
 
+    /// None when it is not given.
+    pub(crate) fn truth(&self, name: &str) -> Option<bool> {
+        match self.values.get(name)? {
+            Data::Flag(flag) => Some(*flag),
+            _ => None,
+        }
+    }
+
     pub(crate) fn count(&self, name: &str) -> Option<usize> {
         match self.values.get(name)? {
             Data::Count(count) => Some(*count),
@@ -56,10 +64,11 @@ impl Fields {
     }
 
     pub(crate) fn quantity(&self, name: &str) -> Option<(f64, Dimension)> {
-        match self.values.get(name)? {
-            Data::Number(value, dimension) => Some((*value, *dimension)),
-            _ => None,
-        }
+        self.values.get(name)?.as_quantity()
+    }
+
+    pub(crate) fn data(&self, name: &str) -> Option<&Data> {
+        self.values.get(name)
     }
 
     pub(crate) fn list(&self, name: &str) -> Option<&[Data]> {
@@ -96,8 +105,12 @@ impl Fields {
 
 impl Data {
     pub(crate) fn as_number(&self) -> Option<f64> {
+        self.as_quantity().map(|(value, _)| value)
+    }
+
+    pub(crate) fn as_quantity(&self) -> Option<(f64, Dimension)> {
         match self {
-            Self::Number(value, _) => Some(*value),
+            Self::Number(value, dimension) => Some((*value, *dimension)),
             _ => None,
         }
     }
@@ -306,6 +319,8 @@ fn resembles(value: &Value, kind: &Kind) -> bool {
         (Kind::Vector(item, _) | Kind::List(item, _), Value::List(items)) => {
             items.first().is_none_or(|first| resembles(&first.value, item))
         }
+        (Kind::Number, Value::Integer(_) | Value::Number(_)) => true,
+        (Kind::Table(_), Value::Table(_)) => true,
         _ => false,
     }
 }

@@ -119,7 +119,22 @@ fn physical_help(problem: &Problem) -> String {
         Problem::Negative { .. } => "give zero or a value greater than zero".to_owned(),
         Problem::OutOfRange { range, .. } => format!("give a value {range}"),
         Problem::TooClose { least, .. } => {
-            format!("put disks at least {} m apart", number(least))
+            format!("put them at least {} m apart", number(least))
+        }
+        Problem::CountOfPlaces { given, expected } => {
+            if given > expected {
+                format!("leave out {}, or add places to `at`", values(given - expected))
+            } else {
+                format!("add {}, or remove places from `at`", values(expected - given))
+            }
+        }
+        Problem::GivenTwice { .. } => "remove one of the two".to_owned(),
+        Problem::StiffnessMissing { hold } => {
+            format!("give it, or write `{hold} = false` under [backbone]")
+        }
+        Problem::NotSymmetric { .. } => "make the two entries equal".to_owned(),
+        Problem::NotPositiveDefinite { .. } => {
+            "check the units of the entries, and that the coupling K_ij stays below the root of K_ii K_jj".to_owned()
         }
         Problem::Count { given, expected } => {
             if given > expected {

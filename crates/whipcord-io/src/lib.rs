@@ -24,7 +24,8 @@ mod validate;
 pub use case_file::{CaseFile, load, parse};
 pub use error::{Diagnostic, FileError, FileProblem};
 pub use output::{
-    Cell, CsvTable, NonFinite, remove_unfinished, shape_csv, solution_json, write_atomically,
+    Beside, Cell, CsvTable, NonFinite, answer_json, remove_unfinished, shape_csv, solution_json,
+    steps_csv, stiffness_json, write_atomically,
 };
 pub use read::{Measured, MeasuredDisk, Reference};
 pub use render::render;

@@ -15,10 +15,18 @@ pub enum Dimension {
     Force,
     /// In N·m.
     Moment,
+    /// In N/m.
+    LineForce,
+    /// In N·m/m.
+    LineMoment,
+    /// In N·m².
+    BendingStiffness,
     /// In kg.
     Mass,
     /// In kg/m³.
     Density,
+    /// In kg/m.
+    LinearDensity,
     /// In rad.
     Angle,
     /// In m/s².
@@ -120,8 +128,27 @@ const MOMENT: &[Unit] = &[
     ten("mN*m", &["mN·m", "mN⋅m", "mN m", "mNm"], -3),
     ten("N*mm", &["N·mm", "N⋅mm", "N mm", "Nmm"], -3),
 ];
+const BENDING_STIFFNESS: &[Unit] = &[
+    ten("N*m^2", &["N·m²", "N⋅m²", "N·m^2", "N*m²", "N m^2", "N m²", "Nm^2", "Nm²"], 0),
+    ten("N*cm^2", &["N·cm²", "N⋅cm²", "N·cm^2", "N*cm²", "N cm^2", "N cm²", "Ncm^2", "Ncm²"], -4),
+    ten("N*mm^2", &["N·mm²", "N⋅mm²", "N·mm^2", "N*mm²", "N mm^2", "N mm²", "Nmm^2", "Nmm²"], -6),
+];
+const LINE_FORCE: &[Unit] = &[
+    ten("N/m", &["mN/mm"], 0),
+    ten("mN/m", &[], -3),
+    ten("kN/m", &[], 3),
+    ten("N/mm", &[], 3),
+    factor("gf/m", &[], 1e-3 * STANDARD_GRAVITY),
+];
+const LINE_MOMENT: &[Unit] = &[
+    ten("N*m/m", &["N·m/m", "N⋅m/m", "N m/m", "Nm/m"], 0),
+    ten("mN*m/m", &["mN·m/m", "mN⋅m/m", "mN m/m", "mNm/m"], -3),
+    ten("N*mm/mm", &["N·mm/mm", "N⋅mm/mm", "N mm/mm", "Nmm/mm"], 0),
+];
 const MASS: &[Unit] = &[ten("kg", &[], 0), ten("g", &[], -3), ten("mg", &[], -6)];
 const DENSITY: &[Unit] = &[ten("kg/m^3", &["kg/m³"], 0), ten("g/cm^3", &["g/cm³"], 3)];
+const LINEAR_DENSITY: &[Unit] =
+    &[ten("kg/m", &[], 0), ten("g/m", &["kg/km"], -3), ten("g/cm", &[], -1), ten("g/mm", &[], 0)];
 const ANGLE: &[Unit] = &[
     ten("rad", &[], 0),
     factor("deg", &["°"], DEGREE),
@@ -144,13 +171,17 @@ const RATIO: &[Unit] = &[ten("%", &[], -2)];
 
 impl Dimension {
     /// All dimensions.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 15] = [
         Self::Length,
         Self::Pressure,
         Self::Force,
         Self::Moment,
+        Self::LineForce,
+        Self::LineMoment,
+        Self::BendingStiffness,
         Self::Mass,
         Self::Density,
+        Self::LinearDensity,
         Self::Angle,
         Self::Acceleration,
         Self::Curvature,
@@ -166,8 +197,12 @@ impl Dimension {
             Self::Pressure => PRESSURE,
             Self::Force => FORCE,
             Self::Moment => MOMENT,
+            Self::LineForce => LINE_FORCE,
+            Self::LineMoment => LINE_MOMENT,
+            Self::BendingStiffness => BENDING_STIFFNESS,
             Self::Mass => MASS,
             Self::Density => DENSITY,
+            Self::LinearDensity => LINEAR_DENSITY,
             Self::Angle => ANGLE,
             Self::Acceleration => ACCELERATION,
             Self::Curvature => CURVATURE,
@@ -193,8 +228,12 @@ impl Dimension {
             Self::Pressure => "1.1 GPa",
             Self::Force => "400 gf",
             Self::Moment => "1 mN*m",
+            Self::LineForce => "0.5 N/m",
+            Self::LineMoment => "2 mN*m/m",
+            Self::BendingStiffness => "0.004 N*m^2",
             Self::Mass => "1.2 g",
             Self::Density => "1040 kg/m^3",
+            Self::LinearDensity => "7.4 g/m",
             Self::Angle => "30 deg",
             Self::Acceleration => "9.81 m/s^2",
             Self::Curvature => "4 1/m",
@@ -221,8 +260,12 @@ impl fmt::Display for Dimension {
             Self::Pressure => "pressure",
             Self::Force => "force",
             Self::Moment => "moment",
+            Self::LineForce => "force per length",
+            Self::LineMoment => "moment per length",
+            Self::BendingStiffness => "bending stiffness",
             Self::Mass => "mass",
             Self::Density => "density",
+            Self::LinearDensity => "linear density",
             Self::Angle => "angle",
             Self::Acceleration => "acceleration",
             Self::Curvature => "curvature",

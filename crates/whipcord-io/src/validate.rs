@@ -1,7 +1,7 @@
 //! Asks the library whether the robot and the case can be, and finds the place of what cannot.
 
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Loads, Problem, Robot, RobotError, SolveError,
+    Backbone, Cable, CableCommand, Case, Disks, Loads, Pose, Problem, Robot, RobotError, SolveError,
 };
 
 use crate::error::{Diagnostic, FileProblem, Problems};
@@ -15,6 +15,18 @@ pub(crate) struct Parts {
     pub cables: Vec<Cable>,
     pub commands: Vec<CableCommand>,
     pub loads: Loads,
+    pub base: Pose,
+    /// Steps of actuation, each with a command for each cable; where there are any, the last one
+    /// stands for `commands`.
+    pub steps: Vec<Vec<CableCommand>>,
+}
+
+/// What the places of the library's commands are in the file.
+struct Numbering {
+    /// Numbers in the file of the cables that are left.
+    cables: Vec<usize>,
+    /// The step that the final commands come from.
+    last_step: Option<usize>,
 }
 
 /// The robot and the case of these parts. The library stops at the first quantity that cannot be;
@@ -24,9 +36,15 @@ pub(crate) fn assemble(
     document: &Node,
     problems: &mut Problems,
 ) -> Option<(Robot, Case)> {
-    let Parts { backbone, disks, mut cables, mut commands, loads } = parts;
-    // Numbers in the file of the cables that are left.
-    let mut numbers: Vec<usize> = (0..cables.len()).collect();
+    let Parts { backbone, disks, mut cables, mut commands, loads, base, steps: mut before } = parts;
+    let last = before.pop();
+    let mut numbers = Numbering {
+        cables: (0..cables.len()).collect(),
+        last_step: last.is_some().then_some(before.len()),
+    };
+    if let Some(last) = last {
+        commands = last;
+    }
     let robot = loop {
         match Robot::new(backbone.clone(), disks.clone(), cables.clone()) {
             Ok(robot) => break robot,
@@ -36,17 +54,21 @@ pub(crate) fn assemble(
                 let i = refused?;
                 cables.remove(i);
                 commands.remove(i);
-                numbers.remove(i);
+                before.iter_mut().for_each(|step| _ = step.remove(i));
+                numbers.cables.remove(i);
                 if problems.is_full() {
                     return None;
                 }
             }
         }
     };
-    let mut case = Case { commands, loads };
+    let mut case = Case { commands, loads, base, before };
     while let Err(error) = case.check(&robot) {
         report(&error, &numbers, document, problems);
-        let refused = cable_of(&error).and_then(|i| case.commands.get_mut(i))?;
+        let refused = match step_of(&error) {
+            Some((step, cable)) => case.before.get_mut(step)?.get_mut(cable)?,
+            None => case.commands.get_mut(cable_of(&error)?)?,
+        };
         *refused = CableCommand::default();
         if problems.is_full() {
             return None;
@@ -61,17 +83,38 @@ fn cable_of(error: &RobotError) -> Option<usize> {
     number.parse().ok()
 }
 
-fn report(error: &RobotError, numbers: &[usize], document: &Node, problems: &mut Problems) {
-    let mut path = error.path.clone();
-    if let Some(&number) = cable_of(error).and_then(|i| numbers.get(i))
-        && let Some((_, rest)) = path.split_once(']')
-    {
-        path = format!("cables[{number}]{rest}");
+/// The numbers of the step and of the cable in it that an error is about: those of
+/// `steps[1].tension[2]` are 1 and 2.
+fn step_of(error: &RobotError) -> Option<(usize, usize)> {
+    let (step, rest) = error.path.strip_prefix("steps[")?.split_once(']')?;
+    let (_, cable) = rest.strip_suffix(']')?.split_once('[')?;
+    Some((step.parse().ok()?, cable.parse().ok()?))
+}
+
+impl Numbering {
+    /// The path in the file of what the library names.
+    fn path(&self, error: &RobotError) -> Option<String> {
+        let (_, rest) = error.path.split_once(']')?;
+        if let Some((step, cable)) = step_of(error) {
+            let (list, _) = rest.split_once('[')?;
+            return Some(format!("steps[{step}]{list}[{}]", self.cables.get(cable)?));
+        }
+        let cable = self.cables.get(cable_of(error)?)?;
+        Some(match self.last_step {
+            Some(step) if [".tension", ".shortening"].contains(&rest) => {
+                format!("steps[{step}]{rest}[{cable}]")
+            }
+            _ => format!("cables[{cable}]{rest}"),
+        })
     }
+}
+
+fn report(error: &RobotError, numbers: &Numbering, document: &Node, problems: &mut Problems) {
+    let mut path = numbers.path(error).unwrap_or_else(|| error.path.clone());
     let mut problem = error.problem.clone();
     let mut related = None;
     if let Problem::DuplicateName { first, .. } = &mut problem {
-        *first = numbers.get(*first).copied().unwrap_or(*first);
+        *first = numbers.cables.get(*first).copied().unwrap_or(*first);
         let other = document.locate(&format!("cables[{first}].name"));
         related = Some((other.span, "the other one is here"));
     }

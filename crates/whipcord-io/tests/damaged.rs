@@ -13,12 +13,13 @@ fn whole_files() -> Vec<String> {
         "two-segment-arm.toml",
         "helical-finger.toml",
         "precurved-catheter.toml",
+        "composite-finger.toml",
         "table1/prototype.toml",
     ]
     .iter()
     .filter_map(|name| std::fs::read_to_string(examples.join(name)).ok())
     .collect();
-    assert_eq!(files.len(), 5);
+    assert_eq!(files.len(), 6);
     files.push(
         concat!(
             "title = 'all'\n[backbone]\nlength = 0.3\ndiameters = [0.003, '2 mm', 0.001]\n",
@@ -31,6 +32,24 @@ fn whole_files() -> Vec<String> {
             "routing.kind = 'linear'\nrouting.start = [0.01, 0]\nrouting.end = ['1 in', '0']\n",
             "[loads]\ngravity = [0, 0, '-1 g0']\nfollower = true\n[[loads.point]]\nat = 0.1\n",
             "moment = ['1 N*mm', 0, 0]\n[reference]\nsource = 'x'\ntime_cosserat = '1 ms'\n",
+        )
+        .to_owned(),
+    );
+    files.push(
+        concat!(
+            "[backbone]\nlength = 0.3\nsection = { width = [0.003, '2 mm'], height = 1e-3, at = [0, 0.3] }\n",
+            "rest_curvature = { at = [0, '1 cm', 0.01], values = [[0, 0, 1], [0, 1, 0], [0, 0, 0]] }\n",
+            "linear_density = { at = [0, 0.2], values = ['7 g/m', 0.005] }\nshearable = false\n",
+            "[backbone.stiffness]\nat = [0, 0.1]\naxial = '8 kN'\ntorsion = ['3e3 N*mm^2', 0.002]\n",
+            "bending = [[0.004, 0.005], ['4e3 N*mm^2', 0.004]]\n[disks]\ncount = 3\n",
+        )
+        .to_owned(),
+    );
+    files.push(
+        concat!(
+            "[backbone]\nlength = 0.3\n[backbone.stiffness]\nmatrix = [[4, 1, 0, 0, 0, 1], ",
+            "[1, 4, 0, 0, 0, 0], [0, 0, 4, 0, 0, 0], [0, 0, 0, 4, 1, 0], [0, 0, 0, 1, 4, 0], ",
+            "[1, 0, 0, 0, 0, 4]]\n[disks]\ncount = 3\n",
         )
         .to_owned(),
     );

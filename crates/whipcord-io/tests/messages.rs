@@ -292,6 +292,116 @@ fn what_cannot_be() {
 }
 
 #[test]
+fn stiffness() {
+    let diagonal = "shear = [3000, 3000]\naxial = 8000\nbending = [0.004, 0.004]\ntorsion = 0.003";
+    let given = |lines: &str| with_backbone(&format!("length = 1\n[backbone.stiffness]\n{lines}"));
+    let held = |lines: &str| {
+        with_backbone(&format!(
+            "length = 1\nshearable = false\nextensible = false\n[backbone.stiffness]\n{lines}"
+        ))
+    };
+    let matrix = |entries: &[(usize, usize, &str)]| {
+        let rows: Vec<_> = (0..6)
+            .map(|i| {
+                let entry = |j: usize| {
+                    let given = entries.iter().find(|(r, c, _)| (*r, *c) == (i, j));
+                    given.map_or(if i == j { "4" } else { "0" }, |(_, _, text)| *text)
+                };
+                format!("[{}]", (0..6).map(entry).collect::<Vec<_>>().join(", "))
+            })
+            .collect();
+        format!("matrix = [{}]", rows.join(", "))
+    };
+    let text = messages(&[
+        (
+            "beside a material",
+            with_backbone(&format!(
+                "length = 1\nyoung_modulus = 1e9\n[backbone.stiffness]\n{diagonal}"
+            )),
+        ),
+        (
+            "beside a shear correction",
+            with_backbone(&format!(
+                "length = 1\nshear_correction = 0.8\n[backbone.stiffness]\n{diagonal}"
+            )),
+        ),
+        ("a shear correction of zero", with_backbone("length = 1\nshear_correction = 0")),
+        ("two masses", with_backbone("length = 1\ndensity = 1000\nlinear_density = \"7 g/m\"")),
+        ("nothing", given("at = [0, 1]")),
+        ("no torsion", given("bending = [1, 1]")),
+        ("no bending", given("torsion = 1")),
+        ("diagonal and matrix", given(&format!("torsion = 1\n{}", matrix(&[])))),
+        ("no shear", given("axial = 1\nbending = [1, 1]\ntorsion = 1")),
+        ("no axial", given("shear = [1, 1]\nbending = [1, 1]\ntorsion = 1")),
+        ("one bending", given(&diagonal.replace("[0.004, 0.004]", "0.004"))),
+        ("three bendings", given(&diagonal.replace("[0.004, 0.004]", "[1, 2, 3]"))),
+        ("the unit of a moment", given(&diagonal.replace("0.003", "\"3 mN*m\""))),
+        ("a bending of zero", given(&diagonal.replace("[0.004,", "[0,"))),
+        ("a negative one in a list", held("bending = [[1, 1], [1, -1]]\ntorsion = 1\nat = [0, 1]")),
+        ("one for each disk", held("bending = [[1, 1], [1, 1]]\ntorsion = 1")),
+        ("places too few", held("bending = [[1, 1], [1, 1]]\ntorsion = 1\nat = [0]")),
+        ("places that fall", held("bending = [1, 1]\ntorsion = [1, 1]\nat = [0.5, 0.1]")),
+        ("one place thrice", held("bending = [1, 1]\ntorsion = [1, 1, 1]\nat = [0, 0, 0]")),
+        ("places too close", held("bending = [1, 1]\ntorsion = [1, 1]\nat = [0.5, 0.50000000001]")),
+        ("a place beyond the tip", held("bending = [1, 1]\ntorsion = [1, 1]\nat = [0.5, 2]")),
+        ("five rows", given("matrix = [[1], [1], [1], [1], [1]]")),
+        ("not symmetric", given(&matrix(&[(1, 5, "2"), (5, 1, "-2")]))),
+        ("not definite", given(&matrix(&[(3, 4, "4.1"), (4, 3, "4.1")]))),
+        ("a pivot that vanishes", given(&matrix(&[(0, 5, "4"), (5, 0, "4")]))),
+        ("a diagonal of zero", given(&matrix(&[(2, 2, "0")]))),
+        (
+            "curvatures without places",
+            with_backbone("length = 1\nrest_curvature = { values = [[0, 0, 1]] }"),
+        ),
+        (
+            "curvatures too few for their places",
+            with_backbone("length = 1\nrest_curvature = { at = [0, 1], values = [[0, 0, 1]] }"),
+        ),
+        (
+            "a bore too wide midway",
+            with_backbone(
+                "length = 1\ndiameter = 0.01\ninner_diameter = { at = [0, 0.5, 1], values = [0, 0.011, 0] }",
+            ),
+        ),
+        (
+            "a width too small",
+            with_backbone("length = 1\nsection = { width = [1, 0], height = 1, at = [0, 1] }"),
+        ),
+        ("a number for a switch", with_backbone("length = 1\nextensible = 0")),
+    ]);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
+fn distributed_loads_masses_and_base() {
+    let spread = |lines: &str| with_loads(&format!("[[loads.distributed]]\n{lines}"));
+    let base = |lines: &str| format!("{BACKBONE}{DISKS}\n[base]\n{lines}\n");
+    let text = messages(&[
+        ("nothing spread", spread("from = 0")),
+        ("a force as such", spread("force = ['1 N', 0, 0]")),
+        ("a stretch and stations", spread("from = 0\nat = [0, 0.1]\nforce = [1, 0, 0]")),
+        ("lists without stations", spread("force = [[1, 0, 0], [2, 0, 0]]")),
+        ("three for two", spread("at = [0, 0.1]\nforce = [[1, 0, 0], [2, 0, 0], [3, 0, 0]]")),
+        ("backwards", spread("from = '90 mm'\nto = '20 mm'\nforce = [1, 0, 0]")),
+        ("beyond the tip", spread("at = [0, '5 m']\nmoment = ['1 mN*m/m', 0, 0]")),
+        ("too much", spread("at = [0, 0.1]\nforce = [[1, 0, 0], [0, 1e13, 0]]")),
+        ("a mass nowhere", with_loads("[[loads.mass]]\nmass = '1 g'")),
+        ("a mass of less than nothing", with_loads("[[loads.mass]]\nat = 0.1\nmass = -1")),
+        ("no such frame", with_loads("frame = 'body'")),
+        (
+            "turned twice",
+            base("orientation = [1, 0, 0, 0]\nrotation = { axis = [0, 0, 1], angle = 1 }"),
+        ),
+        ("no axis", base("rotation = { axis = [0, 0, 0], angle = 1 }")),
+        ("no quaternion", base("orientation = [0, 0, 0, 0]")),
+        ("three of four", base("orientation = [1, 0, 0]")),
+        ("no angle", base("rotation = { axis = [0, 0, 1] }")),
+        ("far away", base("position = [0, 0, 1e7]")),
+    ]);
+    insta::assert_snapshot!(text);
+}
+
+#[test]
 fn long_lines_are_cut() {
     let many = vec!["1"; 400].join(", ");
     let cases = [
@@ -495,6 +605,13 @@ fn what_a_model_refuses() {
         ("no poisson_ratio", format!("{BACKBONE}young_modulus = 1e9\n{DISKS}{both}")),
         ("no diameter", format!("{}{DISKS}{both}", full.replace("diameter = \"3 mm\"\n", ""))),
         ("no density", format!("{full}{DISKS}{both}[loads]\ngravity = [0, 0, \"-9.81 m/s^2\"]\n")),
+        (
+            "no linear_density",
+            format!(
+                "{}[backbone.stiffness]\nshear = [1, 1]\naxial = 1\nbending = [1, 1]\ntorsion = 1\n{DISKS}{both}[loads]\ngravity = [0, 0, \"-9.81 m/s^2\"]\n",
+                BACKBONE.replace("diameter = \"3 mm\"\n", "")
+            ),
+        ),
         ("a cable that is not pulled", format!("{full}{DISKS}{both}{second}")),
         ("tension alone", format!("{full}{DISKS}{CABLE}")),
         ("a force", format!("{full}{DISKS}{both}[loads]\ntip_force = [\"0.1 N\", 0, 0]\n")),
@@ -554,4 +671,29 @@ fn colours_only_where_asked() {
     let error = parse(&with_backbone("lenght = 1\nlength = 1"), "robot.toml").unwrap_err();
     assert!(!error.to_string().contains('\x1b'));
     insta::assert_snapshot!(whipcord_io::render(&error, true).replace('\x1b', "ESC"));
+}
+
+#[test]
+fn steps() {
+    let with_steps = |own: &str, steps: &str| {
+        let cable = |name: &str| format!("[[cables]]\nname = \"{name}\"\nholes = [1, 2, 3]\n");
+        format!("{BACKBONE}{DISKS}{}{own}\n{}\n{steps}\n", cable("pull"), cable("hold"))
+    };
+    let text = messages(&[
+        ("a step that does nothing", with_steps("", "[[steps]]")),
+        ("one tension for two cables", with_steps("", "[[steps]]\ntension = [\"2 N\"]")),
+        ("one tension that is no list", with_steps("", "[[steps]]\ntension = \"2 N\"")),
+        (
+            "a shortening too many",
+            with_steps("", "[[steps]]\ntension = [1, 2]\n[[steps]]\nshortening = [0, 0, 0]"),
+        ),
+        ("a length for a tension", with_steps("", "[[steps]]\ntension = [\"2 mm\", 1]")),
+        (
+            "a cable that pushes, first and last",
+            with_steps("", "[[steps]]\ntension = [1, -2]\n[[steps]]\ntension = [-3, 0]"),
+        ),
+        ("both ways", with_steps("tension = \"4 N\"", "[[steps]]\ntension = [1, 2]")),
+        ("a single table", with_steps("", "[steps]\ntension = [1, 2]")),
+    ]);
+    insta::assert_snapshot!(text);
 }

@@ -4,7 +4,8 @@
 mod common;
 
 use whipcord::{
-    Interpolation, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Vec3,
+    Along, CableCommand, DistributedLoad, Interpolation, LoadFrame, PointLoad, PointMass, Pose,
+    Profile, RestCurvature, Robot, Routing, Section, Shortening, Stiffness, UnitQuaternion, Vec3,
 };
 use whipcord_io::{CaseFile, load, parse};
 
@@ -127,16 +128,41 @@ fn every_section_and_list() {
         let text = format!("[disks]\ncount = 3\n[backbone]\nlength = 0.3\n{lines}\n");
         read(&text).robot.backbone().clone()
     };
-    let tube = Section::Tube { outer: 0.003, inner: 0.002 };
+    let tube = Section::tube(0.003, 0.002);
     assert_eq!(backbone("diameter = 3e-3\ninner_diameter = '2 mm'").section, Some(tube));
-    let bar = Section::Rectangle { width: 0.006, height: 0.004 };
+    let bar = Section::rectangle(0.006, 0.004);
     assert_eq!(backbone("section.width = 0.006\nsection.height = '4 mm'").section, Some(bar));
-    let taper = Section::Taper { outer: vec![0.003, 0.002, 0.001], inner: 0.0 };
+    let taper =
+        Section::Round { outer: Along::PerDisk(vec![0.003, 0.002, 0.001]), inner: 0.0.into() };
     assert_eq!(backbone("diameters = ['3 mm', '2 mm', 0.001]").section, Some(taper));
     assert_eq!(backbone("shear_modulus = '4 GPa'").material.shear_modulus, Some(4e9));
+    let funnel = Section::Round {
+        outer: Along::At { arc_lengths: vec![0.1, 0.2], values: vec![0.004, 0.003] },
+        inner: Along::PerDisk(vec![0.002, 0.0015, 0.001]),
+    };
+    let lines = "diameters = { at = ['10 cm', 0.2], values = ['4 mm', 0.003] }\ninner_diameter = ['2 mm', 0.0015, '1 mm']";
+    assert_eq!(backbone(lines).section, Some(funnel));
+    let wedge = Section::Rectangle {
+        width: Along::Uniform(0.006),
+        height: Along::At { arc_lengths: vec![0.0, 0.3], values: vec![0.004, 0.002] },
+    };
+    let lines = "section = { width = 0.006, height = ['4 mm', '2 mm'], at = [0, 0.3] }";
+    assert_eq!(backbone(lines).section, Some(wedge));
     let curved = backbone("rest_curvature = [[0, 0, 0], ['1 1/m', 0, 0], [0, 0, '1 1/cm']]");
     let list = vec![Vec3::ZERO, Vec3::X, 100.0 * Vec3::Z];
     assert_eq!(curved.rest_curvature, RestCurvature::PerDisk(list));
+
+    let curved = backbone(
+        "rest_curvature = { at = [0.1, '10 cm'], values = [[0, 0, 0], [0, '1 1/cm', 0]] }",
+    );
+    let step = Along::At { arc_lengths: vec![0.1; 2], values: vec![Vec3::ZERO, 100.0 * Vec3::Y] };
+    assert_eq!(curved.rest_curvature, step);
+    let plain = backbone("");
+    assert!(plain.extensible && plain.shearable && plain.shear_correction == 1.0);
+    let beam = backbone("extensible = false\nshearable = false\nshear_correction = '90 %'");
+    assert!(!beam.extensible && !beam.shearable && beam.shear_correction == 0.9);
+    let heavy = backbone("linear_density = ['7 g/m', 0.006, '5 g/m']").linear_density;
+    assert_eq!(heavy, Some(Along::PerDisk(vec![0.007, 0.006, 0.005])));
 
     let text = "[backbone]\nlength = '180 mm'\n[disks]\npositions = [0, '60 mm', '180 mm']\nhole_circle_radius = ['8 mm', '7 mm', '6 mm']\nholes = 6\n";
     let robot = read(text).robot;
@@ -159,7 +185,7 @@ fn over_base(lines: &str) -> Robot {
 fn tables_are_laid_over_one_another() {
     let robot = over_base("[backbone]\nlength = 0.2\n[[cables]]\nname = 'c'\nholes = [3, 3]");
     assert_eq!(robot.backbone().length, 0.2);
-    assert_eq!(robot.backbone().section, Some(Section::Tube { outer: 0.003, inner: 0.001 }));
+    assert_eq!(robot.backbone().section, Some(Section::tube(0.003, 0.001)));
     assert_eq!(robot.disks().arc_lengths, [0.0, 0.1, 0.2]);
     assert_eq!(robot.cables().len(), 1);
     assert_eq!(robot.cables()[0].name, "c");
@@ -177,9 +203,10 @@ fn editors_of_every_system_may_write_it() {
 #[test]
 fn a_key_replaces_what_excludes_it() {
     let section = |lines: &str| over_base(lines).backbone().section.clone();
-    let taper = Section::Taper { outer: vec![0.003, 0.002, 0.002], inner: 0.001 };
+    let taper =
+        Section::Round { outer: Along::PerDisk(vec![0.003, 0.002, 0.002]), inner: 0.001.into() };
     assert_eq!(section("backbone.diameters = [0.003, 0.002, 0.002]"), Some(taper));
-    let bar = Section::Rectangle { width: 0.01, height: 0.02 };
+    let bar = Section::rectangle(0.01, 0.02);
     assert_eq!(section("backbone.section = { width = 0.01, height = 0.02 }"), Some(bar));
     let robot = over_base("[disks]\npositions = [0, 0.01, 0.18]\n[backbone]\nshear_modulus = 1e9");
     assert_eq!(robot.disks().arc_lengths, [0.0, 0.01, 0.18]);
@@ -210,4 +237,139 @@ fn chains_and_folders() {
     assert_eq!(measured.disks.len(), 2);
     assert_eq!((measured.disks[0].disk, measured.disks[1].disk), (1, 3));
     assert_eq!(measured.disks[1].position, Vec3::new(0.01, -0.002, 0.17));
+}
+
+#[test]
+fn every_stiffness() {
+    let stiffness = |lines: &str| {
+        let text = format!(
+            "[disks]\ncount = 3\n[backbone]\nlength = 0.3\nextensible = false\n[backbone.stiffness]\n{lines}\n"
+        );
+        read(&text).robot.backbone().stiffness.clone().unwrap()
+    };
+    let given = stiffness(
+        "shear = ['3 kN', 2500]\naxial = '8 kN'\nbending = ['4e3 N*mm^2', 0.005]\ntorsion = '30 N·cm²'",
+    );
+    assert_eq!(given, Stiffness::diagonal([3000.0, 2500.0], 8000.0, [0.004, 0.005], 0.003));
+
+    let given = stiffness(
+        "at = [0, '10 cm', '10 cm']\nshear = [3000, 3000]\nbending = [[3, 3], [2, 2], [1, 1]]\ntorsion = [3, '2 N*m^2', 1]",
+    );
+    let at = |values| Along::At { arc_lengths: vec![0.0, 0.1, 0.1], values };
+    let expected = Stiffness::Diagonal {
+        shear: Some(Along::Uniform([3000.0; 2])),
+        axial: None,
+        bending: Along::At {
+            arc_lengths: vec![0.0, 0.1, 0.1],
+            values: vec![[3.0; 2], [2.0; 2], [1.0; 2]],
+        },
+        torsion: at(vec![3.0, 2.0, 1.0]),
+    };
+    assert_eq!(given, expected);
+
+    let row = |i: usize| {
+        let entries: Vec<_> = (0..6).map(|j| if i == j { "5.0" } else { "1" }).collect();
+        format!("[{}]", entries.join(", "))
+    };
+    let matrix = format!("[{}]", (0..6).map(row).collect::<Vec<_>>().join(", "));
+    let expected = std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 5.0 } else { 1.0 }));
+    let given = stiffness(&format!("matrix = {matrix}"));
+    assert_eq!(given, Stiffness::Matrix(Along::Uniform(expected)));
+    let given = stiffness(&format!("matrix = [{matrix}, {matrix}, {matrix}]"));
+    assert_eq!(given, Stiffness::Matrix(Along::PerDisk(vec![expected; 3])));
+}
+
+#[test]
+fn a_stiffness_replaces_the_material_of_the_file_below() {
+    let base = "[disks]\ncount = 3\n[backbone]\nlength = 0.3\ndiameter = 0.003\nyoung_modulus = 1e9\npoisson_ratio = 0.3\n";
+    let above = "extends = 'base.toml'\n[backbone.stiffness]\nshear = [1, 1]\naxial = 1\nbending = [1, 1]\ntorsion = 1\n";
+    let folder = folder(&[("base.toml", base.as_bytes()), ("above.toml", above.as_bytes())]);
+    let robot = load(folder.path().join("above.toml")).unwrap().robot;
+    assert!(robot.backbone().stiffness.is_some());
+    assert_eq!(robot.backbone().material, whipcord::Material::default());
+    assert_eq!(robot.backbone().section, Some(Section::circle(0.003)));
+}
+
+#[test]
+fn distributed_loads_masses_and_base() {
+    let with = |lines: &str| {
+        read(&format!("[backbone]\nlength = \"200 mm\"\n[disks]\ncount = 3\n{lines}")).case
+    };
+    let case = with(
+        r#"
+[base]
+position = ["10 mm", 0, "1 m"]
+rotation = { axis = [0, 2, 0], angle = "90 deg" }
+
+[loads]
+frame = "world"
+gravity = [0, 0, "-1 g0"]
+
+[[loads.mass]]
+at = "50 mm"
+mass = "12 g"
+
+[[loads.distributed]]
+force = ["2 mN/mm", "0.5 N/m", 0]
+
+[[loads.distributed]]
+from = "20 mm"
+to = "120 mm"
+moment = [0, 0, "3 mN*m/m"]
+follower = true
+
+[[loads.distributed]]
+at = [0, "0.1 m", "150 mm"]
+force = [[0, 0, 0], ["1 kN/m", 0, 0], [0, "1 N/mm", 0]]
+moment = [0, 0.5, 0]
+"#,
+    );
+    let turn = UnitQuaternion::exp(Vec3::Y * 90_f64.to_radians());
+    assert_eq!(case.base, Pose { position: Vec3::new(0.01, 0.0, 1.0), rotation: turn });
+    assert_eq!(case.loads.frame, LoadFrame::World);
+    assert_eq!(case.loads.masses, [PointMass { at: 0.05, mass: 0.012 }]);
+    let constant = |from, to, force, moment| Profile::Constant { from, to, force, moment };
+    let listed = Profile::Linear {
+        at: vec![0.0, 0.1, 0.15],
+        force: vec![Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3],
+        moment: vec![Vec3::Y * 0.5; 3],
+    };
+    let dead = |profile| DistributedLoad { profile, follower: false };
+    assert_eq!(
+        case.loads.distributed,
+        [
+            dead(constant(0.0, 0.2, Vec3::new(2.0, 0.5, 0.0), Vec3::ZERO)),
+            dead(constant(0.02, 0.12, Vec3::ZERO, Vec3::Z * 0.003)).following(),
+            dead(listed),
+        ]
+    );
+    // A quaternion of any norm, and the default.
+    let quarter = with("[base]\norientation = [3, 0, 3, 0]").base.rotation;
+    assert!((quarter.log() - turn.log()).norm() < 1e-15);
+    assert_eq!(with("[loads]\ntip_force = [1, 0, 0]").base, Pose::IDENTITY);
+}
+
+#[test]
+fn steps_say_what_each_cable_does_in_turn() {
+    let robot = "[backbone]\nlength = 0.18\n[disks]\ncount = 2\n";
+    let cable = |name: &str, own: &str| {
+        let routing = "routing = { kind = 'straight', angle = 0, radius = 0.008 }";
+        format!("[[cables]]\nname = '{name}'\n{routing}\n{own}\n")
+    };
+    let cables = cable("a", "") + &cable("b", "");
+    let steps = "[[steps]]\ntension = ['2 N', 0]\n[[steps]]\ntension = [1, 3]\nshortening = ['5 %', '-1 mm']\n";
+    let file = read(&format!("{robot}{cables}{steps}"));
+    let command = |tension, shortening| CableCommand { tension: Some(tension), shortening };
+    assert_eq!(file.case.before, [[command(2.0, None), command(0.0, None)]]);
+    let (fraction, length) = (Shortening::Fraction(0.05), Shortening::Length(-0.001));
+    assert_eq!(file.case.commands, [command(1.0, Some(fraction)), command(3.0, Some(length))]);
+
+    // The steps of a file that extends another replace what the cables say there.
+    let own = cable("a", "tension = 7") + &cable("b", "shortening = 0.1");
+    let folder = folder(&[
+        ("base.toml", &format!("{robot}{own}")),
+        ("robot.toml", &format!("extends = 'base.toml'\n{steps}")),
+    ]);
+    let laid_over = load(folder.path().join("robot.toml")).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(laid_over.case, file.case);
 }

@@ -36,6 +36,8 @@ fn to_json(value: &DeValue<'_>) -> Value {
 const ROBOT: &str =
     "[backbone]\nlength = 0.18\n[disks]\ncount = 10\nholes = 12\nhole_circle_radius = 0.008\n";
 
+const MATRIX: &str = "[[4, 1, 0, 0, 0, 1], [1, 4, 0, 0, 0, 0], [0, 0, 4, 0, 0, 0], [0, 0, 0, 4, 1, 0], [0, 0, 0, 1, 4, 0], [1, 0, 0, 0, 0, 4]]";
+
 fn robot_and(lines: &str) -> String {
     format!("{ROBOT}{lines}")
 }
@@ -80,6 +82,14 @@ fn schema_and_reader_agree() {
         ROBOT.replace("length", "section = { width = \"6 mm\", height = 0.004 }\nlength"),
         ROBOT.replace("length", "diameter = 0.003\ninner_diameter = 0.002\nlength"),
         ROBOT.replace("count = 10", "positions = [0, \"90 mm\", \"180 mm\"]"),
+        ROBOT.replace("length", "section = { width = [1, 2], height = 0.004, at = [0, 0.1] }\nlength"),
+        ROBOT.replace("length", "diameters = { at = [0], values = [\"3 mm\"] }\nlength"),
+        ROBOT.replace("length", "rest_curvature = { at = [0], values = [[0, 1, 0]] }\nlength"),
+        ROBOT.replace("length", "linear_density = \"7.4 g/m\"\nextensible = false\nlength"),
+        ROBOT.replace("length", "shear_correction = 0.9\nlength"),
+        ROBOT.replace("[disks]", "shearable = false\n[backbone.stiffness]\naxial = \"8 kN\"\nbending = [\"4e3 N*mm^2\", 0.004]\ntorsion = \"0.003 N·m²\"\n[disks]"),
+        ROBOT.replace("[disks]", &format!("[backbone.stiffness]\nmatrix = {MATRIX}\n[disks]")),
+        ROBOT.replace("[disks]", &format!("[backbone.stiffness]\nat = [0, 0.1]\nmatrix = [{MATRIX}, {MATRIX}]\n[disks]")),
     ];
     for text in good {
         assert!(takes(&text), "{text}");
@@ -101,6 +111,18 @@ fn schema_and_reader_agree() {
         ROBOT.replace("length", "diameter = 1\ndiameters = [1]\nlength"),
         ROBOT.replace("length", "inner_diameter = 1\nlength"),
         ROBOT.replace("length", "section = { width = 1 }\nlength"),
+        ROBOT.replace("length", "section = { width = 1, height = 1, at = [] }\nlength"),
+        ROBOT.replace("length", "diameters = { at = [0] }\nlength"),
+        ROBOT.replace("length", "rest_curvature = { at = [0], values = [0, 1, 0] }\nlength"),
+        ROBOT.replace("length", "linear_density = 1\ndensity = 1\nlength"),
+        ROBOT.replace("length", "shear_correction = 0\nlength"),
+        ROBOT.replace("length", "extensible = 1\nlength"),
+        ROBOT.replace("[disks]", "[backbone.stiffness]\nbending = [1, 1]\n[disks]"),
+        ROBOT.replace("[disks]", "[backbone.stiffness]\nbending = 1\ntorsion = 1\n[disks]"),
+        ROBOT.replace("[disks]", "[backbone.stiffness]\nshear = [1, 1]\naxial = 1\nbending = [1, 0]\ntorsion = 1\n[disks]"),
+        ROBOT.replace("[disks]", &format!("[backbone.stiffness]\ntorsion = 1\nmatrix = {MATRIX}\n[disks]")),
+        ROBOT.replace("[disks]", &format!("young_modulus = 1e9\n[backbone.stiffness]\nmatrix = {MATRIX}\n[disks]")),
+        ROBOT.replace("[disks]", "[backbone.stiffness]\nmatrix = [[1, 2], [2, 1]]\n[disks]"),
         robot_and("[[cables]]\nname = \"a\"\n"),
         robot_and("[[cables]]\nname = \"\"\nholes = [1, 1]\n"),
         robot_and("[[cables]]\nholes = []\n"),

@@ -64,6 +64,14 @@ impl DenseLu {
         Ok(())
     }
 
+    /// Whether the determinant of the matrix is negative.
+    #[must_use]
+    pub fn is_determinant_negative(&self) -> bool {
+        let swaps = self.pivots.iter().enumerate().filter(|&(k, &pivot)| k != pivot).count();
+        let negative = (0..self.n).filter(|&k| self.factors[k * self.n + k] < 0.0).count();
+        (swaps + negative) % 2 == 1
+    }
+
     /// Overwrites `b` by the solution of `A x = b`.
     pub fn solve(&self, b: &mut [f64]) {
         let n = self.n;
@@ -85,6 +93,61 @@ impl DenseLu {
     }
 }
 
+/// The eigenvalues of a symmetric `n`×`n` matrix, given by rows and overwritten, in no particular
+/// order: by Jacobi's rotations, each accurate to rounding relative to the largest.
+///
+/// ```
+/// use whipcord_numerics::symmetric_eigenvalues;
+/// let mut values = symmetric_eigenvalues(2, &mut [2.0, 1.0, 1.0, 2.0]);
+/// values.sort_by(f64::total_cmp);
+/// assert!((values[0] - 1.0).abs() < 1e-15 && (values[1] - 3.0).abs() < 1e-15);
+/// ```
+#[must_use]
+pub fn symmetric_eigenvalues(n: usize, a: &mut [f64]) -> Vec<f64> {
+    const SWEEPS: usize = 30;
+    debug_assert_eq!(a.len(), n * n);
+    for _ in 0..SWEEPS {
+        let sum = |off: bool, a: &[f64]| -> f64 {
+            (0..n * n).filter(|k| (k / n != k % n) == off).map(|k| a[k].abs()).sum()
+        };
+        let (off, size) = (sum(true, a), sum(false, a));
+        // Written so that a NaN ends the loop as well.
+        if off.is_nan() || off <= 0.25 * f64::EPSILON * size {
+            break;
+        }
+        for i in 0..n {
+            for j in i + 1..n {
+                rotate_away(n, a, i, j);
+            }
+        }
+    }
+    (0..n).map(|i| a[i * n + i]).collect()
+}
+
+/// One Jacobi rotation in the plane of `i < j`.
+fn rotate_away(n: usize, a: &mut [f64], i: usize, j: usize) {
+    let off = a[i * n + j];
+    if off == 0.0 {
+        return;
+    }
+    let half = 0.5 * (a[j * n + j] - a[i * n + i]) / off;
+    let tan = 1.0_f64.copysign(half) / (half.abs() + half.hypot(1.0));
+    let cos = 1.0 / (1.0 + tan * tan).sqrt();
+    let sin = tan * cos;
+    for k in 0..n {
+        let (x, y) = (a[k * n + i], a[k * n + j]);
+        a[k * n + i] = cos * x - sin * y;
+        a[k * n + j] = sin * x + cos * y;
+    }
+    for k in 0..n {
+        let (x, y) = (a[i * n + k], a[j * n + k]);
+        a[i * n + k] = cos * x - sin * y;
+        a[j * n + k] = sin * x + cos * y;
+    }
+    a[i * n + j] = 0.0;
+    a[j * n + i] = 0.0;
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,6 +164,41 @@ mod tests {
         lu.solve(&mut b);
         for i in 0..n {
             assert!((b[i] - x[i]).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_sign_of_the_determinant() {
+        let mut lu = DenseLu::default();
+        for (matrix, negative) in [
+            ([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], false),
+            ([0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0], true),
+            ([0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0], false),
+            ([1.0, 5.0, 2.0, 3.0, 1.0, 1.0, 2.0, 7.0, -3.0], false),
+            ([-2.0, 1.0, 0.0, 1.0, 2.0, 1.0, 0.0, 1.0, 3.0], true),
+        ] {
+            lu.factor(3, &matrix).unwrap();
+            assert_eq!(lu.is_determinant_negative(), negative, "{matrix:?}");
+        }
+    }
+
+    #[test]
+    fn eigenvalues_of_the_second_difference() {
+        // 2 − 2 cos(kπ/(n+1)).
+        let n = 7;
+        let mut a = vec![0.0; n * n];
+        for i in 0..n {
+            a[i * n + i] = 2.0;
+            if i + 1 < n {
+                a[i * n + i + 1] = -1.0;
+                a[(i + 1) * n + i] = -1.0;
+            }
+        }
+        let mut values = symmetric_eigenvalues(n, &mut a);
+        values.sort_by(f64::total_cmp);
+        for (k, value) in values.iter().enumerate() {
+            let angle = (k + 1) as f64 * core::f64::consts::PI / (n + 1) as f64;
+            assert!((value - (2.0 - 2.0 * angle.cos())).abs() < 1e-14);
         }
     }
 

@@ -5,7 +5,9 @@
 //! compiler of whoever builds this crate.
 
 mod arcsine;
+mod bounded;
 mod dense;
+pub mod lanes;
 mod magnus;
 mod mat3;
 mod polynomial;
@@ -17,7 +19,8 @@ mod sym3;
 mod vec3;
 
 pub use arcsine::asin_ratio;
-pub use dense::{DenseLu, Singular};
+pub use bounded::BoundedQuadratic;
+pub use dense::{DenseLu, Singular, symmetric_eigenvalues};
 pub use magnus::magnus_6;
 pub use mat3::{Ldlt3, Mat3};
 pub use polynomial::{CubicError, PiecewiseCubic};

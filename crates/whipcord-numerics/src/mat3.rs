@@ -104,7 +104,8 @@ impl Mat3 {
     }
 
     /// The factors of a symmetric positive definite matrix, of which only the lower triangle is
-    /// read; `None` when it is not positive definite to working precision.
+    /// read; `None` when it is not positive definite to working precision. An infinite diagonal
+    /// entry holds its unknown: solutions are zero there.
     #[inline]
     #[must_use]
     pub fn ldlt(&self) -> Option<Ldlt3> {
@@ -115,6 +116,28 @@ impl Mat3 {
     /// accurate to rounding relative to the largest.
     #[must_use]
     pub fn symmetric_eigenvalues(&self) -> [f64; 3] {
+        let mut values = self.diagonalized(|_, _, _, _| ());
+        values.sort_by(f64::total_cmp);
+        values
+    }
+
+    /// The eigenvalues of a symmetric matrix in ascending order, and their unit eigenvectors.
+    #[must_use]
+    pub fn symmetric_eigen(&self) -> ([f64; 3], [Vec3; 3]) {
+        let mut vectors = [Vec3::X, Vec3::Y, Vec3::Z];
+        let values = self.diagonalized(|i, j, cos, sin| {
+            let (a, b) = (vectors[i], vectors[j]);
+            vectors[i] = cos * a - sin * b;
+            vectors[j] = sin * a + cos * b;
+        });
+        let mut order = [0, 1, 2];
+        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+        (order.map(|i| values[i]), order.map(|i| vectors[i]))
+    }
+
+    /// The diagonal that Jacobi's rotations leave of a symmetric matrix; `rotated` is told the plane
+    /// of each, its cosine and its sine.
+    fn diagonalized(&self, mut rotated: impl FnMut(usize, usize, f64, f64)) -> [f64; 3] {
         const SWEEPS: usize = 12;
         let mut a = *self;
         for _ in 0..SWEEPS {
@@ -125,19 +148,37 @@ impl Mat3 {
                 break;
             }
             for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-                a.annihilate(i, j);
+                if let Some((cos, sin)) = a.annihilate(i, j) {
+                    rotated(i, j, cos, sin);
+                }
             }
         }
-        let mut values = [a.rows[0].x, a.rows[1].y, a.rows[2].z];
-        values.sort_by(f64::total_cmp);
-        values
+        [a.rows[0].x, a.rows[1].y, a.rows[2].z]
     }
 
-    /// One Jacobi rotation in the plane of `i < j`.
-    fn annihilate(&mut self, i: usize, j: usize) {
+    /// The eigenvalues of a symmetric matrix relative to a symmetric positive definite one, the
+    /// roots of `det(self − λ metric)`, in ascending order; `None` where the metric is not positive
+    /// definite to working precision.
+    #[must_use]
+    pub fn eigenvalues_relative_to(&self, metric: &Self) -> Option<[f64; 3]> {
+        let factors = metric.ldlt()?;
+        let d = factors.inv_d;
+        let scale = Vec3::new(d.x.sqrt(), d.y.sqrt(), d.z.sqrt());
+        // With metric = L D Lᵀ they are those of D^-½ L⁻¹ A L⁻ᵀ D^-½.
+        let halved = |a: &Self| {
+            let [r0, mut r1, mut r2] = a.rows;
+            r1 -= r0 * factors.l10;
+            r2 = r2 - r0 * factors.l20 - r1 * factors.l21;
+            Self::from_rows(r0 * scale.x, r1 * scale.y, r2 * scale.z)
+        };
+        Some(halved(&halved(self).transpose()).symmetric_eigenvalues())
+    }
+
+    /// One Jacobi rotation in the plane of `i < j`: its cosine and sine, where one is needed.
+    fn annihilate(&mut self, i: usize, j: usize) -> Option<(f64, f64)> {
         let off = self.rows[i][j];
         if off == 0.0 {
-            return;
+            return None;
         }
         let half = 0.5 * (self.rows[j][j] - self.rows[i][i]) / off;
         let tan = 1.0_f64.copysign(half) / (half.abs() + (1.0 + half * half).sqrt());
@@ -153,6 +194,7 @@ impl Mat3 {
             self.rows[k][m] = value;
             self.rows[m][k] = value;
         }
+        Some((cos, sin))
     }
 }
 
@@ -238,8 +280,9 @@ impl Ldlt3 {
         let m21 = r2.y - l20 * r1.x;
         let l21 = m21 * inv1;
         let d2 = r2.z - l20 * r2.x - l21 * m21;
-        let tiny = f64::EPSILON;
-        (d0 > 0.0 && d1 > tiny * r1.y && d2 > tiny * r2.z).then_some(Self {
+        // Written so that an infinite pivot passes, and one of zero does not.
+        let least = |diagonal: f64| f64::EPSILON * diagonal + f64::MIN_POSITIVE;
+        (d0 > 0.0 && d1 >= least(r1.y) && d2 >= least(r2.z)).then_some(Self {
             l10,
             l20,
             l21,
@@ -300,11 +343,59 @@ mod tests {
     }
 
     #[test]
+    fn an_infinite_pivot_holds_its_unknown() {
+        let b = Vec3::new(1.0, -2.0, 3.0);
+        for held in 0..3 {
+            let mut a = spd();
+            a.rows[held][held] = f64::INFINITY;
+            let x = a.ldlt().unwrap().solve(b);
+            let (i, j) = ((held + 1) % 3, (held + 2) % 3);
+            assert_eq!(x[held], 0.0);
+            for k in [i, j] {
+                let left = spd().rows[k][i] * x[i] + spd().rows[k][j] * x[j] - b[k];
+                assert!(left.abs() < 1e-15, "{held}: {left}");
+            }
+        }
+        let rigid = Mat3::diagonal(Vec3::new(1.0, 1.0, 1.0) * f64::INFINITY);
+        assert_eq!(rigid.ldlt().unwrap().solve(b), Vec3::ZERO);
+        assert!(Mat3::diagonal(Vec3::new(1.0, 0.0, 1.0)).ldlt().is_none());
+    }
+
+    #[test]
+    fn relative_eigenvalues_make_the_difference_singular() {
+        let metric = Mat3::from_rows(
+            Vec3::new(2.0, -0.3, 0.1),
+            Vec3::new(-0.3, 0.5, 0.2),
+            Vec3::new(0.1, 0.2, 7.0),
+        );
+        let values = spd().eigenvalues_relative_to(&metric).unwrap();
+        assert!(values[0] < values[1] && values[1] < values[2]);
+        for value in values {
+            assert!((spd() - metric * value).determinant().abs() < 1e-12);
+        }
+        let relative = spd().eigenvalues_relative_to(&Mat3::IDENTITY).unwrap();
+        for (a, b) in relative.iter().zip(spd().symmetric_eigenvalues()) {
+            assert!((a - b).abs() < 1e-14);
+        }
+        assert!(spd().eigenvalues_relative_to(&Mat3::ZERO).is_none());
+    }
+
+    #[test]
     fn eigenvalues_satisfy_the_invariants() {
         let [a, b, c] = spd().symmetric_eigenvalues();
         assert!(a <= b && b <= c);
         assert!((a + b + c - 9.0).abs() < 1e-13);
         assert!((a * b * c - spd().determinant()).abs() < 1e-12);
         assert_eq!(Mat3::IDENTITY.symmetric_eigenvalues(), [1.0; 3]);
+    }
+
+    #[test]
+    fn eigenvectors_are_unit_vectors_that_keep_their_direction() {
+        let (values, vectors) = spd().symmetric_eigen();
+        assert_eq!(values, spd().symmetric_eigenvalues());
+        for (value, vector) in values.iter().zip(vectors) {
+            assert!((vector.norm() - 1.0).abs() < 1e-15);
+            assert!((spd() * vector - *value * vector).max_abs() < 1e-14);
+        }
     }
 }

@@ -54,6 +54,22 @@ impl PiecewiseCubic {
         Ok(Self::hermite(knots, values, &pchip_slopes(knots, values)))
     }
 
+    /// Derivative of [`Self::pchip`] through `values` where these change at the rates `changes`.
+    /// Where the interpolant is not smooth in its values, at a knot where a slope just turns to
+    /// zero, that of the side on which it is zero.
+    ///
+    /// # Errors
+    /// [`CubicError`] when the knots do not increase or the counts do not fit.
+    pub fn pchip_change(
+        knots: &[f64],
+        values: &[f64],
+        changes: &[f64],
+    ) -> Result<Self, CubicError> {
+        check(knots, values)?;
+        check(knots, changes)?;
+        Ok(Self::hermite(knots, changes, &pchip_slope_changes(knots, values, changes)))
+    }
+
     fn hermite(knots: &[f64], values: &[f64], slopes: &[f64]) -> Self {
         let pieces = (0..knots.len() - 1)
             .map(|i| {
@@ -164,6 +180,43 @@ fn pchip_end_slope(h0: f64, h1: f64, d0: f64, d1: f64) -> f64 {
     }
 }
 
+/// Derivatives of [`pchip_slopes`], branch by branch.
+fn pchip_slope_changes(x: &[f64], y: &[f64], dy: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    let h: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+    let secants =
+        |y: &[f64]| -> Vec<f64> { (0..n - 1).map(|i| (y[i + 1] - y[i]) / h[i]).collect() };
+    let (d, dd) = (secants(y), secants(dy));
+    if n == 2 {
+        return vec![dd[0]; 2];
+    }
+    let mut changes = vec![0.0; n];
+    for i in 1..n - 1 {
+        if d[i - 1] * d[i] > 0.0 {
+            let (w0, w1) = (2.0 * h[i] + h[i - 1], h[i] + 2.0 * h[i - 1]);
+            let slope = (w0 + w1) / (w0 / d[i - 1] + w1 / d[i]);
+            let rate = w0 * dd[i - 1] / (d[i - 1] * d[i - 1]) + w1 * dd[i] / (d[i] * d[i]);
+            changes[i] = slope * slope * rate / (w0 + w1);
+        }
+    }
+    changes[0] = pchip_end_slope_change([h[0], h[1]], [d[0], d[1]], [dd[0], dd[1]]);
+    changes[n - 1] =
+        pchip_end_slope_change([h[n - 2], h[n - 3]], [d[n - 2], d[n - 3]], [dd[n - 2], dd[n - 3]]);
+    changes
+}
+
+fn pchip_end_slope_change(h: [f64; 2], d: [f64; 2], dd: [f64; 2]) -> f64 {
+    let end = |d: [f64; 2]| ((2.0 * h[0] + h[1]) * d[0] - h[0] * d[1]) / (h[0] + h[1]);
+    let slope = end(d);
+    if slope * d[0] <= 0.0 {
+        0.0
+    } else if d[0] * d[1] <= 0.0 && slope.abs() > 3.0 * d[0].abs() {
+        3.0 * dd[0]
+    } else {
+        end(dd)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,6 +253,26 @@ mod tests {
         (3.5, 0.661_621_093_75, 0.939_189_189_189_189_3),
         (5.2, 4.496_25, 2.417_405_405_405_405_7),
     ];
+
+    #[test]
+    fn pchip_changes_as_its_values_do() {
+        let x = [0.0, 1.0, 2.5, 3.0, 4.0, 6.0];
+        let y = [0.0, 1.0, 1.2, 0.0, 2.0, 2.5];
+        let dy = [0.3, -1.0, 0.5, 0.2, -0.4, 1.0];
+        let change = PiecewiseCubic::pchip_change(&x, &y, &dy).unwrap();
+        let h = 1e-6;
+        let moved = |f: f64| {
+            let values: Vec<f64> = y.iter().zip(&dy).map(|(y, d)| y + f * d).collect();
+            PiecewiseCubic::pchip(&x, &values).unwrap()
+        };
+        let (a, b) = (moved(-h), moved(h));
+        for at in [0.1, 0.9, 1.7, 2.8, 3.5, 5.9] {
+            for k in 0..2 {
+                let expected = (b.evaluate(at)[k] - a.evaluate(at)[k]) / (2.0 * h);
+                assert!((change.evaluate(at)[k] - expected).abs() < 1e-8, "{at}");
+            }
+        }
+    }
 
     #[test]
     fn few_knots_and_bad_knots() {

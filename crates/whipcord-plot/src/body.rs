@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use whipcord::{Pose, Robot, Section, Shape, UnitQuaternion, Vec3};
 
 use crate::error::{PlotError, finite};
+use crate::robot_figure::{CableCourse, RobotView};
 
 /// A stretch of backbone or cable between two disks.
 #[derive(Clone, Debug)]
@@ -88,12 +89,8 @@ impl Piece {
 
 impl Body {
     /// The parts of a robot in this shape.
-    pub fn new(
-        robot: &Robot,
-        label: &str,
-        shape: &Shape,
-        disks: &Shape,
-    ) -> Result<Self, PlotError> {
+    pub fn new(robot: &Robot, view: &RobotView) -> Result<Self, PlotError> {
+        let RobotView { label, shape, disks, .. } = view;
         check_shape(shape, &format!("the shape of `{label}`"), 2)?;
         check_shape(disks, &format!("the disks of `{label}`"), 1)?;
         let knots = &robot.disks().arc_lengths;
@@ -104,7 +101,7 @@ impl Body {
                 expected: knots.len(),
             });
         }
-        let mut pieces = pieces(robot, shape);
+        let mut pieces = pieces(robot, view);
         pieces.extend(anchors(robot, shape));
         Ok(Self { pieces, disks: plates(robot, disks) })
     }
@@ -149,7 +146,8 @@ fn check_shape(shape: &Shape, what: &str, least: usize) -> Result<(), PlotError>
     Ok(())
 }
 
-fn pieces(robot: &Robot, shape: &Shape) -> Vec<Piece> {
+fn pieces(robot: &Robot, view: &RobotView) -> Vec<Piece> {
+    let shape = &view.shape;
     let knots = &robot.disks().arc_lengths;
     let sections = knots.len() - 1;
     let per_section = PIECES.div_ceil(sections).min(8);
@@ -183,11 +181,26 @@ fn pieces(robot: &Robot, shape: &Shape) -> Vec<Piece> {
             });
             for (i, route) in robot.routes().iter().enumerate() {
                 let end = end.min(route.end());
-                if end > start {
-                    let frames = sample(start, end, &|s| route.at(s).offset);
-                    let points = frames.iter().map(|frame| frame.position).collect();
-                    pieces.push(Piece::cable(Part::Cable(i), section, points));
+                if end <= start {
+                    continue;
                 }
+                let points = match view.cables {
+                    CableCourse::Smooth => {
+                        let frames = sample(start, end, &|s| route.at(s).offset);
+                        frames.iter().map(|frame| frame.position).collect()
+                    }
+                    CableCourse::HoleToHole => {
+                        let far = knots[section + 1].min(route.end());
+                        let [from, to] = [knots[section], far]
+                            .map(|s| pose_at(shape, s).transform(route.at(s).offset));
+                        let on_chord = |s: f64| {
+                            let t = (s - knots[section]) / (far - knots[section]);
+                            from * (1.0 - t) + to * t
+                        };
+                        vec![on_chord(start), on_chord(end)]
+                    }
+                };
+                pieces.push(Piece::cable(Part::Cable(i), section, points));
             }
         }
     }
@@ -241,16 +254,12 @@ fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
 
 /// What the backbone's cross-section looks like at an arc length.
 fn profile(robot: &Robot, s: f64) -> Profile {
+    let disks = robot.disks();
     match &robot.backbone().section {
         None => Profile::None,
-        Some(Section::Circle { diameter }) => Profile::Round { diameter: *diameter },
-        Some(Section::Tube { outer, .. }) => Profile::Round { diameter: *outer },
+        Some(Section::Round { outer, .. }) => Profile::Round { diameter: outer.at(disks, s) },
         Some(Section::Rectangle { width, height }) => {
-            Profile::Bar { width: *width, height: *height }
-        }
-        Some(Section::Taper { outer, .. }) => {
-            let (i, t) = robot.disks().locate(s);
-            Profile::Round { diameter: outer[i] * (1.0 - t) + outer[i + 1] * t }
+            Profile::Bar { width: width.at(disks, s), height: height.at(disks, s) }
         }
     }
 }
@@ -273,4 +282,32 @@ fn pose_at(shape: &Shape, s: f64) -> Pose {
         + b.position * (3.0 * t2 - 2.0 * t3)
         + to * (t3 - t2);
     Pose { position, rotation }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot_figure::ViewStyle;
+    use whipcord::{Backbone, Cable, Disks, Routing};
+
+    #[test]
+    fn cables_from_hole_to_hole_are_as_long_as_their_chords() {
+        let disks = Disks::equally_spaced(0.1, 3, 0.01).with_holes(4);
+        let cable = Cable::new("turning", Routing::holes(vec![1, 2, 3]));
+        let robot = Robot::new(Backbone::new(0.1), disks, vec![cable]).unwrap();
+        let shape = Shape::straight(&robot.disks().arc_lengths);
+        let length = |cables| {
+            let (shape, disks) = (shape.clone(), shape.clone());
+            let view =
+                RobotView { label: String::new(), shape, disks, cables, style: ViewStyle::Model };
+            let body = Body::new(&robot, &view).unwrap();
+            let cable = body.pieces.iter().filter(|piece| matches!(piece.part, Part::Cable(_)));
+            let along = cable.flat_map(|piece| piece.points.windows(2));
+            along.map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>()
+        };
+        // A quarter of a turn has a chord of √2 · 10 mm.
+        let chords = 2.0 * (0.05_f64.powi(2) + 2.0 * 0.01_f64.powi(2)).sqrt();
+        assert!((length(CableCourse::HoleToHole) - chords).abs() < 1e-15);
+        assert!(length(CableCourse::Smooth) > 1.001 * chords);
+    }
 }

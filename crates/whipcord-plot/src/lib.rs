@@ -38,5 +38,5 @@ pub use distance::{DistanceSeries, distance_chart};
 pub use error::PlotError;
 pub use marker::Marker;
 pub use png::png;
-pub use robot_figure::{FigureOptions, RobotView, ViewStyle, robot_figure};
+pub use robot_figure::{CableCourse, FigureOptions, RobotView, ViewStyle, robot_figure};
 pub use timing::{TimingSeries, timing_chart};

@@ -1,6 +1,6 @@
 //! A robot in space and in three orthogonal views.
 
-use whipcord::{Robot, Shape, Solution, Vec3};
+use whipcord::{ModelKind, Robot, Shape, Solution, Vec3};
 
 use crate::body::{Body, Part};
 use crate::colour::{Colour, PALETTE};
@@ -23,8 +23,20 @@ pub struct RobotView {
     pub shape: Shape,
     /// Frames at the disks, one for each disk of the robot.
     pub disks: Shape,
+    /// How its cables run between the disks.
+    pub cables: CableCourse,
     /// How it is drawn.
     pub style: ViewStyle,
+}
+
+/// How the cables of a model run between the disks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CableCourse {
+    /// On the smooth course of their routing.
+    #[default]
+    Smooth,
+    /// Straight from hole to hole.
+    HoleToHole,
 }
 
 /// How a shape is drawn.
@@ -65,6 +77,17 @@ impl Default for FigureOptions {
     }
 }
 
+impl CableCourse {
+    /// Where a model takes the cables to run.
+    #[must_use]
+    pub const fn of(model: ModelKind) -> Self {
+        match model {
+            ModelKind::Cosserat => Self::Smooth,
+            ModelKind::CosseratDisks | ModelKind::FourBar => Self::HoleToHole,
+        }
+    }
+}
+
 impl RobotView {
     /// The answer of a model.
     #[must_use]
@@ -73,6 +96,7 @@ impl RobotView {
             label: label.into(),
             shape: solution.shape.clone(),
             disks: solution.disks.clone(),
+            cables: CableCourse::of(solution.model),
             style: ViewStyle::Model,
         }
     }
@@ -99,7 +123,7 @@ pub(crate) const MEASURED: Colour = Colour::INK;
 ///
 /// ```
 /// use whipcord::{Backbone, Cable, Disks, Pose, Robot, Routing, Shape, Vec3};
-/// use whipcord_plot::{FigureOptions, RobotView, ViewStyle, robot_figure};
+/// use whipcord_plot::{CableCourse, FigureOptions, RobotView, ViewStyle, robot_figure};
 ///
 /// let disks = Disks::equally_spaced(0.18, 10, 0.008).with_holes(12);
 /// let cable = Cable::new("pull", Routing::holes(vec![4; 10]));
@@ -111,6 +135,7 @@ pub(crate) const MEASURED: Colour = Colour::INK;
 ///     label: "before actuation".into(),
 ///     disks: shape.clone(),
 ///     shape,
+///     cables: CableCourse::Smooth,
 ///     style: ViewStyle::Before,
 /// };
 /// let svg = robot_figure(&robot, &[view], &FigureOptions::default())?;
@@ -237,7 +262,7 @@ impl Colours {
 fn bodies(robot: &Robot, views: &[RobotView], colours: &Colours) -> Result<Bodies, PlotError> {
     let mut bodies = Vec::with_capacity(views.len());
     for (view, &colour) in views.iter().zip(&colours.views) {
-        let body = Body::new(robot, &view.label, &view.shape, &view.disks)?;
+        let body = Body::new(robot, view)?;
         let pale = view.style == ViewStyle::Before;
         bodies.push((body, Look { colour, cables: colours.cables.clone(), pale }));
     }

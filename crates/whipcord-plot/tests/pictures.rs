@@ -314,7 +314,7 @@ proptest! {
         let length = 10_f64.powf(length);
         let ring = slender * length;
         let backbone = Backbone {
-            section: Some(Section::Rectangle { width: 0.3 * ring, height: 0.9 * ring }),
+            section: Some(Section::rectangle(0.3 * ring, 0.9 * ring)),
             ..Backbone::new(length)
         };
         let list = (0..cables).map(|k| {

@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark fails by panicking")]
 
 use divan::Bencher;
-use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::cosserat::{Accuracy, Cosserat, Hold, Options, Place, Workspace};
 use whipcord::{
     Backbone, Cable, Case, Disks, Drive, Loads, Material, Robot, Routing, Section, Shortening, Vec3,
 };
@@ -96,6 +96,29 @@ fn loaded_cold(bencher: Bencher, steps: usize) {
     let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+/// The same with the Jacobian of the tip by the tension and the compliance of the tip.
+#[divan::bench(args = STEPS)]
+fn loaded_cold_with_derivatives(bencher: Bencher, steps: usize) {
+    let (robot, case) = (case_3(), Case { loads: wrench(), ..Case::with_tensions(&[TENSION]) });
+    derivatives(bencher, &robot, &case, steps);
+}
+
+#[divan::bench(args = STEPS)]
+fn unloaded_cold_with_derivatives(bencher: Bencher, steps: usize) {
+    derivatives(bencher, &case_3(), &Case::with_tensions(&[TENSION]), steps);
+}
+
+fn derivatives(bencher: Bencher, robot: &Robot, case: &Case, steps: usize) {
+    let model = Cosserat::new(robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| {
+        let (_, derivatives) =
+            model.solve_with_derivatives(case, None, &[], &mut workspace).unwrap();
+        let jacobian = derivatives.actuation_jacobian(Place::Tip);
+        (jacobian, derivatives.compliance(Place::Tip, Hold::Tensions).unwrap())
+    });
 }
 
 /// From a neighbour whose tension is 1 % lower.

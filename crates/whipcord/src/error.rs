@@ -115,6 +115,19 @@ pub enum SolveError {
         disk: usize,
     },
 
+    /// The robot buckles or snaps before all of the load acts, and no equilibrium under all of it was
+    /// found on the path from there.
+    #[error(
+        "the robot loses its stability at {} of the given load, and from there no equilibrium under all of it was found in {iterations} iterations: apply less load, or brace the robot with other tensions",
+        share(*load)
+    )]
+    Buckled {
+        /// Fraction of the given load, from 0 to 1.
+        load: f64,
+        /// Newton iterations spent.
+        iterations: usize,
+    },
+
     /// The iteration stopped before the equations were met.
     #[error(
         "no equilibrium was found: residual {} after {iterations} iterations; the last load that converged is {} of the given one; {advice}",
@@ -130,6 +143,12 @@ pub enum SolveError {
         /// What to do.
         advice: &'static str,
     },
+
+    /// An answer that a small change of load or command changes without bound.
+    #[error(
+        "the answer has no derivatives: the robot is about to buckle, and a small change moves it without bound; change a load or a command a little"
+    )]
+    NoDerivatives,
 
     /// The estimated error does not fall below the tolerance.
     #[error(
@@ -184,6 +203,7 @@ mod tests {
                 last_load: 0.999_99,
                 advice: "load it less",
             },
+            SolveError::Buckled { load: 0.621_98, iterations: 120 },
             SolveError::StepsTooCoarse { error: 2e-9, tolerance: 1.8e-10, steps: 4096 },
         ];
         let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
@@ -193,6 +213,7 @@ mod tests {
             "between disks 3 and 4 cable `pull` cannot be 0 mm long: that section takes lengths from 1.23457 mm to 20 mm;",
             "still 2.5 mm too long",
             "residual 0.0123 after 30 iterations; the last load that converged is 0.999 of the given one; load it less",
+            "loses its stability at 0.621 of the given load",
             "still 2e-6 mm with 4096 steps, above the tolerance of 1.8e-7 mm",
         ]) {
             assert!(text.contains(words), "{text}");

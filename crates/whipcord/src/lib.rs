@@ -5,26 +5,36 @@
 //! [`SolveError`] that says why there is none. SI units throughout; the base frame has its origin at the base of the backbone and z along the
 //! backbone's tangent there.
 //!
-//! This crate opens no files, starts no threads and reads no clocks.
+//! This crate opens no files and reads no clocks. It starts threads only with the feature `parallel`, and
+//! only for a [`batch`].
 
+pub mod batch;
 pub mod case;
 pub mod cosserat;
+pub mod cosserat_disks;
+pub mod differences;
 mod digits;
 pub mod error;
 pub mod four_bar;
+pub mod kinematics;
 pub mod model;
+pub mod parameter;
 pub mod robot;
 pub mod shape;
 
-pub use case::{CableCommand, Case, Drive, Loads, PointLoad, Shortening};
-pub use error::SolveError;
-pub use model::{Model, ModelKind, Prepared, Statics, Stations};
-pub use robot::{
-    Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot, RobotError,
-    Routing, Section,
+pub use case::{
+    CableCommand, Case, DistributedLoad, Drive, LoadFrame, Loads, PointLoad, PointMass, Profile,
+    Shortening,
 };
-pub use shape::{CableState, Diagnostics, Shape, Solution, Wrench};
-pub use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
+pub use error::SolveError;
+pub use model::{Differentiable, Model, ModelKind, Prepared, Statics, Stations};
+pub use parameter::{Parameter, StiffnessPart};
+pub use robot::{
+    Along, Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot,
+    RobotError, Routing, Section, Stiffness,
+};
+pub use shape::{CableState, Contact, Diagnostics, Shape, Solution, Wrench};
+pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
 /// The examples of the project's front page, so that they keep working.
 #[cfg(doctest)]

@@ -5,28 +5,32 @@ use core::str::FromStr;
 
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
-use crate::robot::Robot;
+use crate::kinematics::Local;
+use crate::robot::{Robot, RobotError, check_on_backbone};
 use crate::shape::Solution;
-use crate::{cosserat, four_bar};
+use crate::{cosserat, cosserat_disks, four_bar};
 
 /// The models, by the names they have in files and on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ModelKind {
     /// Cosserat rod with continuous cables.
     Cosserat,
+    /// Cosserat rod with cables that run straight from hole to hole.
+    CosseratDisks,
     /// Four-bar sections, the paper's optimisation-based model.
     FourBar,
 }
 
 impl ModelKind {
     /// All models.
-    pub const ALL: [Self; 2] = [Self::Cosserat, Self::FourBar];
+    pub const ALL: [Self; 3] = [Self::Cosserat, Self::CosseratDisks, Self::FourBar];
 
     /// The name in files and on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cosserat => "cosserat",
+            Self::CosseratDisks => "cosserat-disks",
             Self::FourBar => "four-bar",
         }
     }
@@ -40,7 +44,7 @@ impl fmt::Display for ModelKind {
 
 /// No model has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no model `{0}`: choose cosserat or four-bar")]
+#[error("there is no model `{0}`: choose cosserat, cosserat-disks or four-bar")]
 pub struct UnknownModel(pub String);
 
 impl FromStr for ModelKind {
@@ -62,16 +66,28 @@ pub enum Stations {
     Disks,
     /// At this many equally spaced places, both ends included; at least 2.
     Equal(usize),
+    /// At these arc lengths in m.
+    At(Vec<f64>),
 }
 
 impl Stations {
+    /// Refuses a station that is not on the backbone.
+    pub(crate) fn check(&self, robot: &Robot) -> Result<(), RobotError> {
+        let Self::At(arc_lengths) = self else { return Ok(()) };
+        let length = robot.backbone().length;
+        arc_lengths
+            .iter()
+            .try_for_each(|&s| check_on_backbone("arc length of a station", s, length))
+    }
+
     /// The arc lengths in m for a robot.
     #[must_use]
     pub fn arc_lengths(&self, robot: &Robot) -> Vec<f64> {
-        match *self {
+        match self {
             Self::Disks => robot.disks().arc_lengths.clone(),
+            Self::At(arc_lengths) => arc_lengths.clone(),
             Self::Equal(count) => {
-                let (length, last) = (robot.backbone().length, count.max(2) - 1);
+                let (length, last) = (robot.backbone().length, (*count).max(2) - 1);
                 (0..=last)
                     .map(|i| if i == last { length } else { length * i as f64 / last as f64 })
                     .collect()
@@ -85,6 +101,8 @@ impl Stations {
 pub enum Model {
     /// Cosserat rod with continuous cables.
     Cosserat(cosserat::Options),
+    /// Cosserat rod with cables that run straight from hole to hole.
+    CosseratDisks(cosserat_disks::Options),
     /// Four-bar sections.
     FourBar(four_bar::Options),
 }
@@ -97,6 +115,11 @@ impl Model {
             ModelKind::Cosserat => {
                 Self::Cosserat(cosserat::Options { stations, drive, ..Default::default() })
             }
+            ModelKind::CosseratDisks => Self::CosseratDisks(cosserat_disks::Options {
+                stations,
+                drive,
+                ..Default::default()
+            }),
             ModelKind::FourBar => {
                 Self::FourBar(four_bar::Options { stations, drive, ..Default::default() })
             }
@@ -108,6 +131,7 @@ impl Model {
     pub const fn kind(&self) -> ModelKind {
         match self {
             Self::Cosserat(_) => ModelKind::Cosserat,
+            Self::CosseratDisks(_) => ModelKind::CosseratDisks,
             Self::FourBar(_) => ModelKind::FourBar,
         }
     }
@@ -119,6 +143,8 @@ impl Model {
 pub enum Prepared {
     /// Cosserat rod with continuous cables.
     Cosserat(Box<cosserat::Cosserat>, Box<cosserat::Workspace>),
+    /// Cosserat rod with cables that run straight from hole to hole.
+    CosseratDisks(Box<cosserat_disks::CosseratDisks>, Box<cosserat_disks::Workspace>),
     /// Four-bar sections.
     FourBar(Box<four_bar::FourBar>, Box<four_bar::Workspace>),
 }
@@ -134,6 +160,10 @@ impl Model {
                 let model = cosserat::Cosserat::new(robot, loads, options)?;
                 Prepared::Cosserat(Box::new(model), Box::default())
             }
+            Self::CosseratDisks(options) => {
+                let model = cosserat_disks::CosseratDisks::new(robot, loads, options)?;
+                Prepared::CosseratDisks(Box::new(model), Box::default())
+            }
             Self::FourBar(options) => {
                 let model = four_bar::FourBar::new(robot, options)?;
                 Prepared::FourBar(Box::new(model), Box::default())
@@ -143,6 +173,36 @@ impl Model {
 }
 
 impl Prepared {
+    /// The robot the model was built for.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        match self {
+            Self::Cosserat(model, _) => model.robot(),
+            Self::CosseratDisks(model, _) => model.robot(),
+            Self::FourBar(model, _) => model.robot(),
+        }
+    }
+
+    /// Arc lengths of the stations in m.
+    #[must_use]
+    pub fn stations(&self) -> &[f64] {
+        match self {
+            Self::Cosserat(model, _) => model.stations(),
+            Self::CosseratDisks(model, _) => model.stations(),
+            Self::FourBar(model, _) => model.stations(),
+        }
+    }
+
+    /// Whether it can take loads at the places of these.
+    #[must_use]
+    pub fn takes_places_of(&self, loads: &Loads) -> bool {
+        match self {
+            Self::Cosserat(model, _) => model.takes_places_of(loads),
+            Self::CosseratDisks(model, _) => model.takes_places_of(loads),
+            Self::FourBar(..) => true,
+        }
+    }
+
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
     /// # Errors
@@ -154,6 +214,7 @@ impl Prepared {
     ) -> Result<Solution, SolveError> {
         match self {
             Self::Cosserat(model, workspace) => model.solve(case, warm_start, workspace),
+            Self::CosseratDisks(model, workspace) => model.solve(case, warm_start, workspace),
             Self::FourBar(model, workspace) => model.solve(case, warm_start, workspace),
         }
     }
@@ -172,5 +233,56 @@ pub trait Statics {
 impl Statics for Model {
     fn solve(&self, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
         self.prepare(robot, &case.loads)?.solve(case, None)
+    }
+}
+
+/// A model that says how a robot moves and yields at a place: with exact derivatives, or, as
+/// [`Local::means`] says, by differences. Of other quantities [`crate::differences`] differentiates any
+/// [`Statics`].
+pub trait Differentiable: Statics {
+    /// The answer, and its derivatives at an arc length in m.
+    ///
+    /// # Errors
+    /// As [`Statics::solve`]; [`SolveError::Invalid`] for a place that is not on the backbone,
+    /// [`SolveError::Unsupported`] from a model without forces or from cables that rub, and
+    /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
+    fn solve_at(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        arc_length: f64,
+    ) -> Result<(Solution, Local), SolveError>;
+}
+
+impl Differentiable for Model {
+    fn solve_at(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        arc_length: f64,
+    ) -> Result<(Solution, Local), SolveError> {
+        check_on_backbone("arc length of the place", arc_length, robot.backbone().length)?;
+        let options = match self {
+            Self::Cosserat(options) => options,
+            Self::CosseratDisks(options) => {
+                return cosserat_disks::solve_at(options, robot, case, arc_length);
+            }
+            Self::FourBar(_) => {
+                return Err(SolveError::Unsupported {
+                    model: self.kind(),
+                    path: "the question how the robot yields".to_owned(),
+                    what: "it knows no forces",
+                    advice: "use cosserat or cosserat-disks",
+                });
+            }
+        };
+        let options =
+            cosserat::Options { stations: Stations::At(vec![arc_length]), ..options.clone() };
+        let model = cosserat::Cosserat::new(robot, &case.loads, &options)?;
+        let mut workspace = cosserat::Workspace::default();
+        let (solution, derivatives) =
+            model.solve_with_derivatives(case, None, &[], &mut workspace)?;
+        let local = derivatives.at(cosserat::Place::Station(0))?;
+        Ok((solution, local))
     }
 }

@@ -5,13 +5,13 @@ use whipcord_numerics::{Pose, Vec3};
 use crate::model::ModelKind;
 use crate::robot::Route;
 
-/// Frames along the backbone, in the base frame.
+/// Frames along the backbone, in the frame that the pose of the base is given in.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
     /// Arc length of each station on the undeformed backbone in m.
     pub arc_length: Vec<f64>,
     /// Pose of the cross-section at each station. The sign of the quaternions is continuous along
-    /// the backbone, from (1, 0, 0, 0) at the base.
+    /// the backbone, from that of the base.
     pub poses: Vec<Pose>,
 }
 
@@ -20,7 +20,7 @@ pub struct Shape {
 pub struct CableState {
     /// Name of the cable.
     pub name: String,
-    /// Tension in N; `None` from a model that knows no forces.
+    /// Tension in N, below the base where it varies; `None` from a model that knows no forces.
     pub tension: Option<f64>,
     /// Length of the path inside the robot in m. A slack cable is longer than this.
     pub length: f64,
@@ -28,6 +28,24 @@ pub struct CableState {
     pub initial_length: f64,
     /// Whether the cable hangs loose.
     pub slack: bool,
+    /// Tension in N in each span between two disks, from the base to where the cable ends; empty
+    /// where friction does not make it vary.
+    pub span_tensions: Vec<f64>,
+    /// How the cable stands in the hole of each disk, from the base on, without the last one, where
+    /// it is fastened; empty as [`Self::span_tensions`] is.
+    pub contacts: Vec<Contact>,
+}
+
+/// What a step of actuation made a cable do in a hole that it rubs in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Contact {
+    /// It did not move.
+    #[default]
+    Sticks,
+    /// It slid towards the base: the tension beyond the hole is the lesser one.
+    Pulled,
+    /// It slid towards the tip: the tension beyond the hole is the greater one.
+    Released,
 }
 
 /// A force in N and a moment in N·m.
@@ -47,7 +65,8 @@ pub struct Diagnostics {
     /// What is left of the equations that were solved, relative to their scale.
     pub residual: f64,
     /// Least eigenvalue of the tangent stiffness relative to the backbone's own stiffness: 1 for a
-    /// bare rod without load, 0 where it buckles, negative at an unstable equilibrium. `None` from a
+    /// bare rod without load, 0 where it buckles, negative at an unstable equilibrium. Taut cables
+    /// that are driven by their length hold it, those driven by their tension let go. `None` from a
     /// model without energy.
     pub stability: Option<f64>,
     /// Estimated error of the stations' positions in m, from a solution with half the steps;
@@ -55,13 +74,21 @@ pub struct Diagnostics {
     pub discretization_error: Option<f64>,
     /// Integration steps, or sections, from base to tip.
     pub steps: usize,
+    /// Fraction of the loads, raised from nothing, at which the robot left the shape it had: it
+    /// buckled or snapped through. An answer that is stable all the same lies beyond. `None` where
+    /// it did not come to that, or where a neighbouring answer led here.
+    pub stability_lost_at: Option<f64>,
 }
 
 impl Diagnostics {
+    /// Stability this close to zero is that of a neutral direction, as a buckled round rod has one
+    /// around its axis.
+    pub const NEUTRAL: f64 = 1e-6;
+
     /// Whether the answer is an equilibrium that the robot leaves at the slightest disturbance.
     #[must_use]
     pub fn is_unstable(&self) -> bool {
-        self.stability.is_some_and(|least| least < 0.0)
+        self.stability.is_some_and(|least| least < -Self::NEUTRAL)
     }
 }
 
@@ -76,11 +103,23 @@ pub struct Solution {
     pub disks: Shape,
     /// One for each cable.
     pub cables: Vec<CableState>,
-    /// What rod and cables together exert on the base, in the base frame, without the loads applied
-    /// to the base itself; `None` from a model that knows no forces.
+    /// What rod and cables together exert on the base, in the frame of the base wherever that is
+    /// ([`crate::Case::base`]), without the loads applied to the base itself; `None` from a model that knows no forces.
     pub base_wrench: Option<Wrench>,
     /// How it was obtained.
     pub diagnostics: Diagnostics,
+}
+
+impl Contact {
+    /// The name in outputs: `sticks`, `pulled` or `released`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sticks => "sticks",
+            Self::Pulled => "pulled",
+            Self::Released => "released",
+        }
+    }
 }
 
 impl Shape {
@@ -89,6 +128,16 @@ impl Shape {
     pub fn straight(arc_lengths: &[f64]) -> Self {
         let pose = |&s: &f64| Pose { position: Vec3::new(0.0, 0.0, s), ..Pose::IDENTITY };
         Self { arc_length: arc_lengths.to_vec(), poses: arc_lengths.iter().map(pose).collect() }
+    }
+
+    /// The same shape on a base of this pose, when it is now given in the frame of its base.
+    #[must_use]
+    pub fn moved(mut self, base: Pose) -> Self {
+        // No rounding where there is nothing to do.
+        if base != Pose::IDENTITY {
+            self.poses.iter_mut().for_each(|pose| *pose = base * *pose);
+        }
+        self
     }
 
     /// Length in m of a cable that runs straight from station to station, as a real one does
@@ -105,7 +154,7 @@ impl Shape {
         self.poses.iter().map(|pose| pose.position)
     }
 
-    /// The last pose, which is that of the tip when the stations reach it; the base frame when
+    /// The last pose, which is that of the tip when the stations reach it; the identity when
     /// there are no stations.
     #[must_use]
     pub fn tip(&self) -> Pose {

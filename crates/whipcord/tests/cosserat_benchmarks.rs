@@ -11,8 +11,8 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use common::{fine_options, round, solve_finely};
 use whipcord::{
-    Backbone, Case, Disks, Loads, Mat3, Material, Model, RestCurvature, Robot, Section, Vec3,
-    Wrench,
+    Backbone, Case, Disks, Loads, Mat3, Material, Model, RestCurvature, Robot, Section, Stiffness,
+    Vec3, Wrench,
 };
 
 /// A round rod of length 1 (unless given) and EI = 1, with `EI/(EA L²) = 6·10⁻¹²`.
@@ -22,13 +22,29 @@ fn slender(length: f64, torsional_stiffness: f64) -> Backbone {
     round(length, diameter, young, 0.5 * torsional_stiffness * young)
 }
 
+/// A rod of length 1 and EI = 1, GJ = 0.7, that neither stretches nor shears.
+fn inextensible() -> Backbone {
+    let stiffness = Stiffness::Diagonal {
+        shear: None,
+        axial: None,
+        bending: [1.0; 2].into(),
+        torsion: 0.7.into(),
+    };
+    Backbone {
+        stiffness: Some(stiffness),
+        extensible: false,
+        shearable: false,
+        ..Backbone::new(1.0)
+    }
+}
+
 fn without_cables(backbone: Backbone) -> Robot {
     let disks = Disks::equally_spaced(backbone.length, 2, 0.01);
     Robot::new(backbone, disks, vec![]).unwrap()
 }
 
 fn loaded(loads: Loads) -> Case {
-    Case { commands: vec![], loads }
+    Case { loads, ..Case::default() }
 }
 
 fn tip_force(force: Vec3) -> Case {
@@ -64,13 +80,39 @@ fn the_elastica_under_a_dead_force_across_its_tip() {
         (9.0, 1.4054653336239529, 0.7990555274708402, 0.5318205626725272),
         (10.0, 1.4302855388038576, 0.8106090248802964, 0.5549955977537513),
     ];
-    let robot = without_cables(slender(1.0, 0.7));
-    for (force, angle, across, along) in table {
-        let tip = solve_finely(&robot, &tip_force(Vec3::new(force, 0.0, 0.0))).shape.tip();
-        let error = (tip.position - Vec3::new(across, 0.0, 1.0 - along)).norm();
-        assert!(error < 1e-9, "P L²/EI = {force}: off by {error:.1e} L");
+    for (backbone, bound) in [(slender(1.0, 0.7), 1e-9), (inextensible(), 1e-11)] {
+        let robot = without_cables(backbone);
+        for (force, angle, across, along) in table {
+            let tip = solve_finely(&robot, &tip_force(Vec3::new(force, 0.0, 0.0))).shape.tip();
+            let error = (tip.position - Vec3::new(across, 0.0, 1.0 - along)).norm();
+            assert!(error < bound, "P L²/EI = {force}: off by {error:.1e} L");
+            let turn = (tip.rotation.log() - Vec3::new(0.0, angle, 0.0)).norm();
+            assert!(turn < bound, "P L²/EI = {force}: tip angle off by {turn:.1e}");
+        }
+    }
+}
+
+/// Argyris and Symeonidis, CMAME 26 (1981) 75–123: the same under a force that stays across the tip,
+/// integrated from the tip. Columns: P L²/EI, tip angle, tip along and across.
+#[test]
+fn the_elastica_under_a_follower_force() {
+    let table = [
+        (1.0, 0.49588464242265495, 0.935645669480692, 0.32064199467501286),
+        (2.0, 0.9682388025171706, 0.7673621915346398, 0.5738390625609429),
+        (5.0, 2.09815723994096, 0.1722778753991257, 0.7806901427780999),
+        (10.0, 2.992714816235367, -0.0921231811893621, 0.5469832645937226),
+        (15.0, 3.1280076147685008, 0.048501116586166945, 0.4370731418259254),
+        (20.0, 2.8505799010356494, 0.2757101230900774, 0.3301576597812318),
+        (30.0, 1.6908577111061975, 0.4761412371309773, -0.20169084010922256),
+        (37.142857142857146, 0.8521720695085979, 0.24138858663726018, -0.47858982769438574),
+    ];
+    let robot = without_cables(inextensible());
+    for (force, angle, along, across) in table {
+        let tip = solve_finely(&robot, &tip_follower(force)).shape.tip();
+        let error = (tip.position - Vec3::new(across, 0.0, along)).norm();
+        assert!(error < 1e-10, "P L²/EI = {force}: off by {error:.1e} L");
         let turn = (tip.rotation.log() - Vec3::new(0.0, angle, 0.0)).norm();
-        assert!(turn < 1e-9, "P L²/EI = {force}: tip angle off by {turn:.1e}");
+        assert!(turn < 1e-10, "P L²/EI = {force}: tip angle off by {turn:.1e}");
     }
 }
 
@@ -90,7 +132,7 @@ fn an_extensible_rod_under_a_follower_force() {
         (130000.0, 0.8517122165808528, 24.07176239845651, -47.8277169897967),
     ];
     let backbone = Backbone {
-        section: Some(Section::Rectangle { width: 1.0, height: 1.0 }),
+        section: Some(Section::rectangle(1.0, 1.0)),
         material: Material {
             young_modulus: Some(4.2e8),
             shear_modulus: Some(1.615_38e8),
@@ -98,8 +140,12 @@ fn an_extensible_rod_under_a_follower_force() {
         },
         ..Backbone::new(100.0)
     };
-    let robot = without_cables(backbone);
-    for (force, angle, along, across) in table {
+    let given = Stiffness::diagonal([1.615_38e8; 2], 4.2e8, [3.5e7; 2], 1e7);
+    let given = Backbone { stiffness: Some(given), ..Backbone::new(100.0) };
+    for (backbone, (force, angle, along, across)) in
+        [backbone, given].iter().flat_map(|b| table.map(|row| (b, row)))
+    {
+        let robot = without_cables(backbone.clone());
         let tip = solve_finely(&robot, &tip_follower(force)).shape.tip();
         let error = (tip.position - Vec3::new(across, 0.0, along)).norm();
         assert!(error < 1e-7, "{force}: off by {error:.1e}");
@@ -112,9 +158,12 @@ fn an_extensible_rod_under_a_follower_force() {
 /// it rolls the rod up to arcs of a circle (Simo and Vu-Quoc, CMAME 58 (1986) 79–116).
 #[test]
 fn an_end_moment_rolls_the_rod_up() {
-    for diameter in [1e-3, 0.1] {
+    let thick = |diameter: f64| {
         let young = 64.0 / (PI * f64::powi(diameter, 4));
-        let robot = without_cables(round(1.0, diameter, young, young / 2.6));
+        round(1.0, diameter, young, young / 2.6)
+    };
+    for backbone in [thick(1e-3), thick(0.1), inextensible()] {
+        let robot = without_cables(backbone);
         for angle in [FRAC_PI_2, PI, TAU, 2.0 * TAU] {
             let tip_moment = Vec3::new(0.0, angle, 0.0);
             let solution = solve_finely(&robot, &loaded(Loads { tip_moment, ..Loads::default() }));
@@ -141,7 +190,7 @@ fn buckling_load(stability: impl Fn(f64) -> f64, mut low: f64, mut high: f64) ->
 /// Timoshenko and Gere, Theory of Elastic Stability: π²/4 · EI/L² for the clamped–free column.
 #[test]
 fn stability_vanishes_at_eulers_load() {
-    let robot = without_cables(slender(1.0, 0.7));
+    let robot = without_cables(inextensible());
     let stability = |force: f64| {
         let solution = solve_finely(&robot, &tip_force(Vec3::new(0.0, 0.0, -force)));
         assert!(solution.shape.tip().position.x.abs() < 1e-9);
@@ -193,7 +242,7 @@ fn the_45_degree_bend() {
         (600.0, [15.557785823972365, 46.89192478142183, 53.60736926567687]),
     ];
     let backbone = Backbone {
-        section: Some(Section::Rectangle { width: 1.0, height: 1.0 }),
+        section: Some(Section::rectangle(1.0, 1.0)),
         material: Material {
             young_modulus: Some(1e7),
             poisson_ratio: Some(0.0),
@@ -210,6 +259,34 @@ fn the_45_degree_bend() {
             solve_finely(&robot, &tip_force(Vec3::new(0.0, -force, 0.0))).shape.tip().position;
         let error = (tip - Vec3::new(x, -z, y)).norm();
         assert!(error < 1e-6, "{force}: {tip:?} is off by {error:.1e}");
+    }
+}
+
+/// The same bend with the polar torsion constant 1/6 of Simo and Vu-Quoc, CMAME 58 (1986) 79–116, by
+/// a stiffness that is given: with GA, with 5/6 of it, and all but rigid against shear and extension;
+/// converged by shooting.
+#[test]
+fn the_45_degree_bend_of_simo_and_vu_quoc() {
+    let (ga, ea) = (0.5e7, 1e7);
+    let table = [
+        (ga, ea, 300.0, [22.244780945368017, 58.77912248968342, 40.19189167014999]),
+        (ga, ea, 600.0, [15.684800534039109, 47.150438573629366, 53.474858791825326]),
+        (ga / 1.2, ea, 300.0, [22.24467942667617, 58.77889732997539, 40.19239233229472]),
+        (ga / 1.2, ea, 600.0, [15.684689478980072, 47.1500962403424, 53.47547799822525]),
+        (1e6 * ga, 1e6 * ea, 300.0, [22.245034741815438, 58.779685390643, 40.18828384158691]),
+        (1e6 * ga, 1e6 * ea, 600.0, [15.685078161880536, 47.15129439944964, 53.468598448583755]),
+    ];
+    for (ga, ea, force, [x, y, z]) in table {
+        let bending = 1e7 / 12.0;
+        let backbone = Backbone {
+            stiffness: Some(Stiffness::diagonal([ga; 2], ea, [bending; 2], bending)),
+            rest_curvature: RestCurvature::Uniform(Vec3::new(0.0, 0.01, 0.0)),
+            ..Backbone::new(100.0 * PI / 4.0)
+        };
+        let case = tip_force(Vec3::new(0.0, -force, 0.0));
+        let tip = solve_finely(&without_cables(backbone), &case).shape.tip().position;
+        let error = (tip - Vec3::new(x, -z, y)).norm();
+        assert!(error < 1e-8, "{ga:e}, {force}: {tip:?} is off by {error:.1e}");
     }
 }
 

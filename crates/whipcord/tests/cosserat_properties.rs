@@ -33,7 +33,7 @@ fn permuted(robot: &Robot, case: &Case, order: &[usize]) -> (Robot, Case) {
     let cables = order.iter().map(|&i| robot.cables()[i].clone()).collect();
     let commands = order.iter().map(|&i| case.commands[i]).collect();
     let other = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap();
-    (other, Case { commands, loads: case.loads.clone() })
+    (other, Case { commands, ..case.clone() })
 }
 
 /// Largest difference between lengths of cables, in m.

@@ -4,7 +4,8 @@
 
 use whipcord::cosserat::Options;
 use whipcord::{
-    Backbone, Case, Disks, Loads, Material, Model, Robot, Section, Solution, Statics, Vec3,
+    Backbone, Cable, Case, Disks, Loads, Material, Model, Robot, Routing, Section, Solution,
+    Statics, Stations, Vec3,
 };
 
 fn cantilever(length: f64, diameter: f64) -> Robot {
@@ -71,4 +72,42 @@ fn a_long_thread_hangs_down() {
     assert!(solution.diagnostics.stability.unwrap() > 0.0);
     let weight = 1040.0 * 9.81 * 3.0 * core::f64::consts::PI * 0.0005_f64.powi(2) / 4.0;
     assert!((solution.base_wrench.unwrap().force.x / weight - 1.0).abs() < 1e-12);
+}
+
+/// A steel rod that its cable winds up by as much as one and a half turns: the base bears the weight
+/// and its moment about it, which the shape tells.
+#[test]
+fn a_straight_cable_with_gravity_converges_from_cold_at_any_tension() {
+    let (density, area) = (7850.0, core::f64::consts::PI * 1e-6);
+    let backbone = Backbone {
+        section: Some(Section::circle(0.002)),
+        material: Material {
+            young_modulus: Some(200e9),
+            poisson_ratio: Some(0.3),
+            density: Some(density),
+            ..Material::default()
+        },
+        ..Backbone::new(0.5)
+    };
+    let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.015 });
+    let disks = Disks::equally_spaced(0.5, 10, 0.015);
+    let robot = Robot::new(backbone, disks, vec![cable]).unwrap();
+    let options = Options { stations: Stations::Equal(401), ..Options::default() };
+    for gravity in [Vec3::X * -9.81, Vec3::X * 9.81, Vec3::Y * 9.81, Vec3::Z * -9.81] {
+        for tension in [5.0, 15.0, 45.0, 150.0, 200.0, 300.0] {
+            let mut case = Case::with_tensions(&[tension]);
+            case.loads.gravity = Some(gravity);
+            let solution = Model::Cosserat(options.clone()).solve(&robot, &case).unwrap();
+            let borne = solution.base_wrench.unwrap();
+            let weight = gravity * (density * area);
+            assert!((borne.force - weight * 0.5).norm() < 1e-12, "{tension} N: {borne:?}");
+            let at = |i: usize| solution.shape.poses[i].position.cross(weight);
+            let (h, ends) = (0.5 / 400.0, (at(0) + at(400)) * 0.5);
+            let moment = (1..400).fold(ends, |sum, i| sum + at(i)) * h;
+            let missed = (borne.moment - moment).norm();
+            // The trapezoidal rule errs by h² times the slope of the ends.
+            let bound = h * h * weight.norm();
+            assert!(missed < bound, "{tension} N: {missed:e}, {bound:e}");
+        }
+    }
 }

@@ -9,8 +9,8 @@ use core::f64::consts::PI;
 use common::{fine_options, round, solve_finely};
 use whipcord::cosserat::Options;
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Drive, Loads, Mat3, Material, Model, Pose, Robot,
-    Routing, Section, Shortening, Statics, Vec3,
+    Backbone, Cable, CableCommand, Case, Disks, Drive, Mat3, Material, Model, Pose, Robot, Routing,
+    Section, Shortening, Statics, Vec3,
 };
 
 /// The steel rod with tendons of the examples beside Till, Aloi and Rucker (2019): 0.5 m long, 2 mm
@@ -181,7 +181,7 @@ fn an_elastic_tendon_stretches() {
     let robot = Robot::new(rod.backbone().clone(), rod.disks().clone(), vec![cable]).unwrap();
     let case = Case {
         commands: vec![CableCommand { tension: None, shortening: Some(Shortening::Length(0.005)) }],
-        loads: Loads::default(),
+        ..Case::default()
     };
     let solution = solve_finely(&robot, &case);
     let expected = 0.005 / (0.5 * (1.0 / TILL_EA + TILL_OFFSET.powi(2) / TILL_EI) + 0.5 / 500.0);

@@ -3,7 +3,9 @@
 use std::hint::black_box;
 
 use whipcord::cosserat::{self, Accuracy};
-use whipcord::{Drive, Model, ModelKind, Robot, SolveError, Statics as _, Stations, four_bar};
+use whipcord::{
+    Drive, Model, ModelKind, Robot, SolveError, Statics as _, Stations, cosserat_disks, four_bar,
+};
 
 use super::Samples;
 use thiserror::Error;
@@ -50,6 +52,11 @@ pub enum Untimed {
 fn model(kind: ModelKind, sections: usize) -> Model {
     match kind {
         ModelKind::Cosserat => Model::Cosserat(cosserat::Options {
+            accuracy: Accuracy::Steps(sections),
+            stability: false,
+            ..Default::default()
+        }),
+        ModelKind::CosseratDisks => Model::CosseratDisks(cosserat_disks::Options {
             accuracy: Accuracy::Steps(sections),
             stability: false,
             ..Default::default()

@@ -1,8 +1,8 @@
 //! The four robots of the paper's Table 1, so that the benchmark needs no files.
 
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Loads, Material, Robot, RobotError, Routing,
-    Section, Shortening,
+    Backbone, Cable, CableCommand, Case, Disks, Material, Robot, RobotError, Routing, Section,
+    Shortening,
 };
 
 /// A robot and what is asked of it.
@@ -54,7 +54,7 @@ pub fn table_1() -> Result<Vec<Example>, RobotError> {
             Ok(Example {
                 title: title.to_owned(),
                 robot: Robot::new(backbone, disks, vec![cable])?,
-                case: Case { commands: vec![command], loads: Loads::default() },
+                case: Case { commands: vec![command], ..Case::default() },
             })
         })
         .collect()

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use whipcord::robot::Route;
-use whipcord::{Cable, Disks, Interpolation, RestCurvature, Robot, RobotError, Routing, Section};
+use whipcord::{Cable, Disks, Interpolation, Robot, RobotError, Routing};
 
 /// Holes of the resampled disks. A cable that ran through a hole of each disk runs between the
 /// holes of the new ones: with so many holes there is one within 3·10⁻¹¹ m of any place, so that a
@@ -27,15 +27,7 @@ pub fn resample(robot: &Robot, sections: usize) -> Result<Robot, RobotError> {
     };
     disks.holes = old.holes.map(|_| HOLES);
 
-    let mut backbone = robot.backbone().clone();
-    if let Some(Section::Taper { outer, .. }) = &mut backbone.section {
-        *outer = disks.arc_lengths.iter().map(|&s| between(old, outer, s)).collect();
-    }
-    if let RestCurvature::PerDisk(list) = &mut backbone.rest_curvature {
-        let at = |&s: &f64| robot.backbone().rest_curvature_at(old, s);
-        *list = disks.arc_lengths.iter().map(at).collect();
-    }
-
+    let backbone = robot.backbone().apart_from(old);
     let cables = robot
         .cables()
         .iter()

@@ -1,9 +1,9 @@
 //! The figures of a case.
 
-use whipcord::{Case, Drive, Model, ModelKind, Robot, Shape, Statics, Stations};
+use whipcord::{Case, Drive, Model, ModelKind, Pose, Robot, Shape, Statics, Stations};
 use whipcord_plot::{
-    Colour, DistanceSeries, FigureOptions, Marker, PlotError, RobotView, ViewStyle, distance_chart,
-    robot_figure,
+    CableCourse, Colour, DistanceSeries, FigureOptions, Marker, PlotError, RobotView, ViewStyle,
+    distance_chart, robot_figure,
 };
 
 use super::study::Study;
@@ -35,11 +35,12 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         return Ok(figures);
     }
     let fail = |error: PlotError| plot_failure(&study.file.path, &error);
-    let mut views = vec![before(&study.file.robot)];
+    let mut views = vec![before(&study.file.robot, study.file.case.base)];
     views.extend(study.solved().map(|(run, solved)| RobotView {
         label: if run.is_unstable() { format!("{}, unstable", run.label()) } else { run.label() },
         shape: solved.fine.clone(),
         disks: solved.solution.disks.clone(),
+        cables: CableCourse::of(solved.solution.model),
         style: ViewStyle::Model,
     }));
     let measured = study.file.measured.as_ref();
@@ -70,19 +71,23 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
 }
 
 /// The robot before its cables are pulled.
-pub fn before(robot: &Robot) -> RobotView {
+pub fn before(robot: &Robot, base: Pose) -> RobotView {
     let stations = Stations::Equal(FINE_STATIONS);
-    let rest = Model::new(ModelKind::Cosserat, stations.clone(), Drive::Tension)
-        .solve(robot, &Case::with_tensions(&vec![0.0; robot.cables().len()]));
+    let case = Case { base, ..Case::with_tensions(&vec![0.0; robot.cables().len()]) };
+    // Cables that rub are for the second one.
+    let rest = [ModelKind::Cosserat, ModelKind::CosseratDisks].into_iter().find_map(|kind| {
+        Model::new(kind, stations.clone(), Drive::Tension).solve(robot, &case).ok()
+    });
     let label = "before actuation";
     match rest {
-        Ok(solution) => RobotView::model(label, &solution).before(),
+        Some(solution) => RobotView::model(label, &solution).before(),
         // A robot without section or material is known to a geometric model only, for which the
         // backbone is straight.
-        Err(_) => RobotView {
+        None => RobotView {
             label: label.to_owned(),
-            shape: Shape::straight(&stations.arc_lengths(robot)),
-            disks: Shape::straight(&robot.disks().arc_lengths),
+            shape: Shape::straight(&stations.arc_lengths(robot)).moved(base),
+            disks: Shape::straight(&robot.disks().arc_lengths).moved(base),
+            cables: CableCourse::Smooth,
             style: ViewStyle::Before,
         },
     }

@@ -88,6 +88,8 @@ fn published_cells(study: &Study, run: &Run) -> [String; 2] {
     };
     let (rms, time) = match run.model {
         ModelKind::Cosserat => (reference.rms_cosserat, reference.time_cosserat),
+        // Nobody has published any of this one.
+        ModelKind::CosseratDisks => (None, None),
         ModelKind::FourBar => (reference.rms_four_bar, reference.time_four_bar),
     };
     [
@@ -98,7 +100,9 @@ fn published_cells(study: &Study, run: &Run) -> [String; 2] {
 
 /// Angle in rad between the tangents at tip and base.
 pub fn bend(solved: &Solved) -> f64 {
-    let tangent = solved.solution.disks.tip().rotation.rotate(Vec3::Z);
+    let disks = &solved.solution.disks;
+    let base = disks.poses.first().copied().unwrap_or_default().rotation;
+    let tangent = base.conjugate().rotate(disks.tip().rotation.rotate(Vec3::Z));
     tangent.x.hypot(tangent.y).atan2(tangent.z)
 }
 

@@ -6,3 +6,4 @@ pub mod check;
 pub mod compare;
 pub mod schema;
 pub mod solve;
+pub mod stiffness;

@@ -1,18 +1,22 @@
 //! `whipcord solve`: the shape of one robot under one case.
 
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _};
 use clap::{Args, ValueEnum};
 use whipcord::{Drive, Loads, Model, ModelKind, Robot, Shape, Solution, Stations, Vec3};
-use whipcord_io::{CaseFile, shape_csv, solution_json};
+use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
 use whipcord_plot::{FigureOptions, RobotView, robot_figure};
 
 use crate::comparison::figures::{FINE_STATIONS, before};
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs::read_one;
+use crate::paths;
 use crate::quantity::{degrees, fixed, fixed_millimetres, newtons, number, percent};
+use crate::rubbing;
+use crate::steps::{self, Step};
 use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
@@ -45,21 +49,39 @@ pub struct SolveArgs {
     /// Draw the robot before and after actuation; the name ends in .svg or .png
     #[arg(long, value_name = "OUT", value_parser = picture_path)]
     plot: Option<PathBuf>,
+    /// List all equilibria under the load that hang together with the unloaded shape, stable or not
+    #[arg(long, conflicts_with = "csv")]
+    branches: bool,
+    /// Show the iterations on standard error
+    #[arg(long)]
+    trace: bool,
 }
 
 /// What drives all cables.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Actuation {
+pub enum Actuation {
     /// Their tensions
     Tension,
     /// Their shortenings
     Shortening,
 }
 
+/// Which command of each cable counts.
+pub const fn drive(actuation: Option<Actuation>) -> Drive {
+    match actuation {
+        None => Drive::Natural,
+        Some(Actuation::Tension) => Drive::Tension,
+        Some(Actuation::Shortening) => Drive::Shortening,
+    }
+}
+
 /// Each station ends an integration step, so that many of them take long; this many take seconds.
 const MOST_STATIONS: u64 = 100_000;
 
-fn model_parser() -> impl clap::builder::TypedValueParser<Value = ModelKind> {
+/// More shapes than this hide one another in a picture: then only the last is drawn.
+const MOST_STEPS_DRAWN: usize = 6;
+
+pub fn model_parser() -> impl clap::builder::TypedValueParser<Value = ModelKind> {
     PossibleValuesParser::new(ModelKind::ALL.map(ModelKind::name))
         .try_map(|name| name.parse::<ModelKind>())
 }
@@ -84,29 +106,48 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         Some(_) => Stations::Equal(args.stations.map_or(FINE_STATIONS, fine)),
         None => args.stations.map_or(Stations::Disks, Stations::Equal),
     };
-    let drive = match args.actuation {
-        None => Drive::Natural,
-        Some(Actuation::Tension) => Drive::Tension,
-        Some(Actuation::Shortening) => Drive::Shortening,
-    };
+    let drive = drive(args.actuation);
     let model = Model::new(args.model, solved, drive);
+    let trace = if args.trace { Some(paths::trace(&model, &file)?) } else { None };
+    if let Some(events) = &trace {
+        let text = paths::trace_text(events, Style::for_stderr());
+        // A closed standard error is no reason not to solve.
+        let _ = io::stderr().lock().write_all(text.as_bytes());
+    }
+    let mut steps = steps::solve(&model, &file, drive)?;
     let mut timed = timing::solve(&model, &file.robot, &file.case)
         .map_err(|error| Failure::from_solve(&file, &error))?;
+    if let Some(last) = steps.last() {
+        timed.solution = last.solution.clone();
+    }
     let picture = match &args.plot {
-        Some(path) => Some((path, draw(path, &file, &timed.solution)?)),
+        Some(path) => Some((path, draw(path, &file, &timed.solution, &steps)?)),
         None => None,
     };
     if picture.is_some() {
-        timed.solution.shape = asked_for(&file.robot, &timed.solution, args.stations);
+        let of_steps = steps.iter_mut().map(|step| &mut step.solution);
+        for solution in of_steps.chain([&mut timed.solution]) {
+            solution.shape = asked_for(&file.robot, solution, args.stations);
+        }
     }
+    let branches = if args.branches { Some(paths::branches(&model, &file)?) } else { None };
     let solution = &timed.solution;
     let text = if args.json {
-        let json = solution_json(&file.title, solution, timed.solve.median);
+        let answers: Vec<_> = steps.iter().map(|step| (&step.solution, step.time)).collect();
+        let beside =
+            Beside { steps: &answers, branches: branches.as_ref(), trace: trace.as_deref() };
+        let json = answer_json(&file.title, solution, timed.solve.median, &beside);
         format!("{}\n", json.map_err(|error| files::no_result(&error))?)
     } else if args.csv {
-        shape_csv(&solution.shape).map_err(|error| files::no_result(&error))?
+        let csv = match steps.as_slice() {
+            [] => shape_csv(&solution.shape),
+            steps => steps_csv(steps.iter().map(|step| &step.solution.shape)),
+        };
+        csv.map_err(|error| files::no_result(&error))?
     } else {
-        summary(&file, &timed, drive, args.plot.as_deref(), style)
+        let branches = branches.as_ref().map(|b| paths::branches_text(b, style));
+        let summary = summary(&file, &timed, drive, &steps, args.plot.as_deref(), style);
+        branches.map_or_else(|| summary.clone(), |branches| format!("{summary}\n{branches}"))
     };
     // What can fail has been done: now the picture is written, or there is neither.
     if let Some((path, bytes)) = picture {
@@ -133,10 +174,23 @@ fn asked_for(robot: &Robot, solution: &Solution, stations: Option<usize>) -> Sha
     }
 }
 
-fn draw(path: &Path, file: &CaseFile, solution: &Solution) -> Result<Vec<u8>, Failure> {
-    let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
-    let label = format!("{}{unstable}", solution.model);
-    let views = [before(&file.robot), RobotView::model(label, solution)];
+fn draw(
+    path: &Path,
+    file: &CaseFile,
+    solution: &Solution,
+    steps: &[Step],
+) -> Result<Vec<u8>, Failure> {
+    let view = |name: String, solution: &Solution| {
+        let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
+        RobotView::model(format!("{name}{unstable}"), solution)
+    };
+    let mut views = vec![before(&file.robot, file.case.base)];
+    if steps.len() > MOST_STEPS_DRAWN || steps.is_empty() {
+        views.push(view(solution.model.to_string(), solution));
+    } else {
+        let named = steps.iter().enumerate();
+        views.extend(named.map(|(i, step)| view(format!("step {}", i + 1), &step.solution)));
+    }
     let measured = file.measured.as_ref();
     let options = FigureOptions {
         title: file.title.clone(),
@@ -152,13 +206,14 @@ fn summary(
     file: &CaseFile,
     timed: &TimedSolution,
     drive: Drive,
+    steps: &[Step],
     plot: Option<&Path>,
     style: Style,
 ) -> String {
     let TimedSolution { solution, solve, build } = timed;
     let tip = solution.disks.tip();
     let [x, y, z] = tip.position.to_array().map(|c| fixed_millimetres(c, 3));
-    let tangent = tip.rotation.rotate(Vec3::Z);
+    let tangent = file.case.base.rotation.conjugate().rotate(tip.rotation.rotate(Vec3::Z));
     let bend = tangent.x.hypot(tangent.y).atan2(tangent.z);
     let towards = if bend > 1e-9 {
         format!(", towards {}", degrees(tangent.y.atan2(tangent.x)))
@@ -169,7 +224,12 @@ fn summary(
     let driver = driven_by(solution.model, drive, &file.case);
 
     let mut text = format!("{}\n", style.heading(&file.title));
-    text += &format!("{}, driven by {driver}\n\n", solution.model);
+    if steps.is_empty() {
+        text += &format!("{}, driven by {driver}\n\n", solution.model);
+    } else {
+        let all = steps::table(steps).text(style);
+        text += &format!("{}, driven in steps\n\n{all}\nafter the last step:\n", solution.model);
+    }
     let mut line = |name: &str, value: String| {
         text += &format!("{}  {value}\n", style.faint(format!("{name:<11}")));
     };
@@ -178,6 +238,14 @@ fn summary(
     line("orientation", format!("({quaternion}) as w, x, y, z"));
     if !solution.cables.is_empty() {
         text += &format!("\n{}", cables(solution).text(style));
+    }
+    let rubbing = if steps.is_empty() {
+        rubbing::table(std::iter::once(solution))
+    } else {
+        rubbing::table(steps.iter().map(|step| &step.solution))
+    };
+    if let Some(table) = rubbing {
+        text += &format!("\n{}", table.text(style));
     }
     text.push('\n');
     if let Some(words) = instability(solution) {
@@ -238,8 +306,11 @@ fn diagnostics(solution: &Solution, loads: &Loads) -> String {
         Some(stability) if !diagnostics.is_unstable() => {
             parts.push(format!("stability {}", number(stability, 3)));
         }
-        None if solution.model == ModelKind::Cosserat && loads.has_follower() => {
+        None if solution.model != ModelKind::FourBar && loads.has_follower() => {
             parts.push(String::from("stability not defined under loads that follow the backbone"));
+        }
+        None if rubbing::rubs(solution) => {
+            parts.push(String::from("stability not computed with friction"));
         }
         _ => {}
     }

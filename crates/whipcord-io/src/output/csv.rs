@@ -75,13 +75,36 @@ impl CsvTable {
 /// # Errors
 /// [`NonFinite`] for a number that is not finite.
 pub fn shape_csv(shape: &Shape) -> Result<String, NonFinite> {
-    let mut table = CsvTable::new(["arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"]);
-    for (&arc_length, pose) in shape.arc_length.iter().zip(&shape.poses) {
-        let [x, y, z] = pose.position.to_array();
-        let [qw, qx, qy, qz] = pose.rotation.wxyz();
-        table.push([arc_length, x, y, z, qw, qx, qy, qz]);
+    let mut table = CsvTable::new(FRAME);
+    for frame in frames(shape) {
+        table.push(frame);
     }
     table.to_csv()
+}
+
+/// The frames of several shapes one after the other, with the number of the shape, from 1, in the
+/// column `step` before the columns of [`shape_csv`].
+///
+/// # Errors
+/// [`NonFinite`] for a number that is not finite.
+pub fn steps_csv<'a>(shapes: impl IntoIterator<Item = &'a Shape>) -> Result<String, NonFinite> {
+    let mut table = CsvTable::new(["step"].into_iter().chain(FRAME));
+    for (number, shape) in (1..).zip(shapes) {
+        for frame in frames(shape) {
+            table.push([Cell::Integer(number)].into_iter().chain(frame.map(Cell::Number)));
+        }
+    }
+    table.to_csv()
+}
+
+const FRAME: [&str; 8] = ["arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"];
+
+fn frames(shape: &Shape) -> impl Iterator<Item = [f64; 8]> + '_ {
+    shape.arc_length.iter().zip(&shape.poses).map(|(&arc_length, pose)| {
+        let [x, y, z] = pose.position.to_array();
+        let [qw, qx, qy, qz] = pose.rotation.wxyz();
+        [arc_length, x, y, z, qw, qx, qy, qz]
+    })
 }
 
 fn quoted(text: &str) -> String {

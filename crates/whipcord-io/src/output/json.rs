@@ -61,13 +61,18 @@ fn disks(shape: &Shape) -> Result<Vec<Value>, NonFinite> {
 
 fn state(index: usize, cable: &CableState) -> Result<Value, NonFinite> {
     let path = |name: &str| format!("cables[{index}].{name}");
-    Ok(json!({
+    let mut object = json!({
         "name": cable.name,
         "tension": optional(|| path("tension"), cable.tension)?,
         "length": number(|| path("length"), cable.length)?,
         "initial_length": number(|| path("initial_length"), cable.initial_length)?,
         "slack": cable.slack,
-    }))
+    });
+    if !cable.span_tensions.is_empty() {
+        object["span_tensions"] = numbers(&path("span_tensions"), &cable.span_tensions)?;
+        object["contacts"] = cable.contacts.iter().map(|contact| contact.name()).collect();
+    }
+    Ok(object)
 }
 
 fn diagnostics(diagnostics: &Diagnostics, solve_time: f64) -> Result<Value, NonFinite> {
@@ -80,32 +85,37 @@ fn diagnostics(diagnostics: &Diagnostics, solve_time: f64) -> Result<Value, NonF
     let error = diagnostics.discretization_error;
     insert("discretization_error", optional(|| path("discretization_error"), error)?);
     insert("steps", json!(diagnostics.steps));
+    let lost_at = diagnostics.stability_lost_at;
+    insert("stability_lost_at", optional(|| path("stability_lost_at"), lost_at)?);
     insert("solve_time", number(|| path("solve_time"), solve_time)?);
     insert("version", json!(env!("CARGO_PKG_VERSION")));
     Ok(Value::Object(object))
 }
 
-fn number(path: impl FnOnce() -> String, value: f64) -> Result<Value, NonFinite> {
+pub(super) fn number(path: impl FnOnce() -> String, value: f64) -> Result<Value, NonFinite> {
     match Number::from_f64(value) {
         Some(number) => Ok(Value::Number(number)),
         None => Err(NonFinite { path: path(), value }),
     }
 }
 
-fn optional(path: impl FnOnce() -> String, value: Option<f64>) -> Result<Value, NonFinite> {
+pub(super) fn optional(
+    path: impl FnOnce() -> String,
+    value: Option<f64>,
+) -> Result<Value, NonFinite> {
     value.map_or(Ok(Value::Null), |value| number(path, value))
 }
 
-fn numbers(path: &str, values: &[f64]) -> Result<Value, NonFinite> {
+pub(super) fn numbers(path: &str, values: &[f64]) -> Result<Value, NonFinite> {
     let entries = values.iter().enumerate();
     entries.map(|(i, &value)| number(|| format!("{path}[{i}]"), value)).collect()
 }
 
-fn vector(path: impl FnOnce() -> String, vector: Vec3) -> Result<Value, NonFinite> {
+pub(super) fn vector(path: impl FnOnce() -> String, vector: Vec3) -> Result<Value, NonFinite> {
     located(path, &vector.to_array())
 }
 
-fn quaternion(path: impl FnOnce() -> String, pose: &Pose) -> Result<Value, NonFinite> {
+pub(super) fn quaternion(path: impl FnOnce() -> String, pose: &Pose) -> Result<Value, NonFinite> {
     located(path, &pose.rotation.wxyz())
 }
 
@@ -119,7 +129,7 @@ fn located(path: impl FnOnce() -> String, values: &[f64]) -> Result<Value, NonFi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whipcord::{ModelKind, UnitQuaternion, Wrench};
+    use whipcord::{Contact, ModelKind, UnitQuaternion, Wrench};
 
     fn solution() -> Solution {
         let shape = Shape {
@@ -143,6 +153,8 @@ mod tests {
                     length: 0.172,
                     initial_length: 0.1828,
                     slack: false,
+                    span_tensions: vec![3.5, 3.1],
+                    contacts: vec![Contact::Pulled, Contact::Sticks],
                 },
                 CableState {
                     name: "idle".to_owned(),
@@ -150,6 +162,8 @@ mod tests {
                     length: 0.18,
                     initial_length: 0.18,
                     slack: true,
+                    span_tensions: Vec::new(),
+                    contacts: Vec::new(),
                 },
             ],
             base_wrench: Some(Wrench::default()),

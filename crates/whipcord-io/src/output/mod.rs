@@ -3,12 +3,16 @@
 mod atomic;
 mod csv;
 mod json;
+mod path;
+mod stiffness;
 
 use thiserror::Error;
 
 pub use atomic::{remove_unfinished, write_atomically};
-pub use csv::{Cell, CsvTable, shape_csv};
+pub use csv::{Cell, CsvTable, shape_csv, steps_csv};
 pub use json::solution_json;
+pub use path::{Beside, answer_json};
+pub use stiffness::stiffness_json;
 
 /// A number that no output may hold: outputs are finite or there are none.
 #[derive(Clone, Debug, PartialEq, Error)]

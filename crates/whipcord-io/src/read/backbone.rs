@@ -1,11 +1,12 @@
-use whipcord::{Backbone, Material, RestCurvature, Section, Vec3};
+use whipcord::robot::StiffnessMatrix;
+use whipcord::{Along, Backbone, Material, RestCurvature, Section, Stiffness, Vec3};
 
 use crate::check::{Data, Fields};
 
 /// `[backbone]`; `None` when the length is missing.
 pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
+    let length = fields.number("length")?;
     Some(Backbone {
-        length: fields.number("length")?,
         section: section(fields),
         material: Material {
             young_modulus: fields.number("young_modulus"),
@@ -13,37 +14,87 @@ pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
             shear_modulus: fields.number("shear_modulus"),
             density: fields.number("density"),
         },
-        rest_curvature: rest_curvature(fields),
+        shear_correction: fields.number("shear_correction").unwrap_or(1.0),
+        stiffness: fields.table("stiffness").and_then(stiffness),
+        linear_density: along(fields, "linear_density", None, &Data::as_number),
+        rest_curvature: along(fields, "rest_curvature", None, &vec3)
+            .unwrap_or_else(RestCurvature::default),
+        extensible: fields.truth("extensible").unwrap_or(true),
+        shearable: fields.truth("shearable").unwrap_or(true),
+        ..Backbone::new(length)
     })
 }
 
 fn section(fields: &Fields) -> Option<Section> {
-    let inner = fields.number("inner_diameter");
-    if let Some(diameter) = fields.number("diameter") {
-        return Some(match inner {
-            None => Section::Circle { diameter },
-            Some(inner) => Section::Tube { outer: diameter, inner },
-        });
-    }
-    if let Some(outer) = fields.numbers("diameters") {
-        return Some(Section::Taper { outer, inner: inner.unwrap_or(0.0) });
+    let number = &Data::as_number;
+    let outer = fields
+        .number("diameter")
+        .map(Along::Uniform)
+        .or_else(|| along(fields, "diameters", None, number));
+    if let Some(outer) = outer {
+        let inner = along(fields, "inner_diameter", None, number).unwrap_or_default();
+        return Some(Section::Round { outer, inner });
     }
     let bar = fields.table("section")?;
-    Some(Section::Rectangle { width: bar.number("width")?, height: bar.number("height")? })
+    let places = bar.numbers("at");
+    Some(Section::Rectangle {
+        width: along(bar, "width", places.as_deref(), number)?,
+        height: along(bar, "height", places.as_deref(), number)?,
+    })
 }
 
-fn rest_curvature(fields: &Fields) -> RestCurvature {
-    let vector = |list: &[Data]| match list {
-        [x, y, z] => Some(Vec3::new(x.as_number()?, y.as_number()?, z.as_number()?)),
-        _ => None,
-    };
-    let Some(list) = fields.list("rest_curvature") else {
-        return RestCurvature::default();
-    };
-    match vector(list) {
-        Some(uniform) => RestCurvature::Uniform(uniform),
-        None => {
-            RestCurvature::PerDisk(list.iter().filter_map(|item| vector(item.as_list()?)).collect())
-        }
+fn stiffness(fields: &Fields) -> Option<Stiffness> {
+    let places = fields.numbers("at");
+    let places = places.as_deref();
+    if let Some(matrix) = along(fields, "matrix", places, &matrix) {
+        return Some(Stiffness::Matrix(matrix));
     }
+    Some(Stiffness::Diagonal {
+        shear: along(fields, "shear", places, &pair),
+        axial: along(fields, "axial", places, &Data::as_number),
+        bending: along(fields, "bending", places, &pair)?,
+        torsion: along(fields, "torsion", places, &Data::as_number)?,
+    })
+}
+
+/// A key whose value is one item, or a list of them at each disk or at `places`, or a table of both;
+/// `item` reads one item and nothing else.
+fn along<T>(
+    fields: &Fields,
+    name: &str,
+    places: Option<&[f64]>,
+    item: &dyn Fn(&Data) -> Option<T>,
+) -> Option<Along<T>> {
+    let data = fields.data(name)?;
+    if let Some(value) = item(data) {
+        return Some(Along::Uniform(value));
+    }
+    if let Some(table) = fields.table(name) {
+        let arc_lengths = table.numbers("at")?;
+        let values = table.list("values")?.iter().filter_map(item).collect();
+        return Some(Along::At { arc_lengths, values });
+    }
+    let values = data.as_list()?.iter().filter_map(item).collect();
+    Some(match places {
+        Some(places) => Along::At { arc_lengths: places.to_vec(), values },
+        None => Along::PerDisk(values),
+    })
+}
+
+fn numbers<const N: usize>(data: &Data) -> Option<[f64; N]> {
+    let list: Option<Vec<f64>> = data.as_list()?.iter().map(Data::as_number).collect();
+    list?.try_into().ok()
+}
+
+fn pair(data: &Data) -> Option<[f64; 2]> {
+    numbers(data)
+}
+
+fn vec3(data: &Data) -> Option<Vec3> {
+    numbers(data).map(|[x, y, z]| Vec3::new(x, y, z))
+}
+
+fn matrix(data: &Data) -> Option<StiffnessMatrix> {
+    let rows: Option<Vec<[f64; 6]>> = data.as_list()?.iter().map(numbers).collect();
+    rows?.try_into().ok()
 }

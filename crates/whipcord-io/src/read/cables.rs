@@ -16,11 +16,28 @@ pub(crate) fn cable(fields: &Fields, index: usize) -> Option<Cable> {
 
 /// How the same entry is pulled.
 pub(crate) fn command(fields: &Fields) -> CableCommand {
-    let shortening = fields.quantity("shortening").map(|(value, dimension)| match dimension {
+    CableCommand {
+        tension: fields.number("tension"),
+        shortening: fields.quantity("shortening").map(shortening),
+    }
+}
+
+/// How an entry of `[[steps]]` pulls each of so many cables.
+pub(crate) fn step(fields: &Fields, cables: usize) -> Vec<CableCommand> {
+    let entry =
+        |name: &str, i: usize| fields.list(name).and_then(|list| list.get(i)?.as_quantity());
+    let command = |i| CableCommand {
+        tension: entry("tension", i).map(|(tension, _)| tension),
+        shortening: entry("shortening", i).map(shortening),
+    };
+    (0..cables).map(command).collect()
+}
+
+fn shortening((value, dimension): (f64, Dimension)) -> Shortening {
+    match dimension {
         Dimension::Ratio => Shortening::Fraction(value),
         _ => Shortening::Length(value),
-    });
-    CableCommand { tension: fields.number("tension"), shortening }
+    }
 }
 
 fn routing(fields: &Fields) -> Option<Routing> {

@@ -1,6 +1,7 @@
 //! From checked tables to the library's types, one reader per table.
 
 mod backbone;
+mod base;
 mod cables;
 mod disks;
 mod loads;
@@ -8,7 +9,8 @@ mod measured;
 mod reference;
 
 pub(crate) use backbone::backbone;
-pub(crate) use cables::{cable, command};
+pub(crate) use base::base;
+pub(crate) use cables::{cable, command, step};
 pub(crate) use disks::disks;
 pub(crate) use loads::loads;
 pub(crate) use measured::read as measured;

@@ -21,7 +21,7 @@ pub fn schema() -> Value {
     root.insert("if".to_owned(), json!({ "not": { "required": ["extends"] } }));
     root.insert("then".to_owned(), complete(&ROOT));
     let quantities: Map<_, _> =
-        Dimension::ALL.into_iter().map(|d| (d.to_string(), quantity(d))).collect();
+        Dimension::ALL.into_iter().map(|d| (definition(d), quantity(d))).collect();
     root.insert("$defs".to_owned(), Value::Object(quantities));
     Value::Object(root)
 }
@@ -139,7 +139,16 @@ fn kind(declared: &Kind) -> Value {
         Kind::List(item, least) => {
             json!({ "type": "array", "items": kind(item), "minItems": least })
         }
-        Kind::Either(kinds) => json!({ "anyOf": kinds.iter().map(kind).collect::<Vec<_>>() }),
+        Kind::Either(kinds) => {
+            let any_of: Vec<Value> = kinds
+                .iter()
+                .map(|each| match each {
+                    Kind::Table(inner) => whole(inner),
+                    other => kind(other),
+                })
+                .collect();
+            json!({ "anyOf": any_of })
+        }
         Kind::Table(inner) => table(inner),
         Kind::Tables(inner) => json!({ "type": "array", "items": whole(inner) }),
         Kind::Variants { tag, variants } => {
@@ -170,7 +179,12 @@ fn bounded(mut schema: Value, range: Range) -> Value {
 }
 
 fn reference(dimension: Dimension) -> Value {
-    json!({ "$ref": format!("#/$defs/{dimension}") })
+    json!({ "$ref": format!("#/$defs/{}", definition(dimension)) })
+}
+
+/// Under what name a dimension is defined: no space may stand in a reference.
+fn definition(dimension: Dimension) -> String {
+    dimension.to_string().replace(' ', "-")
 }
 
 fn quantity(dimension: Dimension) -> Value {

@@ -2,6 +2,8 @@
 
 use whipcord::robot::limits::{self, Range};
 
+use super::backbone_keys::BACKBONE;
+use super::load_keys::{BASE, LOADS};
 use super::{Key, Kind, Rule, Table};
 use crate::units::Dimension;
 
@@ -9,29 +11,31 @@ use crate::units::Dimension;
 const MOST_DISKS: usize = 100_000;
 const MOST_HOLES: usize = 100_000;
 
-const LENGTH: Kind = Kind::Quantity(&[Dimension::Length], limits::LENGTH);
-const DISTANCE: Kind = Kind::Quantity(&[Dimension::Length], limits::DISTANCE);
-const PRESSURE: Kind = Kind::Quantity(&[Dimension::Pressure], limits::MODULUS);
-const ANGLE: Kind = Kind::Quantity(&[Dimension::Angle], limits::ANGLE);
+pub(super) const LENGTH: Kind = Kind::Quantity(&[Dimension::Length], limits::LENGTH);
+pub(super) const DISTANCE: Kind = Kind::Quantity(&[Dimension::Length], limits::DISTANCE);
+pub(super) const ANGLE: Kind = Kind::Quantity(&[Dimension::Angle], limits::ANGLE);
 const PUBLISHED_TIME: Kind = Kind::Quantity(&[Dimension::Time], DURATION);
-const FORCE_VECTOR: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Force], limits::FORCE), 3);
-const MOMENT_VECTOR: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Moment], limits::MOMENT), 3);
-const CURVATURE_VECTOR: Kind =
-    Kind::Vector(&Kind::Quantity(&[Dimension::Curvature], limits::CURVATURE), 3);
+const TENSION: Kind = force(limits::TENSION);
+const SHORTENING: Kind = Kind::Quantity(&[Dimension::Length, Dimension::Ratio], limits::COORDINATE);
 const POINT: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Length], limits::COORDINATE), 2);
 
 /// What a published solve time may be: up to 30 years.
 pub(crate) const DURATION: Range = Range { least: 0.0, above: false, greatest: 1e9, unit: "s" };
 
-const fn ratio(range: Range) -> Kind {
+pub(super) const fn ratio(range: Range) -> Kind {
     Kind::Quantity(&[Dimension::Ratio], range)
 }
 
-const fn force(range: Range) -> Kind {
+pub(super) const fn force(range: Range) -> Kind {
     Kind::Quantity(&[Dimension::Force], range)
 }
 
-const fn key(name: &'static str, kind: Kind, example: &'static str, doc: &'static str) -> Key {
+pub(super) const fn key(
+    name: &'static str,
+    kind: Kind,
+    example: &'static str,
+    doc: &'static str,
+) -> Key {
     Key { name, kind, example, doc }
 }
 
@@ -55,80 +59,13 @@ pub(crate) static ROOT: Table = Table {
         key("backbone", Kind::Table(&BACKBONE), BACKBONE.title, BACKBONE.doc),
         key("disks", Kind::Table(&DISKS), DISKS.title, DISKS.doc),
         key("cables", Kind::Tables(&CABLE), CABLE.title, CABLE.doc),
+        key("base", Kind::Table(&BASE), BASE.title, BASE.doc),
         key("loads", Kind::Table(&LOADS), LOADS.title, LOADS.doc),
+        key("steps", Kind::Tables(&STEP), STEP.title, STEP.doc),
         key("measured", Kind::Table(&MEASURED), MEASURED.title, MEASURED.doc),
         key("reference", Kind::Table(&REFERENCE), REFERENCE.title, REFERENCE.doc),
     ],
     rules: &[Rule::Required("backbone"), Rule::Required("disks")],
-};
-
-static BACKBONE: Table = Table {
-    title: "[backbone]",
-    doc: "The elastic rod that runs through the disks.",
-    keys: &[
-        key("length", LENGTH, r#""180 mm""#, "Length of the undeformed backbone."),
-        key("diameter", LENGTH, r#""3 mm""#, "Outer diameter of a round rod or tube."),
-        key(
-            "inner_diameter",
-            DISTANCE,
-            r#""2 mm""#,
-            "Inner diameter of a tube; beside `diameter` or `diameters`.",
-        ),
-        key(
-            "diameters",
-            Kind::List(&LENGTH, 2),
-            r#"["4 mm", "3 mm", "2 mm"]"#,
-            "Outer diameter at each disk, base disk first; it varies linearly between them.",
-        ),
-        key(
-            "section",
-            Kind::Table(&SECTION),
-            r#"{ width = "6 mm", height = "4 mm" }"#,
-            SECTION.doc,
-        ),
-        key("young_modulus", PRESSURE, r#""1.1 GPa""#, "Young's modulus."),
-        key(
-            "poisson_ratio",
-            ratio(limits::POISSON_RATIO),
-            "0.3",
-            "Poisson's ratio; instead of `shear_modulus`.",
-        ),
-        key(
-            "shear_modulus",
-            PRESSURE,
-            r#""420 MPa""#,
-            "Shear modulus; instead of `poisson_ratio`.",
-        ),
-        key(
-            "density",
-            Kind::Quantity(&[Dimension::Density], limits::DENSITY),
-            r#""1040 kg/m^3""#,
-            "Density; needed only with gravity or motion.",
-        ),
-        key(
-            "rest_curvature",
-            Kind::Either(&[CURVATURE_VECTOR, Kind::List(&CURVATURE_VECTOR, 2)]),
-            r#"["0 1/m", "4 1/m", "0 1/m"]"#,
-            "Curvature of the backbone when nothing pulls on it, in its own frame: about x, about y, twist. One such vector, or a list with one for each disk, between which it varies linearly.",
-        ),
-    ],
-    rules: &[
-        Rule::Required("length"),
-        Rule::AtMostOne(&["diameter", "diameters", "section"]),
-        Rule::AtMostOne(&["inner_diameter", "section"]),
-        Rule::Needs("inner_diameter", &["diameter", "diameters"]),
-        Rule::AtMostOne(&["poisson_ratio", "shear_modulus"]),
-    ],
-};
-
-static SECTION: Table = Table {
-    title: "backbone.section",
-    doc: "A rectangular cross-section.",
-    keys: &[
-        key("width", LENGTH, r#""6 mm""#, "Extent along x."),
-        key("height", LENGTH, r#""4 mm""#, "Extent along y."),
-    ],
-    rules: &[Rule::Required("width"), Rule::Required("height")],
 };
 
 static DISKS: Table = Table {
@@ -215,15 +152,10 @@ static CABLE: Table = Table {
             r#""2 kN""#,
             "Axial stiffness, Young's modulus times area; inextensible by default. A commanded length is then that of the unstretched cable: the part inside the robot, of unstretched length l0, is longer by tension * l0 / axial_stiffness.",
         ),
-        key(
-            "tension",
-            force(limits::TENSION),
-            r#""400 gf""#,
-            "Tension, for models driven by force.",
-        ),
+        key("tension", TENSION, r#""400 gf""#, "Tension, for models driven by force."),
         key(
             "shortening",
-            Kind::Quantity(&[Dimension::Length, Dimension::Ratio], limits::COORDINATE),
+            SHORTENING,
             r#""5.7 %""#,
             "By how much its part inside the robot is shortened, for models driven by length: a length, or `%` of its own initial length. Negative is paid out. With `axial_stiffness` it is the unstretched cable that is shortened.",
         ),
@@ -313,54 +245,24 @@ static ROUTINGS: &[(&str, Table)] = &[
     ),
 ];
 
-static LOADS: Table = Table {
-    title: "[loads]",
-    doc: "External loads, fixed in the base frame unless they follow.",
+static STEP: Table = Table {
+    title: "[[steps]]",
+    doc: "One step of actuation. The steps are taken in the order of the file, each from where the one before left the robot, and the last is the case; the cables then have no tension or shortening of their own. Only friction remembers the steps before the last.",
     keys: &[
         key(
-            "gravity",
-            Kind::Vector(&Kind::Quantity(&[Dimension::Acceleration], limits::ACCELERATION), 3),
-            r#"["0", "0", "-9.81 m/s^2"]"#,
-            "Acceleration of gravity as a vector; z points from base to tip of the straight robot.",
+            "tension",
+            Kind::List(&TENSION, 1),
+            r#"["2 N", "0 N"]"#,
+            "Tension of each cable, in the order of [[cables]].",
         ),
         key(
-            "tip_force",
-            FORCE_VECTOR,
-            r#"["0.05 N", "0 N", "0 N"]"#,
-            "Force at the tip of the backbone.",
-        ),
-        key(
-            "tip_moment",
-            MOMENT_VECTOR,
-            r#"["0", "0", "1 mN*m"]"#,
-            "Moment at the tip of the backbone.",
-        ),
-        key(
-            "follower",
-            Kind::Flag,
-            "true",
-            "Whether tip force and tip moment turn with the tip; false by default.",
-        ),
-        key("point", Kind::Tables(&POINT_LOAD), POINT_LOAD.title, POINT_LOAD.doc),
-    ],
-    rules: &[],
-};
-
-static POINT_LOAD: Table = Table {
-    title: "[[loads.point]]",
-    doc: "A force and a moment at one place of the backbone.",
-    keys: &[
-        key("at", DISTANCE, r#""90 mm""#, "Arc length of the place."),
-        key("force", FORCE_VECTOR, r#"["0 N", "0.1 N", "0 N"]"#, "Force."),
-        key("moment", MOMENT_VECTOR, r#"["0", "0", "1 mN*m"]"#, "Moment."),
-        key(
-            "follower",
-            Kind::Flag,
-            "true",
-            "Whether they turn with the backbone; false by default.",
+            "shortening",
+            Kind::List(&SHORTENING, 1),
+            r#"["5 mm", "-5 mm"]"#,
+            "Shortening of each cable, in the order of [[cables]], from its length before all steps.",
         ),
     ],
-    rules: &[Rule::Required("at"), Rule::AtLeastOne(&["force", "moment"])],
+    rules: &[Rule::AtLeastOne(&["tension", "shortening"])],
 };
 
 static MEASURED: Table = Table {

@@ -1,8 +1,10 @@
 //! What a robot file may say: one declaration of every table and key, from which the checks, the
 //! suggestions and the JSON Schema all follow.
 
+mod backbone_keys;
 mod json;
 mod keys;
+mod load_keys;
 
 use whipcord::robot::limits::Range;
 

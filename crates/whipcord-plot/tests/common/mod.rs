@@ -1,9 +1,11 @@
 //! Robots and made-up shapes for tests and for the gallery.
 #![allow(dead_code, reason = "each user takes a part")]
 
-use whipcord::{Backbone, Cable, Disks, Pose, Robot, RobotError, Routing, Section, Shape, Vec3};
+use whipcord::{
+    Along, Backbone, Cable, Disks, Pose, Robot, RobotError, Routing, Section, Shape, Vec3,
+};
 use whipcord_numerics::Twist;
-use whipcord_plot::{RobotView, ViewStyle};
+use whipcord_plot::{CableCourse, RobotView, ViewStyle};
 
 /// A shape of this curvature (1/m, body frame) at each arc length, at `count` stations.
 pub fn bent(length: f64, count: usize, curvature: impl Fn(f64) -> Vec3) -> Shape {
@@ -40,7 +42,13 @@ pub fn view(
     curvature: impl Fn(f64) -> Vec3,
 ) -> RobotView {
     let shape = bent(robot.backbone().length, 361, curvature);
-    RobotView { label: label.into(), disks: at_disks(robot, &shape), shape, style }
+    RobotView {
+        label: label.into(),
+        disks: at_disks(robot, &shape),
+        shape,
+        cables: CableCourse::Smooth,
+        style,
+    }
 }
 
 /// The straight robot.
@@ -58,9 +66,9 @@ pub fn prototype(holes: &[usize]) -> Result<Robot, RobotError> {
 /// Two segments with three cables each, the first three of which end midway.
 pub fn arm() -> Result<Robot, RobotError> {
     let backbone = Backbone {
-        section: Some(Section::Taper {
-            outer: (0..17).map(|i| 0.03 - 0.001 * f64::from(i)).collect(),
-            inner: 0.008,
+        section: Some(Section::Round {
+            outer: Along::PerDisk((0..17).map(|i| 0.03 - 0.001 * f64::from(i)).collect()),
+            inner: 0.008.into(),
         }),
         ..Backbone::new(2.0)
     };
@@ -79,10 +87,7 @@ pub fn arm() -> Result<Robot, RobotError> {
 
 /// A thin catheter with a disk at each end and no holes.
 pub fn catheter() -> Result<Robot, RobotError> {
-    let backbone = Backbone {
-        section: Some(Section::Tube { outer: 0.0012, inner: 0.0008 }),
-        ..Backbone::new(0.12)
-    };
+    let backbone = Backbone { section: Some(Section::tube(0.0012, 0.0008)), ..Backbone::new(0.12) };
     let disks = Disks { hole_circle_radii: vec![], ..Disks::equally_spaced(0.12, 2, 1.0) };
     let cable = Cable::new("steer", Routing::Straight { angle: 0.0, radius: 0.0009 });
     Robot::new(backbone, disks, vec![cable])
@@ -90,10 +95,8 @@ pub fn catheter() -> Result<Robot, RobotError> {
 
 /// A flat strip with a helical and a converging cable, which curls up.
 pub fn finger() -> Result<Robot, RobotError> {
-    let backbone = Backbone {
-        section: Some(Section::Rectangle { width: 0.006, height: 0.001 }),
-        ..Backbone::new(0.06)
-    };
+    let backbone =
+        Backbone { section: Some(Section::rectangle(0.006, 0.001)), ..Backbone::new(0.06) };
     let helix = Routing::Helix { start_angle: 0.0, turns: 1.25, radius: 0.006 };
     let line = Routing::Linear { start: [-0.006, 0.0], end: [0.0, -0.002] };
     let cables = vec![Cable::new("wind", helix), Cable::new("curl", line)];

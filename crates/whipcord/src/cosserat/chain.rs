@@ -1,62 +1,48 @@
-//! Multiple shooting under dead loads, for given tensions.
+//! Multiple shooting, for any loads and commands.
 //!
 //! A single shot from the base magnifies the error of the base moment by about `exp(L √(F/EI))`:
-//! under strong loads none hits the tip. Here every step is shot from its own start `(Rₖ, Mₖ)`, and
-//! Newton's method closes the gaps between them. With the transition `Φ` of a step from eq. (5) a
-//! correction `(ηₖ, μₖ)` obeys
-//!
-//! ```text
-//! ηₖ₊₁ = Φ_ηη ηₖ + Φ_ημ μₖ + gap_η,   μₖ₊₁ = Φ_μη ηₖ + Φ_μμ μₖ + gap_μ,   η₀ = 0,   μₙ = 0        (10)
-//! ```
-//!
-//! Elimination from the base carries `ηₖ = Pₖ μₖ + qₖ`: `Pₖ` is the compliance of the part before
-//! node k, bounded as long as no such part buckles under its own load.
+//! under strong loads none hits the tip. Here every step is shot from its own start, and Newton's
+//! method closes the gaps between them, eq. (10) of [`super::elimination`], together with the
+//! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
+//! the step is then at right angles to a given direction ([`super::arc_length`]).
 
-use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{Pose, Vec3};
 
+use super::elimination::{Change, Elimination, Size};
 use super::grid::Grid;
+use super::lengths::Command;
 use super::loaded::{Aim, Shot};
 use super::loads::AppliedLoads;
 use super::newton::Scales;
-use super::sensitivity::{Sensitivity, Transition};
+use super::sensitivity::{Column, Sensitivity, Unknowns};
+use super::shared::Shared;
+use super::state::{Direction, State};
+use super::statics::Problem;
+use super::trace::Trace;
 use super::unloaded::Fault;
 
 /// The rod as a chain of steps, each with its own start.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
-    pub nodes: Vec<Node>,
-    kept: Vec<Node>,
+    pub state: State,
+    kept: State,
     gaps: Vec<Gap>,
-    eliminated: Vec<Eliminated>,
-    changes: Vec<Node>,
+    size: Size,
+    /// Of the end of each step by rotation and cut at its start and what all share.
+    columns: Vec<Column>,
+    /// `∂ℓᵢ` of each step by rotation and cut at its start and what all share.
+    length_rows: Vec<f64>,
+    step: Direction,
+    elimination: Elimination,
     sensitivity: Sensitivity,
-}
-
-/// Where a step starts; or, with `turn` for `rotation`, how that changes.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Node {
-    pub rotation: UnitQuaternion,
-    /// In the body frame, in N·m.
-    pub moment: Vec3,
-    turn: Vec3,
+    shared: Shared,
 }
 
 /// How a step ends short of the next node.
 #[derive(Clone, Copy, Debug, Default)]
 struct Gap {
-    turn: Vec3,
-    moment: Vec3,
+    change: Change,
     displacement: Vec3,
-    transition: Transition,
-}
-
-/// `μₖ = gain (μₖ₊₁ − offset)` and `ηₖ = compliance μₖ + turn`.
-#[derive(Clone, Copy, Debug, Default)]
-struct Eliminated {
-    gain: Mat3,
-    offset: Vec3,
-    compliance: Mat3,
-    turn: Vec3,
 }
 
 /// What the chain is solved for.
@@ -64,12 +50,44 @@ struct Eliminated {
 pub(super) struct Task<'a> {
     pub grid: &'a Grid,
     pub loads: &'a AppliedLoads,
-    pub tensions: &'a [f64],
-    pub load: f64,
+    pub commands: &'a [Command],
     /// Length of the backbone in m.
     pub length: f64,
-    /// Greatest gap that counts as closed, relative to 1 rad and the scale of moments.
+    /// Greatest gap that counts as closed, relative to 1 rad and the scales of moment, force and
+    /// length.
     pub tolerance: f64,
+}
+
+/// What is asked of a linear step.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Step<'a> {
+    /// Close the gaps at this load.
+    Close,
+    /// Close the gaps at right angles to a direction; the load is free.
+    Across(&'a Direction),
+    /// The tangent of the path that goes along with a direction.
+    Along(&'a Direction),
+    /// What gaps of this pattern do at this load: near a singular point, the null vector.
+    Probe(&'a [Vec3]),
+}
+
+impl<'a> Task<'a> {
+    /// The chain of a problem whose loads are gathered.
+    pub fn of(problem: &Problem<'a>, loads: &'a AppliedLoads) -> Self {
+        Self {
+            grid: problem.grid,
+            loads,
+            commands: problem.commands,
+            length: problem.length,
+            tolerance: problem.tolerance,
+        }
+    }
+}
+
+impl Step<'_> {
+    pub const fn frees_load(&self) -> bool {
+        matches!(self, Self::Across(_) | Self::Along(_))
+    }
 }
 
 /// Why the gaps did not close.
@@ -84,45 +102,34 @@ const MAX_ITERATIONS: usize = 40;
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e-9;
-
 impl Chain {
-    /// Starts from a shape that carries no load.
-    pub fn start(&mut self, poses: &[Pose]) {
-        self.nodes.clear();
-        let unloaded = |pose: &Pose| Node { rotation: pose.rotation, ..Node::default() };
-        self.nodes.extend(poses.iter().map(unloaded));
-    }
-
-    /// Starts from the nodes of a chain with half as many steps.
-    pub fn start_halved(&mut self, coarse: &[Node]) {
-        self.nodes.clear();
-        for pair in coarse.windows(2) {
-            let turn = (pair[0].rotation.conjugate() * pair[1].rotation).log();
-            let rotation = pair[0].rotation * UnitQuaternion::exp(0.5 * turn);
-            let moment = 0.5 * (pair[0].moment + pair[1].moment);
-            self.nodes.extend([pair[0], Node { rotation, moment, ..Node::default() }]);
-        }
-        self.nodes.extend(coarse.last());
-    }
-
-    /// Newton's method; returns the iterations and the greatest gap left. The shot ends with the
-    /// strains and samples of the answer.
-    pub fn close(&mut self, task: &Task<'_>, shot: &mut Shot) -> Result<(usize, f64), Open> {
+    /// Newton's method from `self.state`, where it also ends: at its load, or across a direction.
+    /// Returns the iterations and the greatest gap left. The shot ends with the strains and samples
+    /// of the answer.
+    pub fn close(
+        &mut self,
+        task: &Task<'_>,
+        across: Option<&Direction>,
+        shot: &mut Shot,
+        trace: &mut Trace,
+    ) -> Result<(usize, f64), Open> {
         let failed = |iterations, gap, fault| Open { iterations, gap, fault };
-        let mut gap =
-            self.shoot(task, shot).map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
+        let by = across.map_or(Step::Close, Step::Across);
+        let mut gap = self
+            .shoot(task, by.frees_load(), shot)
+            .map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
         for iteration in 0..MAX_ITERATIONS {
             if gap <= task.tolerance {
                 return Ok((iteration, gap));
             }
-            if !self.solve_step() {
+            if !self.solve_step(task, by, shot) {
                 return Err(failed(iteration, gap, None));
             }
-            self.kept.clone_from(&self.nodes);
+            core::mem::swap(&mut self.kept, &mut self.state);
             let mut fraction = 1.0;
             loop {
-                self.step(fraction);
-                match self.shoot(task, shot) {
+                self.state.step_from(&self.kept, fraction, &self.step);
+                match self.shoot(task, by.frees_load(), shot) {
                     Ok(now) if now < (1.0 - 1e-4 * fraction) * gap => {
                         gap = now;
                         break;
@@ -138,95 +145,154 @@ impl Chain {
                     }
                 }
             }
+            let state = &self.state;
+            trace.iteration(iteration + 1, state.load, gap, fraction, &state.tensions);
         }
         Err(failed(MAX_ITERATIONS, gap, None))
+    }
+
+    /// The linear step of a closed chain that [`Step::Along`] or [`Step::Probe`] ask for; `None` where
+    /// the system is singular.
+    pub fn direction(
+        &mut self,
+        task: &Task<'_>,
+        by: Step<'_>,
+        shot: &mut Shot,
+    ) -> Option<Direction> {
+        self.shoot(task, by.frees_load(), shot).ok()?;
+        self.solve_step(task, by, shot).then(|| self.step.clone())
+    }
+
+    /// Whether the determinant of the linearised problem at this load is negative. The chain is
+    /// closed.
+    pub fn is_determinant_negative(&mut self, task: &Task<'_>, shot: &mut Shot) -> Option<bool> {
+        self.shoot(task, false, shot).ok()?;
+        self.solve_step(task, Step::Close, shot)
+            .then_some(self.elimination.is_negative() != self.shared.negative)
     }
 
     /// Frames at the ends of all steps of a closed chain.
     pub fn poses(&self, poses: &mut Vec<Pose>) {
         poses.clear();
+        let nodes = &self.state.nodes;
         let mut position = Vec3::ZERO;
-        for (node, gap) in self.nodes.iter().zip(&self.gaps) {
+        for (node, gap) in nodes.iter().zip(&self.gaps) {
             poses.push(Pose { position, rotation: node.rotation });
             position += gap.displacement;
         }
-        if let Some(last) = self.nodes.last() {
+        if let Some(last) = nodes.last() {
             poses.push(Pose { position, rotation: last.rotation });
         }
     }
 
-    /// Shoots every step from its node; the greatest gap.
-    fn shoot(&mut self, task: &Task<'_>, shot: &mut Shot) -> Result<f64, Fault> {
-        let scale = Scales::of(task.grid, task.length).moment;
-        let aim = Aim {
-            tensions: task.tensions,
-            base_moment: Vec3::ZERO,
-            follower_force: Vec3::ZERO,
-            load: task.load,
-            sample: true,
+    /// Shoots every step from its node and linearises it; the greatest gap.
+    fn shoot(&mut self, task: &Task<'_>, by_load: bool, shot: &mut Shot) -> Result<f64, Fault> {
+        let scales = Scales::of(task.grid, task.length);
+        let by_length = task.commands.iter().any(|c| matches!(c, Command::Length { .. }));
+        let by = Unknowns {
+            follower_force: task.loads.any_follower_force(),
+            load: by_load,
+            tensions: if by_length { task.commands.len() } else { 0 },
         };
+        let cut = if by.follower_force { 6 } else { 3 };
+        self.size = Size { cut, shared: by.count() - 3 - cut };
+        self.columns.clear();
         shot.samples.clear();
         self.gaps.clear();
+        self.length_rows.clear();
         let mut greatest: f64 = 0.0;
+        let Self { state, sensitivity, .. } = self;
         for k in 0..task.grid.len() {
-            let (start, next) = (self.nodes[k], self.nodes[k + 1]);
+            let (start, next) = (state.nodes[k], state.nodes[k + 1]);
             let moment = start.rotation.rotate(start.moment);
-            let (end, moment) =
+            let aim = Aim {
+                tensions: &state.tensions,
+                base_moment: Vec3::ZERO,
+                follower_force: start.force,
+                load: state.load,
+                sample: true,
+            };
+            let (end, cut) =
                 shot.fire_step(task.grid, task.loads, &aim, k, start.rotation, moment)?;
             let to_body = end.rotation.conjugate();
-            let applied = to_body.rotate(task.load * task.loads.moment(k + 1));
-            let samples = &shot.samples[3 * k..3 * k + 3];
-            let gap = Gap {
+            let follower = task.loads.follower(k + 1);
+            let applied = to_body.rotate(task.loads.moment(k + 1)) + follower.moment;
+            let force = cut.force - state.load * end.rotation.rotate(follower.force);
+            let change = Change {
                 turn: (next.rotation.conjugate() * end.rotation).log(),
-                moment: to_body.rotate(moment) - applied - next.moment,
-                displacement: end.position,
-                transition: self.sensitivity.transition(task.grid, k, samples, applied),
+                moment: to_body.rotate(cut.moment) - state.load * applied - next.moment,
+                force: force - next.force,
             };
-            let relative = gap.moment.norm() / (scale + next.moment.norm());
-            greatest = greatest.max(gap.turn.norm()).max(relative);
+            let samples = &shot.samples[3 * k..3 * k + 3];
+            sensitivity.transition(task.grid, task.loads, state.load, k, samples, end.rotation, by);
+            self.columns.extend_from_slice(&sensitivity.columns);
+            self.length_rows.extend_from_slice(&sensitivity.lengths);
+            let moment = change.moment.norm() / (scales.moment + next.moment.norm());
+            let force = change.force.norm() / (scales.tension + next.force.norm());
+            greatest = greatest.max(change.turn.norm()).max(moment).max(force);
             // A NaN must not pass for a closed gap.
-            if !(gap.turn.is_finite() && gap.moment.is_finite()) {
+            if !change.is_finite() {
                 greatest = f64::INFINITY;
             }
-            self.gaps.push(gap);
+            self.gaps.push(Gap { change, displacement: end.position });
+        }
+        if by_length {
+            shot.measure(task.grid);
+            for (i, command) in task.commands.iter().enumerate() {
+                if matches!(command, Command::Length { .. }) {
+                    let tension = state.tensions[i];
+                    let slack = command.slackness(tension, shot.lengths[i]) / scales.length;
+                    let left = (tension / scales.tension).min(slack).abs();
+                    greatest = if left.is_nan() { f64::INFINITY } else { greatest.max(left) };
+                }
+            }
         }
         Ok(greatest)
     }
 
-    /// Solves eq. (10) for the change of every node; `false` where the elimination breaks down.
-    fn solve_step(&mut self) -> bool {
-        self.eliminated.clear();
-        let (mut compliance, mut turn) = (Mat3::ZERO, Vec3::ZERO);
-        for gap in &self.gaps {
-            let [[turn_turn, turn_moment], [moment_turn, moment_moment]] = gap.transition;
-            let Some(gain) = (moment_turn * compliance + moment_moment).inverse() else {
-                return false;
+    /// Solves eq. (10), and with it what all steps share, into `self.step`; `false` where the
+    /// system is singular.
+    fn solve_step(&mut self, task: &Task<'_>, by: Step<'_>, shot: &Shot) -> bool {
+        let scales = Scales::of(task.grid, task.length);
+        let Self { state, gaps, columns, length_rows, step, elimination, shared, size, .. } = self;
+        let steps = gaps.len();
+        let unknowns = 3 + size.cut + size.shared;
+        elimination.start(*size, scales.moment, scales.tension);
+        for (k, gap) in gaps.iter().enumerate() {
+            let gap = match by {
+                Step::Close | Step::Across(_) => gap.change,
+                Step::Along(_) => Change::default(),
+                Step::Probe(pattern) => {
+                    Change { moment: scales.moment * pattern[k], ..Change::default() }
+                }
             };
-            let offset = moment_turn * turn + gap.moment;
-            self.eliminated.push(Eliminated { gain, offset, compliance, turn });
-            let next = (turn_turn * compliance + turn_moment) * gain;
-            turn = turn_turn * turn + gap.turn - next * offset;
-            compliance = next;
+            if !elimination.push(&columns[k * unknowns..(k + 1) * unknowns], &gap) {
+                return false;
+            }
         }
-        self.changes.clear();
-        // No moment is left at the tip, so that its node does not change but in rotation.
-        let mut moment = Vec3::ZERO;
-        self.changes.push(Node { turn, ..Node::default() });
-        for step in self.eliminated.iter().rev() {
-            moment = step.gain * (moment - step.offset);
-            let turn = step.compliance * moment + step.turn;
-            self.changes.push(Node { moment, turn, ..Node::default() });
+        elimination.answer();
+        shared.lengths_by(size.shared, unknowns, length_rows, elimination, steps);
+        if !shared.solve(task, by, state, shot, &scales, elimination) {
+            return false;
         }
-        self.changes.reverse();
-        self.changes.iter().all(|change| change.turn.is_finite() && change.moment.is_finite())
-    }
-
-    /// Moves every node this fraction of its change away from where it was kept.
-    fn step(&mut self, fraction: f64) {
-        for ((node, kept), change) in self.nodes.iter_mut().zip(&self.kept).zip(&self.changes) {
-            node.rotation =
-                (kept.rotation * UnitQuaternion::exp(fraction * change.turn)).renormalized();
-            node.moment = kept.moment + fraction * change.moment;
+        step.nodes.clear();
+        for k in 0..=steps {
+            let mut change = elimination.change(k, size.shared);
+            for (j, &theta) in shared.theta.iter().enumerate() {
+                change = change.plus(theta, elimination.change(k, j));
+            }
+            step.nodes.push(change);
         }
+        // The base is clamped, and nothing is left to act at the tip.
+        step.nodes[0].turn = Vec3::ZERO;
+        (step.nodes[steps].moment, step.nodes[steps].force) = (Vec3::ZERO, Vec3::ZERO);
+        let load = usize::from(by.frees_load());
+        step.load = if by.frees_load() { shared.theta[0] } else { 0.0 };
+        step.tensions.clear();
+        step.tensions.extend_from_slice(&shared.theta[load..]);
+        step.tensions.resize(state.tensions.len(), 0.0);
+        step.load.is_finite()
+            && step.nodes.iter().all(Change::is_finite)
+            && step.tensions.iter().all(|t| t.is_finite())
     }
 }

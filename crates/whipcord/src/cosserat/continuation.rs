@@ -1,11 +1,11 @@
-//! Raising the load from nothing, in steps that adapt.
+//! Raising the load from nothing, in steps that adapt, by multiple shooting.
 
-use super::chain::{Chain, Node, Open, Task};
+use super::chain::{Chain, Open, Task};
 use super::lengths::{Command, Effort};
-use super::loaded::Aim;
-use super::newton::Point;
 use super::section::SectionFault;
-use super::statics::{Failed, Failure, Found, Problem, Scratch, finish, finish_chain, seed, shoot};
+use super::state::State;
+use super::statics::{Failure, Found, Problem, Scratch, finish_chain};
+use super::trace::Stage;
 use super::unloaded::Fault;
 use super::without_load::{section_failure, start_without_load};
 
@@ -16,146 +16,125 @@ const FIRST_LOAD_STEP: f64 = 0.25;
 const SHORT_ITERATION: usize = 5;
 const PATH_ENDS: &str = "no equilibrium near it was found at more load, as at a snap-through: apply less load, or lead the robot there by other tensions first";
 
-/// Whether [`raise_load_on_chain`] can take the problem.
-pub(super) fn chain_applies(problem: &Problem<'_>, scratch: &Scratch) -> bool {
-    !scratch.applied.any_follower()
-        && problem.commands.iter().all(|c| matches!(c, Command::Tension(_)))
+/// Where the load could not be raised any more, or not without losing stability.
+pub(super) struct Ended {
+    pub failure: Failure,
+    /// The last equilibrium that the robot stays in.
+    pub state: Option<State>,
+    pub iterations: usize,
 }
 
-/// The path of a load factor from 0 to 1, and how far to go next.
-struct Path {
-    load: f64,
-    step: f64,
-    iterations: usize,
-    /// Whether the path is still held to stable equilibria.
-    stable: bool,
-}
-
-impl Path {
-    fn new(spent: usize, stable: bool) -> Self {
-        Self { load: 0.0, step: FIRST_LOAD_STEP, iterations: spent, stable }
-    }
-
-    fn next(&self) -> f64 {
-        (self.load + self.step).min(1.0)
-    }
-
-    /// Whether an equilibrium at the next load is on the path. A long step can miss where the
-    /// stable path turns off; where the shortest one stays on an unstable path, the path itself has
-    /// lost its stability.
-    fn accepts(&mut self, stable: impl FnOnce() -> bool) -> bool {
-        if self.stable && !stable() {
-            if self.step >= 2.0 * LEAST_LOAD_STEP {
-                self.step *= 0.5;
-                return false;
-            }
-            self.stable = false;
-        }
-        true
-    }
-
-    fn advance(&mut self, load: f64, iterations: usize) {
-        self.load = load;
-        if iterations <= SHORT_ITERATION {
-            self.step *= 2.0;
-        }
-    }
-
-    /// Halves the step; `Err` where it gets too short.
-    fn retreat(
-        &mut self,
-        residual: f64,
-        fault: Option<Fault>,
-        tensions: &[f64],
-    ) -> Result<(), Failure> {
-        self.step *= 0.5;
-        if self.step >= LEAST_LOAD_STEP {
-            return Ok(());
-        }
-        Err(match fault {
-            Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
-                section_failure(fault, tensions, self.load)
-            }
-            _ => Failure::NotConverged {
-                iterations: self.iterations,
-                residual,
-                last_load: self.load,
-                advice: PATH_ENDS,
-            },
-        })
-    }
-}
-
-/// By single shooting: for any loads and commands.
+/// Raises the load to all of it, from one stable equilibrium to the next.
 pub(super) fn raise_load(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
     spent: usize,
-) -> Result<Found, Failure> {
-    start_without_load(problem, scratch)?;
-    seed(problem, scratch, 0.0);
-    let mut here = scratch.newton.point.clone();
-    let mut before: Option<(f64, Point)> = None;
-    let mut path = Path::new(spent, problem.stability);
+) -> Result<Found, Ended> {
+    if let Err(failure) = start_without_load(problem, scratch) {
+        return Err(Ended { failure, state: None, iterations: spent });
+    }
+    scratch.trace.stage = Stage::LoadSteps;
+    let mut here = State::unloaded(&scratch.poses, &scratch.tensions);
+    let (mut step, mut iterations) = (FIRST_LOAD_STEP, spent);
     loop {
-        let load = path.next();
-        scratch.newton.point = extrapolate((path.load, &here), before.as_ref(), load);
-        scratch.shot.forget();
-        match shoot(problem, scratch, load) {
-            Ok(effort) => {
-                path.iterations += effort.iterations;
-                if !path.accepts(|| stays(problem, scratch, load)) {
+        scratch.chain.state.clone_from(&here);
+        scratch.chain.state.load = (here.load + step).min(1.0);
+        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
+        let (residual, fault) = match close(problem, scratch) {
+            Ok((taken, residual)) => {
+                iterations += taken;
+                if is_stable(problem, scratch) {
+                    if scratch.chain.state.load >= 1.0 {
+                        let effort = Effort { iterations, residual };
+                        return Ok(finish_chain(problem, scratch, effort));
+                    }
+                    here.clone_from(&scratch.chain.state);
+                    if taken <= SHORT_ITERATION {
+                        step *= 2.0;
+                    }
                     continue;
                 }
-                if load >= 1.0 {
-                    let effort = Effort { iterations: path.iterations, ..effort };
-                    return Ok(finish(problem, scratch, effort));
-                }
-                let left = core::mem::replace(&mut here, scratch.newton.point.clone());
-                before = Some((path.load, left));
-                path.advance(load, effort.iterations);
+                // A long step can miss where the stable path turns off.
+                (residual, None)
             }
-            Err(Failed { effort, fault }) => {
-                path.iterations += effort.iterations;
-                path.retreat(effort.residual, fault, &scratch.newton.point.tensions)?;
+            Err(Open { iterations: taken, gap, fault }) => {
+                iterations += taken;
+                (gap, fault)
+            }
+        };
+        step *= 0.5;
+        if step < LEAST_LOAD_STEP {
+            let failure = match fault {
+                Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
+                    section_failure(fault, &here.tensions, here.load)
+                }
+                _ => Failure::NotConverged {
+                    iterations,
+                    residual,
+                    last_load: here.load,
+                    advice: PATH_ENDS,
+                },
+            };
+            return Err(Ended { failure, state: Some(here), iterations });
+        }
+    }
+}
+
+/// By another way to given lengths: the load is raised at the tensions that give them without load, and
+/// then the cables are led to their lengths. On the way no cable goes slack of a sudden.
+pub(super) fn raise_load_at_tensions(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    spent: usize,
+) -> Option<Found> {
+    start_without_load(problem, scratch).ok()?;
+    let held: Vec<Command> = scratch.tensions.iter().map(|&t| Command::Tension(t)).collect();
+    let at_tensions = Problem { commands: &held, stability: false, ..*problem };
+    let mut iterations = raise_load(&at_tensions, scratch, spent).ok()?.iterations;
+    let lengths = scratch.lengths.clone();
+    let mut here = scratch.chain.state.clone();
+    let (mut done, mut step) = (0.0_f64, FIRST_LOAD_STEP);
+    let mut commands = problem.commands.to_vec();
+    loop {
+        let next = (done + step).min(1.0);
+        for (i, command) in commands.iter_mut().enumerate() {
+            if let Command::Length { target, compliance } = problem.commands[i] {
+                // Without the stretch of an elastic cable.
+                let present = lengths[i] - compliance * tension_of(&held[i]);
+                let target = present + next * (target - present);
+                *command = Command::Length { target, compliance };
+            }
+        }
+        let part = Problem { commands: &commands, ..*problem };
+        scratch.chain.state.clone_from(&here);
+        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
+        match close(&part, scratch) {
+            Ok((taken, residual)) => {
+                iterations += taken;
+                here.clone_from(&scratch.chain.state);
+                if next >= 1.0 {
+                    let stable = is_stable(problem, scratch);
+                    let effort = Effort { iterations, residual };
+                    return stable.then(|| finish_chain(problem, scratch, effort));
+                }
+                done = next;
+                step *= 2.0;
+            }
+            Err(open) => {
+                iterations += open.iterations;
+                step *= 0.5;
+                if step < LEAST_LOAD_STEP {
+                    return None;
+                }
             }
         }
     }
 }
 
-/// By multiple shooting: for given tensions and dead loads of any strength.
-pub(super) fn raise_load_on_chain(
-    problem: &Problem<'_>,
-    scratch: &mut Scratch,
-    spent: usize,
-) -> Result<Found, Failure> {
-    start_without_load(problem, scratch)?;
-    scratch.chain.start(&scratch.poses);
-    let mut here: Vec<Node> = scratch.chain.nodes.clone();
-    let mut path = Path::new(spent, problem.stability);
-    loop {
-        let load = path.next();
-        scratch.chain.nodes.clone_from(&here);
-        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-        match close(problem, scratch, load) {
-            Ok((iterations, residual)) => {
-                path.iterations += iterations;
-                let Scratch { shot, stability, .. } = scratch;
-                if !path.accepts(|| stability.is_stable(problem.grid, &shot.samples)) {
-                    continue;
-                }
-                if load >= 1.0 {
-                    let effort = Effort { iterations: path.iterations, residual };
-                    return Ok(finish_chain(problem, scratch, effort));
-                }
-                here.clone_from(&scratch.chain.nodes);
-                path.advance(load, iterations);
-            }
-            Err(Open { iterations, gap, fault }) => {
-                path.iterations += iterations;
-                path.retreat(gap, fault, &scratch.tensions)?;
-            }
-        }
+fn tension_of(command: &Command) -> f64 {
+    match *command {
+        Command::Tension(tension) => tension,
+        Command::Length { .. } => 0.0,
     }
 }
 
@@ -163,49 +142,28 @@ pub(super) fn raise_load_on_chain(
 pub(super) fn refine_chain(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    coarse: &[Node],
+    coarse: &State,
 ) -> Option<Found> {
-    if problem.grid.len() != 2 * (coarse.len() - 1) {
+    if problem.grid.len() != 2 * (coarse.nodes.len() - 1) {
         return None;
     }
     start_without_load(problem, scratch).ok()?;
-    scratch.chain.start_halved(coarse);
+    scratch.chain.state = coarse.halved();
     scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-    let (iterations, residual) = close(problem, scratch, 1.0).ok()?;
+    let (iterations, residual) = close(problem, scratch).ok()?;
     Some(finish_chain(problem, scratch, Effort { iterations, residual }))
 }
 
-fn close(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> Result<(usize, f64), Open> {
-    let Scratch { chain, shot, applied, tensions, .. } = scratch;
-    let task = Task {
-        grid: problem.grid,
-        loads: applied,
-        tensions,
-        load,
-        length: problem.length,
-        tolerance: problem.tolerance,
-    };
-    Chain::close(chain, &task, shot)
+/// Closes the chain at its load.
+pub(super) fn close(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(usize, f64), Open> {
+    let Scratch { chain, shot, applied, trace, .. } = scratch;
+    Chain::close(chain, &Task::of(problem, applied), None, shot, trace)
 }
 
-/// Whether the equilibrium at `scratch.newton.point` is stable; followers leave that open.
-fn stays(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) -> bool {
-    let Scratch { shot, applied, newton, stability, .. } = scratch;
-    let Point { base_moment, follower_force, ref tensions } = newton.point;
-    let aim = Aim { tensions, base_moment, follower_force, load, sample: true };
-    applied.any_follower()
-        || shot.fire(problem.grid, applied, &aim).is_ok()
-            && stability.is_stable(problem.grid, &shot.samples)
-}
-
-fn extrapolate(here: (f64, &Point), before: Option<&(f64, Point)>, load: f64) -> Point {
-    let Some(before) = before else { return here.1.clone() };
-    let t = (load - here.0) / (here.0 - before.0);
-    let tension = |(b, a): (&f64, &f64)| (b + t * (b - a)).max(0.0);
-    Point {
-        base_moment: here.1.base_moment + t * (here.1.base_moment - before.1.base_moment),
-        follower_force: here.1.follower_force
-            + t * (here.1.follower_force - before.1.follower_force),
-        tensions: here.1.tensions.iter().zip(&before.1.tensions).map(tension).collect(),
-    }
+/// Whether the equilibrium of the closed chain is stable, as far as that is asked for and known.
+fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
+    let Scratch { shot, applied, stability, chain, .. } = scratch;
+    !problem.stability
+        || applied.any_follower()
+        || stability.is_stable(problem.grid, &shot.samples, problem.commands, &chain.state.tensions)
 }

@@ -1,25 +1,26 @@
 //! Steps along the backbone and what is known of the robot at their quadrature nodes.
 //!
-//! Disks, stations, cable ends, kinks of a routing and point loads all lie between steps, never
-//! inside one, so that the integrators keep their order.
+//! Disks, stations, cable ends, kinks of a routing, places of loads and places at which the backbone's
+//! stiffness or rest curvature is given all lie between steps, never inside one, so that the
+//! integrators keep their order.
 
-use whipcord_numerics::{GAUSS_3, Vec3};
+use whipcord_numerics::{GAUSS_3, Mat3, Vec3};
 
-use super::section::{Crossing, Section, Stiffness};
+use super::section::{Coupling, Crossing, Section, Stiffness};
 use crate::case::Loads;
 use crate::error::SolveError;
 use crate::model::ModelKind;
-use crate::robot::{Robot, Route, RoutePoint};
+use crate::robot::{Robot, Route, RoutePoint, StiffnessMatrix};
 
 /// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_5`] evaluates.
-pub(super) const SHOOTING_NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+pub(crate) const SHOOTING_NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Weights of these places in [`whipcord_numerics::BUTCHER_5`].
 const BOOLE: [f64; 5] = [7.0 / 90.0, 32.0 / 90.0, 12.0 / 90.0, 32.0 / 90.0, 7.0 / 90.0];
 
 /// One step from `start` to `start + length`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
+pub(crate) struct Step {
     pub start: f64,
     pub length: f64,
     /// The cables that reach through this step are the first so many, longest cable first.
@@ -27,8 +28,8 @@ pub(super) struct Step {
 }
 
 /// The robot at one node.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Node {
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Node {
     pub section: Section,
     /// Mass of backbone and disks beyond the node in kg.
     pub distal_mass: f64,
@@ -36,7 +37,7 @@ pub(super) struct Node {
 
 /// The nodes of all steps at the same places of each.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Nodes {
+pub(crate) struct Nodes {
     per_step: usize,
     cables: usize,
     nodes: Vec<Node>,
@@ -57,7 +58,7 @@ impl Nodes {
 
 /// The discretised robot.
 #[derive(Clone, Debug)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     pub steps: Vec<Step>,
     /// At the Gauss nodes, for quadrature.
     pub gauss: Nodes,
@@ -67,13 +68,13 @@ pub(super) struct Grid {
     pub stations: Vec<usize>,
     /// For each disk the number of steps before it.
     pub disks: Vec<usize>,
-    /// For each point load the number of steps before it.
+    /// For each of [`Loads::places`] the number of steps before it.
     pub loads: Vec<usize>,
 }
 
 /// What does not depend on how fine the grid is.
 #[derive(Clone, Debug)]
-pub(super) struct Layout {
+pub(crate) struct Layout {
     pub breakpoints: Vec<f64>,
     stations: Vec<f64>,
     loads: Vec<f64>,
@@ -87,11 +88,12 @@ pub(super) struct Layout {
 impl Layout {
     pub fn new(robot: &Robot, stations: Vec<f64>, loads: &Loads) -> Self {
         let length = robot.backbone().length;
-        let load_places: Vec<f64> = loads.points.iter().map(|p| p.at).collect();
+        let load_places: Vec<f64> = loads.places().collect();
         let mut breakpoints = vec![0.0, length];
         breakpoints.extend_from_slice(&robot.disks().arc_lengths);
         breakpoints.extend_from_slice(&stations);
         breakpoints.extend_from_slice(&load_places);
+        breakpoints.extend_from_slice(&robot.backbone().places());
         for route in robot.routes() {
             breakpoints.extend_from_slice(route.breakpoints());
             breakpoints.push(route.end());
@@ -122,10 +124,9 @@ impl Layout {
         &self.stations
     }
 
-    /// Whether a point load of a case sits where the layout expects it.
+    /// Whether the loads of a case begin, end and sit where the layout expects it.
     pub fn has_loads_of(&self, loads: &Loads) -> bool {
-        loads.points.len() == self.loads.len()
-            && loads.points.iter().zip(&self.loads).all(|(p, &at)| p.at == at)
+        loads.places().eq(self.loads.iter().copied())
     }
 }
 
@@ -251,15 +252,12 @@ fn effort(robot: &Robot, from: f64, to: f64) -> f64 {
     BEND * h / robot.backbone().length + reaching.map(of_route).fold(0.0, f64::max)
 }
 
-/// Mass per length in kg/m; zero where no density is given.
-fn linear_density(robot: &Robot, s: f64) -> f64 {
-    let area = robot.backbone().section_at(robot.disks(), s).map_or(0.0, |p| p.area);
-    area * robot.backbone().material.density.unwrap_or(0.0)
-}
-
 /// Mass of a piece of backbone; exact for a linear taper.
 fn mass_between(robot: &Robot, from: f64, to: f64) -> f64 {
-    let at = |i: usize| linear_density(robot, from + GAUSS_3.nodes[i] * (to - from));
+    let backbone = robot.backbone();
+    // Without a density it has no weight.
+    let density = |s| backbone.linear_density_at(robot.disks(), s).unwrap_or(0.0);
+    let at = |i: usize| density(from + GAUSS_3.nodes[i] * (to - from));
     (to - from) * (0..3).map(|i| GAUSS_3.weights[i] * at(i)).sum::<f64>()
 }
 
@@ -296,9 +294,8 @@ fn nodes(
         let end = step.start + step.length;
         for (&c, weight) in places.iter().zip(weights) {
             let s = step.start + c * step.length;
-            let section = section_at(robot, s)?;
+            let section = section_at(robot, s, step.start + 0.5 * step.length)?;
             let distal_mass = masses[k] + mass_between(robot, s, end);
-            out.nodes.push(Node { section, distal_mass });
             for i in 0..step.active {
                 let point = robot.routes()[layout.order[i]].at(s);
                 let crossing = Crossing { offset: point.offset, slope: point.slope };
@@ -306,36 +303,77 @@ fn nodes(
                 out.rest_excess[i] += weight * step.length * stretch;
                 out.crossings[next + i] = crossing;
             }
+            out.nodes.push(Node { section, distal_mass });
             next += cables;
         }
     }
     Ok(out)
 }
 
-/// Stiffness and rest curvature at an arc length.
-fn section_at(robot: &Robot, s: f64) -> Result<Section, SolveError> {
+/// Stiffness and rest curvature at one end or inside of a piece of the backbone in which nothing
+/// jumps; `inside` lies between its ends.
+fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, SolveError> {
+    let backbone = robot.backbone();
+    let rest_curvature = backbone.rest_curvature.at_end(robot.disks(), s, inside);
+    let (mut stiffness, coupling) = match &backbone.stiffness {
+        Some(given) => split(&given.at_end(robot.disks(), s, inside)),
+        None => (of_material(robot, s, inside)?, None),
+    };
+    if !backbone.shearable {
+        (stiffness.shear.x, stiffness.shear.y) = (f64::INFINITY, f64::INFINITY);
+    }
+    if !backbone.extensible {
+        stiffness.shear.z = f64::INFINITY;
+    }
+    let section = Section::new(stiffness, rest_curvature);
+    Ok(match coupling {
+        Some(coupling) => section.coupled(coupling),
+        None => section,
+    })
+}
+
+/// Stiffness that follows from section and material.
+fn of_material(robot: &Robot, s: f64, inside: f64) -> Result<Stiffness, SolveError> {
     let missing = |path: &str, advice| SolveError::Missing {
         model: ModelKind::Cosserat,
         path: format!("backbone.{path}"),
         advice,
     };
     let backbone = robot.backbone();
-    let area = backbone
-        .section_at(robot.disks(), s)
-        .ok_or_else(|| missing("diameter", "give the backbone's cross-section, or use four-bar"))?;
+    let section = backbone.section.as_ref().ok_or_else(|| {
+        missing("diameter", "give the backbone's cross-section or stiffness, or use four-bar")
+    })?;
     let young = backbone.material.young_modulus.ok_or_else(|| {
         missing("young_modulus", "give the backbone's Young's modulus, or use four-bar")
     })?;
     let shear = backbone.material.shear_modulus().ok_or_else(|| {
         missing("poisson_ratio", "give poisson_ratio or shear_modulus, or use four-bar")
     })?;
-    let stiffness = Stiffness {
-        shear: Vec3::new(shear * area.area, shear * area.area, young * area.area),
+    let area = section.at_end(robot.disks(), s, inside);
+    let across = backbone.shear_correction * shear * area.area;
+    Ok(Stiffness {
+        shear: Vec3::new(across, across, young * area.area),
         bending: Vec3::new(
             young * area.second_moment_x,
             young * area.second_moment_y,
             shear * area.torsion_constant,
         ),
+    })
+}
+
+/// The diagonal of a stiffness matrix, and what is beside it where there is anything.
+fn split(k: &StiffnessMatrix) -> (Stiffness, Option<Coupling>) {
+    let diagonal = |i: usize| Vec3::new(k[i][i], k[i + 1][i + 1], k[i + 2][i + 2]);
+    // What differs by rounding across the diagonal is made equal.
+    let entry = |i: usize, j: usize| if i == j { 0.0 } else { 0.5 * (k[i][j] + k[j][i]) };
+    let block = |row: usize, column: usize| {
+        let row_of = |i| {
+            let at = |j| entry(row + i, column + j);
+            Vec3::new(at(0), at(1), at(2))
+        };
+        Mat3::from_rows(row_of(0), row_of(1), row_of(2))
     };
-    Ok(Section::new(stiffness, backbone.rest_curvature_at(robot.disks(), s)))
+    let coupling = Coupling { shear: block(0, 0), mixed: block(0, 3), bending: block(3, 3) };
+    let any = coupling != Coupling::default();
+    (Stiffness { shear: diagonal(0), bending: diagonal(3) }, any.then_some(coupling))
 }

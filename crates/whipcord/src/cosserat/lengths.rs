@@ -8,16 +8,27 @@
 //! ```
 //!
 //! with `cᵢ = ℓ₀ᵢ/(E A)ᵢ` of an elastic cable, 0 otherwise. Its gradient is the slackness
-//! `gᵢ = ℓᵢ* + cᵢ τᵢ − ℓᵢ`; a projected Newton method solves it.
+//! `gᵢ = ℓᵢ* + cᵢ τᵢ − ℓᵢ`; a projected Newton method solves it. Where several cables all but depend on
+//! one another a projected step may climb; then the quadratic model is minimised within `τ ≥ 0`,
+//! damped as far as the model holds.
 
-use whipcord_numerics::DenseLu;
+use whipcord_numerics::{BoundedQuadratic, DenseLu};
 
-use super::grid::Grid;
-use super::unloaded::{Fault, Unloaded, Wanted};
+use super::unloaded::Fault;
+
+/// A rod that answers tensions with the lengths of its cables.
+pub(crate) trait Responds {
+    /// Finds its shape under these tensions in N, starting from the last one when `warm`.
+    fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault>;
+    /// `ℓᵢ` in m.
+    fn lengths(&self) -> &[f64];
+    /// `∂ℓᵢ/∂τⱼ` by rows in m/N.
+    fn length_by_tension(&self) -> &[f64];
+}
 
 /// What drives one cable; in the order of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Command {
+pub(crate) enum Command {
     /// Tension in N.
     Tension(f64),
     /// Unstretched length `ℓ*` inside the robot in m, and what a tension of 1 N adds to it.
@@ -36,7 +47,7 @@ impl Command {
 
 /// Why no tensions were found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum LengthFault {
+pub(crate) enum LengthFault {
     /// A section fault that no tension brought about.
     Section(Fault),
     /// This cable cannot get as short as it should: `length` is the least it reaches.
@@ -47,28 +58,32 @@ pub(super) enum LengthFault {
 
 /// Scratch memory.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LengthScratch {
+pub(crate) struct LengthScratch {
     free: Vec<usize>,
     matrix: Vec<f64>,
     step: Vec<f64>,
     trial: Vec<f64>,
     /// Lengths at the last point at which no section had folded.
     reached: Vec<f64>,
+    gradient: Vec<f64>,
+    least: Vec<f64>,
+    quadratic: BoundedQuadratic,
     lu: DenseLu,
 }
 
 /// What is to be solved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Given<'a> {
-    pub grid: &'a Grid,
+pub(crate) struct Given<'a> {
     /// Length of the backbone in m.
     pub length: f64,
     pub commands: &'a [Command],
+    /// Whether it is worth finding out how far cables go that do not go as far as they should.
+    pub bracket: bool,
 }
 
 /// Effort and quality of an answer.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Effort {
+pub(crate) struct Effort {
     pub iterations: usize,
     /// Largest length left over, relative to the backbone's length.
     pub residual: f64,
@@ -76,25 +91,29 @@ pub(super) struct Effort {
 
 /// Lengths are met to this fraction of the backbone's length.
 const LENGTH_TOLERANCE: f64 = 2e-14;
-pub(super) const MAX_ITERATIONS: usize = 100;
+pub(crate) const MAX_ITERATIONS: usize = 100;
 /// Of the largest diagonal entry: keeps the step defined where more straight cables are taut than
 /// lengths are independent, and picks tensions of least change there.
 const REGULARISATION: f64 = 1e-13;
 
 /// How closely the limit of what can be reached is bracketed, relative to it.
-const LIMIT_TOLERANCE: f64 = 1e-6;
+const LIMIT_TOLERANCE: f64 = 1e-4;
 
-/// Solves eq. (6), starting from `tensions`; `unloaded` ends with the sweep of the answer.
-/// `wanted` is what that sweep computes beside.
-pub(super) fn solve(
+/// Least damping of the quadratic model, relative to its diagonal, and what it grows and falls by.
+const LEAST_DAMPING: f64 = 1e-10;
+const DAMPING_RATIO: f64 = 100.0;
+
+/// Solves eq. (6), starting from `tensions`; `rod` ends with the answer.
+pub(crate) fn solve(
     given: &Given<'_>,
     tensions: &mut [f64],
-    unloaded: &mut Unloaded,
+    rod: &mut impl Responds,
     scratch: &mut LengthScratch,
-    wanted: Wanted,
 ) -> Result<Effort, LengthFault> {
-    match attempt(given, tensions, unloaded, scratch, wanted) {
-        Err(LengthFault::Unreachable { .. }) => Err(limit(given, tensions, unloaded, scratch)),
+    match attempt(given, tensions, rod, scratch) {
+        Err(LengthFault::Unreachable { .. }) if given.bracket => {
+            Err(limit(given, tensions, rod, scratch))
+        }
         other => other,
     }
 }
@@ -104,15 +123,15 @@ pub(super) fn solve(
 fn limit(
     given: &Given<'_>,
     tensions: &mut [f64],
-    unloaded: &mut Unloaded,
+    rod: &mut impl Responds,
     scratch: &mut LengthScratch,
 ) -> LengthFault {
-    let Given { grid, commands, .. } = *given;
+    let commands = given.commands;
     release(commands, tensions);
-    if let Err(fault) = unloaded.sweep(grid, tensions, false, Wanted::default()) {
+    if let Err(fault) = rod.respond(tensions, false) {
         return LengthFault::Section(fault);
     }
-    let loose = unloaded.lengths.clone();
+    let loose = rod.lengths().to_vec();
     // What each cable driven by length lacks at no tension, in m.
     let lack = |i: usize| match commands[i] {
         Command::Length { target, .. } => (loose[i] - target).max(0.0),
@@ -136,9 +155,8 @@ fn limit(
     while missed - reached > LIMIT_TOLERANCE * missed {
         let middle = 0.5 * (reached + missed);
         tensions.copy_from_slice(&good);
-        let wanted = Wanted::default();
         let part = Given { commands: &scaled(middle), ..*given };
-        match attempt(&part, tensions, unloaded, scratch, wanted) {
+        match attempt(&part, tensions, rod, scratch) {
             Ok(_) => {
                 reached = middle;
                 good.copy_from_slice(tensions);
@@ -156,7 +174,7 @@ fn limit(
 }
 
 /// Takes the tension off the cables that are driven by length.
-pub(super) fn release(commands: &[Command], tensions: &mut [f64]) {
+pub(crate) fn release(commands: &[Command], tensions: &mut [f64]) {
     for (tension, command) in tensions.iter_mut().zip(commands) {
         if matches!(command, Command::Length { .. }) {
             *tension = 0.0;
@@ -168,52 +186,65 @@ pub(super) fn release(commands: &[Command], tensions: &mut [f64]) {
 fn attempt(
     given: &Given<'_>,
     tensions: &mut [f64],
-    unloaded: &mut Unloaded,
+    rod: &mut impl Responds,
     scratch: &mut LengthScratch,
-    wanted: Wanted,
 ) -> Result<Effort, LengthFault> {
-    let Given { grid, length, commands } = *given;
-    let wanted = Wanted { length_by_tension: true, ..wanted };
+    let Given { length, commands, .. } = *given;
     for (tension, command) in tensions.iter_mut().zip(commands) {
         if let Command::Tension(given) = command {
             *tension = *given;
         }
     }
-    if let Err(fault) = unloaded.sweep(grid, tensions, false, wanted) {
+    if let Err(fault) = rod.respond(tensions, false) {
         // A start that folds, from a neighbour or a guess, says nothing: start from no tension.
         release(commands, tensions);
-        unloaded.sweep(grid, tensions, false, wanted).map_err(|_| LengthFault::Section(fault))?;
+        rod.respond(tensions, false).map_err(|_| LengthFault::Section(fault))?;
     }
     let mut residual = f64::INFINITY;
     let mut blocked = 0;
+    let mut damping = 0.0_f64;
     for iteration in 0..MAX_ITERATIONS {
-        residual = residual_of(commands, tensions, &unloaded.lengths) / length;
+        residual = residual_of(commands, tensions, rod.lengths()) / length;
         if residual <= LENGTH_TOLERANCE {
             return Ok(Effort { iterations: iteration, residual });
         }
-        if !newton_step(commands, tensions, unloaded, scratch) {
-            break;
+        if let Some(cable) = rigid_and_long(given, tensions, rod) {
+            return Err(LengthFault::Unreachable { cable, length: rod.lengths()[cable] });
         }
-        let descent = slope(commands, tensions, &scratch.trial, tensions, &unloaded.lengths);
+        let mut descent = 0.0;
+        if damping == 0.0 {
+            if !newton_step(commands, tensions, rod, scratch) {
+                break;
+            }
+            descent = slope(commands, tensions, &scratch.trial, tensions, rod.lengths());
+        }
+        if descent >= 0.0 {
+            damping = damping.max(LEAST_DAMPING);
+            if !damped_step(commands, tensions, rod, damping, scratch) {
+                break;
+            }
+            descent = slope(commands, tensions, &scratch.trial, tensions, rod.lengths());
+        }
         let mut fraction = 1.0;
         let before = residual;
         let mut folded = false;
         scratch.step.clear();
         scratch.step.extend_from_slice(tensions);
-        scratch.reached.clone_from(&unloaded.lengths);
+        scratch.reached.clear();
+        scratch.reached.extend_from_slice(rod.lengths());
         loop {
             for (i, tension) in tensions.iter_mut().enumerate() {
                 *tension = scratch.step[i] + fraction * (scratch.trial[i] - scratch.step[i]);
             }
-            match unloaded.sweep(grid, tensions, true, wanted) {
+            match rod.respond(tensions, true) {
                 Err(_) => {
                     folded = true;
                     fraction *= 0.5;
                 }
                 Ok(()) => {
-                    let now = residual_of(commands, tensions, &unloaded.lengths) / length;
+                    let now = residual_of(commands, tensions, rod.lengths()) / length;
                     let ahead =
-                        slope(commands, &scratch.step, &scratch.trial, tensions, &unloaded.lengths);
+                        slope(commands, &scratch.step, &scratch.trial, tensions, rod.lengths());
                     // The objective is convex: as long as it still falls at the new point, or the
                     // residual does, the step was not too long.
                     if ahead <= 0.0 || now < before || fraction < 1e-8 {
@@ -228,6 +259,13 @@ fn attempt(
         }
         if folded {
             blocked += 1;
+        } else if fraction < 0.1 {
+            damping = LEAST_DAMPING.max(DAMPING_RATIO * damping);
+        } else if fraction >= 0.9 {
+            damping /= DAMPING_RATIO;
+            if damping < LEAST_DAMPING {
+                damping = 0.0;
+            }
         }
         // Twenty halvings against a fold: what is left of the way to it does not matter.
         if folded && (fraction < 1e-3 || blocked > 20) {
@@ -239,6 +277,18 @@ fn attempt(
         return Ok(Effort { iterations: MAX_ITERATIONS, residual });
     }
     Err(LengthFault::Stalled { residual })
+}
+
+/// A cable that is too long and that no tension shortens: on the axis of a rod that does not give.
+fn rigid_and_long(given: &Given<'_>, tensions: &[f64], rod: &impl Responds) -> Option<usize> {
+    let Given { length, commands, .. } = *given;
+    let cables = commands.len();
+    (0..cables).find(|&i| {
+        let Command::Length { compliance, .. } = commands[i] else { return false };
+        let gives = compliance - rod.length_by_tension()[i * cables + i];
+        let slack = commands[i].slackness(tensions[i], rod.lengths()[i]);
+        gives <= 0.0 && slack < -LENGTH_TOLERANCE * length
+    })
 }
 
 /// The cable that lacks most at the last point short of the fold, and how short it is there.
@@ -273,11 +323,11 @@ fn slope(commands: &[Command], from: &[f64], to: &[f64], at: &[f64], lengths: &[
 fn newton_step(
     commands: &[Command],
     tensions: &[f64],
-    unloaded: &Unloaded,
+    rod: &impl Responds,
     scratch: &mut LengthScratch,
 ) -> bool {
     let cables = commands.len();
-    let slackness = |i: usize| commands[i].slackness(tensions[i], unloaded.lengths[i]);
+    let slackness = |i: usize| commands[i].slackness(tensions[i], rod.lengths()[i]);
     scratch.free.clear();
     scratch.free.extend((0..cables).filter(|&i| {
         matches!(commands[i], Command::Length { .. }) && (tensions[i] > 0.0 || slackness(i) < 0.0)
@@ -294,13 +344,13 @@ fn newton_step(
         let stiffest = scratch
             .free
             .iter()
-            .map(|&i| -unloaded.length_by_tension[i * cables + i])
+            .map(|&i| -rod.length_by_tension()[i * cables + i])
             .fold(0.0, f64::max);
         scratch.matrix.clear();
         scratch.step.clear();
         for &i in &scratch.free {
             for &j in &scratch.free {
-                let mut entry = -unloaded.length_by_tension[i * cables + j];
+                let mut entry = -rod.length_by_tension()[i * cables + j];
                 if i == j {
                     entry += REGULARISATION * stiffest;
                     if let Command::Length { compliance, .. } = commands[i] {
@@ -335,6 +385,50 @@ fn newton_step(
     };
     for (&i, &d) in scratch.free.iter().zip(&scratch.step) {
         scratch.trial[i] = (tensions[i] + fraction * d).max(0.0);
+    }
+    true
+}
+
+/// Writes into `scratch.trial` where the quadratic model of the objective is least within `τ ≥ 0`, with
+/// `damping` of the diagonal added to it: a way down, always.
+fn damped_step(
+    commands: &[Command],
+    tensions: &[f64],
+    rod: &impl Responds,
+    damping: f64,
+    scratch: &mut LengthScratch,
+) -> bool {
+    let cables = commands.len();
+    let LengthScratch { free, matrix, step, trial, gradient, least, quadratic, .. } = scratch;
+    free.clear();
+    free.extend((0..cables).filter(|&i| matches!(commands[i], Command::Length { .. })));
+    let compliance = |i: usize| match commands[i] {
+        Command::Length { compliance, .. } => compliance,
+        Command::Tension(_) => 0.0,
+    };
+    let curvature = |i: usize, j: usize| {
+        let own = if i == j { compliance(i) } else { 0.0 };
+        own - rod.length_by_tension()[i * cables + j]
+    };
+    let stiffest = free.iter().map(|&i| curvature(i, i)).fold(0.0, f64::max);
+    matrix.clear();
+    for &i in &*free {
+        for &j in &*free {
+            let damped = if i == j { damping * stiffest } else { 0.0 };
+            matrix.push(curvature(i, j) + damped);
+        }
+    }
+    gradient.clear();
+    gradient.extend(free.iter().map(|&i| commands[i].slackness(tensions[i], rod.lengths()[i])));
+    least.clear();
+    least.extend(free.iter().map(|&i| -tensions[i]));
+    if quadratic.minimise(matrix, gradient, least, step).is_err() {
+        return false;
+    }
+    trial.clear();
+    trial.extend_from_slice(tensions);
+    for (&i, &d) in free.iter().zip(&*step) {
+        trial[i] = (tensions[i] + d).max(0.0);
     }
     true
 }

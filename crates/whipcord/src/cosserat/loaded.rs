@@ -1,12 +1,15 @@
 //! A rod under loads, integrated from the base for a given base moment.
 //!
-//! The force `F(s)` that dead loads exert at a cut is known (see [`super::loads`]); that of follower
-//! forces is constant between them and unknown at the base. With the moment `M(s)` in the base frame
+//! The force `F(s)` that dead loads exert at a cut is known (see [`super::loads`]); that of point-like
+//! follower forces is constant between them and unknown at the base. With the moment `M(s)` in the base frame
 //! the state is `(R, p, M)`:
 //!
 //! ```text
-//! R′ = R û,   p′ = R v,   M′ = −p′ × F      with (v, u) from eqs. (1), (2) at N = RᵀF, Mᵦ = RᵀM   (4)
+//! R′ = R û,   p′ = R v,   M′ = −p′ × F − l      with (v, u) from eqs. (1), (2) at N = RᵀF, Mᵦ = RᵀM   (4)
 //! ```
+//!
+//! where `l` is the moment spread along the rod. Followers that are spread change their share of `F`
+//! by `−R f` on the way; it is then integrated beside the state.
 //!
 //! The base moment, and with follower forces their share of the base force, are the only unknowns;
 //! [`super::sensitivity`] differentiates by them.
@@ -19,9 +22,10 @@ use super::section::{BodyWrench, Strain, Tangent, equilibrium};
 use super::unloaded::Fault;
 use crate::shape::Wrench;
 
-const STAGES: usize = 6;
+/// Of the Runge–Kutta method.
+pub(super) const STAGES: usize = 6;
 /// Which of the places of [`super::grid::SHOOTING_NODES`] each stage uses.
-const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
+pub(super) const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
 /// Stages at the start, in the middle and at the end of a step.
 const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
 /// Which of the places of [`super::grid::SHOOTING_NODES`] the samples sit at.
@@ -29,7 +33,7 @@ pub(super) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
 
 /// A cross-section of the loaded rod and its tangent stiffness.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sample {
+pub(crate) struct Sample {
     pub strain: Strain,
     pub wrench: BodyWrench,
     pub tangent: Tangent,
@@ -53,7 +57,7 @@ pub(super) struct Shot {
 }
 
 /// Quaternion (w, x, y, z), position and moment in the base frame; or their derivatives.
-type State = [f64; 10];
+pub(super) type State = [f64; 10];
 
 /// What is aimed at the tip.
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +90,11 @@ impl Shot {
         self.strains.clear();
     }
 
+    /// Strains of all stages of the last shot, six to a step; none after a shot that failed.
+    pub fn strains(&self) -> &[Strain] {
+        &self.strains
+    }
+
     /// Integrates eqs. (4).
     pub fn fire(&mut self, grid: &Grid, loads: &AppliedLoads, aim: &Aim<'_>) -> Result<(), Fault> {
         self.poses.clear();
@@ -98,15 +107,9 @@ impl Shot {
         self.poses.push(Pose::IDENTITY);
         let mut last = grid.shooting.at(0, 0, 0).0.section.rest_strain();
         for k in 0..grid.len() {
-            let stepped = self.step(
-                grid,
-                loads,
-                aim,
-                k,
-                follower_force,
-                &mut state,
-                (!known).then_some(last),
-            );
+            let neighbour = (!known).then_some(last);
+            let stepped =
+                self.step(grid, loads, aim, k, &mut follower_force, &mut state, neighbour);
             if let Err(fault) = stepped {
                 // Half of the sections have new strains: none can be relied on.
                 self.forget();
@@ -126,8 +129,8 @@ impl Shot {
     }
 
     /// Shoots step `k` alone, from a start of its own: the frame at its end, with the position
-    /// relative to the start, and the moment there in the base frame. Adds to [`Shot::samples`]. The
-    /// sections start from [`Shot::seed`] or the last shot.
+    /// relative to the start, and followers' force and moment there in the base frame. Adds to [`Shot::samples`]. The
+    /// sections start from [`Shot::seed`] or the last shot; the followers' force is that of `aim`.
     pub fn fire_step(
         &mut self,
         grid: &Grid,
@@ -136,12 +139,13 @@ impl Shot {
         k: usize,
         rotation: UnitQuaternion,
         moment: Vec3,
-    ) -> Result<(Pose, Vec3), Fault> {
+    ) -> Result<(Pose, Wrench), Fault> {
         debug_assert_eq!(self.strains.len(), STAGES * grid.len());
         let mut state = pack(rotation, Vec3::ZERO, moment);
-        self.step(grid, loads, aim, k, Vec3::ZERO, &mut state, None)?;
+        let mut force = aim.follower_force;
+        self.step(grid, loads, aim, k, &mut force, &mut state, None)?;
         let (rotation, position, moment) = unpack(&state);
-        Ok((Pose { position, rotation }, moment))
+        Ok((Pose { position, rotation }, Wrench { force, moment }))
     }
 
     /// Computes [`Shot::lengths`] from the strains of the last shot.
@@ -172,7 +176,7 @@ impl Shot {
         loads: &AppliedLoads,
         aim: &Aim<'_>,
         k: usize,
-        follower_force: Vec3,
+        follower_force: &mut Vec3,
         state: &mut State,
         neighbour: Option<Strain>,
     ) -> Result<(), Fault> {
@@ -180,6 +184,9 @@ impl Shot {
         let step = grid.steps[k];
         let (h, tensions) = (step.length, &aim.tensions[..step.active]);
         let mut slopes = [[0.0; 10]; STAGES];
+        // What follows the sections and is spread along the step, stage by stage.
+        let line = loads.line(k);
+        let mut pushes = [Vec3::ZERO; STAGES];
         let mut neighbour = neighbour;
         for i in 0..STAGES {
             let stage = advance(state, &slopes[..i], &table.a[i], h);
@@ -187,7 +194,10 @@ impl Shot {
             let section = &node.section;
             let (rotation, _, moment) = unpack(&stage);
             let r = rotation.to_matrix();
-            let force = aim.load * loads.force(k, node) + follower_force;
+            let mut force = aim.load * loads.force(k, NODE_OF_STAGE[i]) + *follower_force;
+            if line.is_some() {
+                force -= h * combine(&pushes[..i], &table.a[i]);
+            }
             let wrench =
                 BodyWrench { linear: r.transpose_mul(force), angular: r.transpose_mul(moment) };
             let fault = |kind| Fault { kind, arc_length: step.start + table.c[i] * h };
@@ -205,33 +215,50 @@ impl Shot {
                 self.samples.push(Sample { strain, wrench, tangent, rotation });
             }
             let velocity = r * strain.linear;
+            let mut moment_rate = force.cross(velocity);
+            if let Some(line) = line {
+                let t = table.c[i];
+                pushes[i] = aim.load * (r * line.follower_force(t));
+                moment_rate -= aim.load * (line.moment(t) + r * line.follower_moment(t));
+            }
             slopes[i] = pack(
                 rotation * UnitQuaternion { w: 0.0, v: strain.angular * 0.5 },
                 velocity,
-                force.cross(velocity),
+                moment_rate,
             );
         }
         *state = advance(state, &slopes, &table.b, h);
+        if line.is_some() {
+            *follower_force -= h * combine(&pushes, &table.b);
+        }
         Ok(())
     }
 }
 
+/// The weighted sum of slopes.
 #[inline]
-fn pack(rotation: UnitQuaternion, position: Vec3, moment: Vec3) -> State {
+pub(super) fn combine(slopes: &[Vec3], weights: &[f64; STAGES]) -> Vec3 {
+    slopes.iter().zip(weights).fold(Vec3::ZERO, |sum, (&slope, &weight)| sum + weight * slope)
+}
+
+#[inline]
+pub(super) fn pack(rotation: UnitQuaternion, position: Vec3, moment: Vec3) -> State {
     let (q, p, m) = (rotation, position, moment);
     [q.w, q.v.x, q.v.y, q.v.z, p.x, p.y, p.z, m.x, m.y, m.z]
 }
 
 /// Rotation, scaled back to a unit quaternion, position and moment.
 #[inline]
-fn unpack(&[w, x, y, z, px, py, pz, mx, my, mz]: &State) -> (UnitQuaternion, Vec3, Vec3) {
+pub(super) fn unpack(
+    &[w, x, y, z, px, py, pz, mx, my, mz]: &State,
+) -> (UnitQuaternion, Vec3, Vec3) {
     let rotation = UnitQuaternion { w, v: Vec3::new(x, y, z) }.renormalized();
     (rotation, Vec3::new(px, py, pz), Vec3::new(mx, my, mz))
 }
 
 /// The state after the step `h` along the weighted slopes.
 #[inline]
-fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> State {
+pub(super) fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> State {
     let mut out = *start;
     for (slope, &weight) in slopes.iter().zip(weights) {
         let f = h * weight;

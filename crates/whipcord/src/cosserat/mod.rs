@@ -5,24 +5,38 @@
 //! cross-section for its strains; `unloaded` and `loaded` put the sections together on a `grid`,
 //! `sensitivity` differentiates the latter; `lengths` finds tensions for prescribed cable lengths;
 //! `statics` shoots at equilibrium under `loads` with the Newton step of `newton`, from the rod
-//! `without_load` or along the path of `continuation`, where `chain` shoots from many starts at once;
-//! `stability` says whether the equilibrium is one to stay in; `model` is what the rest of the library
-//! sees.
+//! `without_load` or along the path of `continuation`, where `chain` shoots from many starts at once,
+//! with the linear algebra of `elimination` and `shared` on the points of `state`; `arc_length` follows
+//! the path where the load cannot be raised, `branches` collects what lies on it; `stability` says
+//! whether the equilibrium is one to stay in; `trace` records iterations; `model` is what the rest of
+//! the library sees.
 
+mod arc_length;
+mod branches;
 mod chain;
 mod continuation;
-mod grid;
-mod lengths;
-mod loaded;
-mod loads;
+pub mod derivatives;
+pub(crate) mod elimination;
+pub(crate) mod grid;
+mod lanes;
+pub(crate) mod lengths;
+pub(crate) mod loaded;
+pub(crate) mod loads;
 mod model;
 mod newton;
 mod one_cable;
-mod section;
+pub(crate) mod section;
 mod sensitivity;
-mod stability;
+mod shared;
+pub(crate) mod stability;
+mod state;
 mod statics;
-mod unloaded;
+mod trace;
+pub(crate) mod unloaded;
 mod without_load;
 
+pub use branches::{BranchOptions, Branches, CriticalKind, CriticalPoint, Equilibrium};
+pub use derivatives::{Derivatives, Hold, Place};
+pub(crate) use lanes::OneCableLanes;
 pub use model::{Accuracy, Cosserat, Options, Workspace};
+pub use trace::{Stage, TraceEvent};

@@ -2,13 +2,17 @@ use std::borrow::Cow;
 
 use whipcord_numerics::Pose;
 
+use super::derivatives::{Derivatives, NoDerivatives, Solved};
 use super::grid::{Grid, Layout};
+use super::lanes::OneCableLanes;
 use super::lengths::Command;
 use super::loads;
 use super::statics::{self, Found, Scratch, Start};
+use super::without_load::section_failure;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::{ModelKind, Stations};
+use crate::parameter::Parameter;
 use crate::robot::{Cable, Problem, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, Shape, Solution};
 
@@ -48,7 +52,7 @@ pub enum Accuracy {
     /// is below this fraction of the length; where lengths are given, at the tensions found.
     Tolerance(f64),
     /// At least this many steps from base to tip. Disks, stations, cable ends, kinks of a routing
-    /// and point loads always end a step.
+    /// and places of loads always end a step.
     Steps(usize),
 }
 
@@ -64,12 +68,15 @@ const COARSE_STEPS: usize = 8;
 const READY_GRIDS: usize = 3;
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 3;
+/// Where the load path loses its stability or ends, it is followed on with steps halved this often:
+/// coarser ones may lose it too early.
+pub(super) const FOLLOW_LEVEL: usize = 2;
 /// How far a cable can be shortened is said with steps halved this often.
 const FOLD_LEVEL: usize = 5;
 /// How often the steps may be halved.
-const MAX_REFINEMENTS: usize = 9;
+pub(super) const MAX_REFINEMENTS: usize = 9;
 /// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
-const ERROR_RATIO: f64 = 15.0;
+pub(super) const ERROR_RATIO: f64 = 15.0;
 /// Where lengths are given they do not change with the steps; the tensions do. The steps are those
 /// that suffice for the tensions found, so that the lengths of an answer return its tensions and not
 /// those of another grid. The positions may be off by this much more than the tolerance, where they
@@ -105,9 +112,9 @@ const LENGTHS_SLACK: f64 = 100.0;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Cosserat {
-    robot: Robot,
-    layout: Layout,
-    options: Options,
+    pub(super) robot: Robot,
+    pub(super) layout: Layout,
+    pub(super) options: Options,
     /// The only grid, or the first of a sequence in which the steps are halved.
     grids: Vec<Grid>,
 }
@@ -116,8 +123,8 @@ pub struct Cosserat {
 /// memory itself.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
-    scratch: Scratch,
-    commands: Vec<Command>,
+    pub(super) scratch: Scratch,
+    pub(super) commands: Vec<Command>,
     coarse: Scratch,
     tensions: Vec<Command>,
     coarse_poses: Vec<Pose>,
@@ -126,12 +133,12 @@ pub struct Workspace {
 
 impl Workspace {
     /// Keeps what the answer on a coarse grid is compared by.
-    fn keep_coarse(&mut self, grid: &Grid) {
+    pub(super) fn keep_coarse(&mut self, grid: &Grid) {
         keep(&self.scratch, grid, &mut self.coarse_poses, &mut self.coarse_lengths);
     }
 
     /// Largest change of a position or a cable's length since then, in m.
-    fn change(&self, grid: &Grid) -> f64 {
+    pub(super) fn change(&self, grid: &Grid) -> f64 {
         let kept = grid.disks.iter().chain(&grid.stations).zip(&self.coarse_poses);
         let moved =
             kept.map(|(&k, coarse)| (self.scratch.poses[k].position - coarse.position).norm());
@@ -149,13 +156,14 @@ fn keep(answer: &Scratch, grid: &Grid, poses: &mut Vec<Pose>, lengths: &mut Vec<
 }
 
 impl Cosserat {
-    /// The model of a robot that may carry point loads at the places where `loads` has them.
+    /// The model of a robot whose loads sit, begin and end at the places where `loads` has them.
     ///
     /// # Errors
     /// [`SolveError::Missing`] when the robot's stiffness is not given, and
     /// [`SolveError::Unsupported`] when its cables rub.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         refuse_friction(robot)?;
+        options.stations.check(robot)?;
         let stations = options.stations.arc_lengths(robot);
         let layout = Layout::new(robot, stations, loads);
         let grids = match options.accuracy {
@@ -173,6 +181,33 @@ impl Cosserat {
         &self.robot
     }
 
+    /// Arc lengths of the stations in m.
+    #[must_use]
+    pub fn stations(&self) -> &[f64] {
+        self.layout.stations()
+    }
+
+    /// Whether these loads have their points where the model was built for them.
+    #[must_use]
+    pub fn takes_places_of(&self, loads: &Loads) -> bool {
+        self.layout.has_loads_of(loads)
+    }
+
+    /// What solves many tensions of its one cable at once where there is no load, when the model takes
+    /// that: one cable to the tip on a section that is equally stiff about x and y, driven by its tension,
+    /// and no stability asked for.
+    pub(crate) fn one_cable_lanes(&self) -> Option<OneCableLanes> {
+        let &Options { accuracy, stability, drive, .. } = &self.options;
+        if self.robot.cables().len() != 1 || stability || drive == Drive::Shortening {
+            return None;
+        }
+        let tolerance = match accuracy {
+            Accuracy::Steps(_) => None,
+            Accuracy::Tolerance(share) => Some((share * self.robot.backbone().length, ERROR_RATIO)),
+        };
+        OneCableLanes::new(&self.grids, tolerance)
+    }
+
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
     /// # Errors
@@ -183,24 +218,91 @@ impl Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
-        case.check(&self.robot)?;
-        loads::check(&self.robot, &case.loads)?;
-        if !self.layout.has_loads_of(&case.loads) {
-            let problem = Problem::LoadPlaces;
-            return Err(RobotError { path: "loads.point".to_owned(), problem }.into());
+        self.solve_keeping_grid(case, warm_start, workspace).map(|(solution, _)| solution)
+    }
+
+    /// [`Self::solve`], with the derivatives of the answer: by tensions or lengths, by loads at any
+    /// place, and by these parameters.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`SolveError::Invalid`] for a parameter that robot and case do not have,
+    /// and [`SolveError::NoDerivatives`] where the robot is about to buckle.
+    pub fn solve_with_derivatives(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Derivatives), SolveError> {
+        let (solution, grid) = self.solve_keeping_grid(case, warm_start, workspace)?;
+        let Workspace { scratch, commands, .. } = workspace;
+        let starts = scratch.chain_starts();
+        let derivatives = Derivatives::of(
+            &Solved {
+                robot: &self.robot,
+                case,
+                layout: &self.layout,
+                grid: &grid,
+                loads: &scratch.applied,
+                commands,
+                tensions: &scratch.tensions,
+                poses: &scratch.poses,
+                base_wrench: scratch.base_wrench,
+                starts: starts.as_deref(),
+                // Without load no shot has been fired: its strains would be those of another case.
+                strains: if scratch.applied.any() { scratch.shot.strains() } else { &[] },
+            },
+            parameters,
+        );
+        match derivatives {
+            Ok(derivatives) => Ok((solution, derivatives)),
+            Err(NoDerivatives::Parameter(error)) => Err(error.into()),
+            Err(NoDerivatives::Critical) => Err(SolveError::NoDerivatives),
+            Err(NoDerivatives::Fault(fault)) => {
+                Err(self.explain(section_failure(fault, &scratch.tensions, 1.0), commands))
+            }
         }
-        self.commands(case, &mut workspace.commands)?;
+    }
+
+    fn solve_keeping_grid(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Cow<'_, Grid>), SolveError> {
+        self.accept(case, workspace)?;
         let start = match warm_start {
             Some(solution) => self.start_from(solution),
             None => Start::Cold,
         };
         match self.options.accuracy {
             Accuracy::Steps(_) => {
-                let found = self.solve_on(&self.grids[0], case, &start, workspace)?;
-                self.solution(&self.grids[0], case, workspace, found, None)
+                let found = self.solve_on(&self.grids[0], case, &start, FOLD_LEVEL, workspace)?;
+                let grid = &self.grids[0];
+                let solution = self.solution(grid, case, workspace, found, None)?;
+                Ok((solution, Cow::Borrowed(grid)))
             }
             Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, case, start, workspace),
         }
+    }
+
+    /// Checks a case and notes what drives its cables.
+    pub(super) fn accept(&self, case: &Case, workspace: &mut Workspace) -> Result<(), SolveError> {
+        case.check(&self.robot)?;
+        loads::check(&self.robot, &case.loads)?;
+        if !self.layout.has_loads_of(&case.loads) {
+            let problem = Problem::LoadPlaces;
+            return Err(RobotError { path: "loads".to_owned(), problem }.into());
+        }
+        self.commands(case, &mut workspace.commands)
+    }
+
+    /// The grid whose steps are halved so often; where the steps are prescribed, the only one.
+    pub(super) fn grid(&self, level: usize) -> Result<Cow<'_, Grid>, SolveError> {
+        Ok(match self.grids.get(level) {
+            Some(grid) => Cow::Borrowed(grid),
+            None => Cow::Owned(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?),
+        })
     }
 
     /// Halves the steps until the answer changes no more.
@@ -210,19 +312,16 @@ impl Cosserat {
         case: &Case,
         mut start: Start,
         workspace: &mut Workspace,
-    ) -> Result<Solution, SolveError> {
+    ) -> Result<(Solution, Cow<'_, Grid>), SolveError> {
         let tolerance = tolerance * self.robot.backbone().length;
         let cold = start.clone();
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
         for level in 0..=MAX_REFINEMENTS {
-            let grid = match self.grids.get(level) {
-                Some(grid) => Cow::Borrowed(grid),
-                None => Cow::Owned(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?),
-            };
-            let mut found = match self.solve_on(&grid, case, &start, workspace) {
+            let grid = self.grid(level)?;
+            let mut found = match self.solve_on(&grid, case, &start, level, workspace) {
                 // Steps that are too coarse for a strong bend can keep Newton's method away.
-                Err(SolveError::NotConverged { .. })
+                Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. })
                     if coarser.is_none() && level < GIVE_UP_LEVEL =>
                 {
                     continue;
@@ -250,7 +349,8 @@ impl Cosserat {
                     error = error.max(other);
                 }
                 if met {
-                    return self.solution(&grid, case, workspace, found, Some(error));
+                    let solution = self.solution(&grid, case, workspace, found, Some(error))?;
+                    return Ok((solution, grid));
                 }
             }
             workspace.keep_coarse(&grid);
@@ -272,7 +372,11 @@ impl Cosserat {
     ) -> Option<f64> {
         workspace.tensions.clear();
         workspace.tensions.extend(workspace.scratch.tensions.iter().map(|&t| Command::Tension(t)));
-        let problem = self.problem(coarse, case, &workspace.tensions);
+        let problem = statics::Problem {
+            // What is stable at given lengths need not be so at given tensions.
+            stability: false,
+            ..self.problem(coarse, case, &workspace.tensions)
+        };
         let start = workspace.scratch.as_start();
         statics::solve(&problem, &start, &mut workspace.coarse).ok()?;
         let Workspace { coarse: answer, coarse_poses, coarse_lengths, .. } = &mut *workspace;
@@ -285,14 +389,19 @@ impl Cosserat {
         grid: &Grid,
         case: &Case,
         start: &Start,
+        level: usize,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let problem = self.problem(grid, case, &workspace.commands);
+        let problem = statics::Problem {
+            follow: level >= FOLLOW_LEVEL,
+            bracket: level >= FOLD_LEVEL,
+            ..self.problem(grid, case, &workspace.commands)
+        };
         statics::solve(&problem, start, &mut workspace.scratch)
             .map_err(|failure| self.explain(failure, &workspace.commands))
     }
 
-    fn problem<'a>(
+    pub(super) fn problem<'a>(
         &self,
         grid: &'a Grid,
         case: &'a Case,
@@ -303,7 +412,10 @@ impl Cosserat {
             length: self.robot.backbone().length,
             commands,
             loads: &case.loads,
+            base: case.base.rotation,
             stability: self.options.stability,
+            follow: true,
+            bracket: true,
             tolerance: self.options.residual,
         }
     }
@@ -346,12 +458,12 @@ impl Cosserat {
         Start::From {
             tensions: self.layout.order.iter().map(tension).collect(),
             base_wrench: solution.base_wrench,
-            stable: solution.diagnostics.stability.is_none_or(|least| least > 0.0),
+            stable: !solution.diagnostics.is_unstable(),
             chain: None,
         }
     }
 
-    fn solution(
+    pub(super) fn solution(
         &self,
         grid: &Grid,
         case: &Case,
@@ -367,9 +479,9 @@ impl Cosserat {
             None
         };
         let scratch = &workspace.scratch;
-        let shape = |arc_lengths: &[f64], places: &[usize]| Shape {
-            arc_length: arc_lengths.to_vec(),
-            poses: places.iter().map(|&k| scratch.poses[k]).collect(),
+        let shape = |arc_lengths: &[f64], places: &[usize]| {
+            let poses = places.iter().map(|&k| scratch.poses[k]).collect();
+            Shape { arc_length: arc_lengths.to_vec(), poses }.moved(case.base)
         };
         let mut cables: Vec<CableState> = Vec::with_capacity(self.layout.order.len());
         for (i, cable) in self.robot.cables().iter().enumerate() {
@@ -386,6 +498,8 @@ impl Cosserat {
                 slack: matches!(command, Command::Length { .. })
                     && tension == 0.0
                     && loose > 1e-12 * self.robot.backbone().length,
+                span_tensions: Vec::new(),
+                contacts: Vec::new(),
             });
         }
         Ok(Solution {
@@ -400,11 +514,12 @@ impl Cosserat {
                 stability,
                 discretization_error,
                 steps: grid.len(),
+                stability_lost_at: found.lost_at,
             },
         })
     }
 
-    fn explain(&self, failure: statics::Failure, commands: &[Command]) -> SolveError {
+    pub(super) fn explain(&self, failure: statics::Failure, commands: &[Command]) -> SolveError {
         let name = |place: usize| self.robot.cables()[self.layout.order[place]].name.clone();
         match failure {
             statics::Failure::Folds { cable, arc_length, tension, last_load } => {
@@ -421,6 +536,9 @@ impl Cosserat {
                     requested,
                     reachable: initial - length,
                 }
+            }
+            statics::Failure::Buckled { lost_at, iterations } => {
+                SolveError::Buckled { load: lost_at, iterations }
             }
             statics::Failure::NotConverged { iterations, residual, last_load, advice } => {
                 // A start from which no section was solved leaves all of the equations.
@@ -439,7 +557,7 @@ fn refuse_friction(robot: &Robot) -> Result<(), SolveError> {
             model: ModelKind::Cosserat,
             path: format!("cables[{cable}].friction"),
             what: "friction at the holes",
-            advice: "its cables slide freely: remove the friction, or set it to 0",
+            advice: "its cables slide freely: use cosserat-disks, or set the friction to 0",
         }),
     }
 }

@@ -38,8 +38,8 @@ const REGULARISATION: f64 = 1e-8;
 pub(super) struct Scales {
     /// `K_bt/L` in N·m.
     pub moment: f64,
-    tension: f64,
-    length: f64,
+    pub tension: f64,
+    pub length: f64,
 }
 
 impl Scales {

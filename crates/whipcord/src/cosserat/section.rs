@@ -12,35 +12,54 @@
 //! They are the stationarity conditions of the strictly convex potential
 //! `½‖ξ − ξ*‖²_K + Σ τᵢ‖pᵢ′‖ − N·v − M·u`, so there is one answer, and Newton's method with the
 //! exact Hessian — the block matrix of the paper's eq. (3) — finds it. All is written in 3×3 blocks.
+//!
+//! `K` is diagonal, or has terms beside its diagonal ([`Coupling`]). An axis of `v` may be *held*: the
+//! rod does not stretch, or does not shear. Its compliance is zero, its strain stays what it is at
+//! rest, and its equation in (1) only says what the reaction is. In the Hessian it has an infinite
+//! pivot, whose inverse is the zero that is wanted.
 
 use whipcord_numerics::{Ldlt3, Mat3, Twist, Vec3};
 
 use super::one_cable;
 
-/// Diagonal section stiffness.
+/// Diagonal of a section's stiffness.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Stiffness {
-    /// `K_se`: GA, GA, EA in N.
+pub(crate) struct Stiffness {
+    /// Of `K_se`: GA, GA, EA in N.
     pub shear: Vec3,
-    /// `K_bt`: EI_x, EI_y, GJ in N·m².
+    /// Of `K_bt`: EI_x, EI_y, GJ in N·m².
     pub bending: Vec3,
 }
 
-/// A cross-section of the rod at rest.
+/// A section's stiffness beside its diagonal; the diagonals of the symmetric blocks are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Section {
+pub(crate) struct Coupling {
+    /// Between shears and extension, in N.
+    pub shear: Mat3,
+    /// Forces by curvature and twist, in N·m; moments by shear and extension are its transpose.
+    pub mixed: Mat3,
+    /// Between bendings and twist, in N·m².
+    pub bending: Mat3,
+}
+
+/// A cross-section of the rod at rest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Section {
+    /// Diagonal of the stiffness; zero on an axis that is held, whose reaction is no elastic force.
     pub stiffness: Stiffness,
-    /// Inverse of the stiffness.
+    /// Inverse of that diagonal; zero on an axis that is held.
     pub compliance: Stiffness,
     /// `u*` in 1/m.
     pub rest_curvature: Vec3,
-    /// Whether x and y are alike.
+    /// Whether x and y are alike and nothing is coupled.
     pub isotropic: bool,
+    /// Where the stiffness is not diagonal. Apart from the rest, so that a section stays small.
+    pub coupling: Option<Box<Coupling>>,
 }
 
 /// How a cable crosses a section.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Crossing {
+pub(crate) struct Crossing {
     /// `r` in m; its z component is zero.
     pub offset: Vec3,
     /// `r′`.
@@ -48,14 +67,14 @@ pub(super) struct Crossing {
 }
 
 /// Strains as a twist per unit of arc length: `linear` is `v`, `angular` is `u`.
-pub(super) type Strain = Twist;
+pub(crate) type Strain = Twist;
 
 /// Force and moment at a cut in the body frame: `linear` is `N`, `angular` is `M`.
-pub(super) type BodyWrench = Twist;
+pub(crate) type BodyWrench = Twist;
 
 /// Why a section has no equilibrium in the regular range.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum SectionFault {
+pub(crate) enum SectionFault {
     /// The stretch `‖p′‖` of this cable has gone to zero: the section has folded.
     Folded { cable: usize },
     /// The wrench is not finite, or beyond what Newton's method can resolve.
@@ -64,7 +83,7 @@ pub(super) enum SectionFault {
 
 /// The Hessian of the potential, factored: `[A B; Bᵀ C]` by its Schur complement `S = C − BᵀA⁻¹B`.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tangent {
+pub(crate) struct Tangent {
     force: Ldlt3,
     /// `A⁻¹B`.
     coupling: Mat3,
@@ -74,7 +93,7 @@ pub(super) struct Tangent {
 }
 
 /// Below this stretch, from 1 at rest, a cable counts as folded.
-pub(super) const FOLDED: f64 = 1e-4;
+pub(crate) const FOLDED: f64 = 1e-4;
 /// A Newton step this small, as a strain, leaves an error of its square.
 const STEP_TOLERANCE: f64 = 2e-7;
 const MAX_ITERATIONS: usize = 200;
@@ -82,15 +101,77 @@ const MAX_ITERATIONS: usize = 200;
 const UNDAMPED: usize = 5;
 
 impl Section {
-    /// A section of this stiffness, all of it positive.
+    /// A section of this stiffness, all of it positive; an infinite one of `K_se` holds its axis.
     pub fn new(stiffness: Stiffness, rest_curvature: Vec3) -> Self {
         let Stiffness { shear, bending } = stiffness;
         let inverse = |k: Vec3| Vec3::new(1.0 / k.x, 1.0 / k.y, 1.0 / k.z);
+        let elastic = |k: f64| if k.is_finite() { k } else { 0.0 };
+        let spring = Vec3::new(elastic(shear.x), elastic(shear.y), elastic(shear.z));
         Self {
-            stiffness,
+            stiffness: Stiffness { shear: spring, bending },
             compliance: Stiffness { shear: inverse(shear), bending: inverse(bending) },
             rest_curvature,
             isotropic: shear.x == shear.y && bending.x == bending.y,
+            coupling: None,
+        }
+    }
+
+    /// The same with stiffness beside the diagonal; what it has on a held axis is of no effect.
+    pub fn coupled(self, coupling: Coupling) -> Self {
+        let Coupling { mut shear, mut mixed, bending } = coupling;
+        for i in (0..3).filter(|&i| self.compliance.shear[i] == 0.0) {
+            mixed.rows[i] = Vec3::ZERO;
+            shear.rows[i] = Vec3::ZERO;
+            for row in &mut shear.rows {
+                row[i] = 0.0;
+            }
+        }
+        let coupling = Coupling { shear, mixed, bending };
+        if coupling == Coupling::default() {
+            return self;
+        }
+        Self { isotropic: false, coupling: Some(Box::new(coupling)), ..self }
+    }
+
+    /// What the strain exerts, `K (ξ − ξ*)`: nothing on a held axis.
+    #[inline]
+    pub fn elastic_wrench(&self, strain: &Strain) -> BodyWrench {
+        let (dv, du) = (strain.linear - Vec3::Z, strain.angular - self.rest_curvature);
+        let Stiffness { shear, bending } = self.stiffness;
+        let mut wrench = BodyWrench { linear: shear.scale(dv), angular: bending.scale(du) };
+        if let Some(beside) = &self.coupling {
+            wrench.linear += beside.shear * dv + beside.mixed * du;
+            wrench.angular += beside.mixed.transpose_mul(dv) + beside.bending * du;
+        }
+        wrench
+    }
+
+    /// Stiffness against bending and twist of the section alone when forces are held: `K_bt`, less
+    /// what a coupling with shear and extension takes of it.
+    pub fn bending_stiffness(&self) -> Mat3 {
+        let diagonal = Mat3::diagonal(self.stiffness.bending);
+        if self.coupling.is_none() {
+            return diagonal;
+        }
+        Hessian::of(self).factor().map_or(diagonal, |tangent| tangent.reduced)
+    }
+
+    /// Strain of the rod alone, without cables, under a wrench.
+    #[inline]
+    pub fn bare_strain(&self, wrench: BodyWrench) -> Strain {
+        self.rest_strain() + self.yielding(wrench)
+    }
+
+    /// What the rod alone adds to its strain under an additional wrench, `K⁻¹ w`.
+    #[inline]
+    pub fn yielding(&self, wrench: BodyWrench) -> Strain {
+        if self.coupling.is_some() {
+            // A stiffness that a robot may have is positive definite.
+            return Hessian::of(self).factor().map_or_else(Strain::default, |h| h.solve(wrench));
+        }
+        Strain {
+            linear: self.compliance.shear.scale(wrench.linear),
+            angular: self.compliance.bending.scale(wrench.angular),
         }
     }
 
@@ -144,6 +225,15 @@ impl Tangent {
         Strain { linear: self.force.solve(wrench.linear) - self.coupling * angular, angular }
     }
 
+    /// `H⁻¹` as `∂v/∂N`, `∂v/∂M`, which is the transpose of `∂u/∂N`, and `∂u/∂M`.
+    #[inline]
+    pub fn compliance(&self) -> [Mat3; 3] {
+        let turn = self.moment.solve_matrix(&Mat3::IDENTITY);
+        let mixed = -(self.coupling * turn);
+        let stretch = self.force.solve_matrix(&Mat3::IDENTITY) - mixed * self.coupling.transpose();
+        [stretch, mixed, turn]
+    }
+
     /// Blocks `∂v/∂N` (symmetric) and `∂v/∂u` at constant `N`, for the second variation.
     pub fn force_compliance(&self) -> (Mat3, Mat3) {
         (self.force.solve_matrix(&Mat3::IDENTITY), -self.coupling)
@@ -153,7 +243,7 @@ impl Tangent {
 /// Finds the strain of a section, starting from `strain`; `tensions` and `crossings` belong to the
 /// same cables.
 #[inline]
-pub(super) fn equilibrium(
+pub(crate) fn equilibrium(
     section: &Section,
     crossings: &[Crossing],
     tensions: &[f64],
@@ -168,7 +258,7 @@ pub(super) fn equilibrium(
 }
 
 /// [`equilibrium`] by Newton's method, for any number of cables and any stiffness.
-pub(super) fn newton_equilibrium(
+pub(crate) fn newton_equilibrium(
     section: &Section,
     crossings: &[Crossing],
     tensions: &[f64],
@@ -209,9 +299,9 @@ fn newton_step(
     wrench: BodyWrench,
     strain: &Strain,
 ) -> Option<Strain> {
-    let Stiffness { shear, bending } = section.stiffness;
-    let mut force = wrench.linear - shear.scale(strain.linear - Vec3::Z);
-    let mut moment = wrench.angular - bending.scale(strain.angular - section.rest_curvature);
+    let elastic = section.elastic_wrench(strain);
+    let mut force = wrench.linear - elastic.linear;
+    let mut moment = wrench.angular - elastic.angular;
     let mut hessian = Hessian::of(section);
     for (crossing, &tension) in crossings.iter().zip(tensions) {
         if tension == 0.0 {
@@ -237,7 +327,18 @@ impl Hessian {
     #[inline]
     fn of(section: &Section) -> Self {
         let Stiffness { shear, bending } = section.stiffness;
-        Self { a: Mat3::diagonal(shear), b: Mat3::ZERO, c: Mat3::diagonal(bending) }
+        let soft = section.compliance.shear;
+        let pivot = |k: f64, soft: f64| if soft == 0.0 { f64::INFINITY } else { k };
+        let pivots =
+            Vec3::new(pivot(shear.x, soft.x), pivot(shear.y, soft.y), pivot(shear.z, soft.z));
+        let mut hessian =
+            Self { a: Mat3::diagonal(pivots), b: Mat3::ZERO, c: Mat3::diagonal(bending) };
+        if let Some(beside) = &section.coupling {
+            hessian.a += beside.shear;
+            hessian.b = beside.mixed;
+            hessian.c += beside.bending;
+        }
+        hessian
     }
 
     /// Adds a cable with `k = τ/‖p′‖`: `k (I − ttᵀ)`, `−k (r̂ + t mᵀ)` and
@@ -302,9 +403,9 @@ fn damped_equilibrium(
     reach: f64,
 ) -> Result<Strain, SectionFault> {
     let potential = |x: &Strain| {
-        let Stiffness { shear, bending } = section.stiffness;
         let (dv, du) = (x.linear - Vec3::Z, x.angular - section.rest_curvature);
-        let elastic = 0.5 * (shear.scale(dv).dot(dv) + bending.scale(du).dot(du));
+        let spring = section.elastic_wrench(x);
+        let elastic = 0.5 * (spring.linear.dot(dv) + spring.angular.dot(du));
         let pulled: f64 =
             crossings.iter().zip(tensions).map(|(c, t)| t * c.tangent(x).norm()).sum();
         elastic + pulled - wrench.linear.dot(dv) - wrench.angular.dot(du)
@@ -380,48 +481,142 @@ mod tests {
         ]
     }
 
+    /// A section whose strains are all coupled.
+    fn coupled() -> Section {
+        section().coupled(Coupling {
+            shear: Mat3::from_rows(
+                Vec3::new(0.0, 300.0, -900.0),
+                Vec3::new(300.0, 0.0, 500.0),
+                Vec3::new(-900.0, 500.0, 0.0),
+            ),
+            mixed: Mat3::from_rows(
+                Vec3::new(0.4, -0.7, 1.1),
+                Vec3::new(0.3, 0.5, -0.6),
+                Vec3::new(-1.5, 0.9, 0.8),
+            ),
+            bending: Mat3::from_rows(
+                Vec3::new(0.0, 1e-3, -5e-4),
+                Vec3::new(1e-3, 0.0, 7e-4),
+                Vec3::new(-5e-4, 7e-4, 0.0),
+            ),
+        })
+    }
+
+    /// The same stiffness with these axes of shear and extension held.
+    fn held(section: &Section, axes: [bool; 3]) -> Section {
+        let mut stiffness = section.stiffness;
+        for i in (0..3).filter(|&i| axes[i]) {
+            stiffness.shear[i] = f64::INFINITY;
+        }
+        let coupling = section.coupling.as_deref().copied().unwrap_or_default();
+        Section::new(stiffness, section.rest_curvature).coupled(coupling)
+    }
+
+    fn sections() -> Vec<Section> {
+        let holds = [
+            [false; 3],
+            [false, false, true],
+            [true, true, false],
+            [false, true, false],
+            [true; 3],
+        ];
+        let both = |axes| [held(&section(), axes), held(&coupled(), axes)];
+        holds.into_iter().flat_map(both).collect()
+    }
+
+    /// What is left of eqs. (1) and (2), and of the strain of the axes that are held.
     fn residual(s: &Section, c: &[Crossing], tau: &[f64], w: BodyWrench, x: &Strain) -> f64 {
-        let mut force = s.stiffness.shear.scale(x.linear - Vec3::Z) - w.linear;
-        let mut moment = s.stiffness.bending.scale(x.angular - s.rest_curvature) - w.angular;
+        let (dv, du) = (x.linear - Vec3::Z, x.angular - s.rest_curvature);
+        let k = s.coupling.as_deref().copied().unwrap_or_default();
+        let mut force = s.stiffness.shear.scale(dv) + k.shear * dv + k.mixed * du - w.linear;
+        let mut moment =
+            s.stiffness.bending.scale(du) + k.mixed.transpose() * dv + k.bending * du - w.angular;
         for (c, &t) in c.iter().zip(tau) {
             let tangent = x.linear + x.angular.cross(c.offset) + c.slope;
             let pull = tangent * (t / tangent.norm());
             force += pull;
             moment += c.offset.cross(pull);
         }
-        force.norm() + moment.norm()
+        let mut left = moment.norm();
+        for i in 0..3 {
+            let held = s.compliance.shear[i] == 0.0;
+            left += if held { 1e3 * dv[i].abs() } else { force[i].abs() };
+        }
+        left
     }
+
+    const WRENCH: BodyWrench =
+        BodyWrench { linear: Vec3::new(0.3, -0.2, -1.0), angular: Vec3::new(0.02, 0.05, 0.01) };
 
     #[test]
     fn meets_equations_1_and_2_from_a_far_start() {
-        let wrench =
-            BodyWrench { linear: Vec3::new(0.3, -0.2, -1.0), angular: Vec3::new(0.02, 0.05, 0.01) };
-        for tensions in [[4.0, 2.0, 1.0], [0.0, 60.0, 0.0], [40.0, 20.0, 10.0], [0.0; 3]] {
-            let mut x = section().rest_strain();
-            equilibrium(&section(), &crossings(), &tensions, wrench, &mut x).unwrap();
-            let left = residual(&section(), &crossings(), &tensions, wrench, &x);
-            assert!(left < 1e-11 * (1.0 + tensions[0] + tensions[1]), "{tensions:?}: {left}");
+        for section in sections() {
+            for tensions in [[4.0, 2.0, 1.0], [0.0, 30.0, 0.0], [20.0, 10.0, 5.0], [0.0; 3]] {
+                let mut x = section.rest_strain();
+                equilibrium(&section, &crossings(), &tensions, WRENCH, &mut x).unwrap();
+                let left = residual(&section, &crossings(), &tensions, WRENCH, &x);
+                let bound = 1e-11 * (1.0 + tensions[0] + tensions[1]);
+                assert!(left < bound, "{section:?} {tensions:?}: {left}");
+                let damped =
+                    damped_equilibrium(&section, &crossings(), &tensions, WRENCH, 0.008).unwrap();
+                assert!((damped.linear - x.linear).norm() < 1e-12);
+                assert!((damped.angular - x.angular).norm() < 1e-9);
+            }
         }
     }
 
     #[test]
     fn tangent_is_the_derivative_of_the_strain() {
-        let wrench =
-            BodyWrench { linear: Vec3::new(0.3, -0.2, -1.0), angular: Vec3::new(0.02, 0.05, 0.01) };
         let direction =
             BodyWrench { linear: Vec3::new(1.0, 0.5, -0.7), angular: Vec3::new(0.01, -0.02, 0.03) };
         let tensions = [4.0, 2.0, 1.0];
-        let solve = |h: f64| {
-            let mut x = section().rest_strain();
-            equilibrium(&section(), &crossings(), &tensions, wrench + direction * h, &mut x)
-                .unwrap();
-            (x, Tangent::at(&section(), &crossings(), &tensions, &x).unwrap())
-        };
-        let h = 1e-4;
-        let difference = (solve(h).0 - solve(-h).0) * (0.5 / h);
-        let exact = solve(0.0).1.solve(direction);
-        assert!((difference.angular - exact.angular).norm() < 1e-7 * exact.angular.norm());
-        assert!((difference.linear - exact.linear).norm() < 1e-7 * exact.linear.norm());
+        for section in sections() {
+            let solve = |h: f64| {
+                let mut x = section.rest_strain();
+                equilibrium(&section, &crossings(), &tensions, WRENCH + direction * h, &mut x)
+                    .unwrap();
+                (x, Tangent::at(&section, &crossings(), &tensions, &x).unwrap())
+            };
+            let h = 1e-4;
+            let difference = (solve(h).0 - solve(-h).0) * (0.5 / h);
+            let exact = solve(0.0).1.solve(direction);
+            assert!((difference.angular - exact.angular).norm() < 1e-7 * exact.angular.norm());
+            assert!((difference.linear - exact.linear).norm() <= 1e-7 * exact.linear.norm());
+        }
+    }
+
+    #[test]
+    fn a_great_stiffness_tends_to_a_held_axis() {
+        let tensions = [4.0, 2.0, 1.0];
+        for base in [section(), coupled()] {
+            let strain = |section: &Section| {
+                let mut x = section.rest_strain();
+                equilibrium(section, &crossings(), &tensions, WRENCH, &mut x).unwrap();
+                x
+            };
+            let limit = strain(&held(&base, [true; 3]));
+            for factor in [1e3, 1e6, 1e9, 1e12, 1e15] {
+                let mut stiff = base.clone();
+                stiff.stiffness.shear *= factor;
+                let off = (strain(&stiff).angular - limit.angular).norm();
+                assert!(off < 10.0 / factor + 1e-12, "{factor:e}: {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn bending_stiffness_is_that_under_a_moment_alone() {
+        for section in sections() {
+            let stiffness = section.bending_stiffness();
+            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                let moment = 1e-3 * axis;
+                let mut x = section.rest_strain();
+                let wrench = BodyWrench { linear: Vec3::ZERO, angular: moment };
+                equilibrium(&section, &[], &[], wrench, &mut x).unwrap();
+                let left = stiffness * (x.angular - section.rest_curvature) - moment;
+                assert!(left.norm() < 1e-15);
+            }
+        }
     }
 
     #[test]

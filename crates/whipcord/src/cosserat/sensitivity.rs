@@ -9,11 +9,13 @@
 //! η′ = δu − u × η,   μ′ = −δu × Mᵦ − u × μ − δv × N − v × δN            (5)
 //! ```
 //!
-//! where `qⱼ = (tⱼ, rⱼ × tⱼ)`. The classical Runge–Kutta method takes it from start, middle and end
-//! of each step: to order 4, as fine as Newton's method needs it.
+//! where `qⱼ = (tⱼ, rⱼ × tⱼ)`. A dead moment `l` that is spread along the rod adds `−(Rᵀl) × η` to `μ′`;
+//! followers `f` that are spread give `δG′ = −R (η × f)`. The classical Runge–Kutta method takes it from
+//! start, middle and end of each step: to order 4, as fine as Newton's method needs it.
 
-use whipcord_numerics::{Mat3, Pose, Vec3};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
+use super::elimination::Change;
 use super::grid::Grid;
 use super::loaded::{SAMPLED_NODES, Sample};
 use super::loads::AppliedLoads;
@@ -28,23 +30,57 @@ pub(super) struct Sensitivity {
     pub excess: Vec<Wrench>,
     /// `∂ℓᵢ` by each unknown, by rows of cables; empty unless tensions are among the unknowns.
     pub lengths: Vec<f64>,
-    columns: Vec<Column>,
+    pub columns: Vec<Column>,
 }
 
 /// Change of rotation and moment with one unknown, in the body frame, and of the followers' force in
 /// the base frame.
 #[derive(Clone, Copy, Debug, Default)]
-struct Column {
+pub(super) struct Column {
     turn: Vec3,
     moment: Vec3,
     follower_force: Vec3,
+    /// Change of the load factor: 1 in the column of that unknown.
+    load: f64,
 }
 
 impl Column {
+    /// `LINE`: whether the followers' force changes within a step.
     #[inline]
-    fn plus(self, f: f64, slope: Self) -> Self {
+    fn plus<const LINE: bool>(self, f: f64, slope: Self) -> Self {
         let (turn, moment) = (self.turn + f * slope.turn, self.moment + f * slope.moment);
-        Self { turn, moment, ..self }
+        let mut follower_force = self.follower_force;
+        if LINE {
+            follower_force += f * slope.follower_force;
+        }
+        Self { turn, moment, follower_force, ..self }
+    }
+}
+
+/// What is spread along the rod at a sample, per metre, at a load of 1.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    /// In the body frame.
+    dead_moment: Vec3,
+    follower: Wrench,
+    load: f64,
+}
+
+impl Spread {
+    /// What it adds to the rates of moment and followers' force.
+    #[inline]
+    fn change(&self, sample: &Sample, at: &Column, slope: &mut Column) {
+        let (load, follower) = (self.load, &self.follower);
+        slope.moment -=
+            load * self.dead_moment.cross(at.turn) + at.load * (self.dead_moment + follower.moment);
+        let pushed = load * at.turn.cross(follower.force) + at.load * follower.force;
+        slope.follower_force = -sample.rotation.rotate(pushed);
+    }
+}
+
+impl From<Column> for Change {
+    fn from(column: Column) -> Self {
+        Self { turn: column.turn, moment: column.moment, force: column.follower_force }
     }
 }
 
@@ -53,31 +89,53 @@ impl Column {
 const STAGES: [(usize, f64, f64); 4] =
     [(0, 0.0, 1.0 / 6.0), (1, 0.5, 1.0 / 3.0), (1, 0.5, 1.0 / 3.0), (2, 1.0, 1.0 / 6.0)];
 
-/// `[[∂η/∂η, ∂η/∂μ], [∂μ/∂η, ∂μ/∂μ]]` from the start of a step to its end, body frames.
-pub(super) type Transition = [[Mat3; 2]; 2];
+/// Which unknowns a step of its own is differentiated by: rotation and moment at its start, then
+/// the followers' force there, the load factor, and the first so many tensions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Unknowns {
+    pub follower_force: bool,
+    pub load: bool,
+    pub tensions: usize,
+}
+
+impl Unknowns {
+    /// Their number.
+    pub fn count(&self) -> usize {
+        6 + if self.follower_force { 3 } else { 0 } + usize::from(self.load) + self.tensions
+    }
+}
 
 impl Sensitivity {
-    /// The transition over step `k` and across the dead moment at its end, given in the body frame.
+    /// The transition over step `k` and across the loads at its end, into [`Self::columns`] and
+    /// [`Self::lengths`]; `end` is the rotation there.
+    #[expect(clippy::too_many_arguments, reason = "a step, its samples, and what it is asked for")]
     pub fn transition(
         &mut self,
         grid: &Grid,
+        loads: &AppliedLoads,
+        load: f64,
         k: usize,
         samples: &[Sample],
-        applied: Vec3,
-    ) -> Transition {
+        end: UnitQuaternion,
+        by: Unknowns,
+    ) {
+        let unknowns = by.count();
         self.columns.clear();
-        self.columns.resize(6, Column::default());
+        self.columns.resize(unknowns, Column::default());
         for (j, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
             self.columns[j].turn = axis;
             self.columns[3 + j].moment = axis;
+            if by.follower_force {
+                self.columns[6 + j].follower_force = axis;
+            }
         }
-        self.step(grid, k, samples, 0);
-        let turn = |c: usize| self.columns[c].turn;
-        let moment = |c: usize| self.columns[c].moment - applied.cross(self.columns[c].turn);
-        let blocks = |of: &dyn Fn(usize) -> Vec3| {
-            [Mat3::from_columns(of(0), of(1), of(2)), Mat3::from_columns(of(3), of(4), of(5))]
-        };
-        [blocks(&turn), blocks(&moment)]
+        if by.load {
+            self.columns[unknowns - by.tensions - 1].load = 1.0;
+        }
+        self.lengths.clear();
+        self.lengths.resize(by.tensions * unknowns, 0.0);
+        self.step(grid, loads, load, k, samples, by.tensions);
+        self.jump(loads, load, k + 1, end);
     }
 
     /// Differentiates a sampled shot by the unknowns at the base and the first `tensions` tensions.
@@ -103,9 +161,9 @@ impl Sensitivity {
         self.lengths.clear();
         self.lengths.resize(tensions * unknowns, 0.0);
         for (k, triple) in samples.chunks_exact(3).enumerate() {
-            self.step(grid, k, triple, tensions);
+            self.step(grid, loads, load, k, triple, tensions);
             if k + 1 < grid.len() {
-                self.jump(loads, load, k + 1, &poses[k + 1]);
+                self.jump(loads, load, k + 1, poses[k + 1].rotation);
             }
         }
         let tip = poses[grid.len()].rotation;
@@ -120,23 +178,61 @@ impl Sensitivity {
 
     /// Across the loads between two steps: a dead moment turns in the body frame, a follower force
     /// in the base frame.
-    fn jump(&mut self, loads: &AppliedLoads, load: f64, k: usize, pose: &Pose) {
-        let dead = load * loads.moment(k);
+    fn jump(&mut self, loads: &AppliedLoads, load: f64, k: usize, rotation: UnitQuaternion) {
+        let dead = loads.moment(k);
         if dead != Vec3::ZERO {
-            let body = pose.rotation.conjugate().rotate(dead);
+            let body = rotation.conjugate().rotate(dead);
             for column in &mut self.columns {
-                column.moment -= body.cross(column.turn);
+                column.moment -= load * body.cross(column.turn) + column.load * body;
             }
         }
-        let force = load * loads.follower(k).force;
-        if force != Vec3::ZERO {
+        let follower = loads.follower(k);
+        if *follower != Wrench::default() {
             for column in &mut self.columns {
-                column.follower_force -= pose.rotation.rotate(column.turn.cross(force));
+                let force = load * column.turn.cross(follower.force) + column.load * follower.force;
+                column.follower_force -= rotation.rotate(force);
+                column.moment -= column.load * follower.moment;
             }
         }
     }
 
-    fn step(&mut self, grid: &Grid, k: usize, samples: &[Sample], tensions: usize) {
+    #[inline]
+    fn step(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        load: f64,
+        k: usize,
+        samples: &[Sample],
+        tensions: usize,
+    ) {
+        if let Some(line) = loads.line(k) {
+            let spread = [0, 1, 2].map(|q: usize| {
+                let t = 0.5 * q as f64;
+                Spread {
+                    dead_moment: samples[q].rotation.conjugate().rotate(line.moment(t)),
+                    follower: Wrench {
+                        force: line.follower_force(t),
+                        moment: line.follower_moment(t),
+                    },
+                    load,
+                }
+            });
+            self.step_of::<true>(grid, loads, k, samples, &spread, tensions);
+        } else {
+            self.step_of::<false>(grid, loads, k, samples, &[Spread::default(); 3], tensions);
+        }
+    }
+
+    fn step_of<const LINE: bool>(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        k: usize,
+        samples: &[Sample],
+        spread: &[Spread; 3],
+        tensions: usize,
+    ) {
         let step = grid.steps[k];
         let unknowns = self.columns.len();
         let h = step.length;
@@ -146,8 +242,12 @@ impl Sensitivity {
             let mut slope = Column::default();
             for (q, reach, weight) in STAGES {
                 let sample = &samples[q];
-                let stage = start.plus(reach * h, slope);
-                let push = sample.force_change(&stage);
+                let stage = start.plus::<LINE>(reach * h, slope);
+                let mut push = sample.force_change(&stage);
+                if start.load != 0.0 {
+                    let force = loads.force(k, SAMPLED_NODES[q]);
+                    push += start.load * sample.rotation.conjugate().rotate(force);
+                }
                 let mut wrench = BodyWrench { linear: push, angular: stage.moment };
                 if tensions == 0 {
                     slope = rate(sample, &stage, push, &sample.tangent.solve(wrench));
@@ -165,7 +265,10 @@ impl Sensitivity {
                         self.lengths[i * unknowns + c] += weight * h * work(&pull, &change);
                     }
                 }
-                end = end.plus(weight * h, slope);
+                if LINE {
+                    spread[q].change(sample, &stage, &mut slope);
+                }
+                end = end.plus::<LINE>(weight * h, slope);
             }
             self.columns[c] = end;
         }
@@ -195,7 +298,7 @@ fn rate(sample: &Sample, at: &Column, push: Vec3, change: &Strain) -> Column {
         turn: change.angular - u.cross(at.turn),
         moment: m.cross(change.angular) - u.cross(at.moment) + n.cross(change.linear)
             - v.cross(push),
-        follower_force: Vec3::ZERO,
+        ..Column::default()
     }
 }
 

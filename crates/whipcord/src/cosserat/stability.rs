@@ -10,84 +10,198 @@
 //! ```
 //!
 //! with the blocks `A`, `B`, `S` of [`super::section`]. Reported is the least value of
-//! `E″ / ∫ δuᵀ K_bt δu ds`: 1 for the bare rod without load, 0 at the buckling load, negative
-//! beyond it. It holds for given tensions; locked cables only add to it. The fields `η` are
-//! piecewise quadratic on the steps of the grid.
+//! `E″ / ∫ δuᵀ K_bt δu ds`, with the reduced stiffness of the bare section for `K_bt` where bending
+//! is coupled with shear or extension: 1 for the bare rod without load, 0 at the buckling load,
+//! negative beyond it. The fields `η` are piecewise quadratic on the steps of the grid.
+//!
+//! A cable that is held at its length admits only such fields as leave it that long, or, where it
+//! is elastic, adds its stiffness. With `bᵢ = ∂ℓᵢ/∂η`, `Dᵢⱼ = ∂ℓᵢ/∂τⱼ` at fixed rotations and `C`
+//! the cables' own compliances, the number of negative eigenvalues among those fields is
+//!
+//! ```text
+//! n₋(K − λM) + n₋(D − C − bᵀ(K − λM)⁻¹b) − p      p: the cables held       (11)
+//! ```
+//!
+//! by Haynsworth's formula, taken twice on the matrix bordered by `b`.
 
-use whipcord_numerics::{Mat3, Vec3};
+use whipcord_numerics::{Mat3, Vec3, symmetric_eigenvalues};
 
 use super::grid::Grid;
+use super::lengths::Command;
 use super::loaded::{SAMPLED_NODES, Sample};
+use super::sensitivity::work;
+use crate::shape::Diagnostics;
 
 /// Quadratic forms of one step on (start, middle, end): energy and metric, as 3×3 blocks.
 #[derive(Clone, Copy, Debug, Default)]
-struct Element {
-    energy: [[Mat3; 3]; 3],
-    metric: [[Mat3; 3]; 3],
+pub(crate) struct Element {
+    pub energy: [[Mat3; 3]; 3],
+    pub metric: [[Mat3; 3]; 3],
 }
 
 /// Memory of the eigenvalue computation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stability {
     elements: Vec<Element>,
+    locked: Vec<Locked>,
+    /// `bᵢ` of each element on (start, middle, end), locked cable by locked cable.
+    borders: Vec<[Vec3; 3]>,
+    /// `D − C` by rows.
+    corner: Vec<f64>,
+    schur: Vec<f64>,
+    beyond: Vec<Vec3>,
+    next: Vec<Vec3>,
 }
 
+/// A taut cable held at its length.
+#[derive(Clone, Copy, Debug)]
+struct Locked {
+    /// Its place in the order of the grid.
+    cable: usize,
+    /// Its own, in m/N.
+    compliance: f64,
+}
+
+/// An eigenvalue this close to zero counts as zero.
+const NEUTRAL: f64 = Diagnostics::NEUTRAL;
 /// Relative accuracy of the eigenvalue.
 const TOLERANCE: f64 = 1e-8;
+/// Compliance added to each locked cable, relative to what the rod gives: it decides what counts as
+/// zero where more cables are taut than lengths are independent.
+const REGULARISATION: f64 = 1e-9;
 
 impl Stability {
-    /// The least eigenvalue, from three samples to each step of the grid.
-    pub fn least_eigenvalue(&mut self, grid: &Grid, samples: &[Sample]) -> f64 {
+    /// The least eigenvalue, from three samples to each step of the grid, with the cables that
+    /// `commands` hold at their lengths and that are taut.
+    pub fn least_eigenvalue(
+        &mut self,
+        grid: &Grid,
+        samples: &[Sample],
+        commands: &[Command],
+        tensions: &[f64],
+    ) -> f64 {
         self.assemble(grid, samples);
-        self.bisect()
+        let free = bisect(-1.0, 2.0, |shift| self.is_indefinite(shift));
+        self.lock(grid, samples, commands, tensions);
+        if self.locked.is_empty() {
+            return free;
+        }
+        // Constraints only raise it.
+        let margin = TOLERANCE * (1.0 + free.abs());
+        bisect(free - margin, free + 1.0, |shift| self.negative_directions(shift) > 0)
     }
 
-    /// Whether it is positive.
-    pub fn is_stable(&mut self, grid: &Grid, samples: &[Sample]) -> bool {
+    /// Whether it is not negative.
+    pub fn is_stable(
+        &mut self,
+        grid: &Grid,
+        samples: &[Sample],
+        commands: &[Command],
+        tensions: &[f64],
+    ) -> bool {
         self.assemble(grid, samples);
-        !self.has_eigenvalue_below(0.0)
+        if !self.is_indefinite(-NEUTRAL) {
+            return true;
+        }
+        self.lock(grid, samples, commands, tensions);
+        !self.locked.is_empty() && self.negative_directions(-NEUTRAL) == 0
+    }
+
+    /// The number of directions in which the robot leaves the equilibrium.
+    pub fn unstable_directions(
+        &mut self,
+        grid: &Grid,
+        samples: &[Sample],
+        commands: &[Command],
+        tensions: &[f64],
+    ) -> usize {
+        self.assemble(grid, samples);
+        if !self.is_indefinite(-NEUTRAL) {
+            return 0;
+        }
+        self.lock(grid, samples, commands, tensions);
+        self.negative_directions(-NEUTRAL)
     }
 
     fn assemble(&mut self, grid: &Grid, samples: &[Sample]) {
         self.elements.clear();
         for (k, triple) in samples.chunks_exact(3).enumerate() {
             let bending =
-                |j: usize| grid.shooting.at(k, SAMPLED_NODES[j], 0).0.section.stiffness.bending;
+                |j: usize| grid.shooting.at(k, SAMPLED_NODES[j], 0).0.section.bending_stiffness();
             self.elements.push(element(grid.steps[k].length, triple, bending));
         }
     }
 
-    /// Bisection on the number of eigenvalues below a shift: monotone, so it cannot miss.
-    fn bisect(&self) -> f64 {
-        let (mut low, mut high) = (-1.0, 2.0);
-        while self.has_eigenvalue_below(low) {
-            high = low;
-            low *= 4.0;
-            if low < -1e12 {
-                return low;
+    /// Finds the locked cables, and `b` and `D − C` of eq. (11).
+    fn lock(&mut self, grid: &Grid, samples: &[Sample], commands: &[Command], tensions: &[f64]) {
+        self.locked.clear();
+        for (cable, (command, &tension)) in commands.iter().zip(tensions).enumerate() {
+            if let Command::Length { compliance, .. } = *command
+                && tension > 0.0
+            {
+                self.locked.push(Locked { cable, compliance });
             }
         }
-        while !self.has_eigenvalue_below(high) {
-            low = high;
-            high *= 4.0;
-            if high > 1e12 {
-                return high;
+        let p = self.locked.len();
+        self.borders.clear();
+        self.corner.clear();
+        self.corner.resize(p * p, 0.0);
+        for (k, triple) in samples.chunks_exact(3).enumerate() {
+            let step = grid.steps[k];
+            let first = self.borders.len();
+            self.borders.resize(first + p, [Vec3::ZERO; 3]);
+            for (q, sample) in triple.iter().enumerate() {
+                let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
+                let weight = WEIGHTS[q] * step.length;
+                let (compliance, coupling) = sample.tangent.force_compliance();
+                let turn = Mat3::skew(sample.strain.angular);
+                let push = Mat3::skew(sample.wrench.linear);
+                for (i, locked) in self.locked.iter().enumerate() {
+                    let Some(crossing) = crossings.get(locked.cable) else { continue };
+                    let pull = crossing.pull(&sample.strain).0;
+                    // δℓ = ∫ t·δv + (r × t)·δu with δv = A⁻¹δN − A⁻¹B δu.
+                    let by_strain = coupling.transpose_mul(pull.linear) + pull.angular;
+                    let relaxed = compliance * pull.linear;
+                    let border = &mut self.borders[first + i];
+                    for (j, border) in border.iter_mut().enumerate() {
+                        *border += by_strain * (weight * SLOPES[q][j] / step.length);
+                    }
+                    border[q] += turn.transpose_mul(by_strain) * weight;
+                    border[q] += push.transpose_mul(relaxed) * weight;
+                    for (j, other) in self.locked.iter().enumerate() {
+                        if let Some(other) = crossings.get(other.cable) {
+                            let along = other.pull(&sample.strain).0.linear;
+                            self.corner[i * p + j] -= weight * along.dot(relaxed);
+                        }
+                    }
+                }
             }
         }
-        while high - low > TOLERANCE * (1.0 + low.abs().max(high.abs())) {
-            let middle = 0.5 * (low + high);
-            if self.has_eigenvalue_below(middle) {
-                high = middle;
-            } else {
-                low = middle;
-            }
+        let scale = self.own_compliance(grid, samples);
+        for (i, locked) in self.locked.iter().enumerate() {
+            self.corner[i * p + i] -= locked.compliance + REGULARISATION * scale;
         }
-        0.5 * (low + high)
+    }
+
+    /// The greatest `∫ qᵢᵀ H⁻¹ qᵢ ds`: what a locked cable gives on a rod without load.
+    fn own_compliance(&self, grid: &Grid, samples: &[Sample]) -> f64 {
+        let of_cable = |locked: &Locked| -> f64 {
+            (samples.iter().enumerate())
+                .filter_map(|(n, sample)| {
+                    let (k, q) = (n / 3, n % 3);
+                    let step = grid.steps[k];
+                    let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
+                    let pull = crossings.get(locked.cable)?.pull(&sample.strain).0;
+                    Some(WEIGHTS[q] * step.length * work(&pull, &sample.tangent.solve(pull)))
+                })
+                .sum()
+        };
+        self.locked.iter().map(of_cable).fold(0.0, f64::max)
     }
 
     /// Whether `energy − shift · metric` has a negative direction, by block elimination from the
     /// tip to the clamped base.
-    fn has_eigenvalue_below(&self, shift: f64) -> bool {
+    fn is_indefinite(&self, shift: f64) -> bool {
         // What the part beyond the step contributes at its end.
         let mut beyond = Mat3::ZERO;
         for element in self.elements.iter().rev() {
@@ -105,17 +219,104 @@ impl Stability {
         }
         false
     }
+
+    /// The number of negative directions of `energy − shift · metric` among the fields that the
+    /// locked cables admit, eq. (11): the elimination of [`Self::is_indefinite`] through negative
+    /// pivots, with the borders carried along.
+    fn negative_directions(&mut self, shift: f64) -> usize {
+        let p = self.locked.len();
+        let Self { elements, borders, corner, schur, beyond: far, next, .. } = self;
+        schur.clone_from(corner);
+        far.clear();
+        far.resize(p, Vec3::ZERO);
+        let mut negative = 0;
+        let mut beyond = Mat3::ZERO;
+        for (k, element) in elements.iter().enumerate().rev() {
+            let border = &borders[k * p..(k + 1) * p];
+            let block = |i: usize, j: usize| element.energy[i][j] - element.metric[i][j] * shift;
+            let (middle, below) = pivot(block(1, 1));
+            negative += below;
+            let to_end = middle * block(1, 2);
+            let to_start = middle * block(1, 0);
+            let (end, below) = pivot(symmetric(block(2, 2) + beyond - block(2, 1) * to_end));
+            negative += below;
+            let coupling = block(2, 0) - block(2, 1) * to_start;
+            beyond = block(0, 0) - block(0, 1) * to_start - coupling.transpose() * (end * coupling);
+            beyond = symmetric(beyond);
+            for (far, border) in far.iter_mut().zip(border) {
+                *far += border[2] - to_end.transpose_mul(border[1]);
+            }
+            next.clear();
+            for i in 0..p {
+                let (at_middle, at_end) = (middle * border[i][1], end * far[i]);
+                for j in 0..p {
+                    schur[i * p + j] -= at_middle.dot(border[j][1]) + at_end.dot(far[j]);
+                }
+                next.push(
+                    border[i][0]
+                        - to_start.transpose_mul(border[i][1])
+                        - coupling.transpose_mul(at_end),
+                );
+            }
+            core::mem::swap(far, next);
+        }
+        let in_schur = symmetric_eigenvalues(p, schur).iter().filter(|&&x| x < 0.0).count();
+        (negative + in_schur).saturating_sub(p)
+    }
 }
 
-fn symmetric(a: Mat3) -> Mat3 {
+/// Bisection on whether there is an eigenvalue below a shift: monotone, so it cannot miss.
+pub(crate) fn bisect(low: f64, high: f64, mut is_below: impl FnMut(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (low, high);
+    let mut reach = high - low;
+    while is_below(low) {
+        (high, reach) = (low, 4.0 * reach);
+        low -= reach;
+        if low < -1e12 {
+            return low;
+        }
+    }
+    while !is_below(high) {
+        (low, reach) = (high, 4.0 * reach);
+        high += reach;
+        if high > 1e12 {
+            return high;
+        }
+    }
+    while high - low > TOLERANCE * (1.0 + low.abs().max(high.abs())) {
+        let middle = 0.5 * (low + high);
+        if is_below(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The inverse of a symmetric block and the number of its negative eigenvalues. A block that is
+/// singular to working precision is moved off by as much as rounding has.
+pub(crate) fn pivot(block: Mat3) -> (Mat3, usize) {
+    let negative = block.symmetric_eigenvalues().iter().filter(|&&x| x < 0.0).count();
+    let inverse = block.inverse().unwrap_or_else(|| {
+        let size = block.rows.iter().map(|row| row.max_abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let moved = block + Mat3::IDENTITY * (16.0 * f64::EPSILON * size);
+        moved.inverse().unwrap_or(Mat3::IDENTITY * (1.0 / (f64::EPSILON * size)))
+    });
+    (inverse, negative)
+}
+
+pub(crate) fn symmetric(a: Mat3) -> Mat3 {
     (a + a.transpose()) * 0.5
 }
 
+/// Slopes of the three shape functions of a step, times its length, at start, middle and end.
+pub(crate) const SLOPES: [[f64; 3]; 3] = [[-3.0, 4.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -4.0, 3.0]];
+/// Simpson's rule.
+pub(crate) const WEIGHTS: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
+
 /// Simpson's rule on the quadratic shape functions of a step.
-fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Vec3) -> Element {
-    // Slopes of the three shape functions, times h, at start, middle and end.
-    const SLOPES: [[f64; 3]; 3] = [[-3.0, 4.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -4.0, 3.0]];
-    const WEIGHTS: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
+pub(crate) fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Mat3) -> Element {
     let mut out = Element::default();
     for (q, sample) in samples.iter().enumerate() {
         let weight = WEIGHTS[q] * h;
@@ -123,7 +324,7 @@ fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Vec3) -> Eleme
         let push = Mat3::skew(sample.wrench.linear);
         let (v, moment) = (sample.strain.linear, sample.wrench.angular);
         let (compliance, coupling) = sample.tangent.force_compliance();
-        let bending = Mat3::diagonal(bending(q));
+        let bending = bending(q);
         // δu = B_i η_i and δN = C_i η_i of each shape function.
         let strain = |i: usize| {
             let own = if i == q { turn } else { Mat3::ZERO };

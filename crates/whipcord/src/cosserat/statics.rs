@@ -9,18 +9,21 @@
 //! ```
 //!
 //! from the shape without load, or from a neighbouring answer; where that fails the load is raised
-//! in steps that adapt.
+//! by multiple shooting, and past the points where it cannot be, by [`super::arc_length`].
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::chain::{Chain, Node};
-use super::continuation::{chain_applies, raise_load, raise_load_on_chain, refine_chain};
+use super::arc_length::next_stable;
+use super::chain::{Chain, Task};
+use super::continuation::{Ended, close, raise_load, raise_load_at_tensions, refine_chain};
 use super::grid::Grid;
 use super::lengths::{self, Command, Effort, LengthScratch};
 use super::loaded::{Aim, Shot};
 use super::loads::AppliedLoads;
 use super::newton::{Newton, Point, Scales, residual};
 use super::stability::Stability;
+use super::state::{Node, State};
+use super::trace::{Stage, Trace};
 use super::unloaded::{Fault, Unloaded, Wanted};
 use super::without_load::{section_failure, set_tensions, start_without_load, without_load};
 use crate::case::Loads;
@@ -35,8 +38,14 @@ pub(super) struct Problem<'a> {
     /// In the order of the grid.
     pub commands: &'a [Command],
     pub loads: &'a Loads,
+    /// How the base is turned in the frame that loads may be given in.
+    pub base: UnitQuaternion,
     /// Whether a cold start may trust an equilibrium only when it is stable.
     pub stability: bool,
+    /// Whether the path is followed past the point where the load cannot be raised.
+    pub follow: bool,
+    /// Whether it is found out how far cables go that do not go as far as they should.
+    pub bracket: bool,
     /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
     pub tolerance: f64,
 }
@@ -53,7 +62,7 @@ pub(super) enum Start {
         /// Whether that answer was stable, so that this one is held to be.
         stable: bool,
         /// The nodes of an answer that took multiple shooting, on a grid with half as many steps.
-        chain: Option<Vec<Node>>,
+        chain: Option<State>,
     },
 }
 
@@ -62,6 +71,8 @@ pub(super) enum Start {
 pub(super) struct Found {
     pub iterations: usize,
     pub residual: f64,
+    /// The fraction of the load at which the robot lost its stability on the way from no load.
+    pub lost_at: Option<f64>,
 }
 
 /// Why there is none.
@@ -69,6 +80,7 @@ pub(super) struct Found {
 pub(super) enum Failure {
     Folds { cable: usize, arc_length: f64, tension: f64, last_load: f64 },
     Unreachable { cable: usize, length: f64 },
+    Buckled { lost_at: f64, iterations: usize },
     NotConverged { iterations: usize, residual: f64, last_load: f64, advice: &'static str },
 }
 
@@ -88,12 +100,13 @@ pub(super) struct Scratch {
     pub(super) chain: Chain,
     pub(super) stability: Stability,
     pub(super) length_scratch: LengthScratch,
+    pub trace: Trace,
     /// Whether the answer is that of the chain, which a single shot would miss.
     on_chain: bool,
     /// Whether the samples of the last shot are those of the answer.
     sampled: bool,
     /// Whether the answer is stable, as far as that was asked for.
-    stable: bool,
+    pub(super) stable: bool,
 }
 
 const MAX_ITERATIONS: usize = 40;
@@ -109,18 +122,27 @@ const ROUNDING: f64 = 1e-9;
 impl Found {
     /// With the effort of an earlier stage of the same solve added.
     pub fn after(self, earlier: &Self) -> Self {
-        Self { iterations: self.iterations + earlier.iterations, ..self }
+        let lost_at = self.lost_at.or(earlier.lost_at);
+        Self { iterations: self.iterations + earlier.iterations, lost_at, ..self }
     }
 }
 
 impl Scratch {
+    /// Moment, and force of the followers, in the base frame at the start of each step, of an answer
+    /// that a single shot would miss.
+    pub fn chain_starts(&self) -> Option<Vec<Wrench>> {
+        let start =
+            |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
+        self.on_chain.then(|| self.chain.state.nodes.iter().map(start).collect())
+    }
+
     /// The answer as the start of another solve.
     pub fn as_start(&self) -> Start {
         Start::From {
             tensions: self.tensions.clone(),
             base_wrench: Some(self.base_wrench),
             stable: self.stable,
-            chain: self.on_chain.then(|| self.chain.nodes.clone()),
+            chain: self.on_chain.then(|| self.chain.state.clone()),
         }
     }
 }
@@ -131,7 +153,8 @@ pub(super) fn solve(
     start: &Start,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
-    scratch.applied.gather(problem.grid, problem.loads);
+    scratch.applied.gather(problem.grid, problem.loads, problem.base);
+    (scratch.trace.stage, scratch.trace.steps) = (Stage::Warm, problem.grid.len());
     (scratch.on_chain, scratch.sampled, scratch.stable) = (false, false, true);
     scratch.tensions.clear();
     scratch.tensions.resize(problem.commands.len(), 0.0);
@@ -144,7 +167,7 @@ pub(super) fn solve(
         return without_load(problem, scratch);
     }
     let Start::From { base_wrench: Some(wrench), stable, chain, .. } = start else {
-        return from_no_load(problem, scratch);
+        return from_no_load(problem, scratch, None);
     };
     if let Some(coarse) = chain
         && let Some(found) = refine_chain(problem, scratch, coarse)
@@ -156,66 +179,144 @@ pub(super) fn solve(
     (scratch.on_chain, scratch.sampled) = (false, false);
     set_tensions(problem.commands, &mut scratch.tensions);
     scratch.newton.point.base_moment = wrench.moment;
-    scratch.newton.point.follower_force =
-        scratch.applied.follower_share(problem.grid, wrench.force);
+    scratch.newton.point.follower_force = scratch.applied.follower_share(wrench.force);
     scratch.newton.point.tensions.clone_from(&scratch.tensions);
     scratch.shot.forget();
+    let mut near = None;
     if let Ok(effort) = shoot(problem, scratch, 1.0) {
         let found = finish(problem, scratch, effort);
         scratch.stable = *stable;
         if !stable || is_trusted(problem, scratch) {
             return Ok(found);
         }
+        near = Some(scratch.newton.point.clone());
     }
-    from_no_load(problem, scratch)
+    from_no_load(problem, scratch, near)
+}
+
+/// The rod without load as the start of a path, with the loads gathered; `None` where there is no
+/// load.
+pub(super) fn start_of_path(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+) -> Result<Option<State>, Failure> {
+    scratch.applied.gather(problem.grid, problem.loads, problem.base);
+    scratch.trace.steps = problem.grid.len();
+    scratch.tensions.clear();
+    scratch.tensions.resize(problem.commands.len(), 0.0);
+    start_without_load(problem, scratch)?;
+    let state = State::unloaded(&scratch.poses, &scratch.tensions);
+    Ok(scratch.applied.any().then_some(state))
+}
+
+/// Where the tip is at a point of the path.
+pub(super) fn tip_of(problem: &Problem<'_>, scratch: &mut Scratch, state: &State) -> Vec3 {
+    scratch.chain.state.clone_from(state);
+    let tolerance = f64::MAX;
+    let Scratch { chain, shot, applied, trace, poses, .. } = scratch;
+    // One shot of every step, which lays the poses end to end.
+    let task = Task { tolerance, ..Task::of(problem, applied) };
+    if chain.close(&task, None, shot, trace).is_ok() {
+        chain.poses(poses);
+    }
+    poses.last().map_or(Vec3::ZERO, |pose| pose.position)
+}
+
+/// All of the load at a point near equilibrium; the answer is left in `scratch`.
+pub(super) fn settle(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    near: State,
+) -> Result<Found, Failure> {
+    start_of_path(problem, scratch)?;
+    scratch.chain.state = near;
+    scratch.chain.state.load = 1.0;
+    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
+    match close(problem, scratch) {
+        Ok((iterations, residual)) => {
+            Ok(finish_chain(problem, scratch, Effort { iterations, residual }))
+        }
+        Err(open) => Err(Failure::NotConverged {
+            iterations: open.iterations,
+            residual: open.gap,
+            last_load: 1.0,
+            advice: "an equilibrium on coarse steps is lost on finer ones: give more steps",
+        }),
+    }
 }
 
 /// From the rod without load: at once, or raising the load step by step.
-fn from_no_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Found, Failure> {
+/// `near` is an equilibrium that is known but not stable, for where no stable one is found.
+fn from_no_load(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    near: Option<Point>,
+) -> Result<Found, Failure> {
     if let Err(failure) = start_without_load(problem, scratch) {
         return from_loose_cables(problem, scratch).ok_or(failure);
     }
     seed(problem, scratch, 1.0);
-    if scratch.applied.any_follower()
-        && scratch.newton.point.is_strong(&Scales::of(problem.grid, problem.length))
-    {
-        // No energy tells which of several equilibria is meant: it is the one the load leads to.
-        scratch.stable = true;
-        return raise_load(problem, scratch, 0);
-    }
-    let (spent, direct) = match shoot(problem, scratch, 1.0) {
-        Ok(effort) => {
-            let found = finish(problem, scratch, effort);
-            scratch.stable = is_trusted(problem, scratch);
-            if scratch.stable {
-                return Ok(found);
+    scratch.trace.stage = Stage::Cold;
+    let strong_followers = scratch.applied.any_follower()
+        && scratch.newton.point.is_strong(&Scales::of(problem.grid, problem.length));
+    // No energy tells which of several equilibria under followers is meant: it is the one the load
+    // leads to.
+    let (spent, direct) = if strong_followers {
+        (0, near)
+    } else {
+        match shoot(problem, scratch, 1.0) {
+            Ok(effort) => {
+                let found = finish(problem, scratch, effort);
+                scratch.stable = is_trusted(problem, scratch);
+                if scratch.stable {
+                    return Ok(found);
+                }
+                // An equilibrium, but not one the robot stays in: the load path may lead to another.
+                (effort.iterations, near.or_else(|| Some(scratch.newton.point.clone())))
             }
-            // An equilibrium, but not one the robot stays in: the load path may lead to another.
-            (effort.iterations, Some(scratch.newton.point.clone()))
+            Err(failed) => (failed.effort.iterations, near),
         }
-        Err(failed) => (failed.effort.iterations, None),
     };
-    if chain_applies(problem, scratch)
-        && let Ok(found) = raise_load_on_chain(problem, scratch, spent)
-        && is_trusted(problem, scratch)
-    {
-        scratch.stable = true;
-        return Ok(found);
-    }
-    let failure = match raise_load(problem, scratch, spent) {
+    let ended = match raise_load(problem, scratch, spent) {
         Ok(found) => {
-            scratch.stable = is_trusted(problem, scratch);
+            scratch.stable = true;
             return Ok(found);
         }
-        Err(failure) => failure,
+        Err(ended) => ended,
     };
-    let Some(point) = direct else { return Err(failure) };
-    scratch.newton.point = point;
-    scratch.shot.forget();
-    match shoot(problem, scratch, 1.0) {
-        Ok(effort) => Ok(finish(problem, scratch, effort)),
-        Err(_) => Err(failure),
+    let Ended { failure, state, iterations } = ended;
+    let Some(state) = state.filter(|_| problem.follow) else { return Err(failure) };
+    let beyond = next_stable(problem, scratch, &state, iterations);
+    let lost_at = beyond.lost_at;
+    if let Some(found) = beyond.found
+        && scratch.stable
+    {
+        return Ok(found);
     }
+    if problem.commands.iter().any(|c| matches!(c, Command::Length { .. }))
+        && let Some(found) = raise_load_at_tensions(problem, scratch, beyond.iterations)
+    {
+        scratch.stable = true;
+        return Ok(Found { lost_at, ..found });
+    }
+    if let Some(state) = beyond.unstable
+        && let Ok(found) = settle(problem, scratch, state)
+    {
+        (scratch.stable, scratch.on_chain) = (false, true);
+        return Ok(Found { iterations: beyond.iterations + found.iterations, lost_at, ..found });
+    }
+    if let Some(point) = direct {
+        scratch.newton.point = point;
+        scratch.shot.forget();
+        if let Ok(effort) = shoot(problem, scratch, 1.0) {
+            scratch.stable = false;
+            return Ok(Found { lost_at, ..finish(problem, scratch, effort) });
+        }
+    }
+    Err(match lost_at {
+        Some(lost_at) => Failure::Buckled { lost_at, iterations: beyond.iterations },
+        None => failure,
+    })
 }
 
 /// Lengths that only the loaded rod can take: from the rod without load whose cables are loose.
@@ -238,7 +339,8 @@ fn is_trusted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
         return true;
     }
     let sampled = sample(problem, scratch).is_ok();
-    sampled && scratch.stability.is_stable(problem.grid, &scratch.shot.samples)
+    let Scratch { stability, shot, tensions, .. } = scratch;
+    sampled && stability.is_stable(problem.grid, &shot.samples, problem.commands, tensions)
 }
 
 /// Makes the samples of the answer in `scratch`, unless they are there.
@@ -250,7 +352,7 @@ fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Fault> {
     let aim = Aim {
         tensions,
         base_moment: base_wrench.moment,
-        follower_force: applied.follower_share(problem.grid, base_wrench.force),
+        follower_force: applied.follower_share(base_wrench.force),
         load: 1.0,
         sample: true,
     };
@@ -269,7 +371,14 @@ pub(super) fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
         let follower = applied.follower(k + 1);
         follower_force += far.rotation.rotate(follower.force);
         moment += applied.moment(k + 1) + far.rotation.rotate(follower.moment);
-        let force = applied.force(k, grid.shooting.at(k, 2, 0).0) + follower_force;
+        let mut force = applied.force(k, 2) + follower_force;
+        if let Some(line) = applied.line(k) {
+            let h = grid.steps[k].length;
+            let pushed = h * far.rotation.rotate(line.follower_force(0.5));
+            force += 0.5 * pushed;
+            follower_force += pushed;
+            moment += h * (line.moment(0.5) + far.rotation.rotate(line.follower_moment(0.5)));
+        }
         moment += (far.position - near.position).cross(force);
     }
     newton.point.base_moment = moment * load;
@@ -281,7 +390,6 @@ pub(super) fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
 /// A Newton iteration that ended without an answer.
 pub(super) struct Failed {
     pub effort: Effort,
-    pub fault: Option<Fault>,
 }
 
 /// Newton's method on eq. (7) from `scratch.newton.point`, where it also ends. The derivatives are
@@ -295,7 +403,7 @@ pub(super) fn shoot(
     let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
     let tensions = if lengths_driven { commands.len() } else { 0 };
     let scales = Scales::of(problem.grid, problem.length);
-    let Scratch { shot, applied, newton, .. } = scratch;
+    let Scratch { shot, applied, newton, trace, .. } = scratch;
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
     let fire = |shot: &mut Shot, point: &Point, sample| -> Result<(), Fault> {
         let Point { base_moment, follower_force, ref tensions } = *point;
@@ -306,8 +414,8 @@ pub(super) fn shoot(
         }
         Ok(())
     };
-    if let Err(fault) = fire(shot, &newton.point, true) {
-        return Err(Failed { effort, fault: Some(fault) });
+    if fire(shot, &newton.point, true).is_err() {
+        return Err(Failed { effort });
     }
     effort.residual = residual(commands, &newton.point, shot, &scales);
     let mut fresh = true;
@@ -327,14 +435,13 @@ pub(super) fn shoot(
             );
         }
         if !newton.solve_step(commands, shot, &scales) {
-            return Err(Failed { effort, fault: None });
+            return Err(Failed { effort });
         }
         let small = newton.relative_step(&scales) < KEEP_BELOW;
         let mut fraction = 1.0;
         loop {
             newton.aim_trial(fraction);
-            let fault = fire(shot, &newton.trial, !small).err();
-            if fault.is_none() {
+            if fire(shot, &newton.trial, !small).is_ok() {
                 let now = residual(commands, &newton.trial, shot, &scales);
                 if now < (1.0 - 1e-4 * fraction) * effort.residual {
                     core::mem::swap(&mut newton.point, &mut newton.trial);
@@ -342,17 +449,19 @@ pub(super) fn shoot(
                     if small && now > KEEP_RATIO * effort.residual && now > problem.tolerance {
                         // The kept derivatives no longer serve.
                         fresh = true;
-                        if let Err(fault) = fire(shot, &newton.point, true) {
-                            return Err(Failed { effort, fault: Some(fault) });
+                        if fire(shot, &newton.point, true).is_err() {
+                            return Err(Failed { effort });
                         }
                     }
                     effort.residual = now;
+                    let tensions = &newton.point.tensions;
+                    trace.iteration(effort.iterations, load, now, fraction, tensions);
                     break;
                 }
                 if fraction == 1.0 && effort.residual <= ROUNDING {
                     // Both are as good as rounding lets them be: stay with the better one.
-                    if let Err(fault) = fire(shot, &newton.point, false) {
-                        return Err(Failed { effort, fault: Some(fault) });
+                    if fire(shot, &newton.point, false).is_err() {
+                        return Err(Failed { effort });
                     }
                     return Ok(effort);
                 }
@@ -360,11 +469,11 @@ pub(super) fn shoot(
             shot.forget();
             fraction *= 0.5;
             if fraction < LEAST_FRACTION {
-                return Err(Failed { effort, fault });
+                return Err(Failed { effort });
             }
         }
     }
-    if effort.residual <= ROUNDING { Ok(effort) } else { Err(Failed { effort, fault: None }) }
+    if effort.residual <= ROUNDING { Ok(effort) } else { Err(Failed { effort }) }
 }
 
 /// Copies the answer out of the last shot.
@@ -376,10 +485,10 @@ pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effor
     scratch.lengths.clone_from(&shot.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);
     scratch.base_wrench = Wrench {
-        force: applied.base_force(problem.grid) + newton.point.follower_force,
+        force: applied.base_force() + newton.point.follower_force,
         moment: newton.point.base_moment,
     };
-    Found { iterations: effort.iterations, residual: effort.residual }
+    Found { iterations: effort.iterations, residual: effort.residual, lost_at: None }
 }
 
 /// Copies the answer out of the closed chain.
@@ -388,10 +497,11 @@ pub(super) fn finish_chain(problem: &Problem<'_>, scratch: &mut Scratch, effort:
     shot.measure(problem.grid);
     chain.poses(&mut scratch.poses);
     scratch.lengths.clone_from(&shot.lengths);
-    scratch.base_wrench =
-        Wrench { force: applied.base_force(problem.grid), moment: chain.nodes[0].moment };
+    scratch.tensions.clone_from(&chain.state.tensions);
+    let base = chain.state.nodes[0];
+    scratch.base_wrench = Wrench { force: applied.base_force() + base.force, moment: base.moment };
     (scratch.on_chain, scratch.sampled) = (true, true);
-    Found { iterations: effort.iterations, residual: effort.residual }
+    Found { iterations: effort.iterations, residual: effort.residual, lost_at: None }
 }
 
 /// Stability of the answer in `scratch`, see [`super::stability`]; `None` under follower loads, which
@@ -412,5 +522,6 @@ pub(super) fn least_eigenvalue(
         return Ok(None);
     }
     sample(problem, scratch).map_err(|fault| section_failure(fault, &scratch.tensions, 1.0))?;
-    Ok(Some(scratch.stability.least_eigenvalue(problem.grid, &scratch.shot.samples)))
+    let Scratch { stability, shot, tensions, .. } = scratch;
+    Ok(Some(stability.least_eigenvalue(problem.grid, &shot.samples, problem.commands, tensions)))
 }

@@ -8,12 +8,12 @@ use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
 use super::grid::Grid;
 use super::one_cable;
-use super::section::{BodyWrench, SectionFault, Strain, Tangent, equilibrium};
+use super::section::{BodyWrench, Section, SectionFault, Strain, Tangent, equilibrium};
 use super::sensitivity::work;
 
 /// A fault and where it lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     pub kind: SectionFault,
     /// Arc length in m.
     pub arc_length: f64,
@@ -21,7 +21,7 @@ pub(super) struct Fault {
 
 /// Strains, lengths and their derivatives of a rod without load.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Unloaded {
+pub(crate) struct Unloaded {
     /// Three to each step.
     pub strains: Vec<Strain>,
     /// `ℓᵢ = ∫‖pᵢ′‖ ds` in m, in the order of the grid.
@@ -35,7 +35,7 @@ pub(super) struct Unloaded {
 
 /// What a sweep computes beside strains and lengths.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Wanted {
+pub(crate) struct Wanted {
     pub length_by_tension: bool,
     pub stability: bool,
 }
@@ -101,7 +101,7 @@ impl Unloaded {
                 if wanted.stability {
                     let tangent =
                         Tangent::at(section, crossings, active, &strain).map_err(fault)?;
-                    let value = relative_stiffness(&tangent, section.stiffness.bending);
+                    let value = relative_stiffness(&tangent, section);
                     self.stability = self.stability.min(value);
                 }
             }
@@ -172,13 +172,9 @@ impl Guess {
     }
 }
 
-/// Least eigenvalue of `K_bt^{-1/2} S K_bt^{-1/2}`.
-fn relative_stiffness(tangent: &Tangent, bending: whipcord_numerics::Vec3) -> f64 {
-    let mut relative = tangent.reduced;
-    for i in 0..3 {
-        for j in 0..3 {
-            relative.rows[i][j] /= (bending[i] * bending[j]).sqrt();
-        }
-    }
-    relative.symmetric_eigenvalues()[0]
+/// Least eigenvalue of the reduced stiffness relative to that of the section alone.
+fn relative_stiffness(tangent: &Tangent, section: &Section) -> f64 {
+    let relative = tangent.reduced.eigenvalues_relative_to(&section.bending_stiffness());
+    // The stiffness of a section is positive: there always are some.
+    relative.map_or(f64::NEG_INFINITY, |values| values[0])
 }

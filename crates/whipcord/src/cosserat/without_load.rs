@@ -1,7 +1,7 @@
 //! The rod without load on one grid: the answer where there is none, the start where there is.
 
 use super::grid::Grid;
-use super::lengths::{self, Command, Effort, Given, LengthFault};
+use super::lengths::{self, Command, Effort, Given, LengthFault, Responds};
 use super::section::SectionFault;
 use super::statics::{Failure, Found, Problem, Scratch};
 use super::unloaded::{Fault, Unloaded, Wanted};
@@ -22,7 +22,7 @@ pub(super) fn without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Resu
     scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
     scratch.lengths.clone_from(&scratch.unloaded.lengths);
     scratch.base_wrench = Wrench::default();
-    Ok(Found { iterations: effort.iterations, residual: effort.residual })
+    Ok(Found { iterations: effort.iterations, residual: effort.residual, lost_at: None })
 }
 
 /// Strains and tensions of the rod without load.
@@ -38,14 +38,10 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
         let borne = borne_fraction(problem.grid, tensions, unloaded);
         return Err(section_failure(fault, &scratch.tensions, borne));
     }
-    lengths::solve(
-        &Given { grid: problem.grid, length: problem.length, commands },
-        &mut scratch.tensions,
-        &mut scratch.unloaded,
-        &mut scratch.length_scratch,
-        wanted,
-    )
-    .map_err(|fault| match fault {
+    let Scratch { unloaded, tensions, length_scratch, .. } = &mut *scratch;
+    let given = Given { length: problem.length, commands, bracket: problem.bracket };
+    let mut rod = Sections { grid: problem.grid, unloaded };
+    lengths::solve(&given, tensions, &mut rod, length_scratch).map_err(|fault| match fault {
         LengthFault::Section(fault) => section_failure(fault, &scratch.tensions, 0.0),
         LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
         LengthFault::Stalled { residual } => Failure::NotConverged {
@@ -55,6 +51,27 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
             advice: "the cable lengths contradict one another: prescribe fewer of them",
         },
     })
+}
+
+/// All cross-sections of the rod without load.
+struct Sections<'a> {
+    grid: &'a Grid,
+    unloaded: &'a mut Unloaded,
+}
+
+impl Responds for Sections<'_> {
+    fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
+        let wanted = Wanted { length_by_tension: true, ..Wanted::default() };
+        self.unloaded.sweep(self.grid, tensions, warm, wanted)
+    }
+
+    fn lengths(&self) -> &[f64] {
+        &self.unloaded.lengths
+    }
+
+    fn length_by_tension(&self) -> &[f64] {
+        &self.unloaded.length_by_tension
+    }
 }
 
 /// The fraction of the tensions up to which no section folds, by bisection.

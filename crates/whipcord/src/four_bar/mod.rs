@@ -83,13 +83,13 @@ impl FourBar {
             initial_lengths[passage.cable] += passage.initial;
             passages[passage.cable] += 1;
         }
-        let tension_scale = (options.objective == Objective::StrainEnergy)
-            .then(|| {
-                let stiffness =
-                    robot.backbone().material.young_modulus? * section::reference_moment(robot)?;
-                Some(stiffness / (2.0 * robot.backbone().length))
-            })
-            .flatten();
+        let tension_scale = if options.objective == Objective::StrainEnergy {
+            let reference = section::reference_stiffness(robot)?;
+            let stiffness = section::modulus(robot).zip(reference).map(|(e, i)| e * i);
+            stiffness.map(|stiffness| stiffness / (2.0 * robot.backbone().length))
+        } else {
+            None
+        };
         Ok(Self {
             robot: robot.clone(),
             options: options.clone(),
@@ -99,6 +99,18 @@ impl FourBar {
             tension_scale,
             stations: options.stations.arc_lengths(robot),
         })
+    }
+
+    /// The robot this model was built for.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Arc lengths of the stations in m.
+    #[must_use]
+    pub fn stations(&self) -> &[f64] {
+        &self.stations
     }
 
     /// The shape under a case. It starts from its own guess, which is close; a warm start changes

@@ -1,12 +1,12 @@
 //! What the model cannot take, by name.
 
-use whipcord_numerics::Vec3;
+use whipcord_numerics::Pose;
 
 use super::options::{Chord, LengthRule, Objective, Options};
-use crate::case::{Case, Drive, PointLoad};
+use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
-use crate::robot::Robot;
+use crate::robot::{Robot, Stiffness};
 
 const GEOMETRIC: &str = "the four-bar model is geometric: leave it out, or use cosserat";
 const GIVE_SHORTENING: &str =
@@ -23,6 +23,15 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
     }
     if !robot.backbone().rest_curvature.is_zero() {
         return Err(unsupported("backbone.rest_curvature", "a pre-bent backbone", GEOMETRIC));
+    }
+    if options.objective == Objective::StrainEnergy
+        && robot.backbone().stiffness.as_ref().is_some_and(Stiffness::is_coupled)
+    {
+        return Err(unsupported(
+            "backbone.stiffness.matrix",
+            "strains that are coupled",
+            "its strain energy is that of bending about x and y and of twist, each by itself: take the objective coupler-angle, or use cosserat",
+        ));
     }
     for (i, cable) in robot.cables().iter().enumerate() {
         if cable.axial_stiffness.is_some() {
@@ -74,25 +83,13 @@ pub(super) fn case(robot: &Robot, case: &Case) -> Result<(), SolveError> {
         command.tension.is_none_or(|t| t >= 0.0 && t.is_finite())
             && command.shortening.is_none_or(|s| s.in_metres(1.0).abs() < 1.0)
     };
-    let loaded = !case.loads.is_none();
+    let plain = case.loads == Loads::default() && case.base == Pose::IDENTITY;
     // The full check builds the path of every quantity: too slow where all is well.
     let fits = case.commands.len() == robot.cables().len() && case.commands.iter().all(plausible);
-    if loaded || !fits {
+    if !plain || !fits {
         case.check(robot)?;
     }
-    if loaded {
-        let loads = &case.loads;
-        let bears = |p: &PointLoad| p.force != Vec3::ZERO || p.moment != Vec3::ZERO;
-        let (path, what) = if loads.gravity.is_some_and(|g| g != Vec3::ZERO) {
-            ("loads.gravity".to_owned(), "weight")
-        } else if loads.tip_force != Vec3::ZERO {
-            ("loads.tip_force".to_owned(), "a force")
-        } else if loads.tip_moment != Vec3::ZERO {
-            ("loads.tip_moment".to_owned(), "a moment")
-        } else {
-            let first = loads.points.iter().position(bears).unwrap_or(0);
-            (format!("loads.point[{first}]"), "a force or moment")
-        };
+    if let Some((path, what)) = case.loads.first() {
         return Err(unsupported(path, what, GEOMETRIC));
     }
     for (i, command) in case.commands.iter().enumerate() {

@@ -127,40 +127,73 @@ fn measure(
         }
         return Ok((Measure::CouplerAngle(directions), 1.0));
     }
-    let nu = robot.backbone().material.poisson_ratio().ok_or_else(|| SolveError::Missing {
-        model: ModelKind::FourBar,
-        path: "backbone.poisson_ratio".to_owned(),
-        advice: "give it (or young_modulus and shear_modulus), or take the objective coupler-angle",
-    })?;
     let s = &robot.disks().arc_lengths;
     let relative_length = (s[i + 1] - s[i]) / robot.backbone().length;
-    let Some([x, y, z]) = bending_moments(robot, s[i], s[i + 1]) else {
-        let weights = [1.0, 1.0, 1.0 / (1.0 + nu)];
+    let Some([x, y, z]) = stiffness(robot, s[i], s[i + 1])? else {
+        let weights = [1.0, 1.0, 1.0 / (1.0 + poisson_ratio(robot)?)];
         return Ok((Measure::StrainEnergy(weights), 1.0 / relative_length));
     };
-    // GJ = E J/(2(1+ν)), which for a circle is EI/(1+ν).
-    let weights = [1.0, y / x, z / (2.0 * (1.0 + nu) * x)];
-    let reference = reference_moment(robot).unwrap_or(x);
+    let weights = [1.0, y / x, z / x];
+    let reference = reference_stiffness(robot)?.unwrap_or(x);
     Ok((Measure::StrainEnergy(weights), x / reference / relative_length))
 }
 
-/// The second moment of area to which the sections' weights refer, in m⁴: that about x at the base.
-pub(super) fn reference_moment(robot: &Robot) -> Option<f64> {
-    Some(robot.backbone().section_at(robot.disks(), 0.0)?.second_moment_x)
+fn poisson_ratio(robot: &Robot) -> Result<f64, SolveError> {
+    robot.backbone().material.poisson_ratio().ok_or_else(|| SolveError::Missing {
+        model: ModelKind::FourBar,
+        path: "backbone.poisson_ratio".to_owned(),
+        advice: "give it (or young_modulus and shear_modulus), or take the objective coupler-angle",
+    })
 }
 
-/// I_x, I_y and J of the part from `a` to `b`, by their mean compliance: what a constant moment
-/// would find.
-fn bending_moments(robot: &Robot, a: f64, b: f64) -> Option<[f64; 3]> {
+/// The bending stiffness to which the sections' weights refer: EI about x at the base, by unit of
+/// [`modulus`]. `None` where no section is given.
+pub(super) fn reference_stiffness(robot: &Robot) -> Result<Option<f64>, SolveError> {
+    Ok(stiffness_at(robot, 0.0, 0.5 * robot.disks().arc_lengths[1])?.map(|[x, ..]| x))
+}
+
+/// What [`reference_stiffness`] is to be multiplied by: Young's modulus, where the stiffness is that
+/// of a material.
+pub(super) fn modulus(robot: &Robot) -> Option<f64> {
+    match robot.backbone().stiffness {
+        Some(_) => Some(1.0),
+        None => robot.backbone().material.young_modulus,
+    }
+}
+
+/// EI about x and y and GJ by unit of [`modulus`]: given, or of the section, whose
+/// `GJ = E J/(2(1+ν))`.
+fn stiffness_at(robot: &Robot, at: f64, inside: f64) -> Result<Option<[f64; 3]>, SolveError> {
+    let backbone = robot.backbone();
+    if let Some(given) = &backbone.stiffness {
+        let k = given.at_end(robot.disks(), at, inside);
+        return Ok(Some([k[3][3], k[4][4], k[5][5]]));
+    }
+    let Some(section) = &backbone.section else { return Ok(None) };
+    let area = section.at_end(robot.disks(), at, inside);
+    let torsion = area.torsion_constant / (2.0 * (1.0 + poisson_ratio(robot)?));
+    Ok(Some([area.second_moment_x, area.second_moment_y, torsion]))
+}
+
+/// The same of the part from `a` to `b`, by its mean compliance: what a constant moment would find.
+/// Between the places where it is given the stiffness is smooth.
+fn stiffness(robot: &Robot, a: f64, b: f64) -> Result<Option<[f64; 3]>, SolveError> {
+    let mut places = robot.backbone().places();
+    places.retain(|s| a < *s && *s < b);
+    places.extend([a, b]);
+    places.sort_by(f64::total_cmp);
     let mut compliance = [0.0; 3];
-    for (t, w) in GAUSS_3.nodes.iter().zip(GAUSS_3.weights) {
-        let at = robot.backbone().section_at(robot.disks(), a + (b - a) * t)?;
-        let stiffness = [at.second_moment_x, at.second_moment_y, at.torsion_constant];
-        for k in 0..3 {
-            compliance[k] += w / stiffness[k];
+    for piece in places.windows(2) {
+        let part = (piece[1] - piece[0]) / (b - a);
+        for (t, w) in GAUSS_3.nodes.iter().zip(GAUSS_3.weights) {
+            let s = piece[0] + (piece[1] - piece[0]) * t;
+            let Some(at) = stiffness_at(robot, s, s)? else { return Ok(None) };
+            for k in 0..3 {
+                compliance[k] += part * w / at[k];
+            }
         }
     }
-    Some(compliance.map(|c| 1.0 / c))
+    Ok(Some(compliance.map(|c| 1.0 / c)))
 }
 
 /// Direction of a cable's hole in the upper disk: where that is at the centre, of the hole in the

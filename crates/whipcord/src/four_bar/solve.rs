@@ -74,7 +74,7 @@ impl FourBar {
             LengthRule::Proportional | LengthRule::Equal => self.each_section(workspace)?,
             LengthRule::Free => self.all_sections(workspace)?,
         };
-        Ok(self.solution(workspace, tally))
+        Ok(self.solution(case.base, workspace, tally))
     }
 
     /// Every section with its own lengths.
@@ -256,13 +256,14 @@ impl FourBar {
     }
 
     /// Stacks the sections and gathers what became of the cables.
-    fn solution(&self, workspace: &Workspace, tally: Tally) -> Solution {
+    fn solution(&self, base: Pose, workspace: &Workspace, tally: Tally) -> Solution {
         let joints = &workspace.joints;
         let disks = self.disks(joints);
         let shape = match self.options.stations {
             Stations::Disks => disks.clone(),
-            Stations::Equal(_) => self.between(joints, &disks),
+            Stations::Equal(_) | Stations::At(_) => self.between(joints, &disks),
         };
+        let (shape, disks) = (shape.moved(base), disks.moved(base));
         let scale = if tally.compromise { None } else { self.tension_scale };
         let cables = self.robot.cables().iter().zip(&workspace.cables).zip(&self.initial_lengths);
         Solution {
@@ -276,6 +277,8 @@ impl FourBar {
                     length: found.length,
                     initial_length,
                     slack: !found.binds,
+                    span_tensions: Vec::new(),
+                    contacts: Vec::new(),
                 })
                 .collect(),
             base_wrench: None,
@@ -285,6 +288,7 @@ impl FourBar {
                 stability: None,
                 discretization_error: None,
                 steps: self.sections.len(),
+                stability_lost_at: None,
             },
         }
     }

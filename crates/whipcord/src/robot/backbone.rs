@@ -1,11 +1,37 @@
 use whipcord_numerics::Vec3;
 
+use super::along::{Along, Paths};
 use super::disks::Disks;
 use super::error::{Problem, RobotError};
-use super::limits::{CURVATURE, DENSITY, DISTANCE, LENGTH, MODULUS, POISSON_RATIO};
+use super::limits::{
+    CURVATURE, DENSITY, LENGTH, LINEAR_DENSITY, MODULUS, POISSON_RATIO, SHEAR_CORRECTION,
+};
 use super::section::{Section, SectionProperties};
+use super::stiffness::{Held, Stiffness};
 
 /// The elastic rod that runs through the disks.
+///
+/// Its stiffness follows from section and material, or is given as such:
+///
+/// ```
+/// use whipcord::{Backbone, Section, Stiffness};
+///
+/// let rod = Backbone { section: Some(Section::circle(0.003)), ..Backbone::new(0.18) };
+/// // A composite strip, of which only bending and twist matter: EI_x, EI_y and GJ in N·m².
+/// let strip = Backbone {
+///     stiffness: Some(Stiffness::Diagonal {
+///         shear: None,
+///         axial: None,
+///         bending: [0.12, 0.004].into(),
+///         torsion: 0.009.into(),
+///     }),
+///     linear_density: Some(0.021.into()),
+///     extensible: false,
+///     shearable: false,
+///     ..Backbone::new(0.3)
+/// };
+/// # let _ = (rod, strip);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Backbone {
     /// Length of the undeformed backbone in m.
@@ -14,8 +40,20 @@ pub struct Backbone {
     pub section: Option<Section>,
     /// Material; a geometric model needs none.
     pub material: Material,
+    /// Factor κ on the shear stiffness GA that follows from section and material: 1, or Timoshenko's
+    /// `6(1+ν)/(7+6ν)` for a circle and 5/6 for a rectangle.
+    pub shear_correction: f64,
+    /// Stiffness of the sections, instead of that of a material. A section may stand beside it for
+    /// weight and for pictures.
+    pub stiffness: Option<Stiffness>,
+    /// Mass per length in kg/m, instead of a density of the material.
+    pub linear_density: Option<Along<f64>>,
     /// Curvature and twist of the backbone when nothing pulls on it.
     pub rest_curvature: RestCurvature,
+    /// Whether it can stretch; if not, EA is of no effect.
+    pub extensible: bool,
+    /// Whether its sections can shear; if not, GA is of no effect.
+    pub shearable: bool,
 }
 
 /// Elastic constants, each optional: a model says which it needs.
@@ -32,28 +70,13 @@ pub struct Material {
 }
 
 /// Rest curvature in the body frame, 1/m: (bending about x, bending about y, twist).
-#[derive(Clone, Debug, PartialEq)]
-pub enum RestCurvature {
-    /// The same everywhere.
-    Uniform(Vec3),
-    /// Given at each disk and varying linearly between them.
-    PerDisk(Vec<Vec3>),
-}
+pub type RestCurvature = Along<Vec3>;
 
-impl Default for RestCurvature {
-    fn default() -> Self {
-        Self::Uniform(Vec3::ZERO)
-    }
-}
-
-impl RestCurvature {
-    /// Whether the backbone is straight at rest.
+impl Along<Vec3> {
+    /// Whether it is zero everywhere: a backbone that is straight at rest.
     #[must_use]
     pub fn is_zero(&self) -> bool {
-        match self {
-            Self::Uniform(u) => *u == Vec3::ZERO,
-            Self::PerDisk(list) => list.iter().all(|u| *u == Vec3::ZERO),
-        }
+        self.values().iter().all(|u| *u == Vec3::ZERO)
     }
 }
 
@@ -80,110 +103,130 @@ impl Backbone {
             length,
             section: None,
             material: Material::default(),
+            shear_correction: 1.0,
+            stiffness: None,
+            linear_density: None,
             rest_curvature: RestCurvature::default(),
+            extensible: true,
+            shearable: true,
         }
     }
 
     /// Rest curvature at an arc length, 1/m, in the body frame. `disks` are those of the robot.
     #[must_use]
     pub fn rest_curvature_at(&self, disks: &Disks, arc_length: f64) -> Vec3 {
-        match &self.rest_curvature {
-            RestCurvature::Uniform(u) => *u,
-            RestCurvature::PerDisk(list) => {
-                let (i, t) = disks.locate(arc_length);
-                list[i] * (1.0 - t) + list[i + 1] * t
-            }
-        }
+        self.rest_curvature.at(disks, arc_length)
     }
 
     /// Cross-section properties at an arc length, or `None` when the section is not given.
     #[must_use]
     pub fn section_at(&self, disks: &Disks, arc_length: f64) -> Option<SectionProperties> {
-        Some(match self.section.as_ref()? {
-            Section::Circle { diameter } => SectionProperties::annulus(*diameter, 0.0),
-            Section::Tube { outer, inner } => SectionProperties::annulus(*outer, *inner),
-            Section::Rectangle { width, height } => SectionProperties::rectangle(*width, *height),
-            Section::Taper { outer, inner } => {
-                let (i, t) = disks.locate(arc_length);
-                SectionProperties::annulus(outer[i] * (1.0 - t) + outer[i + 1] * t, *inner)
-            }
-        })
+        Some(self.section.as_ref()?.at_end(disks, arc_length, arc_length))
     }
 
-    /// Whether section and rest curvature are the same along the whole length.
+    /// Mass per length in kg/m at an arc length, or `None` when neither it nor section and density
+    /// are given.
+    #[must_use]
+    pub fn linear_density_at(&self, disks: &Disks, arc_length: f64) -> Option<f64> {
+        match &self.linear_density {
+            Some(given) => Some(given.at(disks, arc_length)),
+            None => Some(self.section_at(disks, arc_length)?.area * self.material.density?),
+        }
+    }
+
+    /// Arc lengths besides those of the disks at which stiffness, mass or rest curvature, or their
+    /// slopes, jump.
+    #[must_use]
+    pub fn places(&self) -> Vec<f64> {
+        let mut places = self.rest_curvature.places().to_vec();
+        places.extend(self.section.iter().flat_map(Section::places));
+        places.extend(self.stiffness.iter().flat_map(Stiffness::places));
+        places.extend(self.linear_density.iter().flat_map(Along::places));
+        places
+    }
+
+    /// Whether stiffness and rest curvature are the same along the whole length.
     #[must_use]
     pub fn is_uniform(&self) -> bool {
-        !matches!(self.section, Some(Section::Taper { .. }))
-            && matches!(self.rest_curvature, RestCurvature::Uniform(_))
+        self.section.as_ref().is_none_or(Section::is_uniform)
+            && self.stiffness.as_ref().is_none_or(Stiffness::is_uniform)
+            && self.rest_curvature.is_uniform()
+    }
+
+    /// The same backbone for a robot with other disks.
+    #[must_use]
+    pub fn apart_from(&self, disks: &Disks) -> Self {
+        Self {
+            section: self.section.as_ref().map(|section| section.apart_from(disks)),
+            stiffness: self.stiffness.as_ref().map(|stiffness| stiffness.apart_from(disks)),
+            linear_density: self.linear_density.as_ref().map(|along| along.apart_from(disks)),
+            rest_curvature: self.rest_curvature.apart_from(disks),
+            ..self.clone()
+        }
     }
 
     pub(super) fn check(&self, disks: &Disks) -> Result<(), RobotError> {
         LENGTH.check("backbone.length", self.length)?;
-        let count = disks.arc_lengths.len();
+        let (count, length) = (disks.arc_lengths.len(), self.length);
         if let Some(section) = &self.section {
-            check_section(section, count)?;
+            section.check(count, length)?;
         }
+        self.check_material()?;
+        if let Some(stiffness) = &self.stiffness {
+            let held = Held { shear: !self.shearable, axial: !self.extensible };
+            stiffness.check(count, length, held)?;
+        }
+        if let Some(along) = &self.linear_density {
+            along.check(count, length, MASS_PER_LENGTH, |path, &value| {
+                LINEAR_DENSITY.check(path, value)
+            })?;
+        }
+        self.rest_curvature.check(count, length, CURVED, |path, u| CURVATURE.check_vector(path, *u))
+    }
+
+    /// What can only be checked once the disks are known to be valid.
+    pub(super) fn check_with(&self, disks: &Disks) -> Result<(), RobotError> {
+        self.section.as_ref().map_or(Ok(()), |section| section.check_bore(disks))
+    }
+
+    fn check_material(&self) -> Result<(), RobotError> {
         let material = &self.material;
-        if let Some(value) = material.young_modulus {
-            MODULUS.check("backbone.young_modulus", value)?;
-        }
-        if let Some(value) = material.shear_modulus {
-            MODULUS.check("backbone.shear_modulus", value)?;
-        }
-        if let Some(value) = material.poisson_ratio {
-            POISSON_RATIO.check("backbone.poisson_ratio", value)?;
-        }
-        if let Some(value) = material.density {
-            DENSITY.check("backbone.density", value)?;
-        }
-        match &self.rest_curvature {
-            RestCurvature::Uniform(u) => CURVATURE.check_vector("backbone.rest_curvature", *u),
-            RestCurvature::PerDisk(list) => {
-                if list.len() != count {
-                    return Err(RobotError::new(
-                        "backbone.rest_curvature",
-                        Problem::Count { given: list.len(), expected: count },
-                    ));
-                }
-                list.iter().enumerate().try_for_each(|(i, u)| {
-                    CURVATURE.check_vector(&format!("backbone.rest_curvature[{i}]"), *u)
-                })
+        let given = [
+            ("backbone.young_modulus", material.young_modulus, MODULUS),
+            ("backbone.shear_modulus", material.shear_modulus, MODULUS),
+            ("backbone.poisson_ratio", material.poisson_ratio, POISSON_RATIO),
+            ("backbone.density", material.density, DENSITY),
+            ("backbone.shear_correction", Some(self.shear_correction), SHEAR_CORRECTION),
+        ];
+        for (path, value, range) in given {
+            if let Some(value) = value {
+                range.check(path, value)?;
             }
         }
+        let twice = |path: &str, other| Err(RobotError::new(path, Problem::GivenTwice { other }));
+        if self.stiffness.is_some() {
+            let elastic = &given[..3];
+            if let Some((path, ..)) = elastic.iter().find(|(_, value, _)| value.is_some()) {
+                return twice(path, "backbone.stiffness");
+            }
+            if self.shear_correction != 1.0 {
+                return twice("backbone.shear_correction", "backbone.stiffness");
+            }
+        }
+        if material.density.is_some() && self.linear_density.is_some() {
+            return twice("backbone.density", "backbone.linear_density");
+        }
+        Ok(())
     }
 }
 
-fn check_section(section: &Section, disks: usize) -> Result<(), RobotError> {
-    let bore = |inner: f64, outer: f64| {
-        DISTANCE.check("backbone.inner_diameter", inner)?;
-        if inner < outer {
-            Ok(())
-        } else {
-            let problem = Problem::BoreTooWide { inner, outer };
-            Err(RobotError::new("backbone.inner_diameter", problem))
-        }
-    };
-    match section {
-        Section::Circle { diameter } => LENGTH.check("backbone.diameter", *diameter),
-        Section::Tube { outer, inner } => {
-            LENGTH.check("backbone.diameter", *outer)?;
-            bore(*inner, *outer)
-        }
-        Section::Rectangle { width, height } => {
-            LENGTH.check("backbone.section.width", *width)?;
-            LENGTH.check("backbone.section.height", *height)
-        }
-        Section::Taper { outer, inner } => {
-            if outer.len() != disks {
-                return Err(RobotError::new(
-                    "backbone.diameters",
-                    Problem::Count { given: outer.len(), expected: disks },
-                ));
-            }
-            outer.iter().enumerate().try_for_each(|(i, &d)| {
-                LENGTH.check(&format!("backbone.diameters[{i}]"), d)?;
-                bore(*inner, d)
-            })
-        }
-    }
-}
+const MASS_PER_LENGTH: Paths = Paths {
+    value: "backbone.linear_density",
+    values: "backbone.linear_density.values",
+    places: "backbone.linear_density.at",
+};
+const CURVED: Paths = Paths {
+    value: "backbone.rest_curvature",
+    values: "backbone.rest_curvature.values",
+    places: "backbone.rest_curvature.at",
+};

@@ -29,7 +29,13 @@ impl RobotError {
 /// Which entry of a list it is, a path in words leaves out.
 #[must_use]
 pub fn in_words(path: &str) -> String {
-    for (list, what) in [("cables[", "cable"), ("loads.point[", "point load")] {
+    for (list, what) in [
+        ("cables[", "cable"),
+        ("loads.point[", "point load"),
+        ("steps[", "step"),
+        ("loads.distributed[", "distributed load"),
+        ("loads.mass[", "mass"),
+    ] {
         let numbered = path.strip_prefix(list).and_then(|rest| rest.split_once(']'));
         if let Some((number, rest)) = numbered
             && let Ok(number) = number.parse::<usize>()
@@ -45,10 +51,10 @@ pub fn in_words(path: &str) -> String {
     if path.contains(' ') { path.to_owned() } else { format!("`{}`", without_entry(path)) }
 }
 
-/// A path without the number of the list's entry at its end.
+/// A path without the numbers of the list's entry at its end.
 fn without_entry(path: &str) -> &str {
     match path.rfind('[') {
-        Some(at) if path.ends_with(']') => &path[..at],
+        Some(at) if path.ends_with(']') => without_entry(&path[..at]),
         _ => path,
     }
 }
@@ -90,6 +96,56 @@ pub enum Problem {
         /// Entries needed.
         expected: usize,
     },
+    /// A list that does not go with its arc lengths.
+    #[error(
+        "must have {expected} {}, one for each place of `at`, but has {given}",
+        if *expected == 1 { "entry" } else { "entries" }
+    )]
+    CountOfPlaces {
+        /// Entries given.
+        given: usize,
+        /// Places given.
+        expected: usize,
+    },
+    /// The same thing said by two quantities.
+    #[error("says what {} says as well", in_words(other))]
+    GivenTwice {
+        /// Path of the other quantity.
+        other: &'static str,
+    },
+    /// A stiffness that is missing where the backbone can deform.
+    #[error("must be given as long as `{hold}` is true")]
+    StiffnessMissing {
+        /// The switch by which the strain can be held.
+        hold: &'static str,
+    },
+    /// A stiffness matrix that is not symmetric. Rows and columns count from 0.
+    #[error(
+        "must be symmetric: row {}, column {} has {}, but row {}, column {} has {}",
+        row + 1, column + 1, number(*value), column + 1, row + 1, number(*mirror)
+    )]
+    NotSymmetric {
+        /// Row below the diagonal.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// Value there.
+        value: f64,
+        /// Value on the other side of the diagonal.
+        mirror: f64,
+    },
+    /// A stiffness matrix by which some strain would store no energy.
+    #[error(
+        "must be positive definite: once the strains before it may relax, {axis} has the stiffness {}",
+        number(*pivot)
+    )]
+    NotPositiveDefinite {
+        /// The first strain that is not stiff, in the order shear x, shear y, axial, bending x,
+        /// bending y, twist.
+        axis: &'static str,
+        /// The pivot of its row in Cholesky's factorisation, not positive to working precision.
+        pivot: f64,
+    },
     /// A list that is too short.
     #[error("must have at least {least} entries, but has {given}")]
     TooFew {
@@ -129,13 +185,41 @@ pub enum Problem {
         /// The value before it.
         previous: f64,
     },
-    /// Disks at the same place, but for rounding.
-    #[error("lies only {} m behind the disk before it", number(*pitch))]
+    /// Places that are the same but for rounding.
+    #[error("lies only {} m behind the one before it", number(*pitch))]
     TooClose {
-        /// Distance to the disk before in m.
+        /// Distance to the place before in m.
         pitch: f64,
         /// Least distance in m.
         least: f64,
+    },
+    /// A stretch of a distributed load that is all but a point.
+    #[error(
+        "lies only {} m behind the one before it, and {} m is the least: give a load on so short a stretch as a point load",
+        number(*stretch), number(*least)
+    )]
+    TooShort {
+        /// Length of the stretch in m.
+        stretch: f64,
+        /// Least length in m.
+        least: f64,
+    },
+    /// Values of a distributed load that do not go with its stations.
+    #[error("must have {expected} entries, one for each entry of `at`, but has {given}")]
+    StationCount {
+        /// Entries given.
+        given: usize,
+        /// Stations given.
+        expected: usize,
+    },
+    /// A direction or a quaternion that is zero.
+    #[error("must have a direction, but is zero")]
+    NoDirection,
+    /// A quaternion that is no rotation.
+    #[error("must be a quaternion of norm 1, but its norm is {}", number(*norm))]
+    NotUnit {
+        /// Norm given.
+        norm: f64,
     },
     /// The first disk is the base disk and the last one the tip disk.
     #[error(
@@ -185,11 +269,14 @@ pub enum Problem {
         /// Number of the first cable of that name, from 0.
         first: usize,
     },
-    /// Point loads elsewhere than where the model was built to take them.
+    /// Loads elsewhere than where the model was built to take them.
     #[error(
         "sit elsewhere than where this model was built to take them: build the model with the loads of the case"
     )]
     LoadPlaces,
+    /// A parameter that the robot or the case does not have.
+    #[error("is no number of this robot and case that could change")]
+    NoSuchQuantity,
     /// A case whose list does not fit the robot.
     #[error("has {given} entries, but the robot has {cables} cables")]
     CableCount {

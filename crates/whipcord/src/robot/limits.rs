@@ -33,9 +33,20 @@ pub const MODULUS: Range = Range::from(1.0, 1e24, "Pa");
 /// Poisson's ratio of a stable material; at −1 the shear modulus would be infinite.
 pub const POISSON_RATIO: Range = Range { above: true, ..Range::from(-1.0, 0.5, "") };
 /// A density: to far above that of osmium, 22 590 kg/m³, for the weight of a rod that stands for
-/// something thicker.
-pub const DENSITY: Range = Range::from(1e-9, 1e15, "kg/m³");
-/// The mass of a disk.
+/// something thicker; 0 for one whose own weight does not matter.
+pub const DENSITY: Range = Range::from(0.0, 1e15, "kg/m³");
+/// Mass per length of the backbone.
+pub const LINEAR_DENSITY: Range = Range::from(0.0, 1e15, "kg/m");
+/// The factor on the shear stiffness of a section.
+pub const SHEAR_CORRECTION: Range = Range::from(1e-3, 10.0, "");
+/// A section's stiffness against shear and extension, GA and EA: from that of a fibre as thin as a
+/// nanometre to far above that of any robot, for a rod that hardly stretches.
+pub const SECTION_STIFFNESS: Range = Range::from(1e-18, 1e36, "N");
+/// A section's stiffness against bending and twist, EI and GJ.
+pub const BENDING_STIFFNESS: Range = Range::from(1e-30, 1e36, "N·m²");
+/// An entry of the stiffness matrix beside its diagonal.
+pub const COUPLING: Range = Range::either_way(1e36, "");
+/// The mass of a disk, or of what the robot carries.
 pub const MASS: Range = Range::from(0.0, 1e9, "kg");
 /// A component of a curvature: to that of a circle as small as 1 nm.
 pub const CURVATURE: Range = Range::either_way(1e9, "1/m");
@@ -53,6 +64,10 @@ pub const TENSION: Range = Range::from(0.0, 1e12, "N");
 pub const FORCE: Range = Range::either_way(1e12, "N");
 /// A component of a moment.
 pub const MOMENT: Range = Range::either_way(1e12, "N·m");
+/// A component of a force for each metre of the backbone.
+pub const LINE_FORCE: Range = Range::either_way(1e12, "N/m");
+/// A component of a moment for each metre of the backbone.
+pub const LINE_MOMENT: Range = Range::either_way(1e12, "N·m/m");
 /// A component of the acceleration of gravity.
 pub const ACCELERATION: Range = Range::either_way(1e12, "m/s²");
 /// Greatest coefficient of a polynomial, whatever its power.

@@ -1,5 +1,6 @@
 //! What the robot is: backbone, disks and cables, checked once and then unchanging.
 
+mod along;
 mod backbone;
 mod cable;
 mod disks;
@@ -7,15 +8,21 @@ mod error;
 mod fourier;
 pub mod limits;
 mod route;
+mod route_change;
 mod section;
+mod section_change;
+mod stiffness;
 
+pub use along::{Along, Linear};
 pub use backbone::{Backbone, Material, RestCurvature};
 pub use cable::{Cable, Interpolation, Routing};
 pub use disks::Disks;
 pub(crate) use error::check_on_backbone;
 pub use error::{Problem, RobotError, in_words};
 pub use route::{Route, RoutePoint};
+pub(crate) use route_change::RouteChange;
 pub use section::{Section, SectionProperties};
+pub use stiffness::{Stiffness, StiffnessMatrix};
 
 /// A cable-driven continuum robot: valid by construction, and unchanging.
 ///
@@ -50,6 +57,7 @@ impl Robot {
     pub fn new(backbone: Backbone, disks: Disks, cables: Vec<Cable>) -> Result<Self, RobotError> {
         backbone.check(&disks)?;
         disks.check(&backbone)?;
+        backbone.check_with(&disks)?;
         let mut routes = Vec::with_capacity(cables.len());
         for (index, cable) in cables.iter().enumerate() {
             if let Some(first) = cables[..index].iter().position(|c| c.name == cable.name) {

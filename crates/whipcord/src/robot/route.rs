@@ -12,7 +12,7 @@ use super::limits::{ANGLE, AXIAL_STIFFNESS, COORDINATE, DISTANCE, FRICTION, LENG
 /// Where a cable runs: its offset `r(s)` from the backbone in the frame of the cross-section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Route {
-    curve: Curve,
+    pub(super) curve: Curve,
     end: f64,
     breakpoints: Vec<f64>,
 }
@@ -30,7 +30,7 @@ pub struct RoutePoint {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Curve {
+pub(super) enum Curve {
     Polar { angle: PiecewiseCubic, radius: PiecewiseCubic },
     Fourier { x: Fourier, y: Fourier },
     Helix { start_angle: f64, rate: f64, radius: f64 },
@@ -159,7 +159,7 @@ fn hole_disks<'a>(holes: &[usize], disks: &'a Disks) -> Result<&'a [f64], RobotE
 
 /// Hole angles in rad, unwrapped: from disk to disk the cable takes the shorter way round, and
 /// counter-clockwise when both are as long.
-fn unwrapped_angles(holes: &[usize], count: usize) -> Vec<f64> {
+pub(super) fn unwrapped_angles(holes: &[usize], count: usize) -> Vec<f64> {
     let pitch = TAU / count as f64;
     let mut turns = 0.0;
     let mut angles = Vec::with_capacity(holes.len());
@@ -226,7 +226,7 @@ fn polar([a, da, dda]: [f64; 3], [r, dr, ddr]: [f64; 3]) -> RoutePoint {
     }
 }
 
-fn plane([x, dx, ddx]: [f64; 3], [y, dy, ddy]: [f64; 3]) -> RoutePoint {
+pub(super) fn plane([x, dx, ddx]: [f64; 3], [y, dy, ddy]: [f64; 3]) -> RoutePoint {
     RoutePoint {
         offset: Vec3::new(x, y, 0.0),
         slope: Vec3::new(dx, dy, 0.0),
@@ -235,7 +235,7 @@ fn plane([x, dx, ddx]: [f64; 3], [y, dy, ddy]: [f64; 3]) -> RoutePoint {
 }
 
 /// Value and first two derivatives by Horner's scheme.
-fn polynomial(coefficients: &[f64], x: f64) -> [f64; 3] {
+pub(super) fn polynomial(coefficients: &[f64], x: f64) -> [f64; 3] {
     let mut p = [0.0; 3];
     for &c in coefficients.iter().rev() {
         p[2] = p[2] * x + 2.0 * p[1];

@@ -1,31 +1,24 @@
-/// The shape of a cross-section. Lengths in m.
+use super::along::{Along, Paths};
+use super::disks::Disks;
+use super::error::{Problem, RobotError};
+use super::limits::{DISTANCE, LENGTH};
+
+/// The shape of the cross-sections. Lengths in m.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Section {
-    /// A solid rod.
-    Circle {
-        /// Diameter.
-        diameter: f64,
-    },
-    /// A tube.
-    Tube {
+    /// A solid rod or a tube.
+    Round {
         /// Outer diameter.
-        outer: f64,
-        /// Inner diameter.
-        inner: f64,
+        outer: Along<f64>,
+        /// Inner diameter, 0 for a solid rod.
+        inner: Along<f64>,
     },
     /// A rectangular bar.
     Rectangle {
         /// Extent along x.
-        width: f64,
+        width: Along<f64>,
         /// Extent along y.
-        height: f64,
-    },
-    /// A solid rod or tube whose diameters are given at each disk and vary linearly between them.
-    Taper {
-        /// Outer diameter at each disk.
-        outer: Vec<f64>,
-        /// Inner diameter, 0 for a solid rod.
-        inner: f64,
+        height: Along<f64>,
     },
 }
 
@@ -42,11 +35,120 @@ pub struct SectionProperties {
     pub torsion_constant: f64,
 }
 
+const OUTER: Paths = Paths {
+    value: "backbone.diameters",
+    values: "backbone.diameters.values",
+    places: "backbone.diameters.at",
+};
+const INNER: Paths = Paths {
+    value: "backbone.inner_diameter",
+    values: "backbone.inner_diameter.values",
+    places: "backbone.inner_diameter.at",
+};
+const WIDTH: Paths = of_bar("backbone.section.width");
+const HEIGHT: Paths = of_bar("backbone.section.height");
+
+const fn of_bar(value: &'static str) -> Paths {
+    Paths { value, values: value, places: "backbone.section.at" }
+}
+
 impl Section {
     /// A solid rod of this diameter.
     #[must_use]
     pub const fn circle(diameter: f64) -> Self {
-        Self::Circle { diameter }
+        Self::tube(diameter, 0.0)
+    }
+
+    /// A tube of these diameters.
+    #[must_use]
+    pub const fn tube(outer: f64, inner: f64) -> Self {
+        Self::Round { outer: Along::Uniform(outer), inner: Along::Uniform(inner) }
+    }
+
+    /// A rectangular bar of this extent along x and y.
+    #[must_use]
+    pub const fn rectangle(width: f64, height: f64) -> Self {
+        Self::Rectangle { width: Along::Uniform(width), height: Along::Uniform(height) }
+    }
+
+    /// Its properties at one end of a piece of the backbone inside which nothing jumps; see
+    /// [`Along::at_end`].
+    #[must_use]
+    pub fn at_end(&self, disks: &Disks, arc_length: f64, inside: f64) -> SectionProperties {
+        let at = |along: &Along<f64>| along.at_end(disks, arc_length, inside);
+        match self {
+            Self::Round { outer, inner } => SectionProperties::annulus(at(outer), at(inner)),
+            Self::Rectangle { width, height } => {
+                SectionProperties::rectangle(at(width), at(height))
+            }
+        }
+    }
+
+    /// Both quantities that it is made of.
+    fn parts(&self) -> [&Along<f64>; 2] {
+        match self {
+            Self::Round { outer: a, inner: b } | Self::Rectangle { width: a, height: b } => [a, b],
+        }
+    }
+
+    /// Whether it is the same along the whole backbone.
+    #[must_use]
+    pub fn is_uniform(&self) -> bool {
+        self.parts().iter().all(|along| along.is_uniform())
+    }
+
+    /// Arc lengths besides those of the disks at which its slope, or it itself, jumps.
+    pub fn places(&self) -> impl Iterator<Item = f64> + '_ {
+        self.parts().into_iter().flat_map(Along::places).copied()
+    }
+
+    /// The same for a robot with other disks.
+    #[must_use]
+    pub fn apart_from(&self, disks: &Disks) -> Self {
+        match self {
+            Self::Round { outer, inner } => {
+                Self::Round { outer: outer.apart_from(disks), inner: inner.apart_from(disks) }
+            }
+            Self::Rectangle { width, height } => {
+                Self::Rectangle { width: width.apart_from(disks), height: height.apart_from(disks) }
+            }
+        }
+    }
+
+    pub(super) fn check(&self, disks: usize, length: f64) -> Result<(), RobotError> {
+        let positive = |path: &str, &value: &f64| LENGTH.check(path, value);
+        match self {
+            Self::Round { outer, inner } => {
+                let uniform = Paths { value: "backbone.diameter", ..OUTER };
+                let paths = if outer.is_uniform() { uniform } else { OUTER };
+                outer.check(disks, length, paths, positive)?;
+                inner.check(disks, length, INNER, |path, &value| DISTANCE.check(path, value))
+            }
+            Self::Rectangle { width, height } => {
+                width.check(disks, length, WIDTH, positive)?;
+                height.check(disks, length, HEIGHT, positive)
+            }
+        }
+    }
+
+    /// Refuses a bore that is not narrower than the tube: between its places each diameter is
+    /// linear, so that it suffices to look at all of them.
+    pub(super) fn check_bore(&self, disks: &Disks) -> Result<(), RobotError> {
+        let Self::Round { outer, inner } = self else { return Ok(()) };
+        let mut places = disks.arc_lengths.clone();
+        places.extend(self.places());
+        places.sort_by(f64::total_cmp);
+        for piece in places.windows(2) {
+            let middle = 0.5 * (piece[0] + piece[1]);
+            for &s in piece {
+                let [outer, inner] = [outer, inner].map(|along| along.at_end(disks, s, middle));
+                if inner >= outer {
+                    let problem = Problem::BoreTooWide { inner, outer };
+                    return Err(RobotError::new(INNER.value, problem));
+                }
+            }
+        }
+        Ok(())
     }
 }
 

@@ -11,9 +11,9 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Drive, Interpolation, Loads, Material, Model,
-    PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution, SolveError, Statics,
-    Stations, Vec3,
+    Along, Backbone, Cable, CableCommand, Case, Disks, Drive, Interpolation, Loads, Material,
+    Model, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution, SolveError,
+    Statics, Stations, Vec3,
 };
 
 /// As many cases as are given, the same in every run.
@@ -137,7 +137,8 @@ pub fn lengths_of(solution: &Solution, loads: &Loads) -> Case {
         tension: None,
         shortening: Some(Shortening::Length(c.initial_length - c.length)),
     };
-    Case { commands: solution.cables.iter().map(shorten).collect(), loads: loads.clone() }
+    let commands = solution.cables.iter().map(shorten).collect();
+    Case { commands, loads: loads.clone(), ..Case::default() }
 }
 
 /// By shortening, with eleven stations.
@@ -165,26 +166,56 @@ pub fn ball() -> impl Strategy<Value = Vec3> {
     })
 }
 
+/// A quantity that varies: at the disks, or at places given as fractions of the length, one of
+/// them with a step.
+fn varying<T: Clone + core::fmt::Debug>(
+    value: impl Strategy<Value = T>,
+    disks: usize,
+) -> impl Strategy<Value = Along<T>> {
+    (proptest::bool::ANY, 0.1..0.4, 0.5..0.9, vec(value, disks.max(4))).prop_map(
+        move |(per_disk, a, b, mut values)| {
+            values.truncate(if per_disk { disks } else { 4 });
+            match per_disk {
+                true => Along::PerDisk(values),
+                false => Along::At { arc_lengths: vec![a, b, b, 1.0], values },
+            }
+        },
+    )
+}
+
 fn section(disks: usize) -> impl Strategy<Value = Section> {
     // For a rod of unit diameter.
     prop_oneof![
         3 => Just(Section::circle(1.0)),
-        1 => (0.3..0.8).prop_map(|inner| Section::Tube { outer: 1.0, inner }),
-        1 => (0.6..1.0).prop_map(|height| Section::Rectangle { width: 1.0, height }),
-        1 => (vec(0.8..1.1, disks), prop_oneof![Just(0.0), 0.2..0.6])
-            .prop_map(|(outer, inner)| Section::Taper { outer, inner }),
+        1 => (0.3..0.8).prop_map(|inner| Section::tube(1.0, inner)),
+        1 => (0.6..1.0).prop_map(|height| Section::rectangle(1.0, height)),
+        1 => (varying(0.8..1.1, disks), prop_oneof![Just(0.0), 0.2..0.6])
+            .prop_map(|(outer, inner)| Section::Round { outer, inner: inner.into() }),
+        1 => varying(0.2..0.7, disks)
+            .prop_map(|inner| Section::Round { outer: 1.0.into(), inner }),
+        1 => (varying(0.8..1.1, disks), varying(0.6..0.9, disks))
+            .prop_map(|(width, height)| Section::Rectangle { width, height }),
     ]
 }
 
-fn scaled(section: Section, d: f64) -> Section {
-    match section {
-        Section::Circle { diameter } => Section::Circle { diameter: diameter * d },
-        Section::Tube { outer, inner } => Section::Tube { outer: outer * d, inner: inner * d },
-        Section::Rectangle { width, height } => {
-            Section::Rectangle { width: width * d, height: height * d }
+/// With the values times `scale`, the places times `length`.
+fn sized<T>(along: &Along<T>, length: f64, scale: impl Fn(&T) -> T) -> Along<T> {
+    match along.map(scale) {
+        Along::At { arc_lengths, values } => {
+            Along::At { arc_lengths: arc_lengths.iter().map(|s| s * length).collect(), values }
         }
-        Section::Taper { outer, inner } => {
-            Section::Taper { outer: outer.iter().map(|o| o * d).collect(), inner: inner * d }
+        other => other,
+    }
+}
+
+fn scaled(section: &Section, d: f64, length: f64) -> Section {
+    let times = |along: &Along<f64>| sized(along, length, |x| x * d);
+    match section {
+        Section::Round { outer, inner } => {
+            Section::Round { outer: times(outer), inner: times(inner) }
+        }
+        Section::Rectangle { width, height } => {
+            Section::Rectangle { width: times(width), height: times(height) }
         }
     }
 }
@@ -194,7 +225,7 @@ fn rest_curvature(disks: usize) -> impl Strategy<Value = RestCurvature> {
     prop_oneof![
         3 => Just(RestCurvature::default()),
         1 => ball().prop_map(RestCurvature::Uniform),
-        1 => vec(ball(), disks).prop_map(RestCurvature::PerDisk),
+        1 => varying(ball(), disks),
     ]
 }
 
@@ -326,20 +357,19 @@ fn loads() -> impl Strategy<Value = RawLoads> {
 fn assemble(wild: Wildness, parts: Parts) -> (Robot, Case) {
     let (((length, diameter, radius, young, poisson), places), (section, rest), radii, cables, raw) =
         parts;
-    let rest_curvature = match rest {
-        RestCurvature::Uniform(u) => RestCurvature::Uniform(u / length),
-        RestCurvature::PerDisk(list) => {
-            RestCurvature::PerDisk(list.iter().map(|&u| u / length).collect())
-        }
-    };
+    let rest_curvature = sized(&rest, length, |&u| u / length);
     let material = Material {
         young_modulus: Some(young),
         poisson_ratio: Some(poisson),
         shear_modulus: None,
         density: Some(1000.0),
     };
-    let backbone =
-        Backbone { length, section: Some(scaled(section, diameter)), material, rest_curvature };
+    let backbone = Backbone {
+        section: Some(scaled(&section, diameter, length)),
+        material,
+        rest_curvature,
+        ..Backbone::new(length)
+    };
     let count = places.len();
     let mut disks = Disks {
         arc_lengths: places
@@ -388,11 +418,12 @@ fn assemble(wild: Wildness, parts: Parts) -> (Robot, Case) {
                     follower: false,
                 })
                 .collect(),
+            ..Loads::default()
         }
     } else {
         Loads::default()
     };
-    (Robot::new(backbone, disks, cables).unwrap(), Case { commands, loads })
+    (Robot::new(backbone, disks, cables).unwrap(), Case { commands, loads, ..Case::default() })
 }
 
 /// The more cables there may be, the less each of them pulls.

@@ -3,8 +3,8 @@
 use core::f64::consts::TAU;
 
 use whipcord::{
-    Backbone, Cable, Case, Loads, Mat3, PointLoad, Pose, RestCurvature, Robot, Routing, Section,
-    Solution, Vec3,
+    Backbone, Cable, Case, DistributedLoad, Loads, Mat3, PointLoad, Pose, Profile, Robot, Routing,
+    Section, Solution, Vec3,
 };
 
 /// A symmetry of the robot's contract.
@@ -99,12 +99,7 @@ impl Symmetry {
     }
 
     pub fn robot(self, robot: &Robot) -> Robot {
-        let rest_curvature = match &robot.backbone().rest_curvature {
-            RestCurvature::Uniform(u) => RestCurvature::Uniform(self.axial(*u)),
-            RestCurvature::PerDisk(list) => {
-                RestCurvature::PerDisk(list.iter().map(|&u| self.axial(u)).collect())
-            }
-        };
+        let rest_curvature = robot.backbone().rest_curvature.map(|&u| self.axial(u));
         let backbone = Backbone { rest_curvature, ..robot.backbone().clone() };
         let cable = |c: &Cable| Cable { routing: self.routing(&c.routing), ..c.clone() };
         let cables = robot.cables().iter().map(cable).collect();
@@ -118,14 +113,33 @@ impl Symmetry {
             moment: self.axial(p.moment),
             ..*p
         };
+        let many = |list: &[Vec3], f: &dyn Fn(Vec3) -> Vec3| list.iter().map(|&v| f(v)).collect();
+        let polar = |v: Vec3| self.matrix() * v;
+        let spread = |load: &DistributedLoad| DistributedLoad {
+            profile: match &load.profile {
+                &Profile::Constant { from, to, force, moment } => {
+                    Profile::Constant { from, to, force: polar(force), moment: self.axial(moment) }
+                }
+                Profile::Linear { at, force, moment } => Profile::Linear {
+                    at: at.clone(),
+                    force: many(force, &polar),
+                    moment: many(moment, &|m| self.axial(m)),
+                },
+            },
+            ..*load
+        };
         Case {
             commands: case.commands.clone(),
+            before: case.before.clone(),
+            base: case.base,
             loads: Loads {
                 gravity: loads.gravity.map(|g| self.matrix() * g),
                 tip_force: self.matrix() * loads.tip_force,
                 tip_moment: self.axial(loads.tip_moment),
                 tip_follower: loads.tip_follower,
                 points: loads.points.iter().map(point).collect(),
+                distributed: loads.distributed.iter().map(spread).collect(),
+                ..loads.clone()
             },
         }
     }

@@ -1,9 +1,9 @@
 use proptest::prelude::*;
 use whipcord::four_bar::{Chord, LengthRule, Objective, Options};
-use whipcord::{Routing, Stations, Vec3};
+use whipcord::{Backbone, Material, Robot, Routing, Stations, Stiffness, Vec3};
 
 use super::oracle::{self, Section};
-use super::{equal_disks, robot, solve};
+use super::{equal_disks, robot, solve, try_solve};
 
 fn objective(strain: bool) -> Objective {
     if strain { Objective::StrainEnergy } else { Objective::CouplerAngle }
@@ -270,4 +270,44 @@ fn the_printed_equations_twist_a_robot_at_rest_and_keep_it_in_a_plane() {
     let a = solve(&straight, &printed, &[0.01]);
     let b = solve(&straight, &Options::default(), &[0.01]);
     assert!(a.disks.distances(&b.disks).all(|d| d < 1e-14));
+}
+
+/// The strain energy of a stiffness that is given is that of the section and material it comes from,
+/// and asks for no Poisson's ratio.
+#[test]
+fn a_given_stiffness_is_weighed_as_that_of_a_material() {
+    let made = robot(
+        &equal_disks(0.18, 9),
+        vec![Routing::Helix { start_angle: 0.3, turns: 0.5, radius: 0.008 }],
+    );
+    let area = made.backbone().section_at(made.disks(), 0.0).unwrap();
+    let (young, shear) = (1.1e9, made.backbone().material.shear_modulus().unwrap());
+    let bending = young * area.second_moment_x;
+    let stiffness = Stiffness::diagonal([1.0; 2], 1.0, [bending; 2], shear * area.torsion_constant);
+    let given = |stiffness| {
+        let backbone = Backbone {
+            section: None,
+            material: Material::default(),
+            stiffness: Some(stiffness),
+            ..made.backbone().clone()
+        };
+        Robot::new(backbone, made.disks().clone(), made.cables().to_vec()).unwrap()
+    };
+    let options = Options { objective: Objective::StrainEnergy, ..Options::default() };
+    let (a, b) = (solve(&made, &options, &[0.008]), solve(&given(stiffness), &options, &[0.008]));
+    for (p, q) in a.disks.poses.iter().zip(&b.disks.poses) {
+        assert!((p.position - q.position).norm() < 1e-12);
+    }
+    let tensions = [&a, &b].map(|solution| solution.cables[0].tension.unwrap());
+    assert!((tensions[0] / tensions[1] - 1.0).abs() < 1e-9, "{tensions:?}");
+
+    let mut matrix = [[0.0; 6]; 6];
+    for (i, row) in matrix.iter_mut().enumerate() {
+        row[i] = 1.0;
+    }
+    (matrix[3][5], matrix[5][3]) = (0.2, 0.2);
+    let coupled = given(Stiffness::Matrix(matrix.into()));
+    let refusal = try_solve(&coupled, &options, &[0.008]).unwrap_err();
+    assert!(refusal.to_string().contains("`backbone.stiffness.matrix`"), "{refusal}");
+    assert!(try_solve(&coupled, &Options::default(), &[0.008]).is_ok());
 }

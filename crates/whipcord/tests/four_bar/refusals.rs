@@ -1,8 +1,8 @@
 use proptest::prelude::*;
 use whipcord::four_bar::{Chord, FourBar, LengthRule, Objective, Options, Workspace};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Drive, Material, PointLoad, RestCurvature, Robot,
-    Routing, Shortening, SolveError, Vec3,
+    Backbone, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Material, PointLoad,
+    PointMass, RestCurvature, Robot, Routing, Shortening, SolveError, Vec3,
 };
 
 fn straight() -> Cable {
@@ -85,6 +85,11 @@ fn loads_and_missing_commands_are_named() {
     assert!(text.contains("`loads.gravity` (weight)") && text.contains("use cosserat"), "{text}");
     assert!(with(|c| c.loads.tip_force = Vec3::X).contains("loads.tip_force"));
     assert!(with(|c| c.loads.tip_moment = Vec3::X).contains("loads.tip_moment"));
+    let text = with(|c| c.loads.distributed.push(DistributedLoad::uniform(0.09, Vec3::X)));
+    assert!(text.contains("distributed load 1 (a distributed force or moment)"), "{text}");
+    // A mass is no load by itself, but it must be one that can be.
+    let text = with(|c| c.loads.masses.push(PointMass { at: 0.1, mass: -1.0 }));
+    assert!(text.contains("`mass` of mass 1: must not be negative"), "{text}");
     let point = |c: &mut Case| {
         c.loads.points.push(PointLoad { at: 0.09, force: Vec3::X, ..PointLoad::default() });
     };

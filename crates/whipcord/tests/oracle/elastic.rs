@@ -1,6 +1,6 @@
 //! The rod's stiffness and rest curvature along its length, with the derivatives that eq. (3) takes.
 
-use whipcord::{RestCurvature, Robot, Vec3};
+use whipcord::{Robot, Vec3};
 
 /// Stiffness and rest curvature with their derivatives by arc length.
 pub struct Elastic {
@@ -39,10 +39,11 @@ impl Elastic {
         let disks = robot.disks();
         let young = backbone.material.young_modulus.unwrap();
         let shear = backbone.material.shear_modulus().unwrap();
+        let kappa = backbone.shear_correction;
         let stiffness = |s: f64| {
             let p = backbone.section_at(disks, s).unwrap();
             (
-                Vec3::new(shear * p.area, shear * p.area, young * p.area),
+                Vec3::new(kappa * shear * p.area, kappa * shear * p.area, young * p.area),
                 Vec3::new(
                     young * p.second_moment_x,
                     young * p.second_moment_y,
@@ -56,14 +57,15 @@ impl Elastic {
         let (mut shear_rate, mut bending_rate) = (Vec3::ZERO, Vec3::ZERO);
         let mut rest_rate = Vec3::ZERO;
         if !backbone.is_uniform() {
-            // Polynomials of degree 4 between the disks: the five-point difference is exact.
-            let h = 0.2 * (place.to - place.from);
+            // Polynomials of degree 4 in every piece, of which the five-point difference is exact, but
+            // for the torsion of tapered bars: close to one another the points serve those as well.
+            let h = 0.02 * (place.to - place.from);
             let c = s.clamp(place.from + 2.1 * h, place.to - 2.1 * h);
             let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| stiffness(c + k * h));
             let t = (s - c) / h;
             shear_rate = lagrange_slope(t, &at.map(|k| k.0)) / h;
             bending_rate = lagrange_slope(t, &at.map(|k| k.1)) / h;
-            if let RestCurvature::PerDisk(_) = backbone.rest_curvature {
+            if !backbone.rest_curvature.is_uniform() {
                 let [a, b] = [c - h, c + h].map(|s| backbone.rest_curvature_at(disks, s));
                 rest_rate = (b - a) / (2.0 * h);
             }

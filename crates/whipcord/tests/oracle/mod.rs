@@ -10,7 +10,7 @@ mod elastic;
 mod linear;
 
 use whipcord::robot::Route;
-use whipcord::{Case, Mat3, Robot, Vec3};
+use whipcord::{Case, DistributedLoad, Mat3, Profile, Robot, Vec3};
 
 use elastic::{Elastic, Place};
 use linear::{Matrix6, Vector6};
@@ -53,6 +53,7 @@ pub struct Oracle<'a> {
     tip_moment: Vec3,
     /// Arc length, force, moment; between base and tip.
     points: Vec<(f64, Vec3, Vec3)>,
+    spread: &'a [DistributedLoad],
     breaks: Vec<f64>,
     /// Steps between two breaks.
     pieces: usize,
@@ -101,12 +102,13 @@ impl State {
 
 impl<'a> Oracle<'a> {
     /// `outputs` are the arc lengths at which frames are wanted.
-    pub fn new(robot: &'a Robot, case: &Case, outputs: &[f64]) -> Self {
+    pub fn new(robot: &'a Robot, case: &'a Case, outputs: &[f64]) -> Self {
         let length = robot.backbone().length;
         let loads = &case.loads;
         let gravity = loads.gravity.unwrap_or_default();
         let mut points: Vec<(f64, Vec3, Vec3)> =
             loads.points.iter().map(|p| (p.at, p.force, p.moment)).collect();
+        points.extend(loads.masses.iter().map(|m| (m.at, m.mass * gravity, Vec3::ZERO)));
         let disk_weight = robot.disks().mass * gravity;
         points.extend(robot.disks().arc_lengths.iter().map(|&s| (s, disk_weight, Vec3::ZERO)));
         let (mut tip_force, mut tip_moment) = (loads.tip_force, loads.tip_moment);
@@ -118,8 +120,10 @@ impl<'a> Oracle<'a> {
 
         let mut breaks = vec![0.0, length];
         breaks.extend_from_slice(&robot.disks().arc_lengths);
+        breaks.extend(robot.backbone().places());
         breaks.extend_from_slice(outputs);
         breaks.extend(points.iter().map(|p| p.0));
+        breaks.extend(loads.distributed.iter().flat_map(|load| load.profile.knots()));
         for route in robot.routes() {
             breaks.push(route.end());
             breaks.extend_from_slice(route.breakpoints());
@@ -127,7 +131,17 @@ impl<'a> Oracle<'a> {
         breaks.sort_by(f64::total_cmp);
         breaks.dedup_by(|b, a| *b - *a <= 1e-10 * length);
         let tensions = case.commands.iter().map(|c| c.tension.unwrap()).collect();
-        Self { robot, tensions, gravity, tip_force, tip_moment, points, breaks, pieces: 1 }
+        Self {
+            robot,
+            tensions,
+            gravity,
+            tip_force,
+            tip_moment,
+            points,
+            spread: &case.loads.distributed,
+            breaks,
+            pieces: 1,
+        }
     }
 
     /// Shoots, raising tensions and loads together from none, and then halves the steps until
@@ -353,6 +367,15 @@ impl<'a> Oracle<'a> {
         let mut c =
             -u.cross(moment) - v.cross(force) - elastic.bending_rate.scale(u - elastic.rest)
                 + elastic.bending.scale(elastic.rest_rate);
+        let body = state.rotation.transpose();
+        for distributed in self.spread {
+            let (mut force, mut moment) = density(&distributed.profile, place, s);
+            if !distributed.follower {
+                (force, moment) = (body * force, body * moment);
+            }
+            d -= load * force;
+            c -= load * moment;
+        }
         let mut matrix = linear::diagonal(elastic.shear, elastic.bending);
         let mut lengths = vec![0.0; self.tensions.len()];
         for i in self.active(place) {
@@ -402,15 +425,19 @@ impl<'a> Oracle<'a> {
                 applied = (applied.0 + *force, applied.1 + *moment);
             }
         }
-        if before == after && !turns && applied.0 == Vec3::ZERO && applied.1 == Vec3::ZERO {
+        let (elastic_behind, elastic) =
+            (Elastic::at(self.robot, behind), Elastic::at(self.robot, ahead));
+        let steps =
+            self.robot.backbone().places().iter().any(|s| (s - ahead.at).abs() <= 1e-10 * length);
+        if before == after && !turns && !steps && applied.0 == Vec3::ZERO && applied.1 == Vec3::ZERO
+        {
             return Some(state);
         }
-        let elastic = Elastic::at(self.robot, ahead);
         let body = state.rotation.transpose();
         let (force, moment) = self.pull(load, behind, &before, &state);
         // Of rod and cables together, beyond the place.
-        let force = elastic.shear.scale(state.strain) + force - body * (load * applied.0);
-        let moment = elastic.bending.scale(state.curvature - elastic.rest) + moment
+        let force = elastic_behind.shear.scale(state.strain) + force - body * (load * applied.0);
+        let moment = elastic_behind.bending.scale(state.curvature - elastic_behind.rest) + moment
             - body * (load * applied.1);
         let mut state = state;
         for _ in 0..50 {
@@ -467,5 +494,30 @@ impl<'a> Oracle<'a> {
         let backbone = self.robot.backbone();
         let area = backbone.section_at(self.robot.disks(), s).unwrap().area;
         area * backbone.material.density.unwrap_or(0.0)
+    }
+}
+
+/// Force and moment for each metre at an arc length in the piece.
+fn density(profile: &Profile, place: &Place, s: f64) -> (Vec3, Vec3) {
+    let middle = place.middle();
+    match profile {
+        &Profile::Constant { from, to, force, moment } => {
+            if (from..to).contains(&middle) {
+                (force, moment)
+            } else {
+                Default::default()
+            }
+        }
+        Profile::Linear { at, force, moment } => {
+            let behind = at.partition_point(|&knot| knot <= middle);
+            if behind == 0 || behind == at.len() {
+                return Default::default();
+            }
+            let t = (s - at[behind - 1]) / (at[behind] - at[behind - 1]);
+            let value = |list: &[Vec3]| {
+                list.get(behind).map_or(Vec3::ZERO, |&next| list[behind - 1] * (1.0 - t) + next * t)
+            };
+            (value(force), value(moment))
+        }
     }
 }

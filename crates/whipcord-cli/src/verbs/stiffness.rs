@@ -1,0 +1,263 @@
+//! `whipcord stiffness`: how a place of the robot moves with its cables and yields to loads.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use whipcord::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, principal_axes};
+use whipcord::{
+    Differentiable as _, Model, ModelKind, Solution, Stations, Twist, UnitQuaternion, Vec3,
+};
+use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json};
+
+use super::solve::{Actuation, drive, model_parser};
+use crate::failure::Failure;
+use crate::files;
+use crate::inputs::read_one;
+use crate::quantity::{fixed_millimetres, millimetres, number};
+use crate::style::Style;
+use crate::table::{Align, Table};
+use crate::words::{driven_by, instability};
+
+/// How a place moves with the cables and yields to loads
+///
+/// Prints the actuation Jacobian, and compliance and stiffness with the tensions held and with the
+/// taut cables locked, in the base frame, for a wrench that does not turn with the robot: from exact
+/// derivatives with cosserat, from differences of solutions with cosserat-disks. Millimetres and
+/// degrees for people; with --json one object in SI for programs.
+#[derive(Debug, Args)]
+pub struct StiffnessArgs {
+    /// Robot file
+    file: PathBuf,
+    /// Model
+    #[arg(long, value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
+    model: ModelKind,
+    /// Place: an arc length such as "90 mm" or 0.09 (in m), or `tip`
+    #[arg(long, value_name = "ARC_LENGTH", default_value = "tip", value_parser = place)]
+    at: Place,
+    /// What drives all cables; by default what the model is driven by, where the file gives it
+    #[arg(long, value_name = "WHAT")]
+    actuation: Option<Actuation>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Where the robot is looked at.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    Tip,
+    /// In m.
+    ArcLength(f64),
+}
+
+fn place(text: &str) -> Result<Place, String> {
+    if text == "tip" {
+        return Ok(Place::Tip);
+    }
+    if let Ok(metres) = text.parse::<f64>() {
+        return Ok(Place::ArcLength(metres));
+    }
+    match parse_quantity(text, &[Dimension::Length]) {
+        Ok((metres, _)) => Ok(Place::ArcLength(metres)),
+        Err(error) => Err(format!("{error}; give a length such as \"90 mm\", or `tip`")),
+    }
+}
+
+/// Solves, differentiates and returns what standard output shows.
+pub fn run(args: &StiffnessArgs, style: Style) -> Result<String, Failure> {
+    let file = read_one(&args.file)?;
+    let length = file.robot.backbone().length;
+    let at = match args.at {
+        Place::Tip => length,
+        Place::ArcLength(s) if (0.0..=length).contains(&s) => s,
+        Place::ArcLength(s) => {
+            return Err(Failure::Input(format!(
+                "error: --at {} is not on the backbone, which is {} long",
+                millimetres(s),
+                millimetres(length)
+            )));
+        }
+    };
+    let model = Model::new(args.model, Stations::Disks, drive(args.actuation));
+    let (solution, local) = model
+        .solve_at(&file.robot, &file.case, at)
+        .map_err(|error| Failure::from_solve(&file, &error))?;
+    if args.json {
+        let json = stiffness_json(&file.title, &solution, &local);
+        return Ok(format!("{:#}\n", json.map_err(|error| files::no_result(&error))?));
+    }
+    Ok(summary(&file, args, at, &solution, &local, style))
+}
+
+fn summary(
+    file: &CaseFile,
+    args: &StiffnessArgs,
+    at: f64,
+    solution: &Solution,
+    local: &Local,
+    style: Style,
+) -> String {
+    let driver = driven_by(solution.model, drive(args.actuation), &file.case);
+    let [x, y, z] = solution.shape.tip().position.to_array().map(|c| fixed_millimetres(c, 3));
+    let place = match args.at {
+        Place::Tip => "tip".to_owned(),
+        Place::ArcLength(_) => format!("arc length {}", millimetres(at)),
+    };
+    let mut text = format!("{}\n", style.heading(&file.title));
+    text += &format!("{}, driven by {driver}\n\n", solution.model);
+    let turned = file.case.base.rotation != UnitQuaternion::IDENTITY;
+    let frame = if turned { ", in the world" } else { "" };
+    text += &format!("{}  ({x}, {y}, {z}) mm{frame}\n", style.faint(place));
+    if turned {
+        text += "the base is turned: all that follows is along the axes of the base, not of the world\n";
+    }
+    if let Means::Differences { error } = local.means {
+        text += &format!(
+            "from differences of solutions, with an estimated relative error of {} at held tensions\n",
+            number(error, 2)
+        );
+    }
+    if let Some(words) = instability(solution) {
+        text += &format!("{}\n", style.heading(words));
+    } else if let Some(stability) = solution.diagnostics.stability {
+        text += &format!("{}  {}\n", style.faint("stability"), number(stability, 3));
+    }
+    if !local.actuation_jacobian.is_empty() {
+        text += &format!("\n{}", actuation(solution, local, style));
+    }
+    for (name, yielding) in
+        [("tensions held", &local.tensions_held), ("cables locked", &local.lengths_held)]
+    {
+        // Without cables nothing is locked.
+        if !local.actuation_jacobian.is_empty() || name == "tensions held" {
+            text += &format!("\n{}", yields(name, yielding, style));
+        }
+    }
+    text
+}
+
+const MOTIONS: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
+const WRENCHES: [&str; 6] = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
+
+/// Millimetres or degrees of a motion.
+fn shown(motion: &Twist, row: usize) -> f64 {
+    if row < 3 { motion.linear[row] * 1e3 } else { motion.angular[row - 3].to_degrees() }
+}
+
+/// The Jacobian, by a newton of tension or a millimetre of shortening, and what it is worth.
+fn actuation(solution: &Solution, local: &Local, style: Style) -> String {
+    let mut columns = vec![("moves, mm and °".to_owned(), Align::Left)];
+    for (cable, driven) in solution.cables.iter().zip(&local.driven_by) {
+        let unit = match driven {
+            DrivenBy::Tension => "N",
+            DrivenBy::Shortening => "mm",
+        };
+        columns.push((format!("{} per {unit}", cable.name), Align::Right));
+    }
+    let mut table = Table::new(columns);
+    table.group();
+    for row in 0..6 {
+        let mut cells = vec![MOTIONS[row].to_owned()];
+        for (column, driven) in local.actuation_jacobian.iter().zip(&local.driven_by) {
+            let unit = match driven {
+                DrivenBy::Tension => 1.0,
+                DrivenBy::Shortening => 1e-3,
+            };
+            cells.push(tidy(shown(column, row) * unit, largest(&local.actuation_jacobian, row)));
+        }
+        table.row(cells);
+    }
+    let dexterity = local.dexterity();
+    let mut text = table.text(style);
+    let condition = match dexterity.condition {
+        Some(condition) => format!(", condition {}", number(condition, 4)),
+        None => String::new(),
+    };
+    text += &format!(
+        "translates in {} of 3 directions{condition}, manipulability {} in SI\n",
+        dexterity.directions,
+        number(dexterity.manipulability, 4)
+    );
+    text
+}
+
+/// Greatest entry of a row: what is rounding beside it is shown as zero.
+fn largest(jacobian: &[Twist], row: usize) -> f64 {
+    let of =
+        |part: fn(&Twist) -> Vec3| jacobian.iter().map(|t| part(t).norm()).fold(0.0_f64, f64::max);
+    if row < 3 { of(|t| t.linear) * 1e3 } else { of(|t| t.angular).to_degrees() }
+}
+
+fn tidy(value: f64, largest: f64) -> String {
+    if value.abs() <= 1e-7 * largest { "0".to_owned() } else { number(value, 4) }
+}
+
+fn yields(name: &str, yielding: &Yield, style: Style) -> String {
+    let mut text = format!("{}\n", style.heading(format!("compliance with {name}")));
+    let compliance = |i: usize, j: usize| {
+        let moved = if i < 3 { 1e3 } else { 180.0 / core::f64::consts::PI };
+        // Per newton and per newton-millimetre.
+        yielding.compliance.at(i, j) * moved * if j < 3 { 1.0 } else { 1e-3 }
+    };
+    text += &matrix("mm and °", &WRENCHES, ["per N", "per N·mm"], &MOTIONS, compliance).text(style);
+    text += &axes(&yielding.compliance);
+    text.push('\n');
+    match &yielding.stiffness {
+        None => {
+            text += &format!("stiffness with {name}: the place does not yield in every direction\n")
+        }
+        Some(stiffness) => {
+            text += &format!("{}\n", style.heading(format!("stiffness with {name}")));
+            let stiffness = |i: usize, j: usize| {
+                let exerted = if i < 3 { 1.0 } else { 1e3 };
+                let moved = if j < 3 { 1e-3 } else { core::f64::consts::PI / 180.0 };
+                stiffness.at(i, j) * exerted * moved
+            };
+            let columns = ["per mm", "per °"];
+            text += &matrix("N and N·mm", &MOTIONS, columns, &WRENCHES, stiffness).text(style);
+        }
+    }
+    text
+}
+
+/// A 6×6 matrix whose rows and columns have these names; `per` are the units of the columns.
+fn matrix(
+    corner: &str,
+    columns: &[&str; 6],
+    per: [&str; 2],
+    rows: &[&str; 6],
+    entry: impl Fn(usize, usize) -> f64,
+) -> Table {
+    let mut headings = vec![(format!("{corner} {}, {}", per[0], per[1]), Align::Left)];
+    headings.extend(columns.iter().map(|name| ((*name).to_owned(), Align::Right)));
+    let mut table = Table::new(headings);
+    for i in 0..6 {
+        if i % 3 == 0 {
+            table.group();
+        }
+        let mut cells = vec![rows[i].to_owned()];
+        for j in 0..6 {
+            // Beside the greatest of its block, what is left by rounding is nothing.
+            let block = (0..9).map(|k| entry(i / 3 * 3 + k / 3, j / 3 * 3 + k % 3).abs());
+            cells.push(tidy(entry(i, j), block.fold(0.0, f64::max)));
+        }
+        table.row(cells);
+    }
+    table
+}
+
+/// Along which directions the place yields least and most to a force.
+fn axes(compliance: &Matrix6) -> String {
+    let axes = principal_axes(&compliance.blocks[0][0]);
+    let mut text = String::new();
+    for (value, direction) in axes.values.iter().zip(axes.directions) {
+        let [x, y, z] = direction.to_array().map(|c| crate::quantity::fixed(c, 3));
+        let stiffness = if *value > 0.0 {
+            format!(", {} N/mm", number(1e-3 / value, 4))
+        } else {
+            String::new()
+        };
+        text += &format!("along ({x}, {y}, {z})  {} mm/N{stiffness}\n", number(value * 1e3, 4));
+    }
+    text
+}

@@ -1,0 +1,148 @@
+//! `whipcord stiffness`.
+
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod support;
+
+use serde_json::Value;
+use support::{Scratch, fail, pushed_rod, robot, settings, succeed};
+
+const THREE: &str = "examples/three-cable-segment.toml";
+const CASE_3: &str = "examples/table1/case-3.toml";
+
+#[test]
+fn the_summary_is_for_people() {
+    settings(None).bind(|| {
+        insta::assert_snapshot!("three_cables", succeed(&["stiffness", THREE]));
+        let midway = ["stiffness", CASE_3, "--at", "90 mm", "--actuation", "shortening"];
+        insta::assert_snapshot!("by_shortening", succeed(&midway));
+        insta::assert_snapshot!("base", succeed(&["stiffness", THREE, "--at", "0"]));
+    });
+}
+
+fn matrix(value: &Value) -> Vec<Vec<f64>> {
+    serde_json::from_value(value.clone()).unwrap()
+}
+
+#[test]
+fn json_is_one_object_in_si() {
+    let text = succeed(&["stiffness", THREE, "--json"]);
+    let object: Value = serde_json::from_str(&text).unwrap();
+    let keys: Vec<&String> = object.as_object().unwrap().keys().collect();
+    let expected = [
+        "title",
+        "model",
+        "status",
+        "place",
+        "frame",
+        "derivatives",
+        "cables",
+        "actuation_jacobian",
+        "dexterity",
+        "tensions_held",
+        "lengths_held",
+        "stability",
+        "version",
+    ];
+    assert_eq!(keys, expected);
+    let jacobian = matrix(&object["actuation_jacobian"]);
+    assert_eq!((jacobian.len(), jacobian[0].len()), (6, 3));
+    let free = matrix(&object["tensions_held"]["compliance"]);
+    let stiffness = matrix(&object["tensions_held"]["stiffness"]);
+    for i in 0..6 {
+        for j in 0..6 {
+            let product: f64 = (0..6).map(|k| free[i][k] * stiffness[k][j]).sum();
+            let unit = if i == j { 1.0 } else { 0.0 };
+            assert!((product - unit).abs() < 1e-6, "{i} {j}: {product}");
+            assert!((free[i][j] - free[j][i]).abs() < 1e-6 * (1.0 + free[i][j].abs()));
+        }
+    }
+    // Locked cables leave less.
+    let locked = matrix(&object["lengths_held"]["compliance"]);
+    for i in 0..6 {
+        assert!(locked[i][i] < free[i][i] * (1.0 + 1e-9));
+    }
+    let axes: Vec<f64> =
+        serde_json::from_value(object["tensions_held"]["translation"]["compliance"].clone())
+            .unwrap();
+    let trace = free[0][0] + free[1][1] + free[2][2];
+    assert!((axes.iter().sum::<f64>() - trace).abs() < 1e-12);
+    assert_eq!(object["cables"][0]["driven_by"], "tension");
+    // The tip is where `solve` has it.
+    let solved: Value = serde_json::from_str(&succeed(&["solve", THREE, "--json"])).unwrap();
+    let tip = solved["disks"].as_array().unwrap().last().unwrap()["position"].clone();
+    let (a, b): (Vec<f64>, Vec<f64>) = (
+        serde_json::from_value(object["place"]["position"].clone()).unwrap(),
+        serde_json::from_value(tip).unwrap(),
+    );
+    for (a, b) in a.iter().zip(b) {
+        assert!((a - b).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn the_jacobian_is_what_a_little_more_tension_does() {
+    let scratch = Scratch::new();
+    let at = |tension: f64| -> Value {
+        let file = scratch.write("robot.toml", &robot(&format!("tension = {tension}")));
+        serde_json::from_str(&succeed(&["stiffness", &file, "--json"])).unwrap()
+    };
+    let y = |object: &Value| object["place"]["position"][1].as_f64().unwrap();
+    let slope = (y(&at(2.001)) - y(&at(1.999))) / 0.002;
+    let jacobian = matrix(&at(2.0)["actuation_jacobian"]);
+    assert!((jacobian[1][0] - slope).abs() < 1e-5 * slope.abs(), "{} {slope}", jacobian[1][0]);
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let message = fail(2, &["stiffness", THREE, "--at", "1 m"]);
+    assert!(message.contains("is not on the backbone, which is 120 mm long"), "{message}");
+    let message = fail(2, &["stiffness", THREE, "--at", "half"]);
+    assert!(message.contains("or `tip`"), "{message}");
+    let message = fail(2, &["stiffness", CASE_3, "--model", "four-bar"]);
+    assert!(message.contains("use cosserat or cosserat-disks"), "{message}");
+    let scratch = Scratch::new();
+    let rubbing = robot("tension = 1.0\nfriction = 0.1");
+    let file = scratch.write("robot.toml", &rubbing);
+    let message = fail(2, &["stiffness", &file, "--model", "cosserat-disks"]);
+    assert!(message.contains("set the friction to 0"), "{message}");
+}
+
+/// The model without derivatives of its own says so, and comes close to the other.
+#[test]
+fn discrete_holes_yield_too() {
+    let text = succeed(&["stiffness", THREE, "--model", "cosserat-disks"]);
+    assert!(
+        text.contains("from differences of solutions, with an estimated relative error"),
+        "{text}"
+    );
+    let json = |model: &str| -> Value {
+        serde_json::from_str(&succeed(&["stiffness", THREE, "--model", model, "--json"])).unwrap()
+    };
+    let (exact, ours) = (json("cosserat"), json("cosserat-disks"));
+    assert_eq!(exact["derivatives"]["by"], "exact");
+    assert_eq!(ours["derivatives"]["by"], "differences");
+    assert!(ours["derivatives"]["estimated_error"].as_f64().unwrap() < 1e-5);
+    let y = |object: &Value| matrix(&object["tensions_held"]["compliance"])[1][1];
+    assert!((y(&ours) / y(&exact) - 1.0).abs() < 0.1, "{} {}", y(&ours), y(&exact));
+}
+
+#[test]
+fn a_turned_base_is_said_to_be_so() {
+    const WALL: &str = "examples/wall-mounted-arm.toml";
+    let text = succeed(&["stiffness", WALL]);
+    assert!(text.contains("mm, in the world\n"), "{text}");
+    assert!(text.contains("along the axes of the base, not of the world"), "{text}");
+    let object: Value = serde_json::from_str(&succeed(&["stiffness", WALL, "--json"])).unwrap();
+    assert_eq!(object["frame"], "base");
+    assert!(!succeed(&["stiffness", THREE]).contains("world"));
+}
+
+#[test]
+fn an_unstable_robot_is_said_to_be_so() {
+    let scratch = Scratch::new();
+    let file = scratch.write("rod.toml", &pushed_rod(""));
+    let text = succeed(&["stiffness", &file]);
+    assert!(text.contains("unstable") || text.contains("stability"), "{text}");
+    assert!(!text.contains("cables locked"), "{text}");
+}

@@ -1,0 +1,57 @@
+use thiserror::Error;
+
+use crate::error::SolveError;
+
+/// Why there is no batch. A row that has no answer is no such error.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BatchError {
+    /// The model cannot take the robot.
+    #[error(transparent)]
+    Model(#[from] SolveError),
+
+    /// The commands are no whole number of rows.
+    #[error(
+        "{given} commands are no whole number of rows for {cables} cables: give one command for each cable of each row"
+    )]
+    Width {
+        /// How many were given.
+        given: usize,
+        /// Cables of the robot.
+        cables: usize,
+    },
+
+    /// A robot without cables has no commands that could say how many rows there are.
+    #[error("a robot without cables has no rows of commands: give the cases themselves")]
+    NoCables,
+
+    /// An array to write to has the wrong size.
+    #[error(
+        "the array of {name} holds {given} numbers where {needed} will be written: make it so long"
+    )]
+    Size {
+        /// Which array.
+        name: &'static str,
+        /// How long it is.
+        given: usize,
+        /// How long it must be.
+        needed: usize,
+    },
+
+    /// The progress callback stopped the batch.
+    #[error("the batch was stopped after {done} of {rows} rows")]
+    Stopped {
+        /// Rows that had been solved.
+        done: usize,
+        /// All rows.
+        rows: usize,
+    },
+
+    /// The threads could not be started.
+    #[error("{threads} threads could not be started ({reason}): ask for fewer")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the operating system says.
+        reason: String,
+    },
+}

@@ -1,0 +1,307 @@
+//! Many cases at once: structure of arrays in and out, threads, and the lanes of vectors.
+//!
+//! [`solve_batch`] solves the rows of one robot, [`solve_robots`] one case for each of many robots.
+//! Rows come back in the order they were given. A row without an answer is a row with its
+//! [`SolveError`]; its numbers are zero. What a row gives depends on that row alone (and, along a
+//! [path](BatchOptions::warm_path), on those just before it), never on how many threads there are
+//! or how wide the processor's vectors: the same input gives the same bits.
+//!
+//! Vectors (AVX2, AVX-512 or none, as the program finds them when it runs) carry one row in each lane
+//! where the Cosserat model has one cable on a section that is equally stiff about x and y, tensions, no
+//! load, and [`stability`](crate::cosserat::Options::stability) switched off. All else goes row by row.
+//!
+//! Threads are started only with the cargo feature `parallel`, which is off by default.
+//!
+//! ```
+//! use whipcord::batch::{BatchOptions, Rows, solve_batch};
+//! use whipcord::{Backbone, Cable, Disks, Loads, Material, Model, ModelKind, Robot, Routing, Section};
+//!
+//! let backbone = Backbone {
+//!     section: Some(Section::circle(0.003)),
+//!     material: Material {
+//!         young_modulus: Some(1.1e9),
+//!         poisson_ratio: Some(0.3),
+//!         ..Default::default()
+//!     },
+//!     ..Backbone::new(0.18)
+//! };
+//! let disks = Disks::equally_spaced(0.18, 10, 0.008);
+//! let cable = |name: &str, angle| Cable::new(name, Routing::Straight { angle, radius: 0.008 });
+//! let robot = Robot::new(backbone, disks, vec![cable("left", 0.0), cable("right", 3.14)])?;
+//!
+//! let model = Model::new(ModelKind::Cosserat, Default::default(), Default::default());
+//! // Three rows of two tensions in N. The second is more than the section bears.
+//! let tensions = [3.0, 0.0, 1e4, 0.0, 0.0, 3.0];
+//! let rows = Rows::Tensions { values: &tensions, loads: &Loads::default() };
+//! let batch = solve_batch(&model, &robot, rows, &BatchOptions::default())?;
+//! assert!(batch.row(0).unwrap().is_ok());
+//! assert!(batch.row(1).unwrap().is_err());
+//! let tip = batch.row(2).unwrap().unwrap().position(9);
+//! assert!(tip[0] < -0.05);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod arrays;
+mod error;
+mod rows;
+mod run;
+
+use core::num::NonZeroUsize;
+
+pub use arrays::{Arrays, Batch, Row, Solved};
+pub use error::BatchError;
+pub use rows::Rows;
+
+use crate::case::{Case, Loads};
+use crate::cosserat::OneCableLanes;
+use crate::error::SolveError;
+use crate::model::{Model, Prepared};
+use crate::robot::{Robot, limits};
+use crate::shape::{Diagnostics, Solution};
+use run::run;
+
+/// Called with the number of rows that are done so far and of all rows, from any of the threads;
+/// `false` stops the batch.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) -> bool + Sync);
+
+/// How a batch is worked off.
+#[derive(Clone, Copy, Default)]
+pub struct BatchOptions<'a> {
+    /// How many threads share the rows. `None`: the pool of rayon that the caller is in, by default
+    /// as many as there are processors. Without the cargo feature `parallel` there is one.
+    pub threads: Option<NonZeroUsize>,
+    /// Whether the rows follow a path, so that each may start from the answer before it. Pieces of
+    /// [`PATH_ROWS`] rows start cold, and so does a row after one without an answer.
+    pub warm_path: bool,
+    /// Solve row by row without vectors, with the same answers.
+    pub no_lanes: bool,
+    /// Called after every piece of the batch.
+    pub progress: Option<Progress<'a>>,
+}
+
+/// Rows of a path that one thread solves in order, the first of them cold.
+pub const PATH_ROWS: usize = 64;
+/// Rows that one thread takes at a time. Neither number depends on the threads.
+const CHUNK_ROWS: usize = 256;
+
+/// Solves all rows of one robot.
+///
+/// # Errors
+/// [`BatchError`] when the model cannot take the robot, the values are no whole number of rows, or
+/// the batch was stopped. A row without an answer is no error of the batch.
+pub fn solve_batch(
+    model: &Model,
+    robot: &Robot,
+    rows: Rows<'_>,
+    options: &BatchOptions<'_>,
+) -> Result<Batch, BatchError> {
+    let prepared = prepare(model, robot, &rows)?;
+    let mut batch = Batch::new(
+        rows.count(robot.cables().len())?,
+        prepared.stations().to_vec(),
+        robot.cables().len(),
+    );
+    let (arrays, outcomes) = batch.parts();
+    solve_rows(model, &prepared, &rows, options, arrays, outcomes)?;
+    Ok(batch)
+}
+
+/// As [`solve_batch`], but writes the numbers into arrays of the caller's; returns for each row how
+/// it was solved, or why it was not. When the batch stops with an error, what the arrays hold is
+/// of no use.
+///
+/// # Errors
+/// [`BatchError`] also when an array has not the size it must have.
+pub fn solve_batch_into(
+    model: &Model,
+    robot: &Robot,
+    rows: Rows<'_>,
+    options: &BatchOptions<'_>,
+    arrays: Arrays<'_>,
+) -> Result<Vec<Result<Solved, SolveError>>, BatchError> {
+    let prepared = prepare(model, robot, &rows)?;
+    let count = rows.count(robot.cables().len())?;
+    arrays.check(count, prepared.stations().len(), robot.cables().len())?;
+    let mut outcomes = vec![Ok(Solved::default()); count];
+    solve_rows(model, &prepared, &rows, options, arrays, &mut outcomes)?;
+    Ok(outcomes)
+}
+
+/// Solves one case for each robot, each from cold.
+///
+/// # Errors
+/// [`BatchError`] when the batch was stopped.
+pub fn solve_robots(
+    model: &Model,
+    robots: &[(Robot, Case)],
+    options: &BatchOptions<'_>,
+) -> Result<Vec<Result<Solution, SolveError>>, BatchError> {
+    const ROBOTS: usize = 8;
+    let mut solutions: Vec<Option<Result<Solution, SolveError>>> = vec![None; robots.len()];
+    let jobs: Vec<_> = robots.chunks(ROBOTS).zip(solutions.chunks_mut(ROBOTS)).collect();
+    run(
+        jobs,
+        robots.len(),
+        options,
+        || (),
+        |(robots, solutions), ()| {
+            for ((robot, case), solution) in robots.iter().zip(solutions) {
+                let prepared = model.prepare(robot, &case.loads);
+                *solution = Some(prepared.and_then(|mut model| model.solve(case, None)));
+            }
+            robots.len()
+        },
+    )?;
+    // A batch that was not stopped has solved every robot.
+    Ok(solutions.into_iter().flatten().collect())
+}
+
+fn prepare(model: &Model, robot: &Robot, rows: &Rows<'_>) -> Result<Prepared, BatchError> {
+    Ok(model.prepare(robot, &rows.first_loads())?)
+}
+
+/// A piece of the batch: its rows and where their answers go.
+struct Piece<'a> {
+    first: usize,
+    arrays: Arrays<'a>,
+    outcomes: &'a mut [Result<Solved, SolveError>],
+}
+
+fn solve_rows(
+    model: &Model,
+    prepared: &Prepared,
+    rows: &Rows<'_>,
+    options: &BatchOptions<'_>,
+    arrays: Arrays<'_>,
+    outcomes: &mut [Result<Solved, SolveError>],
+) -> Result<(), BatchError> {
+    let count = outcomes.len();
+    let sizes = (prepared.stations().len(), prepared.robot().cables().len());
+    let size = if options.warm_path { PATH_ROWS } else { CHUNK_ROWS };
+    let mut pieces = Vec::with_capacity(count.div_ceil(size));
+    let mut rest = arrays;
+    for (i, outcomes) in outcomes.chunks_mut(size).enumerate() {
+        let (arrays, after) = rest.split_at(outcomes.len(), sizes);
+        rest = after;
+        pieces.push(Piece { first: i * size, arrays, outcomes });
+    }
+    let lanes = lanes(prepared, rows, options);
+    let scratch = || (prepared.clone(), Case::default());
+    run(pieces, count, options, scratch, |mut piece, (prepared, case)| {
+        let rows_done = piece.outcomes.len();
+        let solved = match &lanes {
+            Some((lanes, tensions)) => solve_in_lanes(lanes, tensions, &mut piece, sizes),
+            None => [false; CHUNK_ROWS],
+        };
+        solve_piece(model, prepared, case, rows, options, &mut piece, sizes, &solved);
+        rows_done
+    })
+}
+
+/// The lanes that can take the rows, and their tensions.
+fn lanes<'a>(
+    prepared: &Prepared,
+    rows: &Rows<'a>,
+    options: &BatchOptions<'_>,
+) -> Option<(OneCableLanes, &'a [f64])> {
+    match (prepared, rows) {
+        (Prepared::Cosserat(model, _), Rows::Tensions { values, loads })
+            if !options.no_lanes && !options.warm_path && **loads == Loads::default() =>
+        {
+            Some((model.one_cable_lanes()?, values))
+        }
+        _ => None,
+    }
+}
+
+/// Solves what it can; returns which rows of the piece it has solved.
+fn solve_in_lanes(
+    lanes: &OneCableLanes,
+    tensions: &[f64],
+    piece: &mut Piece<'_>,
+    (stations, _): (usize, usize),
+) -> [bool; CHUNK_ROWS] {
+    let mut solved = [false; CHUNK_ROWS];
+    let tensions = &tensions[piece.first..piece.first + piece.outcomes.len()];
+    let Arrays { positions, orientations, tensions: pulls, lengths } = &mut piece.arrays;
+    let (positions, _) = positions.as_chunks_mut::<3>();
+    let (orientations, _) = orientations.as_chunks_mut::<4>();
+    lanes.solve(tensions, |answer| {
+        let row = answer.row;
+        if limits::TENSION.check("tension", tensions[row]).is_err() {
+            return;
+        }
+        let of = row * stations..(row + 1) * stations;
+        for ((frame, position), orientation) in
+            answer.frames().zip(&mut positions[of.clone()]).zip(&mut orientations[of])
+        {
+            let [x, y, z, w, a, b, c] = frame;
+            *position = [x, y, z];
+            *orientation = [w, a, b, c];
+        }
+        pulls[row] = tensions[row];
+        lengths[row] = answer.length;
+        let diagnostics = Diagnostics {
+            discretization_error: answer.discretization_error,
+            steps: answer.steps,
+            ..Diagnostics::default()
+        };
+        piece.outcomes[row] = Ok(Solved { diagnostics, tensions: true });
+        solved[row] = true;
+    });
+    solved
+}
+
+#[expect(clippy::too_many_arguments, reason = "one call, and what it takes belongs to four owners")]
+fn solve_piece(
+    model: &Model,
+    prepared: &mut Prepared,
+    case: &mut Case,
+    rows: &Rows<'_>,
+    options: &BatchOptions<'_>,
+    piece: &mut Piece<'_>,
+    sizes: (usize, usize),
+    solved: &[bool; CHUNK_ROWS],
+) {
+    let mut before: Option<Solution> = None;
+    for row in 0..piece.outcomes.len() {
+        if solved[row] {
+            continue;
+        }
+        rows.case(piece.first + row, prepared.robot().cables().len(), case);
+        let solved = solve_row(model, prepared, case, before.as_ref());
+        match &solved {
+            Ok(solution) => piece.arrays.write(row, sizes, solution),
+            Err(_) => piece.arrays.clear(row, sizes),
+        }
+        (before, piece.outcomes[row]) = match solved {
+            Ok(solution) => {
+                let solved = Solved {
+                    diagnostics: solution.diagnostics.clone(),
+                    tensions: solution.cables.iter().all(|cable| cable.tension.is_some()),
+                };
+                (options.warm_path.then_some(solution), Ok(solved))
+            }
+            Err(error) => (None, Err(error)),
+        };
+    }
+}
+
+/// One row, from the answer before it and, where that leads nowhere, from cold.
+fn solve_row(
+    model: &Model,
+    prepared: &mut Prepared,
+    case: &Case,
+    before: Option<&Solution>,
+) -> Result<Solution, SolveError> {
+    if !prepared.takes_places_of(&case.loads) {
+        // Steps end where point loads are: other places are other steps.
+        *prepared = model.prepare(&prepared.robot().clone(), &case.loads)?;
+    }
+    if let Some(before) = before
+        && let Ok(solution) = prepared.solve(case, Some(before))
+    {
+        return Ok(solution);
+    }
+    prepared.solve(case, None)
+}

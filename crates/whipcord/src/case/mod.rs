@@ -1,0 +1,167 @@
+//! What is asked of a robot: how its cables are pulled, what loads it carries, and where its base is.
+
+mod loads;
+
+use whipcord_numerics::Pose;
+
+use crate::robot::{Problem, Robot, RobotError, limits};
+
+pub use loads::{DistributedLoad, LoadFrame, Loads, Piece, PointLoad, PointMass, Profile};
+
+/// What is asked of a robot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Case {
+    /// One for each cable of the robot.
+    pub commands: Vec<CableCommand>,
+    /// External loads.
+    pub loads: Loads,
+    /// Where the robot's base is in the world, and how it is turned there. Every shape that a model
+    /// returns is in the world frame.
+    pub base: Pose,
+    /// Steps of actuation that came before [`Self::commands`], in order, each with one command for
+    /// each cable. Only friction remembers them: a model without it gives the same shape whatever
+    /// came before.
+    pub before: Vec<Vec<CableCommand>>,
+}
+
+/// What one cable is told to do; a model uses what it is driven by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CableCommand {
+    /// Tension in N, not negative.
+    pub tension: Option<f64>,
+    /// Shortening of the part of the cable inside the robot; negative is paid out.
+    pub shortening: Option<Shortening>,
+}
+
+/// Initial minus present length of a cable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shortening {
+    /// In m.
+    Length(f64),
+    /// As a fraction of the cable's own initial length.
+    Fraction(f64),
+}
+
+/// Which of the two commands of a cable drives the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drive {
+    /// What the model is driven by by nature where it is given, else the other; each cable by
+    /// itself.
+    #[default]
+    Natural,
+    /// All cables by their tension.
+    Tension,
+    /// All cables by their shortening.
+    Shortening,
+}
+
+/// How far the norm of a unit quaternion may be from 1 by rounding.
+const UNIT_TOLERANCE: f64 = 1e-12;
+
+impl CableCommand {
+    fn check(&self) -> Result<(), RobotError> {
+        if let Some(tension) = self.tension {
+            limits::TENSION.check("tension", tension)?;
+        }
+        match self.shortening {
+            Some(Shortening::Length(length)) => limits::COORDINATE.check("shortening", length),
+            Some(Shortening::Fraction(f)) => limits::FRACTION.check("shortening", f),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Shortening {
+    /// In m, for a cable of this initial length.
+    #[must_use]
+    pub fn in_metres(self, initial_length: f64) -> f64 {
+        match self {
+            Self::Length(length) => length,
+            Self::Fraction(fraction) => fraction * initial_length,
+        }
+    }
+}
+
+impl Case {
+    /// The case with these tensions in N and no load.
+    #[must_use]
+    pub fn with_tensions(tensions: &[f64]) -> Self {
+        let command = |&tension| CableCommand { tension: Some(tension), shortening: None };
+        Self { commands: tensions.iter().map(command).collect(), ..Self::default() }
+    }
+
+    /// The case with these shortenings and no load.
+    #[must_use]
+    pub fn with_shortenings(shortenings: &[Shortening]) -> Self {
+        let command = |&shortening| CableCommand { tension: None, shortening: Some(shortening) };
+        Self { commands: shortenings.iter().map(command).collect(), ..Self::default() }
+    }
+
+    /// The steps of actuation in order, the last being the case itself: each with those that came
+    /// before it. To solve them all, start each from the answer of the one before:
+    ///
+    /// ```
+    /// # use whipcord::{Backbone, Cable, Case, Disks, Material, Model, ModelKind, Robot, Routing, Section};
+    /// # let backbone = Backbone {
+    /// #     section: Some(Section::circle(0.003)),
+    /// #     material: Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Default::default() },
+    /// #     ..Backbone::new(0.18)
+    /// # };
+    /// # let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+    /// # let robot = Robot::new(backbone, Disks::equally_spaced(0.18, 10, 0.008), vec![cable])?;
+    /// let commands = |tension: f64| Case::with_tensions(&[tension]).commands;
+    /// let case = Case { before: vec![commands(1.0), commands(3.0)], ..Case::with_tensions(&[2.0]) };
+    /// let model = Model::new(ModelKind::Cosserat, Default::default(), Default::default());
+    /// let mut prepared = model.prepare(&robot, &case.loads)?;
+    /// let mut solutions = Vec::new();
+    /// for step in case.steps() {
+    ///     let solution = prepared.solve(&step, solutions.last())?;
+    ///     solutions.push(solution);
+    /// }
+    /// let tensions: Vec<_> = solutions.iter().map(|solution| solution.cables[0].tension).collect();
+    /// assert_eq!(tensions, [Some(1.0), Some(3.0), Some(2.0)]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn steps(&self) -> impl ExactSizeIterator<Item = Self> + '_ {
+        let step = |k: usize| Self {
+            commands: self.before.get(k).unwrap_or(&self.commands).clone(),
+            before: self.before[..k].to_vec(),
+            ..self.clone()
+        };
+        (0..self.before.len() + 1).map(step)
+    }
+
+    /// Checks that the case fits the robot and that every number in it can be.
+    ///
+    /// # Errors
+    /// [`RobotError`] with the path of the offending quantity.
+    pub fn check(&self, robot: &Robot) -> Result<(), RobotError> {
+        let (given, cables) = (self.commands.len(), robot.cables().len());
+        if given != cables {
+            return Err(RobotError::new("cables", Problem::CableCount { given, cables }));
+        }
+        for (i, command) in self.commands.iter().enumerate() {
+            command.check().map_err(|error| error.under(&format!("cables[{i}]")))?;
+        }
+        for (k, step) in self.before.iter().enumerate() {
+            if step.len() != cables {
+                let problem = Problem::CableCount { given: step.len(), cables };
+                return Err(RobotError::new(format!("steps[{k}]"), problem));
+            }
+            for (i, command) in step.iter().enumerate() {
+                let of_step = |error: RobotError| RobotError {
+                    path: format!("steps[{k}].{}[{i}]", error.path),
+                    ..error
+                };
+                command.check().map_err(of_step)?;
+            }
+        }
+        limits::COORDINATE.check_vector("base.position", self.base.position)?;
+        let [w, x, y, z] = self.base.rotation.wxyz();
+        let norm = (w * w + x * x + y * y + z * z).sqrt();
+        if norm.is_nan() || (norm - 1.0).abs() > UNIT_TOLERANCE {
+            return Err(RobotError::new("base.orientation", Problem::NotUnit { norm }));
+        }
+        self.loads.check(robot.backbone().length)
+    }
+}

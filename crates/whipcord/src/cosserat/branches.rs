@@ -1,0 +1,270 @@
+//! All equilibria under a load that lie on the path from no load and on the branches off it.
+
+use whipcord_numerics::Vec3;
+
+use super::arc_length::{Event, Mark, Walk, other_branch};
+use super::model::{
+    Accuracy, Cosserat, ERROR_RATIO, FOLLOW_LEVEL, MAX_REFINEMENTS, Options, Workspace,
+};
+use super::state::{Direction, State};
+use super::statics::{self, Found};
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::shape::Solution;
+
+/// How far [`Cosserat::branches`] goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BranchOptions {
+    /// Each branch is followed as long as the load is at most so many times the given one, in either
+    /// direction; at least 1.
+    pub greatest_load: f64,
+    /// Steps along each branch.
+    pub most_steps: usize,
+    /// Branches that are followed, the path from no load included.
+    pub most_branches: usize,
+}
+
+impl Default for BranchOptions {
+    fn default() -> Self {
+        Self { greatest_load: 1.5, most_steps: 200, most_branches: 9 }
+    }
+}
+
+/// What [`Cosserat::branches`] found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Branches {
+    /// The equilibria under all of the load, branch by branch and along each.
+    pub equilibria: Vec<Equilibrium>,
+    /// Where the load turns back and where branches part, in the same order.
+    pub critical_points: Vec<CriticalPoint>,
+    /// Whether every branch was followed to the greatest load. Otherwise there may be more equilibria
+    /// on what was not followed.
+    pub complete: bool,
+}
+
+/// An equilibrium under all of the load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equilibrium {
+    /// Number of the branch; 0 is the path from no load, `None` for an answer of
+    /// [`Cosserat::solve`] that lies on none that was followed.
+    pub branch: Option<usize>,
+    /// The shape.
+    pub solution: Solution,
+    /// Whether the robot stays in it. Under loads that follow the backbone there is no energy to
+    /// tell: `Some(false)` where it diverges, as the sign of a determinant says, else `None`.
+    pub stable: Option<bool>,
+}
+
+/// A point of the path at which stability changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CriticalPoint {
+    /// Number of the branch it lies on.
+    pub branch: usize,
+    /// Fraction of the given load.
+    pub load: f64,
+    /// What happens there.
+    pub kind: CriticalKind,
+    /// Where the tip is, in the base frame in m.
+    pub tip: Vec3,
+}
+
+/// What happens at a critical point.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CriticalKind {
+    /// The load turns back: the robot snaps through.
+    Limit,
+    /// A cable that is driven by its length goes slack or taut, and with that stability changes.
+    CableSlackens,
+    /// Other branches part here, as at the buckling load of a straight column: their numbers, without
+    /// those that were not followed. Where several directions buckle at one load, as those around a
+    /// round rod, one of them is followed, to both sides.
+    Bifurcation(Vec<usize>),
+}
+
+/// A branch to be followed.
+struct Start {
+    state: State,
+    along: Direction,
+}
+
+impl Cosserat {
+    /// All equilibria under the load of a case that lie on the path from no load, past its limit
+    /// points, and on the branches off it. Cables keep their commands on the way.
+    ///
+    /// ```
+    /// use whipcord::cosserat::{BranchOptions, Cosserat, Options, Workspace};
+    /// use whipcord::{Backbone, Case, Disks, Loads, Material, Robot, Section, Vec3};
+    ///
+    /// let backbone = Backbone {
+    ///     section: Some(Section::circle(0.003)),
+    ///     material: Material {
+    ///         young_modulus: Some(1.1e9),
+    ///         poisson_ratio: Some(0.3),
+    ///         ..Default::default()
+    ///     },
+    ///     ..Backbone::new(0.18)
+    /// };
+    /// let rod = Robot::new(backbone, Disks::equally_spaced(0.18, 10, 0.008), vec![])?;
+    /// // Half as much again as what buckles the rod.
+    /// let loads = Loads { tip_force: Vec3::new(0.0, 0.0, -0.5), ..Loads::default() };
+    /// let case = Case { loads, ..Case::default() };
+    /// let model = Cosserat::new(&rod, &case.loads, &Options::default())?;
+    /// let found = model.branches(&case, &BranchOptions::default(), &mut Workspace::default())?;
+    /// let stable: Vec<_> = found.equilibria.iter().map(|e| e.stable).collect();
+    /// // Straight, and bent to either side.
+    /// assert_eq!(stable, [Some(false), Some(true), Some(true)]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SolveError`] when there is no shape without load to start from, or when an equilibrium is
+    /// lost on finer steps.
+    pub fn branches(
+        &self,
+        case: &Case,
+        options: &BranchOptions,
+        workspace: &mut Workspace,
+    ) -> Result<Branches, SolveError> {
+        // What has no shape without load, or folds, is told with its reason.
+        let answer = match self.solve(case, None, workspace) {
+            Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. }) => None,
+            other => Some(other?),
+        };
+        self.accept(case, workspace)?;
+        let level = match self.options.accuracy {
+            Accuracy::Steps(_) => 0,
+            Accuracy::Tolerance(_) => FOLLOW_LEVEL,
+        };
+        let grid = self.grid(level)?;
+        let mut found =
+            Branches { equilibria: Vec::new(), critical_points: Vec::new(), complete: true };
+        let problem = self.problem(&grid, case, &workspace.commands);
+        let scratch = &mut workspace.scratch;
+        let start = statics::start_of_path(&problem, scratch)
+            .map_err(|failure| self.explain(failure, &workspace.commands))?;
+        let Some(state) = start else {
+            found.add(answer, Some(0), None);
+            return Ok(found);
+        };
+        let along = Direction::of_load(state.nodes.len(), state.tensions.len());
+        let mut starts = vec![Start { state, along }];
+        let mut marks: Vec<(usize, Mark)> = Vec::new();
+        let mut branch = 0;
+        while branch < starts.len() {
+            let Start { state, along } = &starts[branch];
+            let Some(mut walk) = Walk::start(&problem, scratch, state, along) else {
+                found.complete = false;
+                branch += 1;
+                continue;
+            };
+            let mut left = options.most_steps;
+            while walk.here.state.load.abs() <= options.greatest_load.max(1.0) {
+                let Some((before, taken)) =
+                    (left > 0).then(|| walk.advance(&problem, scratch)).flatten()
+                else {
+                    found.complete = false;
+                    break;
+                };
+                left -= 1;
+                for event in walk.events(&problem, scratch, &before, taken) {
+                    let (mark, kind) = match event {
+                        Event::FullLoad(mark) => {
+                            marks.push((branch, *mark));
+                            continue;
+                        }
+                        Event::Limit(mark) => (mark, CriticalKind::Limit),
+                        Event::Kink(mark) => (mark, CriticalKind::CableSlackens),
+                        Event::Branching(mark) => {
+                            let room = options.most_branches.saturating_sub(starts.len());
+                            let others = other_branch(&problem, scratch, &mark);
+                            found.complete &= others.len().min(2) == 2 && room >= 2;
+                            let first = starts.len();
+                            starts.extend(
+                                others
+                                    .into_iter()
+                                    .take(room)
+                                    .map(|(state, along)| Start { state, along }),
+                            );
+                            (mark, CriticalKind::Bifurcation((first..starts.len()).collect()))
+                        }
+                    };
+                    let tip = statics::tip_of(&problem, scratch, &mark.state);
+                    let load = mark.state.load;
+                    found.critical_points.push(CriticalPoint { branch, load, kind, tip });
+                }
+            }
+            branch += 1;
+        }
+        let followers = case.loads.has_follower();
+        for (branch, mark) in marks {
+            let diverges = mark.unstable > 0;
+            let unknown = (followers && diverges).then_some(false);
+            let solution = self.refine(level, mark.state, case, workspace)?;
+            found.add(Some(solution), Some(branch), unknown);
+        }
+        found.add(answer, None, None);
+        Ok(found)
+    }
+
+    /// The equilibrium near a point on the grid of this level, on finer grids until it changes no
+    /// more.
+    fn refine(
+        &self,
+        level: usize,
+        mut near: State,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let Options { accuracy, .. } = self.options;
+        let mut coarser: Option<Found> = None;
+        let (mut error, mut steps) = (f64::INFINITY, 0);
+        for level in level..=MAX_REFINEMENTS {
+            let grid = self.grid(level)?;
+            let problem = self.problem(&grid, case, &workspace.commands);
+            let mut found = statics::settle(&problem, &mut workspace.scratch, near)
+                .map_err(|failure| self.explain(failure, &workspace.commands))?;
+            match (accuracy, coarser) {
+                (Accuracy::Steps(_), _) => {
+                    return self.solution(&grid, case, workspace, found, None);
+                }
+                (Accuracy::Tolerance(tolerance), Some(earlier)) => {
+                    found = found.after(&earlier);
+                    error = workspace.change(&grid) / ERROR_RATIO;
+                    if error <= tolerance * self.robot.backbone().length {
+                        return self.solution(&grid, case, workspace, found, Some(error));
+                    }
+                }
+                _ => {}
+            }
+            workspace.keep_coarse(&grid);
+            steps = grid.len();
+            near = workspace.scratch.chain.state.halved();
+            coarser = Some(found);
+        }
+        let tolerance = match accuracy {
+            Accuracy::Tolerance(tolerance) => tolerance * self.robot.backbone().length,
+            Accuracy::Steps(_) => 0.0,
+        };
+        Err(SolveError::StepsTooCoarse { error, tolerance, steps })
+    }
+}
+
+impl Branches {
+    /// Adds an answer that is new; `stable` is what is known of one without energy.
+    fn add(&mut self, solution: Option<Solution>, branch: Option<usize>, stable: Option<bool>) {
+        let Some(solution) = solution else { return };
+        if self.equilibria.iter().any(|known| is_same(&known.solution, &solution)) {
+            return;
+        }
+        let diagnostics = &solution.diagnostics;
+        let stable = diagnostics.stability.map(|_| !diagnostics.is_unstable()).or(stable);
+        self.equilibria.push(Equilibrium { branch, solution, stable });
+    }
+}
+
+/// Whether two answers are one: a branch may be met from both of its ends.
+fn is_same(a: &Solution, b: &Solution) -> bool {
+    const CLOSE: f64 = 1e-5;
+    let length = b.disks.arc_length.last().copied().unwrap_or(1.0);
+    a.disks.distances(&b.disks).all(|d| d <= CLOSE * length)
+}

@@ -1,0 +1,144 @@
+//! Cables that are held at their lengths.
+//!
+//! With `D = ∂ℓ/∂τ` at constant tensions and `cᵢ` what a tension of 1 N adds to the length of an
+//! elastic cable, the tensions of the held cables follow what changes their lengths by
+//!
+//! ```text
+//! (D − diag c) δτ = δℓ* − δℓ|τ                                                        (d4)
+//! ```
+//!
+//! Where more cables are taut than lengths are independent, as with four straight cables, `D` is
+//! singular: the least change of tensions is taken. It is found by iterated regularisation, which
+//! leaves nothing to choose between what is small and what is zero.
+
+use whipcord_numerics::DenseLu;
+
+use super::Hold;
+use super::elimination::Critical;
+
+/// The cables that are held, in the two ways they can be.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Held {
+    cables: usize,
+    /// Those of given length that are taut.
+    driven: Set,
+    /// All that are taut.
+    taut: Set,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Set {
+    members: Vec<usize>,
+    /// `D − diag c` of the members, by rows.
+    matrix: Vec<f64>,
+    /// Its transpose.
+    transposed: Vec<f64>,
+    lu: DenseLu,
+    transposed_lu: DenseLu,
+}
+
+/// Of the greatest entry of the diagonal.
+const REGULARISATION: f64 = 1e-8;
+/// Each takes the error of what is not singular down by the regularisation over its eigenvalue.
+const CORRECTIONS: usize = 4;
+
+impl Held {
+    /// From `D` and `c`, and which cables are taut and driven by their lengths.
+    pub fn new(
+        cables: usize,
+        length_by_tension: impl Fn(usize, usize) -> f64,
+        compliance: impl Fn(usize) -> f64,
+        taut: impl Fn(usize) -> bool,
+        driven: impl Fn(usize) -> bool,
+    ) -> Result<Self, Critical> {
+        let set = |members: Vec<usize>| {
+            let entry = |i: usize, j: usize| {
+                let own = if i == j { compliance(i) } else { 0.0 };
+                length_by_tension(i, j) - own
+            };
+            Set::new(members, entry)
+        };
+        Ok(Self {
+            cables,
+            driven: set((0..cables).filter(|&i| taut(i) && driven(i)).collect())?,
+            taut: set((0..cables).filter(|&i| taut(i)).collect())?,
+        })
+    }
+
+    fn set(&self, hold: Hold) -> Option<&Set> {
+        match hold {
+            Hold::Commands => Some(&self.driven),
+            Hold::Tensions => None,
+            Hold::Lengths => Some(&self.taut),
+        }
+    }
+
+    /// The change of every tension that lengthens the held cables by `right`.
+    pub fn tensions(&self, hold: Hold, right: &[f64]) -> Vec<f64> {
+        self.solve(hold, right, |set| (&set.matrix, &set.lu))
+    }
+
+    /// The transpose of [`Self::tensions`].
+    pub fn pull_back(&self, hold: Hold, worth: &[f64]) -> Vec<f64> {
+        self.solve(hold, worth, |set| (&set.transposed, &set.transposed_lu))
+    }
+
+    fn solve(
+        &self,
+        hold: Hold,
+        right: &[f64],
+        of: impl Fn(&Set) -> (&Vec<f64>, &DenseLu),
+    ) -> Vec<f64> {
+        let mut out = vec![0.0; self.cables];
+        if let Some(set) = self.set(hold)
+            && !set.members.is_empty()
+        {
+            let (matrix, lu) = of(set);
+            let right: Vec<f64> = set.members.iter().map(|&i| right[i]).collect();
+            for (&i, x) in set.members.iter().zip(least(matrix, lu, &right)) {
+                out[i] = x;
+            }
+        }
+        out
+    }
+}
+
+impl Set {
+    fn new(members: Vec<usize>, entry: impl Fn(usize, usize) -> f64) -> Result<Self, Critical> {
+        let n = members.len();
+        let by_rows = |at: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            (0..n * n).map(|k| at(members[k / n], members[k % n])).collect()
+        };
+        let (matrix, transposed) = match n {
+            0 => (Vec::new(), Vec::new()),
+            _ => (by_rows(&entry), by_rows(&|i, j| entry(j, i))),
+        };
+        let greatest = (0..n).map(|i| matrix[i * n + i].abs()).fold(0.0, f64::max);
+        let factored = |matrix: &[f64]| {
+            let mut regular = matrix.to_vec();
+            for i in 0..n {
+                regular[i * n + i] -= REGULARISATION * greatest;
+            }
+            let mut lu = DenseLu::default();
+            lu.factor(n, &regular).map(|()| lu).map_err(|_| Critical)
+        };
+        let (lu, transposed_lu) = (factored(&matrix)?, factored(&transposed)?);
+        Ok(Self { members, matrix, transposed, lu, transposed_lu })
+    }
+}
+
+/// The least solution of a system whose matrix may be singular, by iterated regularisation.
+fn least(matrix: &[f64], lu: &DenseLu, right: &[f64]) -> Vec<f64> {
+    let n = right.len();
+    let mut x = vec![0.0; n];
+    for _ in 0..CORRECTIONS {
+        let mut rest: Vec<f64> = (0..n)
+            .map(|i| right[i] - (0..n).map(|j| matrix[i * n + j] * x[j]).sum::<f64>())
+            .collect();
+        lu.solve(&mut rest);
+        for (x, change) in x.iter_mut().zip(&rest) {
+            *x += change;
+        }
+    }
+    x
+}

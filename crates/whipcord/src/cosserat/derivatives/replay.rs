@@ -1,0 +1,335 @@
+//! The steps of an answer once more, with the linear map of every stage.
+//!
+//! A stage of the Runge–Kutta method of [`super::super::loaded`] takes a quaternion, scaled back to
+//! norm 1 by one Newton step, and a moment; solves the section; and returns slopes. Each of these
+//! maps is differentiated as it is computed, so that what comes out is the derivative of the
+//! discrete solution, not a discretisation of the derivative.
+
+use whipcord_numerics::{BUTCHER_5, Mat3, Pose, UnitQuaternion, Vec3};
+
+use super::elimination::NodeChange;
+use super::forward::Forcing;
+use crate::cosserat::grid::Grid;
+use crate::cosserat::loaded::{NODE_OF_STAGE, STAGES, State, advance, combine, pack, unpack};
+use crate::cosserat::loads::{AppliedLoads, Line};
+use crate::cosserat::section::{BodyWrench, Strain, Tangent, equilibrium};
+use crate::cosserat::unloaded::Fault;
+use crate::shape::Wrench;
+
+/// The place of [`crate::cosserat::grid::SHOOTING_NODES`] at the end of a step.
+const LAST_NODE: usize = 4;
+
+/// The linear map of one stage at the answer.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stage {
+    pub strain: Strain,
+    /// `∂N`, `∂Mᵦ` and `∂p′` by each component of the quaternion before it is scaled back.
+    pub force_by_turn: [Vec3; 4],
+    pub moment_by_turn: [Vec3; 4],
+    pub velocity_by_turn: [Vec3; 4],
+    /// `∂q′` by each of them, at constant curvature.
+    pub spin_by_turn: [[f64; 4]; 4],
+    /// `∂q′` by the curvature.
+    pub spin_by_curvature: [[f64; 4]; 3],
+    /// `R`, as the stage has it.
+    pub rotation: Mat3,
+    /// `F` in the base frame.
+    pub force: Vec3,
+    /// `M` in the base frame.
+    pub moment: Vec3,
+    /// `p′`.
+    pub velocity: Vec3,
+    /// `H⁻¹`: `∂v/∂N`, `∂v/∂M` and `∂u/∂M`.
+    pub compliance: [Mat3; 3],
+}
+
+/// What turns with the section and is spread along a step, at one stage: its force and moment per
+/// metre in the base frame, by each component of the quaternion before it is scaled back.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spread {
+    pub force_by_turn: [Vec3; 4],
+    pub moment_by_turn: [Vec3; 4],
+}
+
+/// Where a step starts and ends.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ends {
+    /// `∂q` at the start by a turn of the start about each axis of the base frame.
+    pub start_by_turn: [[f64; 4]; 3],
+    /// Turn of the end, base frame, by each component of the quaternion before it is scaled back.
+    pub turn_by_end: [Vec3; 4],
+    /// Frame at the end.
+    pub pose: Pose,
+    /// Force in the base frame just before the end.
+    pub force: Vec3,
+    /// Moment in the base frame just before the end.
+    pub moment: Vec3,
+}
+
+/// All stages of an answer.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Replay {
+    /// Six to each step.
+    pub stages: Vec<Stage>,
+    /// What a unit tension of each cable exerts at each stage, and its stretch; by stages, then
+    /// cables.
+    pub pulls: Vec<(BodyWrench, f64)>,
+    /// By steps; `None` where no follower is spread.
+    spread: Vec<Option<[Spread; STAGES]>>,
+    pub ends: Vec<Ends>,
+    /// Moment in the base frame at the base.
+    pub base_moment: Vec3,
+    /// Force in the base frame at the base.
+    pub base_force: Vec3,
+}
+
+/// The answer that is gone over.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer<'a> {
+    pub grid: &'a Grid,
+    pub loads: &'a AppliedLoads,
+    pub tensions: &'a [f64],
+    /// Frames at the ends of all steps.
+    pub poses: &'a [Pose],
+    pub base_moment: Vec3,
+    /// Force of the followers at the base.
+    pub follower_force: Vec3,
+    /// Moment, and force of the followers, in the base frame at the start of each step, where the
+    /// answer has them: without them both are integrated.
+    pub starts: Option<&'a [Wrench]>,
+    /// Strains to start the sections from, six to a step; where there are none each starts from its
+    /// neighbour.
+    pub strains: &'a [Strain],
+}
+
+impl Replay {
+    /// Goes over the answer.
+    pub fn run(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
+        let Answer { grid, loads, tensions, .. } = *answer;
+        let cables = tensions.len();
+        self.stages.clear();
+        self.pulls.clear();
+        self.pulls.resize(STAGES * grid.len() * cables, Default::default());
+        self.ends.clear();
+        self.spread.clear();
+        self.base_moment = answer.base_moment;
+        self.base_force = loads.base_force() + answer.follower_force;
+        let known = answer.strains.len() == STAGES * grid.len();
+        let mut strain = grid.shooting.at(0, 0, 0).0.section.rest_strain();
+        let mut moment = answer.base_moment;
+        let mut follower_force = answer.follower_force;
+        for k in 0..grid.len() {
+            if let Some(starts) = answer.starts {
+                (moment, follower_force) = (starts[k].moment, starts[k].force);
+            }
+            let step = grid.steps[k];
+            let (h, active) = (step.length, &tensions[..step.active]);
+            let rotation = answer.poses[k].rotation;
+            let start = pack(rotation, answer.poses[k].position, moment);
+            let mut slopes = [[0.0; 10]; STAGES];
+            let line = loads.line(k);
+            let follows = line.is_some_and(Line::follows);
+            let mut pushes = [Vec3::ZERO; STAGES];
+            let mut spread = [Spread::default(); STAGES];
+            for i in 0..STAGES {
+                let stage = advance(&start, &slopes[..i], &BUTCHER_5.a[i], h);
+                let (node, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
+                let mut force = loads.force(k, NODE_OF_STAGE[i]) + follower_force;
+                if follows {
+                    force -= h * combine(&pushes[..i], &BUTCHER_5.a[i]);
+                }
+                let (turned, _, moment) = unpack(&stage);
+                let r = turned.to_matrix();
+                let wrench =
+                    BodyWrench { linear: r.transpose_mul(force), angular: r.transpose_mul(moment) };
+                if known {
+                    strain = answer.strains[STAGES * k + i];
+                }
+                let fault = |kind| Fault { kind, arc_length: step.start + BUTCHER_5.c[i] * h };
+                equilibrium(&node.section, crossings, active, wrench, &mut strain)
+                    .map_err(fault)?;
+                let tangent =
+                    Tangent::at(&node.section, crossings, active, &strain).map_err(fault)?;
+                let place = (STAGES * k + i) * cables;
+                for (pull, crossing) in self.pulls[place..].iter_mut().zip(crossings) {
+                    *pull = crossing.pull(&strain);
+                }
+                let velocity = r * strain.linear;
+                let spin = UnitQuaternion { w: 0.0, v: strain.angular * 0.5 };
+                let mut torque = force.cross(velocity);
+                if let Some(line) = line {
+                    let t = BUTCHER_5.c[i];
+                    // A dead moment is the same wherever the rod turns.
+                    torque -= line.moment(t) + r * line.follower_moment(t);
+                    pushes[i] = r * line.follower_force(t);
+                }
+                slopes[i] = pack(turned * spin, velocity, torque);
+                let mut made = Stage {
+                    strain,
+                    rotation: r,
+                    force,
+                    moment,
+                    velocity,
+                    compliance: tangent.compliance(),
+                    ..Stage::default()
+                };
+                made.differentiate(&stage, turned, moment, &wrench);
+                if let Some(line) = line.filter(|_| follows) {
+                    let t = BUTCHER_5.c[i];
+                    let by_turn = |x| made.turned(&stage, turned, x);
+                    spread[i] = Spread {
+                        force_by_turn: by_turn(line.follower_force(t)),
+                        moment_by_turn: by_turn(line.follower_moment(t)),
+                    };
+                }
+                self.stages.push(made);
+            }
+            if follows {
+                follower_force -= h * combine(&pushes, &BUTCHER_5.b);
+            }
+            if line.is_some() {
+                self.spread.resize(k, None);
+                self.spread.push(follows.then_some(spread));
+            }
+            let end = advance(&start, &slopes, &BUTCHER_5.b, h);
+            let (turned, position, arriving) = unpack(&end);
+            let force = loads.force(k, LAST_NODE) + follower_force;
+            let pose = Pose { position, rotation: turned };
+            let mut ends = Ends { pose, force, moment: arriving, ..Ends::default() };
+            ends.differentiate(rotation, &end, turned);
+            self.ends.push(ends);
+            let follower = loads.follower(k + 1);
+            follower_force -= turned.rotate(follower.force);
+            moment = arriving - loads.moment(k + 1) - turned.rotate(follower.moment);
+        }
+        self.add_tip(answer, strain)
+    }
+
+    /// The section at the tip, with what arrives there, after the stages of the steps.
+    fn add_tip(&mut self, answer: &Answer<'_>, mut strain: Strain) -> Result<(), Fault> {
+        let Answer { grid, tensions, .. } = *answer;
+        let (Some(ends), Some(step)) = (self.ends.last(), grid.steps.last()) else {
+            return Ok(());
+        };
+        let Ends { pose, force, moment, .. } = *ends;
+        let (node, crossings) = grid.shooting.at(grid.len() - 1, LAST_NODE, step.active);
+        let active = &tensions[..step.active];
+        let to_body = pose.rotation.conjugate();
+        let wrench = BodyWrench { linear: to_body.rotate(force), angular: to_body.rotate(moment) };
+        let fault = |kind| Fault { kind, arc_length: step.start + step.length };
+        equilibrium(&node.section, crossings, active, wrench, &mut strain).map_err(fault)?;
+        let tangent = Tangent::at(&node.section, crossings, active, &strain).map_err(fault)?;
+        let rotation = pose.rotation.to_matrix();
+        let mut made = Stage {
+            strain,
+            rotation,
+            force,
+            moment,
+            velocity: rotation * strain.linear,
+            compliance: tangent.compliance(),
+            ..Stage::default()
+        };
+        let state = pack(pose.rotation, pose.position, moment);
+        made.differentiate(&state, pose.rotation, moment, &wrench);
+        self.stages.push(made);
+        let place = self.pulls.len();
+        self.pulls.resize(place + tensions.len(), Default::default());
+        for (pull, crossing) in self.pulls[place..].iter_mut().zip(crossings) {
+            *pull = crossing.pull(&strain);
+        }
+        Ok(())
+    }
+
+    /// What followers spread along a step do at its stages, where there are any.
+    #[inline]
+    pub fn spread(&self, k: usize) -> Option<&[Spread; STAGES]> {
+        self.spread.get(k)?.as_ref()
+    }
+
+    /// What unit tensions exert at a stage, and the stretch of each cable.
+    #[inline]
+    pub fn pulls_at(&self, stage: usize, cables: usize, active: usize) -> &[(BodyWrench, f64)] {
+        &self.pulls[stage * cables..stage * cables + active]
+    }
+}
+
+impl Stage {
+    /// Eq. (d1) for a change of the node at which the stage sits.
+    pub fn strain_change(&self, node: &NodeChange, forcing: &Forcing) -> Strain {
+        let to_body = |x: Vec3| self.rotation.transpose_mul(x);
+        // A turn by φ of the base frame is one by −φ of what is given in it.
+        let turned = |x: Vec3| to_body(x.cross(node.turn));
+        let n = turned(self.force) + to_body(node.force + forcing.force) - forcing.force_balance;
+        let m = turned(self.moment) + to_body(node.moment) - forcing.moment_balance;
+        let [vn, vm, um] = &self.compliance;
+        Strain { linear: *vn * n + *vm * m, angular: vm.transpose_mul(n) + *um * m }
+    }
+
+    /// By the quaternion of the stage. With `q̂` the quaternion scaled back, `ρ` its norm, which
+    /// differs from 1 by the square of how far it was off, and `η`, `σ` its change as a turn in the
+    /// body frame and as a relative change of norm, `∂R = R̃ η̂ + 2σ (R − I)`, `R̃ = R − (1 − ρ²) I`.
+    fn differentiate(
+        &mut self,
+        stage: &State,
+        scaled: UnitQuaternion,
+        moment: Vec3,
+        wrench: &BodyWrench,
+    ) {
+        let squared = scaled.w * scaled.w + scaled.v.norm_squared();
+        let (short, inverse) = (1.0 - squared, 1.0 / squared);
+        let force = self.force;
+        let turned_force = wrench.linear - short * force;
+        let turned_moment = wrench.angular - short * moment;
+        let (force_rest, moment_rest) = (wrench.linear - force, wrench.angular - moment);
+        let spin = UnitQuaternion { w: 0.0, v: self.strain.angular * 0.5 };
+        for j in 0..4 {
+            let change = scaled_back(stage, j);
+            let relative = scaled.conjugate() * change;
+            let turn = relative.v * (2.0 * inverse);
+            let growth = 2.0 * relative.w * inverse;
+            self.force_by_turn[j] = turned_force.cross(turn) + growth * force_rest;
+            self.moment_by_turn[j] = turned_moment.cross(turn) + growth * moment_rest;
+            self.spin_by_turn[j] = (change * spin).wxyz();
+        }
+        for (column, axis) in self.spin_by_curvature.iter_mut().zip(AXES) {
+            *column = (scaled * UnitQuaternion { w: 0.0, v: axis * 0.5 }).wxyz();
+        }
+        self.velocity_by_turn = self.turned(stage, scaled, self.strain.linear);
+    }
+
+    /// `∂(R x)` by each component of the quaternion, for a vector `x` of the body frame.
+    #[inline]
+    fn turned(&self, stage: &State, scaled: UnitQuaternion, x: Vec3) -> [Vec3; 4] {
+        let squared = scaled.w * scaled.w + scaled.v.norm_squared();
+        let (short, inverse) = (1.0 - squared, 1.0 / squared);
+        let rest = self.rotation * x - x;
+        core::array::from_fn(|j| {
+            let relative = scaled.conjugate() * scaled_back(stage, j);
+            let swing = (relative.v * (2.0 * inverse)).cross(x);
+            let growth = 2.0 * relative.w * inverse;
+            self.rotation * swing - short * swing + growth * rest
+        })
+    }
+}
+
+impl Ends {
+    fn differentiate(&mut self, start: UnitQuaternion, end: &State, scaled: UnitQuaternion) {
+        for (column, axis) in self.start_by_turn.iter_mut().zip(AXES) {
+            *column = (UnitQuaternion { w: 0.0, v: axis * 0.5 } * start).wxyz();
+        }
+        // The norm is 1 but for the square of the error of one step.
+        for j in 0..4 {
+            self.turn_by_end[j] = 2.0 * (scaled_back(end, j) * scaled.conjugate()).v;
+        }
+    }
+}
+
+pub(super) const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
+
+/// Derivative of [`UnitQuaternion::renormalized`] by component `j` of the quaternion of a state.
+fn scaled_back(&[w, x, y, z, ..]: &State, j: usize) -> UnitQuaternion {
+    let q = [w, x, y, z];
+    let f = 1.5 - 0.5 * q.iter().map(|c| c * c).sum::<f64>();
+    let at = |i: usize| if i == j { f - q[j] * q[i] } else { -q[j] * q[i] };
+    UnitQuaternion { w: at(0), v: Vec3::new(at(1), at(2), at(3)) }
+}

@@ -1,0 +1,290 @@
+//! Cables that rub in their holes.
+//!
+//! A cable enters the base disk along the base's z axis and turns by `φᵢ` in the hole of disk i, from
+//! one chord to the next. By Eytelwein's law its tension on the two sides obeys
+//!
+//! ```text
+//! e^(−μφᵢ) Tᵢ₋₁ ≤ Tᵢ ≤ e^(μφᵢ) Tᵢ₋₁                                                             (5)
+//! ```
+//!
+//! and lies at the lower bound where the cable slides towards the base, at the upper one where it
+//! slides towards the tip. With `Dᵢ = Σ_{k≥i} (ℓₖ − Tₖ ℓₖ⁰/EA)`, what there is of the cable beyond the
+//! hole when nothing stretches it, it has slid by `gᵢ = Dᵢ(before) − Dᵢ` in a step of actuation, and
+//!
+//! ```text
+//! gᵢ − max(0, gᵢ − κ(Tᵢ − e^(−μφᵢ)Tᵢ₋₁)) − min(0, gᵢ + κ(e^(μφᵢ)Tᵢ₋₁ − Tᵢ)) = 0,   κ > 0        (6)
+//! ```
+//!
+//! says all of this in one equation for each hole; where a length is given, `D₀` takes the place of
+//! the one at the base. A semismooth Newton method solves them for the tension of every piece of
+//! cable, with the angles of the last iterate.
+
+use whipcord_numerics::{DenseLu, Pose, Vec3};
+
+use super::joint::Chord;
+use super::layout::Frame;
+use super::statics::{Failure, Found, Rod};
+use crate::cosserat::lengths::{Command, Responds as _};
+use crate::shape::Contact;
+
+/// What the holes remember of the steps before.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct History {
+    /// `Dᵢ` of every passage, in m; empty before the first step.
+    pub beyond: Vec<f64>,
+    /// Tension of every passage in N.
+    pub tensions: Vec<f64>,
+    /// Tension below the base disk, by cable.
+    pub base: Vec<f64>,
+    /// How the cable came to stand in the near hole of every passage.
+    pub contacts: Vec<Contact>,
+}
+
+/// What does not change from step to step.
+#[derive(Clone, Debug)]
+pub(super) struct Holes {
+    /// Passages of each cable from the base on.
+    pub of_cable: Vec<Vec<usize>>,
+    /// Friction coefficients.
+    pub coefficients: Vec<f64>,
+    /// `ℓ⁰/EA` of every passage in m/N.
+    pub yielding: Vec<f64>,
+    /// `Dᵢ` of the robot at rest.
+    pub at_rest: Vec<f64>,
+}
+
+const MAX_ITERATIONS: usize = 120;
+/// Of the backbone's length: slips and tensions, in terms of κ, are met to this.
+const TOLERANCE: f64 = 1e-13;
+/// Of the backbone's length: less is no sliding.
+const SLIDES: f64 = 1e-11;
+/// What rounding may leave where nothing improves any more.
+const ROUNDING: f64 = 1e-10;
+/// The step of actuation is divided into at most so many parts.
+const MOST_PARTS: usize = 64;
+const STUCK: &str =
+    "the cables find no state of sticking and sliding: go there in smaller steps of actuation";
+
+impl Holes {
+    /// `Dᵢ` of every passage at these lengths and tensions of passages.
+    fn beyond(&self, lengths: &[f64], tensions: &[f64], beyond: &mut [f64]) {
+        for passages in &self.of_cable {
+            let mut sum = 0.0;
+            for &p in passages.iter().rev() {
+                sum += lengths[p] - tensions[p] * self.yielding[p];
+                beyond[p] = sum;
+            }
+        }
+    }
+}
+
+/// `φ` at the near hole of every passage, in rad, from the poses of the spans relative to the disk
+/// before.
+pub(super) fn turns(frame: &Frame, holes: &Holes, spans: &[Pose], chords: &[Chord]) -> Vec<f64> {
+    let mut turns = vec![0.0; frame.passages];
+    for passages in &holes.of_cable {
+        for (k, &p) in passages.iter().enumerate() {
+            let coming = match k.checked_sub(1) {
+                None => Vec3::Z,
+                Some(before) => {
+                    spans[before].rotation.conjugate().rotate(chords[passages[before]].along)
+                }
+            };
+            let going = chords[p].along;
+            turns[p] = coming.cross(going).norm().atan2(coming.dot(going));
+        }
+    }
+    turns
+}
+
+/// Goes one step of actuation on from `history`, in parts where that is needed; the tensions of all
+/// passages end in `history`.
+pub(super) fn step(
+    rod: &mut Rod<'_>,
+    holes: &Holes,
+    commands: &[Command],
+    history: &mut History,
+) -> Result<Found, Failure> {
+    if history.beyond.is_empty() {
+        history.beyond.clone_from(&holes.at_rest);
+        history.tensions = vec![0.0; holes.at_rest.len()];
+        history.base = vec![0.0; commands.len()];
+        history.contacts = vec![Contact::Sticks; holes.at_rest.len()];
+    }
+    let before = history.clone();
+    let mut parts = 1;
+    loop {
+        *history = before.clone();
+        let gone = (1..=parts).try_fold(Found::default(), |found, part| {
+            let fraction = part as f64 / parts as f64;
+            let commands = between(&before, holes, commands, fraction);
+            let next = newton(rod, holes, &commands, history)?;
+            Ok(Found { iterations: found.iterations + next.iterations, ..next })
+        });
+        match gone {
+            Err(_) if parts < MOST_PARTS => parts *= 4,
+            done => return done,
+        }
+    }
+}
+
+/// The commands at a fraction of the way from the state before.
+fn between(before: &History, holes: &Holes, commands: &[Command], fraction: f64) -> Vec<Command> {
+    let part = |(cable, command): (usize, &Command)| match *command {
+        Command::Tension(tension) => {
+            let start = before.base[cable];
+            Command::Tension(start + fraction * (tension - start))
+        }
+        Command::Length { target, compliance } => {
+            let start = before.beyond[holes.of_cable[cable][0]];
+            Command::Length { target: start + fraction * (target - start), compliance }
+        }
+    };
+    commands.iter().enumerate().map(part).collect()
+}
+
+/// The semismooth Newton method on eq. (6).
+fn newton(
+    rod: &mut Rod<'_>,
+    holes: &Holes,
+    commands: &[Command],
+    history: &mut History,
+) -> Result<Found, Failure> {
+    let n = holes.at_rest.len();
+    let length = rod.length();
+    let kappa = rod.compliance_scale();
+    let mut tensions = history.tensions.clone();
+    // A first guess that slides everywhere: without tension no piece of cable could take any.
+    for (cable, command) in commands.iter().enumerate() {
+        if let Command::Tension(given) = *command {
+            for &p in &holes.of_cable[cable] {
+                if tensions[p] == 0.0 {
+                    tensions[p] = given;
+                }
+            }
+        }
+    }
+    let (mut beyond, mut lu) = (vec![0.0; n], DenseLu::default());
+    let (mut matrix, mut right) = (vec![0.0; n * n], vec![0.0; n]);
+    let mut last = f64::INFINITY;
+    for iteration in 0..MAX_ITERATIONS {
+        rod.respond(&tensions, true).map_err(|fault| rod.failure(fault, &tensions))?;
+        let turns = rod.turns(holes);
+        holes.beyond(rod.lengths(), &tensions, &mut beyond);
+        matrix.fill(0.0);
+        let mut worst: f64 = 0.0;
+        for (cable, passages) in holes.of_cable.iter().enumerate() {
+            for (i, &p) in passages.iter().enumerate() {
+                let wrap = holes.coefficients[cable] * turns[p];
+                let (least, most) = ((-wrap).exp(), wrap.exp());
+                let incoming = match (i, commands[cable]) {
+                    (0, Command::Tension(given)) => Some((None, given)),
+                    (0, Command::Length { .. }) => None,
+                    _ => Some((Some(passages[i - 1]), tensions[passages[i - 1]])),
+                };
+                let row = &mut matrix[p * n..(p + 1) * n];
+                let Some((before, tension)) = incoming else {
+                    // D₀ is given; the cable is slack where it would have to push.
+                    let Command::Length { target, .. } = commands[cable] else { continue };
+                    let lack = beyond[p] - target;
+                    if lack + tensions[p] * kappa <= 0.0 {
+                        row[p] = kappa;
+                        right[p] = -kappa * tensions[p];
+                    } else {
+                        by_material(rod, holes, &passages[i..], row);
+                        right[p] = -lack;
+                    }
+                    worst = worst.max(right[p].abs());
+                    continue;
+                };
+                let slip = history.beyond[p] - beyond[p];
+                let (above, below) = (tensions[p] - least * tension, most * tension - tensions[p]);
+                let contact = if slip - kappa * above > 0.0 {
+                    Contact::Pulled
+                } else if slip + kappa * below < 0.0 {
+                    Contact::Released
+                } else {
+                    Contact::Sticks
+                };
+                let factor = if contact == Contact::Pulled { least } else { most };
+                if contact == Contact::Sticks {
+                    by_material(rod, holes, &passages[i..], row);
+                    right[p] = slip;
+                } else {
+                    row[p] = kappa;
+                    if let Some(before) = before {
+                        row[before] = -kappa * factor;
+                    }
+                    right[p] = kappa * (factor * tension - tensions[p]);
+                }
+                worst = worst.max(right[p].abs());
+            }
+        }
+        let settled = worst <= TOLERANCE * length;
+        if settled || (iteration + 1 == MAX_ITERATIONS && last <= ROUNDING * length) {
+            for (contact, (before, now)) in
+                history.contacts.iter_mut().zip(history.beyond.iter().zip(&beyond))
+            {
+                *contact = Contact::after(before - now, SLIDES * length);
+            }
+            for (cable, command) in commands.iter().enumerate() {
+                let first = holes.of_cable[cable][0];
+                let (wrap, tension) = (holes.coefficients[cable] * turns[first], tensions[first]);
+                let (least, most) = (tension * (-wrap).exp(), tension * wrap.exp());
+                history.base[cable] = match (*command, history.contacts[first]) {
+                    (Command::Tension(given), _) => given,
+                    // Pulled in, the base bears more than the first piece.
+                    (Command::Length { .. }, Contact::Pulled) => most,
+                    (Command::Length { .. }, Contact::Released) => least,
+                    (Command::Length { .. }, Contact::Sticks) => {
+                        history.base[cable].clamp(least, most)
+                    }
+                };
+            }
+            history.beyond.clone_from(&beyond);
+            history.tensions = tensions;
+            return Ok(Found { iterations: iteration + 1, residual: worst / length });
+        }
+        last = worst;
+        if lu.factor(n, &matrix).is_err() {
+            break;
+        }
+        let mut change = right.clone();
+        lu.solve(&mut change);
+        if !change.iter().all(|x| x.is_finite()) {
+            break;
+        }
+        for (tension, d) in tensions.iter_mut().zip(&change) {
+            *tension = (*tension + d).max(0.0);
+        }
+    }
+    Err(Failure::NotConverged {
+        iterations: MAX_ITERATIONS,
+        residual: last / length,
+        last_load: 0.0,
+        advice: STUCK,
+    })
+}
+
+/// `∂Dᵢ/∂T` into a row.
+fn by_material(rod: &Rod<'_>, holes: &Holes, passages: &[usize], row: &mut [f64]) {
+    let n = row.len();
+    for &k in passages {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry += rod.length_by_tension()[k * n + j];
+        }
+        row[k] -= holes.yielding[k];
+    }
+}
+
+impl Contact {
+    fn after(slip: f64, least: f64) -> Self {
+        if slip > least {
+            Self::Pulled
+        } else if slip < -least {
+            Self::Released
+        } else {
+            Self::Sticks
+        }
+    }
+}

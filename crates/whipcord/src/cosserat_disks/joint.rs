@@ -1,0 +1,155 @@
+//! One span with its cables: how the next disk stands on this one.
+//!
+//! A cable runs straight from the hole `h₀` of this disk to the hole `h₁` of the next one, which
+//! stands at `(Q, p)`: with the chord `c = p + Q h₁ − h₀`, its length `ℓ` and direction `t = c/ℓ`, it
+//! takes its share of the total wrench `(N, M)` at the cut just beyond this disk, and the rod has the
+//! rest `w = (n, m)`:
+//!
+//! ```text
+//! w + Σ τᵢ (tᵢ, h₀ᵢ × tᵢ) = (N, M),      (Q, p) = the rod's end under w, eqs. (1)          (3)
+//! ```
+//!
+//! six equations for the six components of `w`: the conditions for a minimum of the rod's energy and
+//! `Σ τᵢ ℓᵢ`, less the work of `(N, M)`.
+
+use whipcord_numerics::{Mat3, Pose, Vec3};
+
+use super::layout::Span;
+use super::rod::{End, Variation};
+use crate::cosserat::section::BodyWrench;
+
+/// A straight piece of cable, in the frame of the disk nearer the base.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Chord {
+    /// `t`.
+    pub along: Vec3,
+    /// `ℓ` in m.
+    pub length: f64,
+}
+
+/// A cable's piece that has no length left.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vanished {
+    pub cable: usize,
+}
+
+/// Of the distance between the disks: below it a piece of cable counts as gone.
+const LEAST_CHORD: f64 = 1e-3;
+
+/// The chords of a span whose far disk stands at `pose`.
+pub(super) fn draw(span: &Span, pose: &Pose, chords: &mut [Chord]) -> Result<(), Vanished> {
+    for (passage, chord) in span.passages.iter().zip(chords) {
+        let way = pose.transform(passage.far) - passage.near;
+        let length = way.norm();
+        let at_rest = (passage.far - passage.near).norm() + pose.position.norm();
+        if length.is_nan() || length <= LEAST_CHORD * at_rest {
+            return Err(Vanished { cable: passage.cable });
+        }
+        *chord = Chord { along: way * (1.0 / length), length };
+    }
+    Ok(())
+}
+
+/// `Σ τᵢ (tᵢ, h₀ᵢ × tᵢ)`.
+#[inline]
+pub(super) fn pull(span: &Span, chords: &[Chord], tensions: &[f64]) -> BodyWrench {
+    let mut sum = BodyWrench::default();
+    for ((passage, chord), &tension) in span.passages.iter().zip(chords).zip(tensions) {
+        sum = sum + unit_pull(passage.near, chord) * tension;
+    }
+    sum
+}
+
+/// What a unit tension exerts at the near disk.
+#[inline]
+pub(super) fn unit_pull(near: Vec3, chord: &Chord) -> BodyWrench {
+    BodyWrench { linear: chord.along, angular: near.cross(chord.along) }
+}
+
+/// What rod and cables exert together on the far disk's near side, as a moment in its frame.
+pub(super) fn far_moment(span: &Span, end: &End, chords: &[Chord], tensions: &[f64]) -> Vec3 {
+    let to_far = end.pose.rotation.conjugate();
+    let mut moment = to_far.rotate(end.moment);
+    for ((passage, chord), &tension) in span.passages.iter().zip(chords).zip(tensions) {
+        moment += passage.far.cross(to_far.rotate(chord.along)) * tension;
+    }
+    moment
+}
+
+/// What a variation of the rod does to the span.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Answer {
+    /// Rotation of the far disk relative to the near one, in the far frame.
+    pub turn: Vec3,
+    /// Total moment at the far disk, in its frame.
+    pub moment: Vec3,
+    /// Force of followers inside the span, in the near frame, negative.
+    pub force: Vec3,
+    /// Of the cables' share in eq. (3).
+    pub pull: BodyWrench,
+}
+
+/// The answer to a variation of the rod; `lengths` takes the changes of the chords.
+#[inline]
+pub(super) fn answer(
+    span: &Span,
+    pose: &Pose,
+    chords: &[Chord],
+    tensions: &[f64],
+    variation: &Variation,
+    lengths: &mut [f64],
+) -> Answer {
+    let Variation { turn, shift, moment, force } = *variation;
+    let mut out = Answer { turn, moment, force, pull: BodyWrench::default() };
+    let to_far = pose.rotation.conjugate();
+    for (i, (passage, chord)) in span.passages.iter().zip(chords).enumerate() {
+        // The chord's change, and its direction's, in the far frame and then in the near one.
+        let t = to_far.rotate(chord.along);
+        let way = shift + turn.cross(passage.far);
+        let longer = t.dot(way);
+        lengths[i] = longer;
+        let tension = tensions[i];
+        if tension == 0.0 {
+            continue;
+        }
+        let tilt = (way - t * longer) * (tension / chord.length);
+        out.moment += passage.far.cross(tilt + tension * t.cross(turn));
+        let tilt = pose.rotation.rotate(tilt);
+        out.pull.linear += tilt;
+        out.pull.angular += passage.near.cross(tilt);
+    }
+    out
+}
+
+/// `I + ∂(Σ τ q)/∂w`, factored in 3×3 blocks.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Factors {
+    force: Mat3,
+    /// Upper right block and lower left block.
+    upper: Mat3,
+    lower: Mat3,
+    /// Inverse of the Schur complement of the force block.
+    moment: Mat3,
+}
+
+impl Factors {
+    /// From the answers to the three forces and three moments; `None` where it is singular.
+    pub fn new(by: &[Answer]) -> Option<Self> {
+        let linear = |c: usize| by[c].pull.linear;
+        let angular = |c: usize| by[c].pull.angular;
+        let force = Mat3::IDENTITY + Mat3::from_columns(linear(0), linear(1), linear(2));
+        let upper = Mat3::from_columns(linear(3), linear(4), linear(5));
+        let lower = Mat3::from_columns(angular(0), angular(1), angular(2));
+        let moment = Mat3::IDENTITY + Mat3::from_columns(angular(3), angular(4), angular(5));
+        let force = force.inverse()?;
+        let moment = (moment - lower * force * upper).inverse()?;
+        Some(Self { force, upper, lower, moment })
+    }
+
+    #[inline]
+    pub fn solve(&self, right: BodyWrench) -> BodyWrench {
+        let first = self.force * right.linear;
+        let angular = self.moment * (right.angular - self.lower * first);
+        BodyWrench { linear: first - self.force * (self.upper * angular), angular }
+    }
+}

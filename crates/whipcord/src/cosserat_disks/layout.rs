@@ -1,0 +1,194 @@
+//! The robot cut at its disks: spans of the backbone, and the cables' straight pieces in them.
+
+use core::ops::Range;
+
+use whipcord_numerics::{Pose, Vec3, magnus_6};
+
+use super::friction::Holes;
+use crate::case::Loads;
+use crate::cosserat::grid::{Grid, Layout};
+use crate::error::SolveError;
+use crate::model::ModelKind;
+use crate::robot::{Cable, Robot, Routing};
+
+/// A cable's way from the hole of one disk to that of the next, in the frames of the disks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Passage {
+    /// Number of the cable.
+    pub cable: usize,
+    /// Its hole in the disk nearer the base, in m.
+    pub near: Vec3,
+    /// Its hole in the next disk, in m.
+    pub far: Vec3,
+}
+
+/// What lies between two neighbouring disks.
+#[derive(Clone, Debug)]
+pub(super) struct Span {
+    /// Arc length of the disk nearer the base in m.
+    pub start: f64,
+    pub passages: Vec<Passage>,
+    /// Number of the first passage among those of all spans.
+    pub first: usize,
+}
+
+/// What does not depend on how finely the spans are integrated.
+#[derive(Clone, Debug)]
+pub(super) struct Frame {
+    /// The same backbone without cables: what is integrated.
+    pub rod: Robot,
+    pub layout: Layout,
+    pub spans: Vec<Span>,
+    /// Hole to hole on the rod at rest, in m, by cable.
+    pub rest_lengths: Vec<f64>,
+    /// The same, passage by passage.
+    rest_chords: Vec<f64>,
+    /// Passages of all spans.
+    pub passages: usize,
+}
+
+/// Steps from base to tip, and which of them lie in which span.
+#[derive(Clone, Debug)]
+pub(super) struct Mesh {
+    pub grid: Grid,
+    pub spans: Vec<Range<usize>>,
+}
+
+impl Frame {
+    /// Cuts the robot.
+    ///
+    /// # Errors
+    /// [`SolveError::Unsupported`] when a cable is anchored between two disks, and
+    /// [`SolveError::Missing`] when the rod's stiffness is not known.
+    pub fn new(robot: &Robot, stations: Vec<f64>, loads: &Loads) -> Result<Self, SolveError> {
+        let rod = Robot::new(robot.backbone().clone(), robot.disks().clone(), Vec::new())?;
+        let at = &robot.disks().arc_lengths;
+        let mut anchors = Vec::with_capacity(robot.cables().len());
+        for (i, (cable, route)) in robot.cables().iter().zip(robot.routes()).enumerate() {
+            let tolerance = 1e-10 * robot.backbone().length;
+            let disk = at.iter().position(|&s| (s - route.end()).abs() <= tolerance);
+            let anchor = disk.filter(|&disk| disk > 0).ok_or_else(|| between_disks(i, cable))?;
+            anchors.push(anchor);
+        }
+        let mut spans = Vec::with_capacity(at.len() - 1);
+        let mut passages = 0;
+        for k in 0..at.len() - 1 {
+            let through = |i: usize| Passage {
+                cable: i,
+                near: hole(robot, i, k),
+                far: hole(robot, i, k + 1),
+            };
+            let of_span: Vec<Passage> =
+                (0..anchors.len()).filter(|&i| anchors[i] > k).map(through).collect();
+            spans.push(Span { start: at[k], first: passages, passages: of_span });
+            passages += spans[k].passages.len();
+        }
+        let layout = Layout::new(&rod, stations, loads);
+        let (rest_lengths, rest_chords) = (vec![0.0; anchors.len()], Vec::new());
+        let mut frame = Self { rod, layout, spans, rest_lengths, rest_chords, passages };
+        frame.rest_chords = frame.chords_at_rest()?;
+        let passing = frame.spans.iter().flat_map(|span| &span.passages);
+        for (passage, chord) in passing.zip(&frame.rest_chords) {
+            frame.rest_lengths[passage.cable] += chord;
+        }
+        Ok(frame)
+    }
+
+    /// The frame's mesh with every step halved `halvings` times, of at least `steps` steps.
+    pub fn mesh(&self, steps: usize, halvings: usize) -> Result<Mesh, SolveError> {
+        let grid =
+            Grid::refined(&self.rod, &self.layout, steps, halvings).map_err(of_this_model)?;
+        let spans = grid.disks.windows(2).map(|pair| pair[0]..pair[1]).collect();
+        Ok(Mesh { grid, spans })
+    }
+
+    /// What cables rub in, and how much.
+    pub fn holes(&self, robot: &Robot) -> Holes {
+        let mut of_cable = vec![Vec::new(); robot.cables().len()];
+        for span in &self.spans {
+            for (i, passage) in span.passages.iter().enumerate() {
+                of_cable[passage.cable].push(span.first + i);
+            }
+        }
+        let mut at_rest = self.rest_chords.clone();
+        for passages in &of_cable {
+            let mut beyond = 0.0;
+            for &p in passages.iter().rev() {
+                beyond += self.rest_chords[p];
+                at_rest[p] = beyond;
+            }
+        }
+        let cables = robot.cables();
+        let mut yielding = vec![0.0; self.passages];
+        for (passages, cable) in of_cable.iter().zip(cables) {
+            let compliance = cable.axial_stiffness.map_or(0.0, f64::recip);
+            for &p in passages {
+                yielding[p] = compliance * self.rest_chords[p];
+            }
+        }
+        Holes {
+            of_cable,
+            coefficients: cables.iter().map(|cable| cable.friction.unwrap_or(0.0)).collect(),
+            yielding,
+            at_rest,
+        }
+    }
+
+    /// Lengths of the chords of all passages on the rod at rest.
+    fn chords_at_rest(&self) -> Result<Vec<f64>, SolveError> {
+        const HALVINGS: usize = 3;
+        let mesh = self.mesh(1, HALVINGS)?;
+        let mut lengths = Vec::with_capacity(self.passages);
+        for (span, steps) in self.spans.iter().zip(&mesh.spans) {
+            let pose = steps.clone().fold(Pose::IDENTITY, |pose, k| {
+                let h = mesh.grid.steps[k].length;
+                let at = |j: usize| mesh.grid.gauss.at(k, j, 0).0.section.rest_strain() * h;
+                pose * magnus_6(&[at(0), at(1), at(2)])
+            });
+            for passage in &span.passages {
+                let chord = pose.transform(passage.far) - passage.near;
+                lengths.push(chord.norm());
+            }
+        }
+        Ok(lengths)
+    }
+}
+
+/// Where the cable passes a disk: the hole of its list, whatever course it takes between them.
+fn hole(robot: &Robot, cable: usize, disk: usize) -> Vec3 {
+    let disks = robot.disks();
+    match (&robot.cables()[cable].routing, disks.holes) {
+        (Routing::Holes { holes, .. }, Some(count)) => {
+            let angle = core::f64::consts::TAU * (holes[disk] as f64 - 1.0) / count as f64;
+            let radius = disks.hole_circle_radii[disk];
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+        }
+        _ => robot.routes()[cable].at(disks.arc_lengths[disk]).offset,
+    }
+}
+
+fn between_disks(cable: usize, of: &Cable) -> SolveError {
+    let path = match of.ends_at {
+        Some(_) => format!("cables[{cable}].ends_at"),
+        None => format!("cables[{cable}]"),
+    };
+    SolveError::Unsupported {
+        model: ModelKind::CosseratDisks,
+        path,
+        what: "a cable anchored between two disks",
+        advice: "anchor it at a disk, or put a disk where it ends, or use cosserat",
+    }
+}
+
+/// The error of what both Cosserat models share, in the name of this one.
+pub(super) fn of_this_model(error: SolveError) -> SolveError {
+    match error {
+        SolveError::Missing { path, advice, .. } => {
+            SolveError::Missing { model: ModelKind::CosseratDisks, path, advice }
+        }
+        SolveError::Unsupported { path, what, advice, .. } => {
+            SolveError::Unsupported { model: ModelKind::CosseratDisks, path, what, advice }
+        }
+        other => other,
+    }
+}

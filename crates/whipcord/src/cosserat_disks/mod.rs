@@ -1,0 +1,24 @@
+//! The Cosserat rod whose cables run straight from hole to hole (see
+//! `docs/theory/cosserat-disks.md`).
+//!
+//! A real cable leaves one disk at a hole and runs straight to the hole of the next. Between the
+//! disks only the rod bears anything, so that a span is a rod under an end wrench. From the inside
+//! out: `layout` cuts the robot at its disks; `rod` integrates one span and differentiates it;
+//! `joint` puts the cables to it; `unloaded` solves span after span where nothing but the cables
+//! pulls, and `chain` all of them at once under loads; `statics` finds equilibria for tensions or
+//! lengths, `friction` for cables that rub; `stability` says
+//! whether the robot stays in them; `local` how it yields; `model` is what the rest of the library sees.
+
+mod chain;
+mod friction;
+mod joint;
+mod layout;
+mod local;
+mod model;
+mod rod;
+mod stability;
+mod statics;
+mod unloaded;
+
+pub(crate) use local::solve_at;
+pub use model::{CosseratDisks, Options, Workspace};

@@ -1,0 +1,436 @@
+use std::borrow::Cow;
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::friction::{History, Holes};
+use super::layout::{Frame, Mesh, of_this_model};
+use super::statics::{self, Failure, Found, Problem, Scratch, Start};
+use crate::case::{Case, Drive, Loads, Piece};
+use crate::cosserat::lengths::Command;
+use crate::cosserat::{Accuracy, loads};
+use crate::error::SolveError;
+use crate::model::{ModelKind, Stations};
+use crate::robot::{Problem as Mistake, Robot, RobotError};
+use crate::shape::{CableState, Diagnostics, Shape, Solution};
+
+/// How the model is discretised and driven.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Where the shape is given.
+    pub stations: Stations,
+    /// Which command of each cable counts; by nature the tension.
+    pub drive: Drive,
+    /// How finely the spans between the disks are integrated. The disks themselves are the model:
+    /// they stay as many as the robot has.
+    pub accuracy: Accuracy,
+    /// Whether the stability of the answer is computed, at held tensions.
+    pub stability: bool,
+    /// Greatest gap between spans under load, relative to 1 rad and the scales of moment and force
+    /// (EI/L and EI/L², and what acts there), at which equilibrium counts as met.
+    pub residual: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            stations: Stations::default(),
+            drive: Drive::default(),
+            accuracy: Accuracy::default(),
+            stability: true,
+            residual: 2e-11,
+        }
+    }
+}
+
+/// Meshes that are made beforehand.
+const READY_MESHES: usize = 3;
+/// How often the steps may be halved.
+const MAX_REFINEMENTS: usize = 8;
+/// A failure to converge is believed only with steps halved this often.
+const GIVE_UP_LEVEL: usize = 2;
+/// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
+const ERROR_RATIO: f64 = 15.0;
+
+/// The Cosserat rod with cables that run straight from hole to hole, built for one robot.
+///
+/// ```
+/// use whipcord::cosserat_disks::{CosseratDisks, Options, Workspace};
+/// use whipcord::{Backbone, Cable, Case, Disks, Loads, Material, Robot, Routing, Section};
+///
+/// let backbone = Backbone {
+///     section: Some(Section::circle(0.003)),
+///     material: Material {
+///         young_modulus: Some(1.1e9),
+///         poisson_ratio: Some(0.3),
+///         ..Default::default()
+///     },
+///     ..Backbone::new(0.18)
+/// };
+/// let disks = Disks::equally_spaced(0.18, 10, 0.008);
+/// let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+/// let robot = Robot::new(backbone, disks, vec![cable])?;
+///
+/// let model = CosseratDisks::new(&robot, &Loads::default(), &Options::default())?;
+/// let mut workspace = Workspace::default();
+/// let solution = model.solve(&Case::with_tensions(&[3.0]), None, &mut workspace)?;
+/// // From hole to hole the cable takes a shortcut, farther from the bent backbone than its holes
+/// // are: it bends the rod more than a continuous one would, here by three per cent.
+/// let bend = 0.18 * 3.0 * 0.008 / (1.1e9 * core::f64::consts::PI * 0.003_f64.powi(4) / 64.0);
+/// let ratio = solution.disks.tip().rotation.log().norm() / bend;
+/// assert!((0.9..1.1).contains(&ratio) && ratio != 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CosseratDisks {
+    robot: Robot,
+    frame: Frame,
+    /// Where a cable rubs.
+    holes: Option<Holes>,
+    options: Options,
+    /// The only mesh, or the first of a sequence in which the steps are halved.
+    meshes: Vec<Mesh>,
+}
+
+/// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
+/// memory itself.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    scratch: Scratch,
+    commands: Vec<Command>,
+    coarse_poses: Vec<Pose>,
+    coarse_lengths: Vec<f64>,
+    coarse_tensions: Vec<f64>,
+}
+
+impl Workspace {
+    /// Keeps what the answer on a coarse mesh is compared by.
+    fn keep(&mut self, mesh: &Mesh) {
+        self.coarse_poses.clear();
+        let kept = mesh.grid.disks.iter().chain(&mesh.grid.stations);
+        self.coarse_poses.extend(kept.map(|&k| self.scratch.poses[k]));
+        self.coarse_lengths.clone_from(&self.scratch.lengths);
+        self.coarse_tensions.clone_from(&self.scratch.tensions);
+    }
+
+    /// Largest change of a position or a cable's length since then, in m. Where lengths are given
+    /// it is the tensions that change, which counts as a fraction of the length.
+    fn change(&self, mesh: &Mesh, length: f64) -> f64 {
+        let kept = mesh.grid.disks.iter().chain(&mesh.grid.stations).zip(&self.coarse_poses);
+        let moved =
+            kept.map(|(&k, coarse)| (self.scratch.poses[k].position - coarse.position).norm());
+        let lengths = self.scratch.lengths.iter().zip(&self.coarse_lengths);
+        let tensions = self.scratch.tensions.iter().zip(&self.coarse_tensions);
+        let relative = |(fine, coarse): (&f64, &f64)| {
+            length * (fine - coarse).abs() / fine.max(f64::MIN_POSITIVE)
+        };
+        moved
+            .chain(lengths.map(|(fine, coarse)| (fine - coarse).abs()))
+            .chain(tensions.filter(|(fine, coarse)| fine != coarse).map(relative))
+            .fold(0.0, f64::max)
+    }
+}
+
+impl CosseratDisks {
+    /// The model of a robot that may carry loads at the places where `loads` has them.
+    ///
+    /// # Errors
+    /// [`SolveError::Missing`] when the robot's stiffness is not given, and
+    /// [`SolveError::Unsupported`] when a cable is anchored between two disks.
+    pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
+        let frame = Frame::new(robot, options.stations.arc_lengths(robot), loads)?;
+        let meshes = match options.accuracy {
+            Accuracy::Steps(steps) => vec![frame.mesh(steps, 0)?],
+            Accuracy::Tolerance(_) => {
+                (0..READY_MESHES).map(|level| frame.mesh(1, level)).collect::<Result<_, _>>()?
+            }
+        };
+        let rubs = robot.cables().iter().any(|cable| cable.friction.is_some_and(|mu| mu > 0.0));
+        let holes = rubs.then(|| frame.holes(robot));
+        Ok(Self { robot: robot.clone(), frame, holes, options: options.clone(), meshes })
+    }
+
+    /// The robot this model was built for.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Arc lengths of the stations in m.
+    #[must_use]
+    pub fn stations(&self) -> &[f64] {
+        self.frame.layout.stations()
+    }
+
+    /// Whether these loads have their points where the model was built for them.
+    #[must_use]
+    pub fn takes_places_of(&self, loads: &Loads) -> bool {
+        self.frame.layout.has_loads_of(loads)
+    }
+
+    /// The shape under a case, starting from the solution of a neighbouring one when given.
+    ///
+    /// Cables that rub remember the way they came, so that pulling and releasing differ: the steps
+    /// [`Case::before`] are taken first, from the robot at rest.
+    ///
+    /// # Errors
+    /// [`SolveError`] with the reason why there is no answer.
+    pub fn solve(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let start = warm_start.map_or(Start::Cold, start_from);
+        if self.holes.is_some() && !case.before.is_empty() {
+            // What holes remember depends on the mesh: the whole way is gone on each.
+            let steps: Vec<Case> = case.steps().collect();
+            return self.solve_last(&steps, start, workspace);
+        }
+        self.solve_last(core::slice::from_ref(case), start, workspace)
+    }
+
+    /// The answer to the last of several steps.
+    fn solve_last(
+        &self,
+        cases: &[Case],
+        start: Start,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        for case in cases {
+            case.check(&self.robot)?;
+            loads::check(&self.robot, &case.loads).map_err(of_this_model)?;
+            if !self.takes_places_of(&case.loads) {
+                let problem = Mistake::LoadPlaces;
+                return Err(RobotError { path: "loads".to_owned(), problem }.into());
+            }
+            refuse_spread(&case.loads)?;
+            self.commands(case, &mut workspace.commands)?;
+        }
+        let base = cases.last().map_or(Pose::IDENTITY, |case| case.base);
+        match self.options.accuracy {
+            Accuracy::Steps(_) => {
+                let mesh = &self.meshes[0];
+                let found = self.solve_on(mesh, cases, &start, workspace)?;
+                Ok(self.solution(mesh, base, workspace, found, None))
+            }
+            Accuracy::Tolerance(tolerance) => {
+                self.solve_to(tolerance, cases, base, start, workspace)
+            }
+        }
+    }
+
+    /// Halves the steps until the answer changes no more.
+    fn solve_to(
+        &self,
+        tolerance: f64,
+        cases: &[Case],
+        base: Pose,
+        mut start: Start,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let length = self.robot.backbone().length;
+        let tolerance = tolerance * length;
+        let (mut error, mut steps, mut iterations) = (f64::INFINITY, 0, 0);
+        let mut coarser = false;
+        for level in 0..=MAX_REFINEMENTS {
+            let mesh = match self.meshes.get(level) {
+                Some(mesh) => Cow::Borrowed(mesh),
+                None => Cow::Owned(self.frame.mesh(1, level)?),
+            };
+            let found = match self.solve_on(&mesh, cases, &start, workspace) {
+                // Steps that are too coarse for a strong bend can keep Newton's method away.
+                Err(
+                    SolveError::NotConverged { .. }
+                    | SolveError::SectionFolds { .. }
+                    | SolveError::UnreachableLength { .. },
+                ) if !coarser && level < GIVE_UP_LEVEL => continue,
+                other => other?,
+            };
+            iterations += found.iterations;
+            if coarser {
+                error = workspace.change(&mesh, length) / ERROR_RATIO;
+                if error <= tolerance {
+                    let found = Found { iterations, ..found };
+                    return Ok(self.solution(&mesh, base, workspace, found, Some(error)));
+                }
+            }
+            workspace.keep(&mesh);
+            let disks = mesh.grid.disks.iter().map(|&k| workspace.scratch.poses[k]).collect();
+            start = Start::From {
+                tensions: workspace.scratch.tensions.clone(),
+                disks,
+                base: Some(workspace.scratch.base_wrench),
+            };
+            (steps, coarser) = (mesh.grid.len(), true);
+        }
+        Err(SolveError::StepsTooCoarse { error, tolerance, steps })
+    }
+
+    fn solve_on(
+        &self,
+        mesh: &Mesh,
+        cases: &[Case],
+        start: &Start,
+        workspace: &mut Workspace,
+    ) -> Result<Found, SolveError> {
+        let Workspace { scratch, commands, .. } = workspace;
+        scratch.history = History::default();
+        let mut found = Found::default();
+        for case in cases {
+            scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);
+            self.commands(case, commands)?;
+            let problem = self.problem(mesh, commands);
+            found = statics::solve(&problem, start, scratch)
+                .map_err(|failure| self.explain(failure, commands))?;
+        }
+        Ok(found)
+    }
+
+    fn problem<'a>(&'a self, mesh: &'a Mesh, commands: &'a [Command]) -> Problem<'a> {
+        Problem {
+            frame: &self.frame,
+            mesh,
+            commands,
+            tolerance: self.options.residual,
+            holes: self.holes.as_ref(),
+        }
+    }
+
+    /// What drives each cable.
+    fn commands(&self, case: &Case, commands: &mut Vec<Command>) -> Result<(), SolveError> {
+        commands.clear();
+        for (i, command) in case.commands.iter().enumerate() {
+            let tension = command.tension.filter(|_| self.options.drive != Drive::Shortening);
+            let shortening = command.shortening.filter(|_| self.options.drive != Drive::Tension);
+            let initial = self.frame.rest_lengths[i];
+            commands.push(match (tension, shortening) {
+                (Some(tension), _) => Command::Tension(tension),
+                (None, Some(shortening)) => Command::Length {
+                    target: initial - shortening.in_metres(initial),
+                    compliance: self.robot.cables()[i].axial_stiffness.map_or(0.0, |k| initial / k),
+                },
+                (None, None) => return Err(self.no_command(i)),
+            });
+        }
+        Ok(())
+    }
+
+    fn no_command(&self, cable: usize) -> SolveError {
+        let (key, advice) = match self.options.drive {
+            Drive::Natural => ("tension", "give this cable a tension, or a shortening"),
+            Drive::Tension => ("tension", "give it, or drive the cables by their shortening"),
+            Drive::Shortening => ("shortening", "give it, or drive the cables by their tension"),
+        };
+        let path = format!("cables[{cable}].{key}");
+        SolveError::Missing { model: ModelKind::CosseratDisks, path, advice }
+    }
+
+    fn solution(
+        &self,
+        mesh: &Mesh,
+        base: Pose,
+        workspace: &mut Workspace,
+        found: Found,
+        discretization_error: Option<f64>,
+    ) -> Solution {
+        let stability = if self.options.stability {
+            let problem = self.problem(mesh, &workspace.commands);
+            statics::least_eigenvalue(&problem, &mut workspace.scratch)
+        } else {
+            None
+        };
+        let scratch = &workspace.scratch;
+        let shape = |arc_lengths: &[f64], places: &[usize]| {
+            let poses = places.iter().map(|&k| scratch.poses[k]).collect();
+            Shape { arc_length: arc_lengths.to_vec(), poses }.moved(base)
+        };
+        let cables = self.robot.cables().iter().enumerate().map(|(i, cable)| {
+            let (tension, length) = (scratch.tensions[i], scratch.lengths[i]);
+            let command = workspace.commands[i];
+            let loose = command.slackness(tension, length);
+            CableState {
+                name: cable.name.clone(),
+                tension: Some(tension),
+                length,
+                initial_length: self.frame.rest_lengths[i],
+                slack: matches!(command, Command::Length { .. })
+                    && tension == 0.0
+                    && loose > 1e-12 * self.robot.backbone().length,
+                span_tensions: self.at_holes(i, &scratch.history.tensions),
+                contacts: self.at_holes(i, &scratch.history.contacts),
+            }
+        });
+        Solution {
+            model: ModelKind::CosseratDisks,
+            shape: shape(self.frame.layout.stations(), &mesh.grid.stations),
+            disks: shape(&self.robot.disks().arc_lengths, &mesh.grid.disks),
+            cables: cables.collect(),
+            base_wrench: Some(scratch.base_wrench),
+            diagnostics: Diagnostics {
+                iterations: found.iterations,
+                residual: found.residual,
+                stability,
+                discretization_error,
+                steps: mesh.grid.len(),
+                ..Diagnostics::default()
+            },
+        }
+    }
+
+    /// The values that a cable which rubs has at its holes in the disks, of those of all passages.
+    fn at_holes<T: Copy>(&self, cable: usize, of_passages: &[T]) -> Vec<T> {
+        let rubs = |holes: &&Holes| holes.coefficients[cable] > 0.0;
+        let holes = self.holes.as_ref().filter(rubs);
+        holes.map_or_else(Vec::new, |holes| {
+            holes.of_cable[cable].iter().map(|&p| of_passages[p]).collect()
+        })
+    }
+
+    fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
+        let name = |cable: usize| self.robot.cables()[cable].name.clone();
+        match failure {
+            Failure::Folds { cable, arc_length, tension, last_load } => {
+                SolveError::SectionFolds { cable: name(cable), arc_length, tension, last_load }
+            }
+            Failure::Unreachable { cable, length } => {
+                let initial = self.frame.rest_lengths[cable];
+                let requested = match commands[cable] {
+                    Command::Length { target, .. } => initial - target,
+                    Command::Tension(_) => 0.0,
+                };
+                let reachable = initial - length;
+                SolveError::UnreachableLength { cable: name(cable), requested, reachable }
+            }
+            Failure::NotConverged { iterations, residual, last_load, advice } => {
+                let residual = if residual.is_finite() { residual } else { 1.0 };
+                SolveError::NotConverged { iterations, residual, last_load, advice }
+            }
+        }
+    }
+}
+
+/// Between two disks the rod takes forces that keep their direction, and no more.
+fn refuse_spread(loads: &Loads) -> Result<(), SolveError> {
+    for (i, load) in loads.distributed.iter().enumerate() {
+        let turns = |piece: Piece| piece.moment.iter().any(|&moment| moment != Vec3::ZERO);
+        if load.follower || load.profile.pieces().any(turns) {
+            return Err(SolveError::Unsupported {
+                model: ModelKind::CosseratDisks,
+                path: format!("loads.distributed[{i}]"),
+                what: "a moment, or a load that follows the backbone, spread along it",
+                advice: "give it as point loads, or use cosserat",
+            });
+        }
+    }
+    Ok(())
+}
+
+fn start_from(solution: &Solution) -> Start {
+    let to_base = solution.disks.poses.first().map_or(Pose::IDENTITY, Pose::inverse);
+    Start::From {
+        tensions: solution.cables.iter().map(|cable| cable.tension.unwrap_or(0.0)).collect(),
+        // As the base sees them.
+        disks: solution.disks.poses.iter().map(|pose| to_base * *pose).collect(),
+        base: solution.base_wrench,
+    }
+}

@@ -1,0 +1,243 @@
+//! The rod of one span as an initial value problem, and its linearisation.
+//!
+//! In the frame of the disk it starts from, with the force `f` and the moment `m` that everything
+//! beyond a cut exerts on the *rod* there,
+//!
+//! ```text
+//! R′ = R û,   p′ = R v,   m′ = −p′ × f,   f′ = −(loads)      (v, u) = ξ* + K⁻¹ (Rᵀf, Rᵀm)       (1)
+//! ```
+//!
+//! No cable is in its sections: cables pull at the disks alone. Butcher's Runge–Kutta method of
+//! order 5 integrates; the classical one takes the variations
+//!
+//! ```text
+//! η′ = δu − u × η,   ζ′ = η × v + δv − u × ζ,   μ′ = −δu × M − u × μ − δv × N − v × δN          (2)
+//! (δv, δu) = K⁻¹ (δN, μ),   δN = N × η + Rᵀ δf
+//! ```
+//!
+//! (body frame: rotation, displacement, moment) from start, middle and end of each step.
+
+use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
+
+use crate::cosserat::grid::Grid;
+use crate::cosserat::loads::AppliedLoads;
+use crate::cosserat::section::{BodyWrench, Strain};
+
+const STAGES: usize = 6;
+/// Which of the grid's shooting nodes each stage uses.
+const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
+
+/// Loads inside a span, as seen from the disk it starts from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InSpan<'a> {
+    pub applied: &'a AppliedLoads,
+    /// Factor on all loads.
+    pub load: f64,
+    /// From the base frame to that of the disk.
+    pub to_disk: UnitQuaternion,
+    /// Dead force at the start of the span, base frame.
+    pub at_start: Vec3,
+}
+
+/// The rod at the end of a span, in the frame of the disk the span starts from.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct End {
+    pub pose: Pose,
+    /// Moment in the rod.
+    pub moment: Vec3,
+    /// Sum of the forces that turn with the rod and act inside the span.
+    pub followers: Vec3,
+}
+
+/// A section of the span: what eq. (2) needs of it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sample {
+    pub strain: Strain,
+    pub wrench: BodyWrench,
+    pub rotation: UnitQuaternion,
+    /// Dead load between the start of the span and here, in the frame of the disk.
+    pub dead: Vec3,
+}
+
+/// A variation: rotation, displacement and moment in the body frame, force in that of the disk.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Variation {
+    pub turn: Vec3,
+    pub shift: Vec3,
+    pub moment: Vec3,
+    pub force: Vec3,
+}
+
+/// Quaternion, position and moment, or their derivatives.
+type State = [f64; 10];
+
+#[inline]
+fn pack(q: UnitQuaternion, p: Vec3, m: Vec3) -> State {
+    [q.w, q.v.x, q.v.y, q.v.z, p.x, p.y, p.z, m.x, m.y, m.z]
+}
+
+#[inline]
+fn unpack(&[w, x, y, z, px, py, pz, mx, my, mz]: &State) -> (UnitQuaternion, Vec3, Vec3) {
+    let rotation = UnitQuaternion { w, v: Vec3::new(x, y, z) }.renormalized();
+    (rotation, Vec3::new(px, py, pz), Vec3::new(mx, my, mz))
+}
+
+#[inline]
+fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> State {
+    let mut out = *start;
+    for (slope, &weight) in slopes.iter().zip(weights) {
+        if weight != 0.0 {
+            let f = h * weight;
+            for (x, rate) in out.iter_mut().zip(slope) {
+                *x += f * rate;
+            }
+        }
+    }
+    out
+}
+
+/// Integrates eqs. (1) over the steps of a span from the wrench at its start. `poses` takes the
+/// poses at the ends of the steps, `samples` three of them to each step.
+pub(super) fn integrate(
+    grid: &Grid,
+    steps: core::ops::Range<usize>,
+    wrench: BodyWrench,
+    loads: Option<&InSpan<'_>>,
+    poses: &mut [Pose],
+    samples: &mut [Sample],
+) -> End {
+    let table = &BUTCHER_5;
+    let (first, last) = (steps.start, steps.end);
+    let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, wrench.angular);
+    let mut followers = Vec3::ZERO;
+    for k in steps {
+        let h = grid.steps[k].length;
+        let mut slopes = [[0.0; 10]; STAGES];
+        for i in 0..STAGES {
+            let at = advance(&state, &slopes[..i], &table.a[i], h);
+            let (rotation, _, moment) = unpack(&at);
+            let (node, _) = grid.shooting.at(k, NODE_OF_STAGE[i], 0);
+            let dead = loads.map_or(Vec3::ZERO, |span| span.dead(k, NODE_OF_STAGE[i]));
+            let force = wrench.linear + dead - followers;
+            let to_body = rotation.conjugate();
+            let local =
+                BodyWrench { linear: to_body.rotate(force), angular: to_body.rotate(moment) };
+            let strain = node.section.bare_strain(local);
+            let slot = match i {
+                0 => Some(0),
+                3 => Some(1),
+                5 => Some(2),
+                _ => None,
+            };
+            if let Some(sample) = slot.and_then(|j| samples.get_mut(3 * (k - first) + j)) {
+                *sample = Sample { strain, wrench: local, rotation, dead };
+            }
+            let velocity = rotation.rotate(strain.linear);
+            slopes[i] = pack(
+                rotation * UnitQuaternion { w: 0.0, v: strain.angular * 0.5 },
+                velocity,
+                force.cross(velocity),
+            );
+        }
+        let (rotation, position, mut moment) = unpack(&advance(&state, &slopes, &table.b, h));
+        if let (Some(span), true) = (loads, k + 1 < last) {
+            let follower = span.applied.follower(k + 1);
+            followers += span.load * rotation.rotate(follower.force);
+            moment -= span.load
+                * (span.to_disk.rotate(span.applied.moment(k + 1))
+                    + rotation.rotate(follower.moment));
+        }
+        state = pack(rotation, position, moment);
+        poses[k - first] = Pose { position, rotation };
+    }
+    let (rotation, position, moment) = unpack(&state);
+    End { pose: Pose { position, rotation }, moment, followers }
+}
+
+impl InSpan<'_> {
+    /// Dead load between the start of the span and a node, in the frame of the disk, negative: what
+    /// it adds to the force at the node.
+    fn dead(&self, k: usize, node: usize) -> Vec3 {
+        let there = self.applied.force(k, node);
+        self.to_disk.rotate(self.load * (there - self.at_start))
+    }
+}
+
+/// What [`linearise`] varies.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum By {
+    /// The force at the start, along an axis of the disk.
+    Force(Vec3),
+    /// The moment there.
+    Moment(Vec3),
+    /// The direction of the dead loads, as when the disk turns about this axis under them.
+    Turn(Vec3),
+}
+
+/// Eqs. (2) over a span: the variation at its end.
+pub(super) fn linearise(
+    grid: &Grid,
+    steps: core::ops::Range<usize>,
+    samples: &[Sample],
+    loads: Option<&InSpan<'_>>,
+    by: By,
+) -> Variation {
+    const STAGES: [(usize, f64, f64); 4] =
+        [(0, 0.0, 1.0 / 6.0), (1, 0.5, 1.0 / 3.0), (1, 0.5, 1.0 / 3.0), (2, 1.0, 1.0 / 6.0)];
+    let axis = match by {
+        By::Turn(axis) => axis,
+        _ => Vec3::ZERO,
+    };
+    let mut at = match by {
+        By::Force(force) => Variation { force, ..Variation::default() },
+        By::Moment(moment) => Variation { moment, ..Variation::default() },
+        By::Turn(_) => Variation::default(),
+    };
+    let (first, last) = (steps.start, steps.end);
+    for k in steps {
+        let h = grid.steps[k].length;
+        let triple = &samples[3 * (k - first)..3 * (k - first) + 3];
+        let start = at;
+        let mut slope = Variation::default();
+        for (q, reach, weight) in STAGES {
+            let (node, _) = grid.shooting.at(k, 2 * q, 0);
+            let sample = &triple[q];
+            let stage = start.plus(reach * h, &slope);
+            let Sample { strain: Twist { linear: v, angular: u }, wrench, rotation, dead } =
+                *sample;
+            let (n, m) = (wrench.linear, wrench.angular);
+            let turned = if axis == Vec3::ZERO { Vec3::ZERO } else { dead.cross(axis) };
+            let push = n.cross(stage.turn) + rotation.conjugate().rotate(stage.force + turned);
+            let change = node.section.yielding(BodyWrench { linear: push, angular: stage.moment });
+            let (dv, du) = (change.linear, change.angular);
+            slope = Variation {
+                turn: du - u.cross(stage.turn),
+                shift: stage.turn.cross(v) + dv - u.cross(stage.shift),
+                moment: m.cross(du) - u.cross(stage.moment) + n.cross(dv) - v.cross(push),
+                force: Vec3::ZERO,
+            };
+            at = at.plus(weight * h, &slope);
+        }
+        if let (Some(span), true) = (loads, k + 1 < last) {
+            let rotation = triple[2].rotation;
+            let dead = span.to_disk.rotate(span.load * span.applied.moment(k + 1));
+            let to_body = rotation.conjugate();
+            at.moment -= to_body.rotate(dead).cross(at.turn) + to_body.rotate(dead.cross(axis));
+            let follower = span.load * span.applied.follower(k + 1).force;
+            at.force -= rotation.rotate(at.turn.cross(follower));
+        }
+    }
+    at
+}
+
+impl Variation {
+    #[inline]
+    fn plus(&self, f: f64, slope: &Self) -> Self {
+        Self {
+            turn: self.turn + f * slope.turn,
+            shift: self.shift + f * slope.shift,
+            moment: self.moment + f * slope.moment,
+            force: self.force,
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Whether an equilibrium under dead loads is one the robot stays in.
+//!
+//! The energy depends on the rotations of all cross-sections and, through the chords, on the way
+//! `dₖ = pₖ₊₁ − pₖ` from disk to disk. With a multiplier for `dₖ = ∫ R v ds`, which at equilibrium is
+//! what the cables pull with, its second variation is that of the rod under the forces it bears
+//! itself, eq. (8) of the model with continuous cables, bordered by a force `ν` in every span, and
+//! the second variation of the chords:
+//!
+//! ```text
+//! E″ = Σₖ ∫ (8) with δN = N × η + Rᵀν  −  2 ν·R(η × v) ds + 2 ν·δd
+//!        + Σ τᵢ (δcᵢᵀ (I − tᵢtᵢᵀ) δcᵢ/ℓᵢ + tᵢ·δ²cᵢ)                                             (7)
+//! ```
+//!
+//! Each `ν` adds three negative directions; what is negative beyond them is a way to leave. Reported
+//! is the least value of `E″ / ∫ δuᵀ K_bt δu ds`, as in that model, at held tensions.
+
+use whipcord_numerics::{Mat3, Vec3};
+
+use super::joint::Chord;
+use super::layout::{Frame, Mesh};
+use super::rod::Sample;
+use crate::cosserat::loaded::Sample as Section;
+use crate::cosserat::section::Tangent;
+use crate::cosserat::stability::{Element, SLOPES, WEIGHTS, bisect, element, pivot, symmetric};
+
+/// Quadratic forms of the steps and spans, and memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Stability {
+    steps: Vec<Step>,
+    ties: Vec<Tie>,
+}
+
+/// One step: the rod's form on (start, middle, end), and its borders by `ν`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Step {
+    rod: Element,
+    /// Blocks of (ηᵢ, ν).
+    borders: [Mat3; 3],
+    /// Block of (ν, ν).
+    corner: Mat3,
+}
+
+/// The chords of one span: blocks on (η near, η far, δd), in the frame of the near disk.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tie {
+    near: Mat3,
+    far: Mat3,
+    way: Mat3,
+    near_far: Mat3,
+    near_way: Mat3,
+    far_way: Mat3,
+}
+
+/// A form on (η near, η here, ν).
+#[derive(Clone, Copy, Debug, Default)]
+struct Form {
+    near: Mat3,
+    here: Mat3,
+    force: Mat3,
+    near_here: Mat3,
+    near_force: Mat3,
+    here_force: Mat3,
+}
+
+impl Stability {
+    /// The least eigenvalue at an equilibrium; `None` where a section of the rod has no stiffness.
+    pub fn least_eigenvalue(
+        &mut self,
+        frame: &Frame,
+        mesh: &Mesh,
+        samples: &[Sample],
+        chords: &[Chord],
+        tensions: &[f64],
+    ) -> Option<f64> {
+        self.steps.clear();
+        for (k, triple) in samples.chunks_exact(3).enumerate() {
+            self.steps.push(step(mesh, k, triple)?);
+        }
+        self.ties.clear();
+        for (k, span) in frame.spans.iter().enumerate() {
+            // The last sample of a span stands at its end.
+            let turn = samples.get(3 * mesh.spans[k].end - 1)?.rotation.to_matrix();
+            let mut tie = Tie::default();
+            for (i, passage) in span.passages.iter().enumerate() {
+                let p = span.first + i;
+                tie.add(passage.near, passage.far, &turn, &chords[p], tensions[p]);
+            }
+            self.ties.push(tie);
+        }
+        let spans = &mesh.spans;
+        let negative = |shift: f64| self.negative_directions(spans, shift);
+        Some(bisect(-1.0, 2.0, |shift| negative(shift) > 0))
+    }
+
+    /// The number of negative directions of `E″` less the shifted metric.
+    fn negative_directions(&self, spans: &[core::ops::Range<usize>], shift: f64) -> usize {
+        let mut negative = 0;
+        let mut beyond = Mat3::ZERO;
+        for (k, steps) in spans.iter().enumerate().rev() {
+            let mut form: Option<Form> = None;
+            for step in &self.steps[steps.clone()] {
+                let (next, below) = step.without_middle(shift);
+                negative += below;
+                form = Some(match form {
+                    None => next,
+                    Some(before) => {
+                        let (joined, below) = before.then(&next);
+                        negative += below;
+                        joined
+                    }
+                });
+            }
+            let Some(form) = form else { continue };
+            let (near, far, coupling, below) = form.with_chords(&self.ties[k]);
+            // Three of them are those of ν.
+            negative += below;
+            let (end, below) = pivot(symmetric(far + beyond));
+            negative += below;
+            beyond = symmetric(near - coupling * (end * coupling.transpose()));
+        }
+        negative.saturating_sub(3 * spans.len())
+    }
+}
+
+fn step(mesh: &Mesh, k: usize, triple: &[Sample]) -> Option<Step> {
+    let h = mesh.grid.steps[k].length;
+    let section = |q: usize| &mesh.grid.shooting.at(k, 2 * q, 0).0.section;
+    let mut sections = [Section::default(); 3];
+    for (q, (out, sample)) in sections.iter_mut().zip(triple).enumerate() {
+        let tangent = Tangent::at(section(q), &[], &[], &sample.strain).ok()?;
+        let Sample { strain, wrench, rotation, .. } = *sample;
+        *out = Section { strain, wrench, tangent, rotation };
+    }
+    let rod = element(h, &sections, |q| section(q).bending_stiffness());
+    let mut out = Step { rod, ..Step::default() };
+    for (q, sample) in sections.iter().enumerate() {
+        let weight = WEIGHTS[q] * h;
+        let to_body = sample.rotation.conjugate().to_matrix();
+        let (compliance, coupling) = sample.tangent.force_compliance();
+        for i in 0..3 {
+            let mut strain = Mat3::IDENTITY * (SLOPES[q][i] / h);
+            let mut border = Mat3::ZERO;
+            if i == q {
+                strain += Mat3::skew(sample.strain.angular);
+                let push = Mat3::skew(sample.wrench.linear);
+                border += push * compliance * to_body;
+                border += Mat3::skew(sample.strain.linear) * to_body * -1.0;
+            }
+            border += strain.transpose() * coupling.transpose() * to_body * -1.0;
+            out.borders[i] += border * weight;
+        }
+        out.corner += to_body.transpose() * compliance * to_body * -weight;
+    }
+    Some(out)
+}
+
+impl Step {
+    /// The step's form with its middle eliminated.
+    fn without_middle(&self, shift: f64) -> (Form, usize) {
+        let block = |i: usize, j: usize| self.rod.energy[i][j] - self.rod.metric[i][j] * shift;
+        let (middle, below) = pivot(symmetric(block(1, 1)));
+        let by = |i: usize| block(i, 1) * middle;
+        let (start, end) = (by(0), by(2));
+        let force = self.borders[1].transpose() * middle;
+        let form = Form {
+            near: symmetric(block(0, 0) - start * block(1, 0)),
+            here: symmetric(block(2, 2) - end * block(1, 2)),
+            force: symmetric(self.corner - force * self.borders[1]),
+            near_here: block(0, 2) - start * block(1, 2),
+            near_force: self.borders[0] - start * self.borders[1],
+            here_force: self.borders[2] - end * self.borders[1],
+        };
+        (form, below)
+    }
+}
+
+impl Form {
+    /// This form and that of the next step, with the node between them eliminated.
+    fn then(&self, next: &Self) -> (Self, usize) {
+        let (between, below) = pivot(symmetric(self.here + next.near));
+        let force = self.here_force + next.near_force;
+        let near = self.near_here * between;
+        let far = next.near_here.transpose() * between;
+        let form = Self {
+            near: symmetric(self.near - near * self.near_here.transpose()),
+            here: symmetric(next.here - far * next.near_here),
+            force: symmetric(self.force + next.force - force.transpose() * (between * force)),
+            near_here: -(near * next.near_here),
+            near_force: self.near_force - near * force,
+            here_force: next.here_force - far * force,
+        };
+        (form, below)
+    }
+
+    /// With the chords put to it, and `ν` and `δd` eliminated: blocks (near, near), (far, far),
+    /// (near, far), and how many directions were negative.
+    fn with_chords(&self, tie: &Tie) -> (Mat3, Mat3, Mat3, usize) {
+        // An axis that neither stretches nor bends has no compliance: its force is all reaction.
+        let size = self.force.rows.iter().map(|row| row.max_abs()).fold(0.0, f64::max);
+        let least = 1e-12 * size.max(f64::MIN_POSITIVE);
+        let (force, below) = pivot(symmetric(self.force - Mat3::IDENTITY * least));
+        let (near, far) = (self.near_force * force, self.here_force * force);
+        let way = symmetric(tie.way - force);
+        let (near_way, far_way) = (tie.near_way - near, tie.far_way - far);
+        let (inverse, below_way) = pivot(way);
+        let (near_by, far_by) = (near_way * inverse, far_way * inverse);
+        (
+            self.near + tie.near
+                - near * self.near_force.transpose()
+                - near_by * near_way.transpose(),
+            self.here + tie.far - far * self.here_force.transpose() - far_by * far_way.transpose(),
+            self.near_here + tie.near_far
+                - near * self.here_force.transpose()
+                - near_by * far_way.transpose(),
+            below + below_way,
+        )
+    }
+}
+
+impl Tie {
+    /// Adds a piece of cable.
+    fn add(&mut self, near: Vec3, far: Vec3, turn: &Mat3, chord: &Chord, tension: f64) {
+        let t = chord.along;
+        let stiff = (Mat3::IDENTITY - Mat3::outer(t, t)) * (tension / chord.length);
+        // δc = δd + Q(η × h₁) − η × h₀.
+        let by_near = Mat3::skew(near);
+        let by_far = *turn * Mat3::skew(far) * -1.0;
+        self.way += stiff;
+        self.near_way += by_near.transpose() * stiff;
+        self.far_way += by_far.transpose() * stiff;
+        self.near_far += by_near.transpose() * stiff * by_far;
+        // t·(η × (η × h)) = (t·η)(h·η) − (t·h)|η|².
+        let second =
+            |t: Vec3, h: Vec3| (symmetric(Mat3::outer(t, h)) - Mat3::IDENTITY * t.dot(h)) * tension;
+        self.near += by_near.transpose() * stiff * by_near - second(t, near);
+        self.far += by_far.transpose() * stiff * by_far + second(turn.transpose_mul(t), far);
+    }
+}

@@ -1,0 +1,60 @@
+use whipcord_numerics::Twist;
+
+use super::ellipsoid::{Dexterity, dexterity};
+use super::matrix6::Matrix6;
+
+/// What a unit of a cable's command is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrivenBy {
+    /// 1 N of tension.
+    Tension,
+    /// 1 m of shortening.
+    Shortening,
+}
+
+/// How a place yields to a dead wrench.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Yield {
+    /// Motion under a wrench.
+    pub compliance: Matrix6,
+    /// Wrench that a motion takes; `None` where the place does not yield in every direction.
+    pub stiffness: Option<Matrix6>,
+}
+
+/// How one place of a robot moves with its cables and yields to a load; see
+/// [`crate::cosserat::Derivatives`] for the frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Local {
+    /// By the cables of the robot.
+    pub driven_by: Vec<DrivenBy>,
+    /// Motion of the place with the command of each cable, the others held.
+    pub actuation_jacobian: Vec<Twist>,
+    /// With every tension held.
+    pub tensions_held: Yield,
+    /// With every taut cable locked.
+    pub lengths_held: Yield,
+    /// Where the numbers come from.
+    pub means: Means,
+}
+
+/// Where derivatives come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Means {
+    /// The discrete answer, differentiated exactly.
+    Exact,
+    /// Differences of answers.
+    Differences {
+        /// Estimated error of the motion with a wrench or a tension, relative to its size: how far
+        /// differences of twice the step are off. That of locked cables and of stiffnesses is larger
+        /// by the condition of what is inverted for them.
+        error: f64,
+    },
+}
+
+impl Local {
+    /// How well the commands move the place.
+    #[must_use]
+    pub fn dexterity(&self) -> Dexterity {
+        dexterity(&self.actuation_jacobian)
+    }
+}

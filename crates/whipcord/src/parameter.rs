@@ -1,0 +1,415 @@
+//! Quantities of a robot and a case that an answer can be differentiated by.
+
+use core::fmt;
+
+use crate::case::Case;
+use crate::robot::{
+    Along, Backbone, Cable, Disks, Problem, Robot, RobotError, Routing, Section, Stiffness,
+};
+
+/// One number of a robot or a case that an answer depends on. Indices count from 0; `axis` is 0, 1
+/// or 2 for x, y or z.
+///
+/// A parameter that the robot or case does not have, such as the inner diameter of a solid rod, is
+/// refused by name ([`Problem::NoSuchQuantity`]).
+///
+/// ```
+/// use whipcord::Parameter;
+/// assert_eq!(Parameter::Radius { cable: 1 }.to_string(), "cables[1].routing.radius");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Parameter {
+    /// Young's modulus in Pa. The shear modulus changes with it where Poisson's ratio is given, and
+    /// stays where it is given itself.
+    YoungModulus,
+    /// Shear modulus in Pa, where it is given.
+    ShearModulus,
+    /// Poisson's ratio, where it is given and the shear modulus follows from it.
+    PoissonRatio,
+    /// Density in kg/m³.
+    Density,
+    /// A factor, 1 at the answer, on a part of the section's stiffness, all along the backbone.
+    StiffnessScale(StiffnessPart),
+    /// Outer diameter in m; where it varies, by as much everywhere.
+    Diameter,
+    /// One entry of an outer diameter that varies, in m.
+    DiameterAt {
+        /// Disk, or number of the arc length at which it is given.
+        entry: usize,
+    },
+    /// Inner diameter in m; where it varies, by as much everywhere.
+    InnerDiameter,
+    /// Width of a rectangular bar in m; where it varies, by as much everywhere.
+    Width,
+    /// Height of a rectangular bar in m; where it varies, by as much everywhere.
+    Height,
+    /// Factor on the shear stiffness that follows from section and material.
+    ShearCorrection,
+    /// An entry of the stiffness that is given itself, in the order of
+    /// [`crate::robot::StiffnessMatrix`], with its mirror image; by as much all along the backbone.
+    Stiffness {
+        /// Row.
+        row: usize,
+        /// Column; the row, where the stiffness is diagonal.
+        column: usize,
+    },
+    /// Mass per length in kg/m, where it is given; by as much all along the backbone.
+    LinearDensity,
+    /// A component of the rest curvature in 1/m; by as much all along the backbone.
+    RestCurvature {
+        /// Component.
+        axis: usize,
+    },
+    /// A component of one entry of a rest curvature that varies, in 1/m.
+    RestCurvatureAt {
+        /// Disk, or number of the arc length at which it is given.
+        entry: usize,
+        /// Component.
+        axis: usize,
+    },
+    /// Mass of each disk in kg.
+    DiskMass,
+    /// Radius of the hole circles in m; by as much at every disk.
+    HoleRadius,
+    /// Radius of the hole circle of one disk in m.
+    HoleRadiusAt {
+        /// Disk.
+        disk: usize,
+    },
+    /// Angle in rad by which the hole of one cable at one disk is off its place.
+    HoleAngle {
+        /// Cable.
+        cable: usize,
+        /// Disk.
+        disk: usize,
+    },
+    /// Angle of a straight cable, or the angle at the base of a helical one, in rad.
+    Angle {
+        /// Cable.
+        cable: usize,
+    },
+    /// Distance of a straight or helical cable from the axis in m.
+    Radius {
+        /// Cable.
+        cable: usize,
+    },
+    /// Turns of a helical cable.
+    Turns {
+        /// Cable.
+        cable: usize,
+    },
+    /// Where a linear cable starts, in m; axis 0 or 1.
+    Start {
+        /// Cable.
+        cable: usize,
+        /// Component.
+        axis: usize,
+    },
+    /// Where a linear cable reaches the tip, in m; axis 0 or 1.
+    End {
+        /// Cable.
+        cable: usize,
+        /// Component.
+        axis: usize,
+    },
+    /// A coefficient of a polynomial cable, in m over a power of m; axis 0 or 1.
+    Coefficient {
+        /// Cable.
+        cable: usize,
+        /// Component.
+        axis: usize,
+        /// Power of the arc length.
+        power: usize,
+    },
+    /// Axial stiffness of a cable in N, where it is given.
+    AxialStiffness {
+        /// Cable.
+        cable: usize,
+    },
+    /// A component of gravity in m/s².
+    Gravity {
+        /// Component.
+        axis: usize,
+    },
+    /// A component of the tip force in N.
+    TipForce {
+        /// Component.
+        axis: usize,
+    },
+    /// A component of the tip moment in N·m.
+    TipMoment {
+        /// Component.
+        axis: usize,
+    },
+    /// A component of the force of a point load in N.
+    PointForce {
+        /// Point load.
+        load: usize,
+        /// Component.
+        axis: usize,
+    },
+    /// A component of the moment of a point load in N·m.
+    PointMoment {
+        /// Point load.
+        load: usize,
+        /// Component.
+        axis: usize,
+    },
+}
+
+/// Parts of a section's stiffness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StiffnessPart {
+    /// GA, against shear in both directions.
+    Shear,
+    /// EA, against extension.
+    Extension,
+    /// EI, against bending in both directions.
+    Bending,
+    /// GJ, against twist.
+    Torsion,
+}
+
+/// The path of the quantity in the terms of the robot file.
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plane = |axis: &usize| if *axis == 0 { "x" } else { "y" };
+        match self {
+            Self::YoungModulus => f.write_str("backbone.young_modulus"),
+            Self::ShearModulus => f.write_str("backbone.shear_modulus"),
+            Self::PoissonRatio => f.write_str("backbone.poisson_ratio"),
+            Self::Density => f.write_str("backbone.density"),
+            Self::StiffnessScale(part) => f.write_str(match part {
+                StiffnessPart::Shear => "factor on GA",
+                StiffnessPart::Extension => "factor on EA",
+                StiffnessPart::Bending => "factor on EI",
+                StiffnessPart::Torsion => "factor on GJ",
+            }),
+            Self::Diameter => f.write_str("backbone.diameter"),
+            Self::DiameterAt { entry } => write!(f, "backbone.diameters[{entry}]"),
+            Self::ShearCorrection => f.write_str("backbone.shear_correction"),
+            Self::Stiffness { row, column } => {
+                write!(f, "backbone.stiffness.matrix[{row}][{column}]")
+            }
+            Self::LinearDensity => f.write_str("backbone.linear_density"),
+            Self::InnerDiameter => f.write_str("backbone.inner_diameter"),
+            Self::Width => f.write_str("backbone.section.width"),
+            Self::Height => f.write_str("backbone.section.height"),
+            Self::RestCurvature { axis } => write!(f, "backbone.rest_curvature[{axis}]"),
+            Self::RestCurvatureAt { entry, axis } => {
+                write!(f, "backbone.rest_curvature[{entry}][{axis}]")
+            }
+            Self::DiskMass => f.write_str("disks.mass"),
+            Self::HoleRadius => f.write_str("disks.hole_circle_radius"),
+            Self::HoleRadiusAt { disk } => write!(f, "disks.hole_circle_radius[{disk}]"),
+            Self::HoleAngle { cable, disk } => {
+                write!(f, "angle of cables[{cable}].holes[{disk}]")
+            }
+            Self::Angle { cable } => write!(f, "cables[{cable}].routing.angle"),
+            Self::Radius { cable } => write!(f, "cables[{cable}].routing.radius"),
+            Self::Turns { cable } => write!(f, "cables[{cable}].routing.turns"),
+            Self::Start { cable, axis } => write!(f, "cables[{cable}].routing.start[{axis}]"),
+            Self::End { cable, axis } => write!(f, "cables[{cable}].routing.end[{axis}]"),
+            Self::Coefficient { cable, axis, power } => {
+                write!(f, "cables[{cable}].routing.{}[{power}]", plane(axis))
+            }
+            Self::AxialStiffness { cable } => write!(f, "cables[{cable}].axial_stiffness"),
+            Self::Gravity { axis } => write!(f, "loads.gravity[{axis}]"),
+            Self::TipForce { axis } => write!(f, "loads.tip_force[{axis}]"),
+            Self::TipMoment { axis } => write!(f, "loads.tip_moment[{axis}]"),
+            Self::PointForce { load, axis } => write!(f, "loads.point[{load}].force[{axis}]"),
+            Self::PointMoment { load, axis } => write!(f, "loads.point[{load}].moment[{axis}]"),
+        }
+    }
+}
+
+/// The numbers that a robot and a case are made of.
+struct Parts {
+    backbone: Backbone,
+    disks: Disks,
+    cables: Vec<Cable>,
+    case: Case,
+}
+
+impl Parameter {
+    /// Robot and case with this parameter changed by `by`, in its unit.
+    ///
+    /// # Errors
+    /// [`RobotError`] when robot and case have no such quantity, when no robot file can express its
+    /// change (a factor on a stiffness, an angle of one hole), or when it leaves its range.
+    pub fn moved(&self, robot: &Robot, case: &Case, by: f64) -> Result<(Robot, Case), RobotError> {
+        let mut parts = Parts {
+            backbone: robot.backbone().clone(),
+            disks: robot.disks().clone(),
+            cables: robot.cables().to_vec(),
+            case: case.clone(),
+        };
+        let slots = self.slots(&mut parts);
+        if slots.is_empty() {
+            return Err(self.absent());
+        }
+        for slot in slots {
+            *slot += by;
+        }
+        let Parts { backbone, disks, cables, case } = parts;
+        let robot = Robot::new(backbone, disks, cables)?;
+        case.check(&robot)?;
+        Ok((robot, case))
+    }
+
+    /// Present value: of a parameter that stands for several numbers, the first of them.
+    ///
+    /// # Errors
+    /// [`RobotError`] when robot and case have no such quantity.
+    pub fn value(&self, robot: &Robot, case: &Case) -> Result<f64, RobotError> {
+        match self {
+            Self::StiffnessScale(_) => return Ok(1.0),
+            Self::HoleAngle { .. } => return Ok(0.0),
+            _ => {}
+        }
+        let mut parts = Parts {
+            backbone: robot.backbone().clone(),
+            disks: robot.disks().clone(),
+            cables: robot.cables().to_vec(),
+            case: case.clone(),
+        };
+        self.slots(&mut parts).first().map(|value| **value).ok_or_else(|| self.absent())
+    }
+
+    pub(crate) fn absent(&self) -> RobotError {
+        RobotError::new(self.to_string(), Problem::NoSuchQuantity)
+    }
+
+    /// The numbers that the parameter stands for; none when there is no such quantity.
+    fn slots<'a>(&self, parts: &'a mut Parts) -> Vec<&'a mut f64> {
+        let Parts { backbone, disks, cables, case } = parts;
+        let material = &mut backbone.material;
+        match *self {
+            Self::YoungModulus => material.young_modulus.iter_mut().collect(),
+            Self::ShearModulus => material.shear_modulus.iter_mut().collect(),
+            Self::PoissonRatio if material.shear_modulus.is_none() => {
+                material.poisson_ratio.iter_mut().collect()
+            }
+            Self::Density => material.density.iter_mut().collect(),
+            Self::PoissonRatio | Self::StiffnessScale(_) | Self::HoleAngle { .. } => Vec::new(),
+            Self::Diameter => match &mut backbone.section {
+                Some(Section::Round { outer, .. }) => outer.values_mut().iter_mut().collect(),
+                _ => Vec::new(),
+            },
+            Self::DiameterAt { entry } => match &mut backbone.section {
+                Some(Section::Round { outer, .. }) if !outer.is_uniform() => {
+                    outer.values_mut().get_mut(entry).into_iter().collect()
+                }
+                _ => Vec::new(),
+            },
+            Self::InnerDiameter => match &mut backbone.section {
+                // A solid rod has no bore that could change.
+                Some(Section::Round { inner, .. }) if *inner != Along::Uniform(0.0) => {
+                    inner.values_mut().iter_mut().collect()
+                }
+                _ => Vec::new(),
+            },
+            Self::Width => match &mut backbone.section {
+                Some(Section::Rectangle { width, .. }) => width.values_mut().iter_mut().collect(),
+                _ => Vec::new(),
+            },
+            Self::Height => match &mut backbone.section {
+                Some(Section::Rectangle { height, .. }) => height.values_mut().iter_mut().collect(),
+                _ => Vec::new(),
+            },
+            Self::ShearCorrection if backbone.stiffness.is_none() => {
+                vec![&mut backbone.shear_correction]
+            }
+            Self::Stiffness { row, column } if row < 6 && column < 6 => {
+                backbone.stiffness.as_mut().map_or_else(Vec::new, |k| entries(k, row, column))
+            }
+            Self::LinearDensity => backbone
+                .linear_density
+                .as_mut()
+                .map_or_else(Vec::new, |along| along.values_mut().iter_mut().collect()),
+            Self::RestCurvature { axis } if axis < 3 => {
+                backbone.rest_curvature.values_mut().iter_mut().map(|u| &mut u[axis]).collect()
+            }
+            Self::RestCurvatureAt { entry, axis }
+                if axis < 3 && !backbone.rest_curvature.is_uniform() =>
+            {
+                let values = backbone.rest_curvature.values_mut();
+                values.get_mut(entry).map(|u| &mut u[axis]).into_iter().collect()
+            }
+            Self::DiskMass => vec![&mut disks.mass],
+            Self::HoleRadius => disks.hole_circle_radii.iter_mut().collect(),
+            Self::HoleRadiusAt { disk } => {
+                disks.hole_circle_radii.get_mut(disk).into_iter().collect()
+            }
+            Self::AxialStiffness { cable } => {
+                cables.get_mut(cable).and_then(|c| c.axial_stiffness.as_mut()).into_iter().collect()
+            }
+            Self::Angle { cable }
+            | Self::Radius { cable }
+            | Self::Turns { cable }
+            | Self::Start { cable, .. }
+            | Self::End { cable, .. }
+            | Self::Coefficient { cable, .. } => cables
+                .get_mut(cable)
+                .and_then(|c| self.of_routing(&mut c.routing))
+                .into_iter()
+                .collect(),
+            Self::Gravity { axis } if axis < 3 => {
+                vec![&mut case.loads.gravity.get_or_insert_default()[axis]]
+            }
+            Self::TipForce { axis } if axis < 3 => vec![&mut case.loads.tip_force[axis]],
+            Self::TipMoment { axis } if axis < 3 => vec![&mut case.loads.tip_moment[axis]],
+            Self::PointForce { load, axis } if axis < 3 => {
+                case.loads.points.get_mut(load).map(|p| &mut p.force[axis]).into_iter().collect()
+            }
+            Self::PointMoment { load, axis } if axis < 3 => {
+                case.loads.points.get_mut(load).map(|p| &mut p.moment[axis]).into_iter().collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn of_routing<'a>(&self, routing: &'a mut Routing) -> Option<&'a mut f64> {
+        match (*self, routing) {
+            (Self::Angle { .. }, Routing::Straight { angle, .. }) => Some(angle),
+            (Self::Angle { .. }, Routing::Helix { start_angle, .. }) => Some(start_angle),
+            (
+                Self::Radius { .. },
+                Routing::Straight { radius, .. } | Routing::Helix { radius, .. },
+            ) => Some(radius),
+            (Self::Turns { .. }, Routing::Helix { turns, .. }) => Some(turns),
+            (Self::Start { axis, .. }, Routing::Linear { start, .. }) => start.get_mut(axis),
+            (Self::End { axis, .. }, Routing::Linear { end, .. }) => end.get_mut(axis),
+            (Self::Coefficient { axis: 0, power, .. }, Routing::Polynomial { x, .. }) => {
+                x.get_mut(power)
+            }
+            (Self::Coefficient { axis: 1, power, .. }, Routing::Polynomial { y, .. }) => {
+                y.get_mut(power)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The entries of a given stiffness that change together; none where it has no such one.
+fn entries(stiffness: &mut Stiffness, row: usize, column: usize) -> Vec<&mut f64> {
+    match stiffness {
+        Stiffness::Matrix(along) => along
+            .values_mut()
+            .iter_mut()
+            .flat_map(|matrix| matrix.iter_mut().enumerate())
+            .flat_map(|(i, line)| line.iter_mut().enumerate().map(move |(j, entry)| (i, j, entry)))
+            .filter(|(i, j, _)| (*i, *j) == (row, column) || (*i, *j) == (column, row))
+            .map(|(.., entry)| entry)
+            .collect(),
+        Stiffness::Diagonal { .. } if row != column => Vec::new(),
+        Stiffness::Diagonal { shear, axial, bending, torsion } => match row {
+            0 | 1 => shear.as_mut().map_or_else(Vec::new, |along| {
+                along.values_mut().iter_mut().map(|pair| &mut pair[row]).collect()
+            }),
+            2 => axial.as_mut().map_or_else(Vec::new, |a| a.values_mut().iter_mut().collect()),
+            3 | 4 => bending.values_mut().iter_mut().map(|pair| &mut pair[row - 3]).collect(),
+            _ => torsion.values_mut().iter_mut().collect(),
+        },
+    }
+}
