@@ -10,8 +10,10 @@ use super::chain::{Chain, Step, Task};
 use super::continuation::close;
 use super::lengths::Effort;
 use super::newton::Scales;
+use super::outcome::Found;
+use super::shooting::finish_chain;
 use super::state::{Direction, State};
-use super::statics::{Found, Problem, Scratch, finish_chain};
+use super::statics::{Problem, Scratch};
 use super::trace::Stage;
 
 /// A point of the path and the way on from it.

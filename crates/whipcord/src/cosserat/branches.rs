@@ -3,11 +3,12 @@
 use whipcord_numerics::Vec3;
 
 use super::arc_length::{Event, Mark, Walk, other_branch};
-use super::model::{
-    Accuracy, Cosserat, ERROR_RATIO, FOLLOW_LEVEL, MAX_REFINEMENTS, Options, Workspace,
-};
+use super::model::{Cosserat, Workspace};
+use super::options::{Accuracy, Options};
+use super::outcome::Found;
+use super::refinement::{ERROR_RATIO, FOLLOW_LEVEL, MAX_REFINEMENTS};
 use super::state::{Direction, State};
-use super::statics::{self, Found};
+use super::statics;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::Solution;

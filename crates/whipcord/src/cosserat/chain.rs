@@ -8,9 +8,9 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
+use super::command::Command;
 use super::elimination::{Change, Elimination, Size};
 use super::grid::Grid;
-use super::lengths::Command;
 use super::loaded::{Aim, Shot};
 use super::loads::AppliedLoads;
 use super::newton::Scales;

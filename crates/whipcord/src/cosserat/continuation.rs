@@ -1,10 +1,13 @@
 //! Raising the load from nothing, in steps that adapt, by multiple shooting.
 
 use super::chain::{Chain, Open, Task};
-use super::lengths::{Command, Effort};
+use super::command::Command;
+use super::lengths::Effort;
+use super::outcome::{Failure, Found};
 use super::section::SectionFault;
+use super::shooting::finish_chain;
 use super::state::State;
-use super::statics::{Failure, Found, Problem, Scratch, finish_chain};
+use super::statics::{Problem, Scratch};
 use super::trace::Stage;
 use super::unloaded::Fault;
 use super::without_load::{section_failure, start_without_load};

@@ -14,6 +14,7 @@
 
 use whipcord_numerics::{BoundedQuadratic, DenseLu};
 
+use super::command::Command;
 use super::unloaded::Fault;
 
 /// A rod that answers tensions with the lengths of its cables.
@@ -24,25 +25,6 @@ pub(crate) trait Responds {
     fn lengths(&self) -> &[f64];
     /// `∂ℓᵢ/∂τⱼ` by rows in m/N.
     fn length_by_tension(&self) -> &[f64];
-}
-
-/// What drives one cable; in the order of the grid.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Command {
-    /// Tension in N.
-    Tension(f64),
-    /// Unstretched length `ℓ*` inside the robot in m, and what a tension of 1 N adds to it.
-    Length { target: f64, compliance: f64 },
-}
-
-impl Command {
-    /// Slackness `g` of a cable whose path has this length.
-    pub fn slackness(&self, tension: f64, length: f64) -> f64 {
-        match *self {
-            Self::Tension(_) => 0.0,
-            Self::Length { target, compliance } => target + compliance * tension - length,
-        }
-    }
 }
 
 /// Why no tensions were found.

@@ -2,8 +2,8 @@
 
 use whipcord_numerics::{DenseLu, Vec3};
 
+use super::command::Command;
 use super::grid::Grid;
-use super::lengths::Command;
 use super::loaded::Shot;
 use super::sensitivity::Sensitivity;
 use crate::shape::Wrench;

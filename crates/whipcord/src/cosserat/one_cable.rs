@@ -156,7 +156,7 @@ impl Reduced {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cosserat::section::newton_equilibrium;
+    use crate::cosserat::section::equilibrium::newton_equilibrium;
 
     #[test]
     fn agrees_with_newton_on_the_general_equations() {

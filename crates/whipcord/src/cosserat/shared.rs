@@ -4,8 +4,8 @@
 use whipcord_numerics::{DenseLu, Vec3};
 
 use super::chain::{Step, Task};
+use super::command::Command;
 use super::elimination::Elimination;
-use super::lengths::Command;
 use super::loaded::Shot;
 use super::newton::Scales;
 use super::state::{State, scaled, weight};

@@ -26,8 +26,8 @@
 
 use whipcord_numerics::{Mat3, Vec3, symmetric_eigenvalues};
 
+use super::command::Command;
 use super::grid::Grid;
-use super::lengths::Command;
 use super::loaded::{SAMPLED_NODES, Sample};
 use super::sensitivity::work;
 use crate::shape::Diagnostics;

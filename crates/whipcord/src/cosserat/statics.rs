@@ -15,16 +15,19 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::arc_length::next_stable;
 use super::chain::{Chain, Task};
+use super::command::Command;
 use super::continuation::{Ended, close, raise_load, raise_load_at_tensions, refine_chain};
 use super::grid::Grid;
-use super::lengths::{self, Command, Effort, LengthScratch};
-use super::loaded::{Aim, Shot};
+use super::lengths::{self, Effort, LengthScratch};
+use super::loaded::Shot;
 use super::loads::AppliedLoads;
-use super::newton::{Newton, Point, Scales, residual};
+use super::newton::{Newton, Point, Scales};
+use super::outcome::{Failure, Found};
+use super::shooting::{finish, finish_chain, sample, seed, shoot};
 use super::stability::Stability;
 use super::state::{Node, State};
 use super::trace::{Stage, Trace};
-use super::unloaded::{Fault, Unloaded, Wanted};
+use super::unloaded::{Unloaded, Wanted};
 use super::without_load::{section_failure, set_tensions, start_without_load, without_load};
 use crate::case::Loads;
 use crate::shape::Wrench;
@@ -66,24 +69,6 @@ pub(super) enum Start {
     },
 }
 
-/// How the answer in [`Scratch`] was found.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
-    pub iterations: usize,
-    pub residual: f64,
-    /// The fraction of the load at which the robot lost its stability on the way from no load.
-    pub lost_at: Option<f64>,
-}
-
-/// Why there is none.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Failure {
-    Folds { cable: usize, arc_length: f64, tension: f64, last_load: f64 },
-    Unreachable { cable: usize, length: f64 },
-    Buckled { lost_at: f64, iterations: usize },
-    NotConverged { iterations: usize, residual: f64, last_load: f64, advice: &'static str },
-}
-
 /// Memory of a solve, and the answer it ends with.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch {
@@ -102,29 +87,11 @@ pub(super) struct Scratch {
     pub(super) length_scratch: LengthScratch,
     pub trace: Trace,
     /// Whether the answer is that of the chain, which a single shot would miss.
-    on_chain: bool,
+    pub(super) on_chain: bool,
     /// Whether the samples of the last shot are those of the answer.
-    sampled: bool,
+    pub(super) sampled: bool,
     /// Whether the answer is stable, as far as that was asked for.
     pub(super) stable: bool,
-}
-
-const MAX_ITERATIONS: usize = 40;
-/// Steps smaller than this, relative to the scales, are made with the derivatives at hand.
-const KEEP_BELOW: f64 = 0.05;
-/// Derivatives are made anew when a step leaves more of the residual than this.
-const KEEP_RATIO: f64 = 0.1;
-/// The line search gives up here.
-const LEAST_FRACTION: f64 = 1.0 / 256.0;
-/// What rounding may leave where no step improves any more.
-const ROUNDING: f64 = 1e-9;
-
-impl Found {
-    /// With the effort of an earlier stage of the same solve added.
-    pub fn after(self, earlier: &Self) -> Self {
-        let lost_at = self.lost_at.or(earlier.lost_at);
-        Self { iterations: self.iterations + earlier.iterations, lost_at, ..self }
-    }
 }
 
 impl Scratch {
@@ -341,167 +308,6 @@ fn is_trusted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     let sampled = sample(problem, scratch).is_ok();
     let Scratch { stability, shot, tensions, .. } = scratch;
     sampled && stability.is_stable(problem.grid, &shot.samples, problem.commands, tensions)
-}
-
-/// Makes the samples of the answer in `scratch`, unless they are there.
-fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Fault> {
-    if scratch.sampled {
-        return Ok(());
-    }
-    let Scratch { shot, applied, tensions, base_wrench, .. } = scratch;
-    let aim = Aim {
-        tensions,
-        base_moment: base_wrench.moment,
-        follower_force: applied.follower_share(base_wrench.force),
-        load: 1.0,
-        sample: true,
-    };
-    shot.fire(problem.grid, applied, &aim)?;
-    scratch.sampled = true;
-    Ok(())
-}
-
-/// Base wrench that would carry the load on the shape without load.
-pub(super) fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
-    let grid = problem.grid;
-    let Scratch { poses, applied, newton, .. } = scratch;
-    let (mut moment, mut follower_force) = (Vec3::ZERO, Vec3::ZERO);
-    for k in (0..grid.len()).rev() {
-        let (near, far) = (&poses[k], &poses[k + 1]);
-        let follower = applied.follower(k + 1);
-        follower_force += far.rotation.rotate(follower.force);
-        moment += applied.moment(k + 1) + far.rotation.rotate(follower.moment);
-        let mut force = applied.force(k, 2) + follower_force;
-        if let Some(line) = applied.line(k) {
-            let h = grid.steps[k].length;
-            let pushed = h * far.rotation.rotate(line.follower_force(0.5));
-            force += 0.5 * pushed;
-            follower_force += pushed;
-            moment += h * (line.moment(0.5) + far.rotation.rotate(line.follower_moment(0.5)));
-        }
-        moment += (far.position - near.position).cross(force);
-    }
-    newton.point.base_moment = moment * load;
-    newton.point.follower_force = follower_force * load;
-    newton.point.tensions.clone_from(&scratch.tensions);
-    scratch.shot.seed(grid, &scratch.unloaded.strains);
-}
-
-/// A Newton iteration that ended without an answer.
-pub(super) struct Failed {
-    pub effort: Effort,
-}
-
-/// Newton's method on eq. (7) from `scratch.newton.point`, where it also ends. The derivatives are
-/// kept as long as each step with them takes most of the residual away.
-pub(super) fn shoot(
-    problem: &Problem<'_>,
-    scratch: &mut Scratch,
-    load: f64,
-) -> Result<Effort, Failed> {
-    let commands = problem.commands;
-    let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
-    let tensions = if lengths_driven { commands.len() } else { 0 };
-    let scales = Scales::of(problem.grid, problem.length);
-    let Scratch { shot, applied, newton, trace, .. } = scratch;
-    let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
-    let fire = |shot: &mut Shot, point: &Point, sample| -> Result<(), Fault> {
-        let Point { base_moment, follower_force, ref tensions } = *point;
-        let aim = Aim { tensions, base_moment, follower_force, load, sample };
-        shot.fire(problem.grid, applied, &aim)?;
-        if lengths_driven {
-            shot.measure(problem.grid);
-        }
-        Ok(())
-    };
-    if fire(shot, &newton.point, true).is_err() {
-        return Err(Failed { effort });
-    }
-    effort.residual = residual(commands, &newton.point, shot, &scales);
-    let mut fresh = true;
-    while effort.iterations < MAX_ITERATIONS {
-        if effort.residual <= problem.tolerance {
-            return Ok(effort);
-        }
-        effort.iterations += 1;
-        if fresh {
-            newton.sensitivity.compute(
-                problem.grid,
-                applied,
-                load,
-                &shot.samples,
-                &shot.poses,
-                tensions,
-            );
-        }
-        if !newton.solve_step(commands, shot, &scales) {
-            return Err(Failed { effort });
-        }
-        let small = newton.relative_step(&scales) < KEEP_BELOW;
-        let mut fraction = 1.0;
-        loop {
-            newton.aim_trial(fraction);
-            if fire(shot, &newton.trial, !small).is_ok() {
-                let now = residual(commands, &newton.trial, shot, &scales);
-                if now < (1.0 - 1e-4 * fraction) * effort.residual {
-                    core::mem::swap(&mut newton.point, &mut newton.trial);
-                    fresh = !small;
-                    if small && now > KEEP_RATIO * effort.residual && now > problem.tolerance {
-                        // The kept derivatives no longer serve.
-                        fresh = true;
-                        if fire(shot, &newton.point, true).is_err() {
-                            return Err(Failed { effort });
-                        }
-                    }
-                    effort.residual = now;
-                    let tensions = &newton.point.tensions;
-                    trace.iteration(effort.iterations, load, now, fraction, tensions);
-                    break;
-                }
-                if fraction == 1.0 && effort.residual <= ROUNDING {
-                    // Both are as good as rounding lets them be: stay with the better one.
-                    if fire(shot, &newton.point, false).is_err() {
-                        return Err(Failed { effort });
-                    }
-                    return Ok(effort);
-                }
-            }
-            shot.forget();
-            fraction *= 0.5;
-            if fraction < LEAST_FRACTION {
-                return Err(Failed { effort });
-            }
-        }
-    }
-    if effort.residual <= ROUNDING { Ok(effort) } else { Err(Failed { effort }) }
-}
-
-/// Copies the answer out of the last shot.
-pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
-    let Scratch { shot, applied, newton, .. } = scratch;
-    shot.measure(problem.grid);
-    (scratch.on_chain, scratch.sampled) = (false, false);
-    scratch.poses.clone_from(&shot.poses);
-    scratch.lengths.clone_from(&shot.lengths);
-    scratch.tensions.clone_from(&newton.point.tensions);
-    scratch.base_wrench = Wrench {
-        force: applied.base_force() + newton.point.follower_force,
-        moment: newton.point.base_moment,
-    };
-    Found { iterations: effort.iterations, residual: effort.residual, lost_at: None }
-}
-
-/// Copies the answer out of the closed chain.
-pub(super) fn finish_chain(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
-    let Scratch { shot, applied, chain, .. } = scratch;
-    shot.measure(problem.grid);
-    chain.poses(&mut scratch.poses);
-    scratch.lengths.clone_from(&shot.lengths);
-    scratch.tensions.clone_from(&chain.state.tensions);
-    let base = chain.state.nodes[0];
-    scratch.base_wrench = Wrench { force: applied.base_force() + base.force, moment: base.moment };
-    (scratch.on_chain, scratch.sampled) = (true, true);
-    Found { iterations: effort.iterations, residual: effort.residual, lost_at: None }
 }
 
 /// Stability of the answer in `scratch`, see [`super::stability`]; `None` under follower loads, which

@@ -1,9 +1,11 @@
 //! The rod without load on one grid: the answer where there is none, the start where there is.
 
+use super::command::Command;
 use super::grid::Grid;
-use super::lengths::{self, Command, Effort, Given, LengthFault, Responds};
+use super::lengths::{self, Effort, Given, LengthFault, Responds};
+use super::outcome::{Failure, Found};
 use super::section::SectionFault;
-use super::statics::{Failure, Found, Problem, Scratch};
+use super::statics::{Problem, Scratch};
 use super::unloaded::{Fault, Unloaded, Wanted};
 use crate::shape::Wrench;
 
@@ -22,7 +24,7 @@ pub(super) fn without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Resu
     scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
     scratch.lengths.clone_from(&scratch.unloaded.lengths);
     scratch.base_wrench = Wrench::default();
-    Ok(Found { iterations: effort.iterations, residual: effort.residual, lost_at: None })
+    Ok(Found::with(effort))
 }
 
 /// Strains and tensions of the rod without load.

@@ -23,8 +23,10 @@ use whipcord_numerics::{DenseLu, Pose, Vec3};
 
 use super::joint::Chord;
 use super::layout::Frame;
-use super::statics::{Failure, Found, Rod};
-use crate::cosserat::lengths::{Command, Responds as _};
+use super::statics::Rod;
+use crate::cosserat::command::Command;
+use crate::cosserat::lengths::{Effort, Responds as _};
+use crate::cosserat::outcome::{Failure, Found};
 use crate::shape::Contact;
 
 /// What the holes remember of the steps before.
@@ -243,7 +245,8 @@ fn newton(
             }
             history.beyond.clone_from(&beyond);
             history.tensions = tensions;
-            return Ok(Found { iterations: iteration + 1, residual: worst / length });
+            let (iterations, residual) = (iteration + 1, worst / length);
+            return Ok(Found::with(Effort { iterations, residual }));
         }
         last = worst;
         if lu.factor(n, &matrix).is_err() {

@@ -6,10 +6,10 @@
 
 use whipcord_numerics::{Twist, Vec3};
 
-use super::model::{CosseratDisks, Options, Workspace};
+use super::model::{CosseratDisks, Workspace};
 use crate::case::{CableCommand, Case, Drive, PointLoad};
-use crate::cosserat::Accuracy;
 use crate::cosserat::derivatives::{Held, Hold};
+use crate::cosserat::{Accuracy, Options};
 use crate::differences::{Difference, ahead, differentiate};
 use crate::error::SolveError;
 use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield};

@@ -13,6 +13,7 @@ mod chain;
 mod friction;
 mod joint;
 mod layout;
+mod link;
 mod local;
 mod model;
 mod rod;
@@ -20,5 +21,6 @@ mod stability;
 mod statics;
 mod unloaded;
 
+pub use crate::cosserat::Options;
 pub(crate) use local::solve_at;
-pub use model::{CosseratDisks, Options, Workspace};
+pub use model::{CosseratDisks, Workspace};

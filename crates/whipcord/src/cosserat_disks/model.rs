@@ -4,43 +4,16 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::friction::{History, Holes};
 use super::layout::{Frame, Mesh, of_this_model};
-use super::statics::{self, Failure, Found, Problem, Scratch, Start};
-use crate::case::{Case, Drive, Loads, Piece};
-use crate::cosserat::lengths::Command;
-use crate::cosserat::{Accuracy, loads};
+use super::statics::{self, Problem, Scratch, Start};
+use crate::case::{Case, Loads, Piece};
+use crate::cosserat::command::Command;
+use crate::cosserat::outcome::{Failure, Found};
+use crate::cosserat::refinement::{Coarse, ERROR_RATIO};
+use crate::cosserat::{Accuracy, Options, loads};
 use crate::error::SolveError;
-use crate::model::{ModelKind, Stations};
+use crate::model::ModelKind;
 use crate::robot::{Problem as Mistake, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, Shape, Solution};
-
-/// How the model is discretised and driven.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// Where the shape is given.
-    pub stations: Stations,
-    /// Which command of each cable counts; by nature the tension.
-    pub drive: Drive,
-    /// How finely the spans between the disks are integrated. The disks themselves are the model:
-    /// they stay as many as the robot has.
-    pub accuracy: Accuracy,
-    /// Whether the stability of the answer is computed, at held tensions.
-    pub stability: bool,
-    /// Greatest gap between spans under load, relative to 1 rad and the scales of moment and force
-    /// (EI/L and EI/L², and what acts there), at which equilibrium counts as met.
-    pub residual: f64,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            stations: Stations::default(),
-            drive: Drive::default(),
-            accuracy: Accuracy::default(),
-            stability: true,
-            residual: 2e-11,
-        }
-    }
-}
 
 /// Meshes that are made beforehand.
 const READY_MESHES: usize = 3;
@@ -48,8 +21,6 @@ const READY_MESHES: usize = 3;
 const MAX_REFINEMENTS: usize = 8;
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 2;
-/// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
-const ERROR_RATIO: f64 = 15.0;
 
 /// The Cosserat rod with cables that run straight from hole to hole, built for one robot.
 ///
@@ -97,36 +68,26 @@ pub struct CosseratDisks {
 pub struct Workspace {
     scratch: Scratch,
     commands: Vec<Command>,
-    coarse_poses: Vec<Pose>,
-    coarse_lengths: Vec<f64>,
+    coarse: Coarse,
     coarse_tensions: Vec<f64>,
 }
 
 impl Workspace {
     /// Keeps what the answer on a coarse mesh is compared by.
     fn keep(&mut self, mesh: &Mesh) {
-        self.coarse_poses.clear();
-        let kept = mesh.grid.disks.iter().chain(&mesh.grid.stations);
-        self.coarse_poses.extend(kept.map(|&k| self.scratch.poses[k]));
-        self.coarse_lengths.clone_from(&self.scratch.lengths);
+        self.coarse.keep(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
         self.coarse_tensions.clone_from(&self.scratch.tensions);
     }
 
     /// Largest change of a position or a cable's length since then, in m. Where lengths are given
     /// it is the tensions that change, which counts as a fraction of the length.
     fn change(&self, mesh: &Mesh, length: f64) -> f64 {
-        let kept = mesh.grid.disks.iter().chain(&mesh.grid.stations).zip(&self.coarse_poses);
-        let moved =
-            kept.map(|(&k, coarse)| (self.scratch.poses[k].position - coarse.position).norm());
-        let lengths = self.scratch.lengths.iter().zip(&self.coarse_lengths);
+        let moved = self.coarse.change(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
         let tensions = self.scratch.tensions.iter().zip(&self.coarse_tensions);
         let relative = |(fine, coarse): (&f64, &f64)| {
             length * (fine - coarse).abs() / fine.max(f64::MIN_POSITIVE)
         };
-        moved
-            .chain(lengths.map(|(fine, coarse)| (fine - coarse).abs()))
-            .chain(tensions.filter(|(fine, coarse)| fine != coarse).map(relative))
-            .fold(0.0, f64::max)
+        tensions.filter(|(fine, coarse)| fine != coarse).map(relative).fold(moved, f64::max)
     }
 }
 
@@ -299,30 +260,12 @@ impl CosseratDisks {
     /// What drives each cable.
     fn commands(&self, case: &Case, commands: &mut Vec<Command>) -> Result<(), SolveError> {
         commands.clear();
-        for (i, command) in case.commands.iter().enumerate() {
-            let tension = command.tension.filter(|_| self.options.drive != Drive::Shortening);
-            let shortening = command.shortening.filter(|_| self.options.drive != Drive::Tension);
-            let initial = self.frame.rest_lengths[i];
-            commands.push(match (tension, shortening) {
-                (Some(tension), _) => Command::Tension(tension),
-                (None, Some(shortening)) => Command::Length {
-                    target: initial - shortening.in_metres(initial),
-                    compliance: self.robot.cables()[i].axial_stiffness.map_or(0.0, |k| initial / k),
-                },
-                (None, None) => return Err(self.no_command(i)),
-            });
+        for (cable, &initial) in self.frame.rest_lengths.iter().enumerate() {
+            let drive = self.options.drive;
+            let kind = ModelKind::CosseratDisks;
+            commands.push(Command::of(kind, &self.robot, cable, case, drive, initial)?);
         }
         Ok(())
-    }
-
-    fn no_command(&self, cable: usize) -> SolveError {
-        let (key, advice) = match self.options.drive {
-            Drive::Natural => ("tension", "give this cable a tension, or a shortening"),
-            Drive::Tension => ("tension", "give it, or drive the cables by their shortening"),
-            Drive::Shortening => ("shortening", "give it, or drive the cables by their tension"),
-        };
-        let path = format!("cables[{cable}].{key}");
-        SolveError::Missing { model: ModelKind::CosseratDisks, path, advice }
     }
 
     fn solution(
@@ -344,20 +287,14 @@ impl CosseratDisks {
             let poses = places.iter().map(|&k| scratch.poses[k]).collect();
             Shape { arc_length: arc_lengths.to_vec(), poses }.moved(base)
         };
+        let backbone = self.robot.backbone().length;
         let cables = self.robot.cables().iter().enumerate().map(|(i, cable)| {
             let (tension, length) = (scratch.tensions[i], scratch.lengths[i]);
-            let command = workspace.commands[i];
-            let loose = command.slackness(tension, length);
+            let initial = self.frame.rest_lengths[i];
             CableState {
-                name: cable.name.clone(),
-                tension: Some(tension),
-                length,
-                initial_length: self.frame.rest_lengths[i],
-                slack: matches!(command, Command::Length { .. })
-                    && tension == 0.0
-                    && loose > 1e-12 * self.robot.backbone().length,
                 span_tensions: self.at_holes(i, &scratch.history.tensions),
                 contacts: self.at_holes(i, &scratch.history.contacts),
+                ..workspace.commands[i].answer(&cable.name, tension, length, initial, backbone)
             }
         });
         Solution {
@@ -388,24 +325,7 @@ impl CosseratDisks {
 
     fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
         let name = |cable: usize| self.robot.cables()[cable].name.clone();
-        match failure {
-            Failure::Folds { cable, arc_length, tension, last_load } => {
-                SolveError::SectionFolds { cable: name(cable), arc_length, tension, last_load }
-            }
-            Failure::Unreachable { cable, length } => {
-                let initial = self.frame.rest_lengths[cable];
-                let requested = match commands[cable] {
-                    Command::Length { target, .. } => initial - target,
-                    Command::Tension(_) => 0.0,
-                };
-                let reachable = initial - length;
-                SolveError::UnreachableLength { cable: name(cable), requested, reachable }
-            }
-            Failure::NotConverged { iterations, residual, last_load, advice } => {
-                let residual = if residual.is_finite() { residual } else { 1.0 };
-                SolveError::NotConverged { iterations, residual, last_load, advice }
-            }
-        }
+        failure.explain(commands, &self.frame.rest_lengths, name)
     }
 }
 

@@ -8,8 +8,10 @@ use super::layout::{Frame, Mesh};
 use super::rod::Sample;
 use super::stability::Stability;
 use super::unloaded::Unloaded;
-use crate::cosserat::lengths::{self, Command, Given, LengthFault, LengthScratch, Responds};
+use crate::cosserat::command::Command;
+use crate::cosserat::lengths::{self, Effort, Given, LengthFault, LengthScratch, Responds};
 use crate::cosserat::loads::AppliedLoads;
+use crate::cosserat::outcome::{Failure, Found};
 use crate::cosserat::section::SectionFault;
 use crate::cosserat::unloaded::Fault;
 use crate::shape::Wrench;
@@ -33,21 +35,6 @@ pub(super) enum Start {
     Cold,
     /// From a neighbouring answer: tensions by cable, disks, and what the base exerts.
     From { tensions: Vec<f64>, disks: Vec<Pose>, base: Option<Wrench> },
-}
-
-/// How the answer was found.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Found {
-    pub iterations: usize,
-    pub residual: f64,
-}
-
-/// Why there is none.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Failure {
-    Folds { cable: usize, arc_length: f64, tension: f64, last_load: f64 },
-    Unreachable { cable: usize, length: f64 },
-    NotConverged { iterations: usize, residual: f64, last_load: f64, advice: &'static str },
 }
 
 /// Memory of a solve, and the answer it ends with.
@@ -118,7 +105,7 @@ pub(super) fn solve(
     if !by_length {
         rod.equilibrium(&tensions, false)?;
         let (iterations, residual) = (rod.iterations, rod.residual);
-        return Ok(rod.finish(tensions, Found { iterations, residual }));
+        return Ok(rod.finish(tensions, Found::with(Effort { iterations, residual })));
     }
     let given = Given {
         length: problem.frame.rod.backbone().length,
@@ -130,11 +117,11 @@ pub(super) fn solve(
     rod.scratch.length_scratch = memory;
     match solved {
         Ok(effort) => {
-            let found = Found {
+            let effort = Effort {
                 iterations: effort.iterations + rod.iterations,
                 residual: effort.residual.max(rod.residual),
             };
-            Ok(rod.finish(tensions, found))
+            Ok(rod.finish(tensions, Found::with(effort)))
         }
         Err(LengthFault::Section(fault)) => Err(rod.failure(fault, &tensions)),
         Err(LengthFault::Unreachable { cable, length }) => {

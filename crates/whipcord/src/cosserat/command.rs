@@ -1,0 +1,85 @@
+//! What drives a cable, and what becomes of it.
+
+use crate::case::{Case, Drive};
+use crate::error::SolveError;
+use crate::model::ModelKind;
+use crate::robot::Robot;
+use crate::shape::CableState;
+
+/// What drives one cable; in the order of the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Command {
+    /// Tension in N.
+    Tension(f64),
+    /// Unstretched length `ℓ*` inside the robot in m, and what a tension of 1 N adds to it.
+    Length { target: f64, compliance: f64 },
+}
+
+impl Command {
+    /// Slackness `g` of a cable whose path has this length.
+    pub fn slackness(&self, tension: f64, length: f64) -> f64 {
+        match *self {
+            Self::Tension(_) => 0.0,
+            Self::Length { target, compliance } => target + compliance * tension - length,
+        }
+    }
+
+    /// Of a cable of the robot that has this length in m at rest.
+    ///
+    /// # Errors
+    /// [`SolveError::Missing`] where the case gives the cable nothing of the kind that counts.
+    pub fn of(
+        model: ModelKind,
+        robot: &Robot,
+        cable: usize,
+        case: &Case,
+        drive: Drive,
+        initial: f64,
+    ) -> Result<Self, SolveError> {
+        let command = &case.commands[cable];
+        let tension = command.tension.filter(|_| drive != Drive::Shortening);
+        let shortening = command.shortening.filter(|_| drive != Drive::Tension);
+        match (tension, shortening) {
+            (Some(tension), _) => Ok(Self::Tension(tension)),
+            (None, Some(shortening)) => Ok(Self::Length {
+                target: initial - shortening.in_metres(initial),
+                compliance: robot.cables()[cable].axial_stiffness.map_or(0.0, |k| initial / k),
+            }),
+            (None, None) => {
+                let (key, advice) = match drive {
+                    Drive::Natural => ("tension", "give this cable a tension, or a shortening"),
+                    Drive::Tension => {
+                        ("tension", "give it, or drive the cables by their shortening")
+                    }
+                    Drive::Shortening => {
+                        ("shortening", "give it, or drive the cables by their tension")
+                    }
+                };
+                Err(SolveError::Missing { model, path: format!("cables[{cable}].{key}"), advice })
+            }
+        }
+    }
+
+    /// The cable in an answer, on a backbone of this length in m.
+    pub fn answer(
+        &self,
+        name: &str,
+        tension: f64,
+        length: f64,
+        initial_length: f64,
+        backbone: f64,
+    ) -> CableState {
+        let loose = self.slackness(tension, length);
+        CableState {
+            name: name.to_owned(),
+            tension: Some(tension),
+            length,
+            initial_length,
+            slack: matches!(self, Self::Length { .. })
+                && tension == 0.0
+                && loose > 1e-12 * backbone,
+            span_tensions: Vec::new(),
+            contacts: Vec::new(),
+        }
+    }
+}

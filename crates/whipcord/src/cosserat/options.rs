@@ -1,0 +1,52 @@
+//! How the two Cosserat models are discretised and driven.
+
+use crate::case::Drive;
+use crate::model::Stations;
+
+/// How a model is discretised and driven.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Where the shape is given.
+    pub stations: Stations,
+    /// Which command of each cable counts; by nature the tension.
+    pub drive: Drive,
+    /// How finely it integrates. Where cables run straight between the disks, these are the model:
+    /// they stay as many as the robot has, and only the spans between them are divided.
+    pub accuracy: Accuracy,
+    /// Whether the stability of the answer is computed; where cables run straight between the disks,
+    /// at held tensions.
+    pub stability: bool,
+    /// Residual at which equilibrium under load counts as met, relative to the scales of moment (EI/L,
+    /// and what acts there), force (EI/L²), turn (1 rad) and length. It is about the relative error of
+    /// the shape that the iteration leaves.
+    pub residual: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            stations: Stations::default(),
+            drive: Drive::default(),
+            accuracy: Accuracy::default(),
+            stability: true,
+            residual: 2e-11,
+        }
+    }
+}
+
+/// How finely the rod is integrated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accuracy {
+    /// The steps are halved until the estimated error of every position and of every cable's length
+    /// is below this fraction of the length; where lengths are given, at the tensions found.
+    Tolerance(f64),
+    /// At least this many steps from base to tip. Disks, stations, cable ends, kinks of a routing
+    /// and places of loads always end a step.
+    Steps(usize),
+}
+
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self::Tolerance(1e-9)
+    }
+}

@@ -1,0 +1,70 @@
+//! How a solve on one grid ended.
+
+use super::command::Command;
+use super::lengths::Effort;
+use crate::error::SolveError;
+
+/// How an answer was found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Found {
+    pub iterations: usize,
+    pub residual: f64,
+    /// The fraction of the load at which the robot lost its stability on the way from no load.
+    pub lost_at: Option<f64>,
+}
+
+/// Why there is none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Failure {
+    Folds { cable: usize, arc_length: f64, tension: f64, last_load: f64 },
+    Unreachable { cable: usize, length: f64 },
+    Buckled { lost_at: f64, iterations: usize },
+    NotConverged { iterations: usize, residual: f64, last_load: f64, advice: &'static str },
+}
+
+impl Found {
+    /// With this effort, and no stability lost on the way.
+    pub const fn with(effort: Effort) -> Self {
+        Self { iterations: effort.iterations, residual: effort.residual, lost_at: None }
+    }
+
+    /// With the effort of an earlier stage of the same solve added.
+    pub fn after(self, earlier: &Self) -> Self {
+        let lost_at = self.lost_at.or(earlier.lost_at);
+        Self { iterations: self.iterations + earlier.iterations, lost_at, ..self }
+    }
+}
+
+impl Failure {
+    /// In the words of the robot: cables by their name and their length in m at rest, in the order
+    /// of the commands.
+    pub fn explain(
+        self,
+        commands: &[Command],
+        rest_lengths: &[f64],
+        name: impl Fn(usize) -> String,
+    ) -> SolveError {
+        match self {
+            Self::Folds { cable, arc_length, tension, last_load } => {
+                SolveError::SectionFolds { cable: name(cable), arc_length, tension, last_load }
+            }
+            Self::Unreachable { cable, length } => {
+                let initial = rest_lengths[cable];
+                let requested = match commands[cable] {
+                    Command::Length { target, .. } => initial - target,
+                    Command::Tension(_) => 0.0,
+                };
+                let reachable = initial - length;
+                SolveError::UnreachableLength { cable: name(cable), requested, reachable }
+            }
+            Self::Buckled { lost_at, iterations } => {
+                SolveError::Buckled { load: lost_at, iterations }
+            }
+            Self::NotConverged { iterations, residual, last_load, advice } => {
+                // A start from which no section was solved leaves all of the equations.
+                let residual = if residual.is_finite() { residual } else { 1.0 };
+                SolveError::NotConverged { iterations, residual, last_load, advice }
+            }
+        }
+    }
+}

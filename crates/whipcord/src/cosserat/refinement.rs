@@ -1,0 +1,184 @@
+//! Answers to a tolerance: the steps are halved until the answer changes no more.
+
+use std::borrow::Cow;
+
+use whipcord_numerics::Pose;
+
+use super::command::Command;
+use super::grid::Grid;
+use super::model::{Cosserat, Workspace};
+use super::outcome::Found;
+use super::statics::{self, Start};
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::shape::Solution;
+
+/// Steps from base to tip on the grid that [`Accuracy::Tolerance`] starts with.
+pub(super) const COARSE_STEPS: usize = 8;
+/// Grids that are made beforehand: with three of them most robots are done.
+pub(super) const READY_GRIDS: usize = 3;
+/// A failure to converge is believed only with steps halved this often.
+pub(super) const GIVE_UP_LEVEL: usize = 3;
+/// Where the load path loses its stability or ends, it is followed on with steps halved this often:
+/// coarser ones may lose it too early.
+pub(super) const FOLLOW_LEVEL: usize = 2;
+/// How far a cable can be shortened is said with steps halved this often.
+pub(super) const FOLD_LEVEL: usize = 5;
+/// How often the steps may be halved.
+pub(super) const MAX_REFINEMENTS: usize = 9;
+/// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
+pub(crate) const ERROR_RATIO: f64 = 15.0;
+/// Where lengths are given they do not change with the steps; the tensions do. The steps are those
+/// that suffice for the tensions found, so that the lengths of an answer return its tensions and not
+/// those of another grid. The positions may be off by this much more than the tolerance, where they
+/// hang more on the lengths than on the tensions.
+const LENGTHS_SLACK: f64 = 100.0;
+
+/// What answers on different grids are compared by.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Coarse {
+    poses: Vec<Pose>,
+    lengths: Vec<f64>,
+}
+
+impl Coarse {
+    /// Keeps an answer on a grid: frames at the ends of all its steps, and lengths of the cables in m.
+    pub fn keep(&mut self, grid: &Grid, poses: &[Pose], lengths: &[f64]) {
+        self.poses.clear();
+        self.poses.extend(compared(grid).map(|k| poses[k]));
+        self.lengths.clear();
+        self.lengths.extend_from_slice(lengths);
+    }
+
+    /// Largest change of a position or a cable's length since then, in m.
+    pub fn change(&self, grid: &Grid, poses: &[Pose], lengths: &[f64]) -> f64 {
+        let moved = compared(grid)
+            .zip(&self.poses)
+            .map(|(k, coarse)| (poses[k].position - coarse.position).norm());
+        let lengths = lengths.iter().zip(&self.lengths).map(|(fine, coarse)| (fine - coarse).abs());
+        moved.chain(lengths).fold(0.0, f64::max)
+    }
+}
+
+/// Disks and stations.
+fn compared(grid: &Grid) -> impl Iterator<Item = usize> + '_ {
+    grid.disks.iter().chain(&grid.stations).copied()
+}
+
+impl Workspace {
+    /// Keeps what the answer on a coarse grid is compared by.
+    pub(super) fn keep_coarse(&mut self, grid: &Grid) {
+        self.coarse.keep(grid, &self.scratch.poses, &self.scratch.lengths);
+    }
+
+    /// Largest change of a position or a cable's length since then, in m.
+    pub(super) fn change(&self, grid: &Grid) -> f64 {
+        self.coarse.change(grid, &self.scratch.poses, &self.scratch.lengths)
+    }
+}
+
+impl Cosserat {
+    /// The grid whose steps are halved so often; where the steps are prescribed, the only one.
+    pub(super) fn grid(&self, level: usize) -> Result<Cow<'_, Grid>, SolveError> {
+        Ok(match self.grids.get(level) {
+            Some(grid) => Cow::Borrowed(grid),
+            None => Cow::Owned(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?),
+        })
+    }
+
+    /// Halves the steps until the answer changes no more.
+    pub(super) fn solve_to(
+        &self,
+        tolerance: f64,
+        case: &Case,
+        mut start: Start,
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Cow<'_, Grid>), SolveError> {
+        let tolerance = tolerance * self.robot.backbone().length;
+        let cold = start.clone();
+        let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
+        let (mut error, mut steps) = (f64::INFINITY, 0);
+        for level in 0..=MAX_REFINEMENTS {
+            let grid = self.grid(level)?;
+            let mut found = match self.solve_on(&grid, case, &start, level, workspace) {
+                // Steps that are too coarse for a strong bend can keep Newton's method away.
+                Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. })
+                    if coarser.is_none() && level < GIVE_UP_LEVEL =>
+                {
+                    continue;
+                }
+                // A section folds between the nodes of a coarse grid before it does at them: only
+                // with fine steps is it known how far a cable goes.
+                Err(SolveError::UnreachableLength { .. }) if level < FOLD_LEVEL => {
+                    coarser = None;
+                    start = cold.clone();
+                    continue;
+                }
+                other => other?,
+            };
+            if let Some((earlier, coarse)) = &coarser {
+                found = found.after(earlier);
+                error = workspace.change(&grid) / ERROR_RATIO;
+                let given_lengths =
+                    workspace.commands.iter().any(|c| matches!(c, Command::Length { .. }));
+                let mut met = error <= tolerance;
+                if given_lengths
+                    && error <= LENGTHS_SLACK * tolerance
+                    && let Some(other) = self.change_at_tensions(coarse, &grid, case, workspace)
+                {
+                    met = other <= tolerance;
+                    error = error.max(other);
+                }
+                if met {
+                    let solution = self.solution(&grid, case, workspace, found, Some(error))?;
+                    return Ok((solution, grid));
+                }
+            }
+            workspace.keep_coarse(&grid);
+            start = workspace.scratch.as_start();
+            steps = grid.len();
+            coarser = Some((found, grid));
+        }
+        Err(SolveError::StepsTooCoarse { error, tolerance, steps })
+    }
+
+    /// The estimated error that the answer in the workspace would have if its tensions had been
+    /// given instead of lengths; `None` where they fold the coarse grid.
+    fn change_at_tensions(
+        &self,
+        coarse: &Grid,
+        grid: &Grid,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Option<f64> {
+        workspace.tensions.clear();
+        workspace.tensions.extend(workspace.scratch.tensions.iter().map(|&t| Command::Tension(t)));
+        let problem = statics::Problem {
+            // What is stable at given lengths need not be so at given tensions.
+            stability: false,
+            ..self.problem(coarse, case, &workspace.tensions)
+        };
+        let start = workspace.scratch.as_start();
+        statics::solve(&problem, &start, &mut workspace.at_tensions).ok()?;
+        let Workspace { at_tensions, coarse: kept, .. } = &mut *workspace;
+        kept.keep(coarse, &at_tensions.poses, &at_tensions.lengths);
+        Some(workspace.change(grid) / ERROR_RATIO)
+    }
+
+    pub(super) fn solve_on(
+        &self,
+        grid: &Grid,
+        case: &Case,
+        start: &Start,
+        level: usize,
+        workspace: &mut Workspace,
+    ) -> Result<Found, SolveError> {
+        let problem = statics::Problem {
+            follow: level >= FOLLOW_LEVEL,
+            bracket: level >= FOLD_LEVEL,
+            ..self.problem(grid, case, &workspace.commands)
+        };
+        statics::solve(&problem, start, &mut workspace.scratch)
+            .map_err(|failure| self.explain(failure, &workspace.commands))
+    }
+}

@@ -1,0 +1,155 @@
+//! The strain of a section in equilibrium: Newton's method on its potential.
+
+use whipcord_numerics::Vec3;
+
+use super::tangent::Hessian;
+use super::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Strain};
+use crate::cosserat::one_cable;
+
+/// A Newton step this small, as a strain, leaves an error of its square.
+const STEP_TOLERANCE: f64 = 2e-7;
+const MAX_ITERATIONS: usize = 200;
+/// Undamped steps that are tried before the potential is watched.
+const UNDAMPED: usize = 5;
+
+/// Finds the strain of a section, starting from `strain`; `tensions` and `crossings` belong to the
+/// same cables.
+#[inline]
+pub(crate) fn equilibrium(
+    section: &Section,
+    crossings: &[Crossing],
+    tensions: &[f64],
+    wrench: BodyWrench,
+    strain: &mut Strain,
+) -> Result<(), SectionFault> {
+    if let ([crossing], [tension], true) = (crossings, tensions, section.isotropic) {
+        *strain = one_cable::equilibrium(section, crossing, *tension, wrench)?.strain;
+        return Ok(());
+    }
+    newton_equilibrium(section, crossings, tensions, wrench, strain)
+}
+
+/// [`equilibrium`] by Newton's method, for any number of cables and any stiffness.
+pub(crate) fn newton_equilibrium(
+    section: &Section,
+    crossings: &[Crossing],
+    tensions: &[f64],
+    wrench: BodyWrench,
+    strain: &mut Strain,
+) -> Result<(), SectionFault> {
+    let reach = reach(crossings);
+    for _ in 0..UNDAMPED {
+        let Some(step) = newton_step(section, crossings, tensions, wrench, strain) else {
+            break;
+        };
+        *strain = *strain + step;
+        let size = step.linear.max_abs().max(reach * step.angular.max_abs());
+        if size <= STEP_TOLERANCE {
+            return Ok(());
+        }
+        if size.is_nan() || size > 1.0 {
+            break;
+        }
+    }
+    *strain = damped_equilibrium(section, crossings, tensions, wrench, reach)?;
+    Ok(())
+}
+
+/// Distance at which a curvature counts as a strain.
+#[inline]
+fn reach(crossings: &[Crossing]) -> f64 {
+    let widest = |widest: f64, c: &Crossing| widest.max(c.offset.norm_squared());
+    crossings.iter().fold(1e-8, widest).sqrt()
+}
+
+/// The Newton step; `None` where the potential is not smooth.
+#[inline]
+fn newton_step(
+    section: &Section,
+    crossings: &[Crossing],
+    tensions: &[f64],
+    wrench: BodyWrench,
+    strain: &Strain,
+) -> Option<Strain> {
+    let elastic = section.elastic_wrench(strain);
+    let mut force = wrench.linear - elastic.linear;
+    let mut moment = wrench.angular - elastic.angular;
+    let mut hessian = Hessian::of(section);
+    for (crossing, &tension) in crossings.iter().zip(tensions) {
+        if tension == 0.0 {
+            continue;
+        }
+        let (pull, stretch) = crossing.pull(strain);
+        force -= tension * pull.linear;
+        moment -= tension * pull.angular;
+        hessian.add(crossing.offset, &pull, tension / stretch);
+    }
+    Some(hessian.factor()?.solve(BodyWrench { linear: force, angular: moment }))
+}
+
+/// Newton's method with backtracking on the potential, from the section at rest: it converges
+/// always, or finds that the section folds.
+#[cold]
+pub(super) fn damped_equilibrium(
+    section: &Section,
+    crossings: &[Crossing],
+    tensions: &[f64],
+    wrench: BodyWrench,
+    reach: f64,
+) -> Result<Strain, SectionFault> {
+    let potential = |x: &Strain| {
+        let (dv, du) = (x.linear - Vec3::Z, x.angular - section.rest_curvature);
+        let spring = section.elastic_wrench(x);
+        let elastic = 0.5 * (spring.linear.dot(dv) + spring.angular.dot(du));
+        let pulled: f64 =
+            crossings.iter().zip(tensions).map(|(c, t)| t * c.tangent(x).norm()).sum();
+        elastic + pulled - wrench.linear.dot(dv) - wrench.angular.dot(du)
+    };
+    let least_stretch = |x: &Strain| {
+        crossings
+            .iter()
+            .zip(tensions)
+            .enumerate()
+            .filter(|(_, (_, tension))| **tension > 0.0)
+            .map(|(i, (c, _))| (i, c.tangent(x).norm()))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let mut x = section.rest_strain();
+    let mut value = potential(&x);
+    if !value.is_finite() {
+        return Err(SectionFault::Diverged);
+    }
+    for _ in 0..MAX_ITERATIONS {
+        let Some(step) = newton_step(section, crossings, tensions, wrench, &x) else {
+            break;
+        };
+        let size = step.linear.max_abs().max(reach * step.angular.max_abs());
+        if size <= STEP_TOLERANCE {
+            let folded = least_stretch(&x).filter(|(_, stretch)| *stretch < FOLDED);
+            if let Some((cable, _)) = folded {
+                return Err(SectionFault::Folded { cable });
+            }
+            return Ok(x + step);
+        }
+        let mut fraction = 1.0;
+        loop {
+            let trial = x + step * fraction;
+            let trial_value = potential(&trial);
+            if trial_value < value {
+                (x, value) = (trial, trial_value);
+                break;
+            }
+            fraction *= 0.5;
+            if fraction < 1e-12 {
+                // The potential is flat to rounding here; the step decides below whether that is
+                // the minimum.
+                x = x + step * fraction;
+                break;
+            }
+        }
+    }
+    match least_stretch(&x) {
+        Some((cable, stretch)) if stretch < 0.05 => Err(SectionFault::Folded { cable }),
+        _ => Err(SectionFault::Diverged),
+    }
+}

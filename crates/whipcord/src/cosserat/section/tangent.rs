@@ -1,0 +1,135 @@
+//! The Hessian of a section's potential in 3×3 blocks, and its inverse.
+
+use whipcord_numerics::{Ldlt3, Mat3, Vec3};
+
+use super::{BodyWrench, Crossing, Section, SectionFault, Stiffness, Strain};
+
+/// The Hessian of the potential, factored: `[A B; Bᵀ C]` by its Schur complement `S = C − BᵀA⁻¹B`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tangent {
+    force: Ldlt3,
+    /// `A⁻¹B`.
+    coupling: Mat3,
+    moment: Ldlt3,
+    /// `S`: the bending stiffness when forces are held.
+    pub reduced: Mat3,
+}
+
+impl Tangent {
+    /// The Hessian at a strain.
+    #[inline]
+    pub fn at(
+        section: &Section,
+        crossings: &[Crossing],
+        tensions: &[f64],
+        strain: &Strain,
+    ) -> Result<Self, SectionFault> {
+        let mut hessian = Hessian::of(section);
+        for (crossing, &tension) in crossings.iter().zip(tensions) {
+            if tension != 0.0 {
+                let (pull, stretch) = crossing.pull(strain);
+                hessian.add(crossing.offset, &pull, tension / stretch);
+            }
+        }
+        hessian.factor().ok_or(SectionFault::Diverged)
+    }
+
+    /// The change of strain under a change of wrench, `H⁻¹ w`.
+    #[inline]
+    pub fn solve(&self, wrench: BodyWrench) -> Strain {
+        let angular =
+            self.moment.solve(wrench.angular - self.coupling.transpose_mul(wrench.linear));
+        Strain { linear: self.force.solve(wrench.linear) - self.coupling * angular, angular }
+    }
+
+    /// `H⁻¹` as `∂v/∂N`, `∂v/∂M`, which is the transpose of `∂u/∂N`, and `∂u/∂M`.
+    #[inline]
+    pub fn compliance(&self) -> [Mat3; 3] {
+        let turn = self.moment.solve_matrix(&Mat3::IDENTITY);
+        let mixed = -(self.coupling * turn);
+        let stretch = self.force.solve_matrix(&Mat3::IDENTITY) - mixed * self.coupling.transpose();
+        [stretch, mixed, turn]
+    }
+
+    /// Blocks `∂v/∂N` (symmetric) and `∂v/∂u` at constant `N`, for the second variation.
+    pub fn force_compliance(&self) -> (Mat3, Mat3) {
+        (self.force.solve_matrix(&Mat3::IDENTITY), -self.coupling)
+    }
+}
+
+/// Blocks of the Hessian of the potential. `A` and `C` are symmetric: only their lower triangles
+/// are kept up.
+pub(super) struct Hessian {
+    a: Mat3,
+    b: Mat3,
+    c: Mat3,
+}
+
+impl Hessian {
+    #[inline]
+    pub fn of(section: &Section) -> Self {
+        let Stiffness { shear, bending } = section.stiffness;
+        let soft = section.compliance.shear;
+        let pivot = |k: f64, soft: f64| if soft == 0.0 { f64::INFINITY } else { k };
+        let pivots =
+            Vec3::new(pivot(shear.x, soft.x), pivot(shear.y, soft.y), pivot(shear.z, soft.z));
+        let mut hessian =
+            Self { a: Mat3::diagonal(pivots), b: Mat3::ZERO, c: Mat3::diagonal(bending) };
+        if let Some(beside) = &section.coupling {
+            hessian.a += beside.shear;
+            hessian.b = beside.mixed;
+            hessian.c += beside.bending;
+        }
+        hessian
+    }
+
+    /// Adds a cable with `k = τ/‖p′‖`: `k (I − ttᵀ)`, `−k (r̂ + t mᵀ)` and
+    /// `k (|r|² I − rrᵀ − mmᵀ)`, where `m = r × t`.
+    #[inline]
+    pub fn add(&mut self, r: Vec3, pull: &BodyWrench, k: f64) {
+        let (t, m) = (pull.linear, pull.angular);
+        let (kt, km, kr) = (k * t, k * m, k * r);
+        let [a0, a1, a2] = &mut self.a.rows;
+        a0.x += k - kt.x * t.x;
+        a1.x -= kt.y * t.x;
+        a1.y += k - kt.y * t.y;
+        a2.x -= kt.z * t.x;
+        a2.y -= kt.z * t.y;
+        a2.z += k - kt.z * t.z;
+        let [b0, b1, b2] = &mut self.b.rows;
+        b0.x -= kt.x * m.x;
+        b0.y -= kt.x * m.y;
+        b0.z -= kr.y + kt.x * m.z;
+        b1.x -= kt.y * m.x;
+        b1.y -= kt.y * m.y;
+        b1.z += kr.x - kt.y * m.z;
+        b2.x += kr.y - kt.z * m.x;
+        b2.y -= kr.x + kt.z * m.y;
+        b2.z -= kt.z * m.z;
+        let rr = kr.x * r.x + kr.y * r.y;
+        let [c0, c1, c2] = &mut self.c.rows;
+        c0.x += rr - kr.x * r.x - km.x * m.x;
+        c1.x -= kr.y * r.x + km.y * m.x;
+        c1.y += rr - kr.y * r.y - km.y * m.y;
+        c2.x -= km.z * m.x;
+        c2.y -= km.z * m.y;
+        c2.z += rr - km.z * m.z;
+    }
+
+    /// `None` where it is not positive definite to working precision.
+    #[inline]
+    pub fn factor(&self) -> Option<Tangent> {
+        let force = self.a.ldlt()?;
+        let coupling = force.solve_matrix(&self.b);
+        let (b0, b1, b2) = (self.b.column(0), self.b.column(1), self.b.column(2));
+        let (w0, w1, w2) = (coupling.column(0), coupling.column(1), coupling.column(2));
+        let [c0, c1, c2] = self.c.rows;
+        let (s10, s20, s21) = (c1.x - b1.dot(w0), c2.x - b2.dot(w0), c2.y - b2.dot(w1));
+        let reduced = Mat3::from_rows(
+            Vec3::new(c0.x - b0.dot(w0), s10, s20),
+            Vec3::new(s10, c1.y - b1.dot(w1), s21),
+            Vec3::new(s20, s21, c2.z - b2.dot(w2)),
+        );
+        Some(Tangent { force, coupling, moment: reduced.ldlt()?, reduced })
+    }
+}

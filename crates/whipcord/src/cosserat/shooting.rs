@@ -1,0 +1,183 @@
+//! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
+
+use whipcord_numerics::Vec3;
+
+use super::command::Command;
+use super::lengths::Effort;
+use super::loaded::{Aim, Shot};
+use super::newton::{Point, Scales, residual};
+use super::outcome::Found;
+use super::statics::{Problem, Scratch};
+use super::unloaded::Fault;
+use crate::shape::Wrench;
+
+const MAX_ITERATIONS: usize = 40;
+/// Steps smaller than this, relative to the scales, are made with the derivatives at hand.
+const KEEP_BELOW: f64 = 0.05;
+/// Derivatives are made anew when a step leaves more of the residual than this.
+const KEEP_RATIO: f64 = 0.1;
+/// The line search gives up here.
+const LEAST_FRACTION: f64 = 1.0 / 256.0;
+/// What rounding may leave where no step improves any more.
+const ROUNDING: f64 = 1e-9;
+
+/// Base wrench that would carry the load on the shape without load.
+pub(super) fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
+    let grid = problem.grid;
+    let Scratch { poses, applied, newton, .. } = scratch;
+    let (mut moment, mut follower_force) = (Vec3::ZERO, Vec3::ZERO);
+    for k in (0..grid.len()).rev() {
+        let (near, far) = (&poses[k], &poses[k + 1]);
+        let follower = applied.follower(k + 1);
+        follower_force += far.rotation.rotate(follower.force);
+        moment += applied.moment(k + 1) + far.rotation.rotate(follower.moment);
+        let mut force = applied.force(k, 2) + follower_force;
+        if let Some(line) = applied.line(k) {
+            let h = grid.steps[k].length;
+            let pushed = h * far.rotation.rotate(line.follower_force(0.5));
+            force += 0.5 * pushed;
+            follower_force += pushed;
+            moment += h * (line.moment(0.5) + far.rotation.rotate(line.follower_moment(0.5)));
+        }
+        moment += (far.position - near.position).cross(force);
+    }
+    newton.point.base_moment = moment * load;
+    newton.point.follower_force = follower_force * load;
+    newton.point.tensions.clone_from(&scratch.tensions);
+    scratch.shot.seed(grid, &scratch.unloaded.strains);
+}
+
+/// A Newton iteration that ended without an answer.
+pub(super) struct Failed {
+    pub effort: Effort,
+}
+
+/// Newton's method on eq. (7) from `scratch.newton.point`, where it also ends. The derivatives are
+/// kept as long as each step with them takes most of the residual away.
+pub(super) fn shoot(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    load: f64,
+) -> Result<Effort, Failed> {
+    let commands = problem.commands;
+    let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
+    let tensions = if lengths_driven { commands.len() } else { 0 };
+    let scales = Scales::of(problem.grid, problem.length);
+    let Scratch { shot, applied, newton, trace, .. } = scratch;
+    let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
+    let fire = |shot: &mut Shot, point: &Point, sample| -> Result<(), Fault> {
+        let Point { base_moment, follower_force, ref tensions } = *point;
+        let aim = Aim { tensions, base_moment, follower_force, load, sample };
+        shot.fire(problem.grid, applied, &aim)?;
+        if lengths_driven {
+            shot.measure(problem.grid);
+        }
+        Ok(())
+    };
+    if fire(shot, &newton.point, true).is_err() {
+        return Err(Failed { effort });
+    }
+    effort.residual = residual(commands, &newton.point, shot, &scales);
+    let mut fresh = true;
+    while effort.iterations < MAX_ITERATIONS {
+        if effort.residual <= problem.tolerance {
+            return Ok(effort);
+        }
+        effort.iterations += 1;
+        if fresh {
+            newton.sensitivity.compute(
+                problem.grid,
+                applied,
+                load,
+                &shot.samples,
+                &shot.poses,
+                tensions,
+            );
+        }
+        if !newton.solve_step(commands, shot, &scales) {
+            return Err(Failed { effort });
+        }
+        let small = newton.relative_step(&scales) < KEEP_BELOW;
+        let mut fraction = 1.0;
+        loop {
+            newton.aim_trial(fraction);
+            if fire(shot, &newton.trial, !small).is_ok() {
+                let now = residual(commands, &newton.trial, shot, &scales);
+                if now < (1.0 - 1e-4 * fraction) * effort.residual {
+                    core::mem::swap(&mut newton.point, &mut newton.trial);
+                    fresh = !small;
+                    if small && now > KEEP_RATIO * effort.residual && now > problem.tolerance {
+                        // The kept derivatives no longer serve.
+                        fresh = true;
+                        if fire(shot, &newton.point, true).is_err() {
+                            return Err(Failed { effort });
+                        }
+                    }
+                    effort.residual = now;
+                    let tensions = &newton.point.tensions;
+                    trace.iteration(effort.iterations, load, now, fraction, tensions);
+                    break;
+                }
+                if fraction == 1.0 && effort.residual <= ROUNDING {
+                    // Both are as good as rounding lets them be: stay with the better one.
+                    if fire(shot, &newton.point, false).is_err() {
+                        return Err(Failed { effort });
+                    }
+                    return Ok(effort);
+                }
+            }
+            shot.forget();
+            fraction *= 0.5;
+            if fraction < LEAST_FRACTION {
+                return Err(Failed { effort });
+            }
+        }
+    }
+    if effort.residual <= ROUNDING { Ok(effort) } else { Err(Failed { effort }) }
+}
+
+/// Copies the answer out of the last shot.
+pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
+    let Scratch { shot, applied, newton, .. } = scratch;
+    shot.measure(problem.grid);
+    (scratch.on_chain, scratch.sampled) = (false, false);
+    scratch.poses.clone_from(&shot.poses);
+    scratch.lengths.clone_from(&shot.lengths);
+    scratch.tensions.clone_from(&newton.point.tensions);
+    scratch.base_wrench = Wrench {
+        force: applied.base_force() + newton.point.follower_force,
+        moment: newton.point.base_moment,
+    };
+    Found::with(effort)
+}
+
+/// Copies the answer out of the closed chain.
+pub(super) fn finish_chain(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
+    let Scratch { shot, applied, chain, .. } = scratch;
+    shot.measure(problem.grid);
+    chain.poses(&mut scratch.poses);
+    scratch.lengths.clone_from(&shot.lengths);
+    scratch.tensions.clone_from(&chain.state.tensions);
+    let base = chain.state.nodes[0];
+    scratch.base_wrench = Wrench { force: applied.base_force() + base.force, moment: base.moment };
+    (scratch.on_chain, scratch.sampled) = (true, true);
+    Found::with(effort)
+}
+
+/// Makes the samples of the answer in `scratch`, unless they are there.
+pub(super) fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Fault> {
+    if scratch.sampled {
+        return Ok(());
+    }
+    let Scratch { shot, applied, tensions, base_wrench, .. } = scratch;
+    let aim = Aim {
+        tensions,
+        base_moment: base_wrench.moment,
+        follower_force: applied.follower_share(base_wrench.force),
+        load: 1.0,
+        sample: true,
+    };
+    shot.fire(problem.grid, applied, &aim)?;
+    scratch.sampled = true;
+    Ok(())
+}
