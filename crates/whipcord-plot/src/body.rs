@@ -266,7 +266,7 @@ fn profile(robot: &Robot, s: f64) -> Profile {
 
 /// The pose at an arc length, between the stations on a cubic that leaves them along their
 /// tangents.
-fn pose_at(shape: &Shape, s: f64) -> Pose {
+pub(crate) fn pose_at(shape: &Shape, s: f64) -> Pose {
     let (arcs, poses) = (&shape.arc_length, &shape.poses);
     let last = arcs.len() - 1;
     let i = arcs[1..last].partition_point(|&a| a <= s);

@@ -1,6 +1,7 @@
 //! What the colours and signs of a picture mean.
 
 use crate::font;
+use crate::load_marks::{ArrowLook, draw_arrow};
 use crate::marker::{self, Marker};
 use crate::svg::{Fill, Point, Stroke, Svg, Text};
 
@@ -17,6 +18,9 @@ pub(crate) enum Swatch {
     Line(Stroke),
     Marker(Marker, Fill, Option<Stroke>),
     Area(Fill, Option<Stroke>),
+    Arrow(ArrowLook),
+    /// Three arrows from a line.
+    Comb(ArrowLook),
 }
 
 #[derive(Clone, Debug)]
@@ -91,6 +95,14 @@ fn draw_swatch(svg: &mut Svg, [x, y]: Point, swatch: Swatch) {
         }
         Swatch::Area(fill, stroke) => {
             svg.rect([x + 6.0, y - 5.0], [SWATCH - 6.0, 10.0], Some(fill), stroke);
+        }
+        Swatch::Arrow(look) => draw_arrow(svg, [x, y], [x + SWATCH, y], 0.0, look),
+        Swatch::Comb(look) => {
+            svg.line([x, y - 6.0], [x + SWATCH, y - 6.0], Stroke::new(look.colour, look.width));
+            for k in 0..3 {
+                let tooth = x + 0.5 * SWATCH * f64::from(k);
+                draw_arrow(svg, [tooth, y - 6.0], [tooth, y + 6.0], 0.0, look);
+            }
         }
     }
 }

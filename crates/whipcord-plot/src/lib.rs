@@ -8,6 +8,7 @@
 //! No mechanics and no files here.
 
 mod accuracy;
+mod acting;
 mod axis;
 mod body;
 mod chart;
@@ -17,6 +18,7 @@ mod error;
 mod fit;
 mod font;
 mod legend;
+mod load_marks;
 mod marker;
 mod orthogonal;
 mod png;
@@ -31,6 +33,7 @@ mod title;
 mod unit;
 
 pub use accuracy::{AccuracySeries, accuracy_chart};
+pub use acting::Acting;
 pub use axis::Scale;
 pub use chart::{AxisSpec, Chart, Layer, Series};
 pub use colour::{Colour, PALETTE};

@@ -4,11 +4,9 @@ use whipcord::Vec3;
 
 use crate::colour::Colour;
 use crate::font;
-use crate::marker::{self, Marker};
 use crate::projection::Projection;
-use crate::robot_figure::{Bodies, MEASURED};
-use crate::scene;
-use crate::svg::{Anchor, Fill, Point, Stroke, Svg, Text};
+use crate::robot_figure::{self, Drawn};
+use crate::svg::{Anchor, Point, Stroke, Svg, Text};
 use crate::ticks;
 
 const TICK_SIZE: f64 = 10.5;
@@ -21,6 +19,10 @@ const GAP: f64 = 12.0;
 const LEGEND_GAP: f64 = 26.0;
 /// Free space between tick labels in px.
 const TICK_GAP: f64 = 11.0;
+/// The same where more ticks are wanted.
+const LEAST_GAP: f64 = 6.0;
+/// An axis with fewer ticks than this has finer ones if it can.
+const FEWEST: usize = 3;
 /// Most ticks on an axis.
 const MOST: f64 = 15.0;
 /// An axis is at least this long relative to the longest.
@@ -97,36 +99,45 @@ impl Plan {
     }
 
     /// Draws the views.
-    pub fn draw(&self, svg: &mut Svg, bodies: &Bodies, measured: &[Vec3]) {
+    pub fn draw(&self, svg: &mut Svg, drawn: &Drawn<'_>) {
         let first = [self.at[0] + self.margin, self.at[1]];
         let side = [self.second_column(), self.at[1]];
         let top = [self.at[0] + self.margin, self.second_row()];
         // Seen from −y, from +x, and from +z: each right-handed.
         for (corner, axes) in [(first, [0, 2]), (side, [1, 2]), (top, [0, 1])] {
-            self.draw_view(svg, corner, axes, bodies, measured);
+            self.draw_view(svg, corner, axes, drawn);
         }
     }
 
-    fn draw_view(
-        &self,
-        svg: &mut Svg,
-        [left, top]: Point,
-        axes: [usize; 2],
-        bodies: &Bodies,
-        measured: &[Vec3],
-    ) {
+    fn draw_view(&self, svg: &mut Svg, [left, top]: Point, axes: [usize; 2], drawn: &Drawn<'_>) {
         let unit = [Vec3::X, Vec3::Y, Vec3::Z];
         let [[x0, _], [y0, _]] = axes.map(|a| self.ranges[a]);
         let [width, height] = axes.map(|a| self.length(a));
         let origin = [left - self.scale * x0, top + height + self.scale * y0];
         let view = Projection::new(unit[axes[0]], unit[axes[1]]).placed(self.scale, origin);
         svg.open("view");
-        self.draw_axes(svg, ([left, top], [width, height]), axes, origin);
-        scene::draw(svg, bodies, &view);
-        for &p in measured {
-            draw_measured(svg, view.place(p), 3.0);
-        }
+        let frame = ([left, top], [width, height]);
+        self.draw_axes(svg, frame, axes, origin);
+        drawn.draw(svg, &view, 3.0);
+        drawn.loads.draw_gravity_in(svg, &view, frame, &drawn.points);
         svg.close();
+    }
+
+    /// Ticks with a step that is the same on all axes, but for a short axis on which there would be
+    /// too few: it has a finer one where its labels fit.
+    fn labels_of(&self, axis: usize, vertical: bool) -> Vec<(f64, String)> {
+        let range = self.ranges[axis];
+        let common = labels(range, self.tick);
+        if common.len() >= FEWEST {
+            return common;
+        }
+        let fitting =
+            [0.2, 0.5].map(|share| labels(range, share * self.tick)).into_iter().find(|finer| {
+                let widths = finer.iter().map(|(_, text)| font::width(text, TICK_SIZE, false));
+                let size = if vertical { TICK_SIZE } else { widths.fold(0.0, f64::max) };
+                finer.windows(2).all(|w| self.scale * (w[1].0 - w[0].0) >= size + LEAST_GAP)
+            });
+        fitting.unwrap_or(common)
     }
 
     fn draw_axes(
@@ -140,10 +151,9 @@ impl Plan {
         let grid = Stroke::new(Colour::GRID, 0.7);
         let ink = Stroke::new(Colour::INK, 0.9);
         let name = |axis: usize| format!("{} (mm)", ["x", "y", "z"][axis]);
-        // The step is the same on all axes.
         let places = |i: usize| {
             let sign = if i == 0 { self.scale } else { -self.scale };
-            let labels = labels(self.ranges[axes[i]], self.tick).into_iter();
+            let labels = self.labels_of(axes[i], i == 1).into_iter();
             labels.map(move |(value, text)| (origin[i] + sign * value, text))
         };
         for (x, _) in places(0) {
@@ -179,19 +189,8 @@ fn labels([low, high]: [f64; 2], least: f64) -> Vec<(f64, String)> {
     values.into_iter().map(label).collect()
 }
 
-/// A measured position.
-pub(crate) fn draw_measured(svg: &mut Svg, at: Point, radius: f64) {
-    let rim = Some(Stroke::new(MEASURED, 1.1));
-    marker::draw(svg, Marker::Diamond, at, radius, Fill::new(Colour::WHITE), rim);
-}
-
 fn ranges(points: &[Vec3]) -> [[f64; 2]; 3] {
-    let mut ranges = [0, 1, 2].map(|i| {
-        points
-            .iter()
-            .map(|p| p[i])
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)])
-    });
+    let mut ranges = [0, 1, 2].map(|i| robot_figure::range(points, i));
     let largest = ranges.iter().map(|[l, h]| h - l).fold(0.0, f64::max);
     for range in &mut ranges {
         let [low, high] = *range;

@@ -2,14 +2,16 @@
 
 use whipcord::{ModelKind, Robot, Shape, Solution, Vec3};
 
+use crate::acting::Acting;
 use crate::body::{Body, Part};
 use crate::colour::{Colour, PALETTE};
 use crate::error::{PlotError, finite, not_empty};
 use crate::legend::{Entry, Legend, Swatch};
-use crate::marker::Marker;
+use crate::load_marks::LoadMarks;
+use crate::marker::{self, Marker};
 use crate::orthogonal;
 use crate::projection::Projection;
-use crate::scene::Look;
+use crate::scene::{self, Look};
 use crate::space;
 use crate::svg::{Fill, Stroke, Svg};
 use crate::title::{LINE, Title};
@@ -56,6 +58,8 @@ pub struct FigureOptions {
     pub title: String,
     /// Where the disks of the real robot were found, in m in the base frame.
     pub measured: Vec<Vec3>,
+    /// What acts on one of the shapes, by [`Acting::on`]; drawn over all of them.
+    pub loads: Acting,
     /// Direction from which the robot is seen in space, in rad from x towards y; `None` for one
     /// that shows the bending well.
     pub azimuth: Option<f64>,
@@ -70,6 +74,7 @@ impl Default for FigureOptions {
         Self {
             title: String::new(),
             measured: Vec::new(),
+            loads: Acting::default(),
             azimuth: None,
             elevation: 22_f64.to_radians(),
             width: 980.0,
@@ -111,11 +116,56 @@ impl RobotView {
 /// All shapes of a figure.
 pub(crate) type Bodies = Vec<(Body, Look)>;
 
+/// What a view shows: the robot, and over it what was measured and what acts.
+pub(crate) struct Drawn<'a> {
+    pub bodies: Bodies,
+    pub measured: &'a [Vec3],
+    pub loads: LoadMarks,
+    /// Points that span all of it.
+    pub points: Vec<Vec3>,
+}
+
+impl<'a> Drawn<'a> {
+    fn new(bodies: Bodies, options: &'a FigureOptions) -> Self {
+        let mut points: Vec<Vec3> = bodies
+            .iter()
+            .flat_map(|(body, _)| body.outline())
+            .chain(options.measured.iter().copied())
+            .collect();
+        let extent = |i: usize| {
+            let [low, high] = range(&points, i);
+            high - low
+        };
+        let loads = LoadMarks::new(&options.loads, extent(0).max(extent(1)).max(extent(2)));
+        points.extend(loads.outline());
+        Self { bodies, measured: &options.measured, loads, points }
+    }
+
+    /// All in a view; measured positions of this radius in px.
+    pub fn draw(&self, svg: &mut Svg, view: &Projection, radius: f64) {
+        scene::draw(svg, &self.bodies, view);
+        self.loads.draw(svg, view);
+        let rim = Some(Stroke::new(MEASURED, 1.1));
+        for &p in self.measured {
+            let at = view.place(p);
+            marker::draw(svg, Marker::Diamond, at, radius, Fill::new(Colour::WHITE), rim);
+        }
+    }
+}
+
+/// Least and largest coordinate along this axis.
+pub(crate) fn range(points: &[Vec3], axis: usize) -> [f64; 2] {
+    points
+        .iter()
+        .map(|p| p[axis])
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)])
+}
+
 const MARGIN: f64 = 14.0;
 /// The views leave at least this to a legend that needs it, in px.
 const LEGEND_WIDTH: f64 = 210.0;
 /// Colour of the measured positions.
-pub(crate) const MEASURED: Colour = Colour::INK;
+const MEASURED: Colour = Colour::INK;
 
 /// The robot in space and in three orthogonal views of one scale: backbone (in its true diameter
 /// where that is known), disks with their holes, and cables; several models in different colours,
@@ -154,12 +204,7 @@ pub fn robot_figure(
     not_empty(|| "the list of views".to_owned(), views)?;
     check_options(options)?;
     let colours = Colours::new(robot, views);
-    let bodies = bodies(robot, views, &colours)?;
-    let all: Vec<Vec3> = bodies
-        .iter()
-        .flat_map(|(body, _)| body.outline())
-        .chain(options.measured.iter().copied())
-        .collect();
+    let drawn = Drawn::new(bodies(robot, views, &colours)?, options);
 
     let title = Title::new(&options.title, options.width - 2.0 * MARGIN);
     let top = MARGIN + title.height();
@@ -167,7 +212,7 @@ pub fn robot_figure(
     let entries = colours.legend(robot, views, options);
     let left = MARGIN + space_width + 16.0;
     let plan = orthogonal::Plan::new(
-        &all,
+        &drawn.points,
         [left, top + 4.0],
         [options.width - MARGIN - left, 640.0],
         Legend::width_of(&entries).min(LEGEND_WIDTH),
@@ -177,16 +222,9 @@ pub fn robot_figure(
         plan.bottom().max(plan.legend_place()[1] + legend.height()).max(top + 0.82 * space_width);
     let mut svg = Svg::new(options.width, bottom + MARGIN);
     title.draw(&mut svg, [MARGIN, MARGIN]);
-    let axonometric = view_in_space(options, &bodies, &all);
-    space::draw(
-        &mut svg,
-        &bodies,
-        &options.measured,
-        axonometric,
-        &all,
-        ([MARGIN, top], [space_width, bottom - top]),
-    );
-    plan.draw(&mut svg, &bodies, &options.measured);
+    let axonometric = view_in_space(options, &drawn);
+    space::draw(&mut svg, &drawn, axonometric, ([MARGIN, top], [space_width, bottom - top]));
+    plan.draw(&mut svg, &drawn);
     legend.draw(&mut svg, plan.legend_place());
     svg.finish(&options.title)
 }
@@ -197,6 +235,7 @@ fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
             finite(|| "a measured position".to_owned(), value)?;
         }
     }
+    options.loads.check()?;
     finite(|| "the elevation".to_owned(), options.elevation)?;
     finite(|| "the azimuth".to_owned(), options.azimuth.unwrap_or(0.0))?;
     let width = options.width;
@@ -254,6 +293,7 @@ impl Colours {
             );
             entries.push(Entry { label: "measured".to_owned(), swatches: vec![marker] });
         }
+        entries.extend(LoadMarks::legend(&options.loads));
         entries
     }
 }
@@ -271,9 +311,10 @@ fn bodies(robot: &Robot, views: &[RobotView], colours: &Colours) -> Result<Bodie
 
 /// One of eight directions that shows the farthest excursion from the z axis from the side, and a
 /// little from the front.
-fn view_in_space(options: &FigureOptions, bodies: &Bodies, all: &[Vec3]) -> Projection {
+fn view_in_space(options: &FigureOptions, drawn: &Drawn<'_>) -> Projection {
     let azimuth = options.azimuth.unwrap_or_else(|| {
-        let backbone = bodies
+        let backbone = drawn
+            .bodies
             .iter()
             .flat_map(|(body, _)| &body.pieces)
             .filter(|piece| piece.part == Part::Backbone)
@@ -282,7 +323,7 @@ fn view_in_space(options: &FigureOptions, bodies: &Bodies, all: &[Vec3]) -> Proj
             let reach = |v: Vec3| v.x.hypot(v.y);
             if reach(p) > reach(far) { p } else { far }
         });
-        let size = all.iter().map(|p| p.max_abs()).fold(0.0, f64::max);
+        let size = drawn.points.iter().map(|p| p.max_abs()).fold(0.0, f64::max);
         let bend = if farthest.x.hypot(farthest.y) < 0.02 * size {
             0.0
         } else {

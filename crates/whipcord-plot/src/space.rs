@@ -4,21 +4,22 @@ use whipcord::Vec3;
 
 use crate::body::Part;
 use crate::colour::Colour;
-use crate::orthogonal::draw_measured;
 use crate::projection::Projection;
-use crate::robot_figure::Bodies;
+use crate::robot_figure::{self, Bodies, Drawn};
 use crate::scene;
 use crate::svg::{Anchor, Point, Stroke, Svg, Text};
 use crate::ticks;
 
 const PAD: f64 = 6.0;
 /// Height of the strip below for scale and axes.
-const STRIP: f64 = 44.0;
+const STRIP: f64 = 58.0;
 /// Length of an axis that is not foreshortened, in px.
 const AXIS: f64 = 34.0;
 const SIZE: f64 = 12.0;
 /// Distance of its letter from the end of an axis in px.
 const LETTER: f64 = 8.0;
+/// Distance of the arrow of gravity from the axes in px.
+const GRAVITY: f64 = 76.0;
 
 /// A floor of whole squares.
 struct Floor {
@@ -31,12 +32,7 @@ struct Floor {
 impl Floor {
     /// Under all these points.
     fn under(points: &[Vec3]) -> Self {
-        let range = |i: usize| {
-            points
-                .iter()
-                .map(|p| p[i])
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)])
-        };
+        let range = |i: usize| robot_figure::range(points, i);
         let [x, y, z] = [range(0), range(1), range(2)];
         let largest = [x, y, z].iter().map(|[l, h]| h - l).fold(0.0, f64::max);
         let (digit, exponent) = ticks::round_up(largest / 12.0);
@@ -44,8 +40,9 @@ impl Floor {
         let whole = |[low, high]: [f64; 2]| {
             [(low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step]
         };
-        // The base stands on the floor, unless the robot reaches below it.
-        let z = if z[0] < -0.05 * largest { whole(z)[0] } else { 0.0 };
+        // A base at the origin stands on the floor, unless the robot reaches below it; a robot that
+        // is mounted higher has the floor not far below.
+        let z = if z[0].abs() > 0.05 * largest { whole(z)[0] } else { 0.0 };
         Self { z, step, x: whole(x), y: whole(y) }
     }
 
@@ -73,30 +70,26 @@ impl Floor {
     }
 }
 
-/// Draws the bodies into the box with this corner and size.
+/// Draws the robot into the box with this corner and size.
 pub(crate) fn draw(
     svg: &mut Svg,
-    bodies: &Bodies,
-    measured: &[Vec3],
+    drawn: &Drawn<'_>,
     view: Projection,
-    all: &[Vec3],
     (corner, size): (Point, Point),
 ) {
-    let floor = Floor::under(all);
-    let seen = all.iter().copied().chain(floor.corners());
+    let floor = Floor::under(&drawn.points);
+    let seen = drawn.points.iter().copied().chain(floor.corners());
     let view = fitted(view, seen, corner, size);
 
     svg.open("space");
     floor.draw(svg, &view);
-    draw_shadows(svg, bodies, &floor, &view);
-    scene::draw(svg, bodies, &view);
-    for &p in measured {
-        draw_measured(svg, view.place(p), 3.4);
-    }
+    draw_shadows(svg, &drawn.bodies, &floor, &view);
+    drawn.draw(svg, &view, 3.4);
     svg.close();
     let bottom = corner[1] + size[1];
     draw_scale(svg, floor.step, &view, [corner[0], bottom]);
-    draw_axes(svg, view, [corner[0] + size[0], bottom]);
+    let axes = draw_axes(svg, view, [corner[0] + size[0], bottom]);
+    drawn.loads.draw_gravity(svg, &view, [axes[0] - GRAVITY, axes[1]]);
 }
 
 /// The projection that shows all points in the box, as large as it can be.
@@ -139,8 +132,8 @@ fn draw_shadows(svg: &mut Svg, bodies: &Bodies, floor: &Floor, view: &Projection
     }
 }
 
-/// The directions of x, y and z, with their lower right corner here.
-fn draw_axes(svg: &mut Svg, view: Projection, [right, bottom]: Point) {
+/// The directions of x, y and z, with their lower right corner here; returns where they meet.
+fn draw_axes(svg: &mut Svg, view: Projection, [right, bottom]: Point) -> Point {
     let axes = [(Vec3::X, "x"), (Vec3::Y, "y"), (Vec3::Z, "z")];
     let view = view.placed(AXIS, [0.0; 2]);
     let lowest = axes.iter().map(|(axis, _)| view.place(*axis)[1]).fold(0.0, f64::max);
@@ -168,6 +161,7 @@ fn draw_axes(svg: &mut Svg, view: Projection, [right, bottom]: Point) {
         svg.text([end[0] + LETTER * ux, end[1] + LETTER * uy], &text);
     }
     svg.close();
+    at
 }
 
 /// A bar as long as a square of the floor is wide, or two, and its length.

@@ -11,11 +11,14 @@ use common::{arm, before, catheter, prototype, towards, view};
 use proptest::prelude::*;
 use resvg::tiny_skia::Pixmap;
 use resvg::usvg::{Group, Node, Options, Rect, Tree, fontdb, roxmltree};
-use whipcord::{Backbone, Cable, Disks, Robot, Routing, Section, Vec3};
+use whipcord::{
+    Backbone, Cable, Case, Disks, DistributedLoad, LoadFrame, Loads, PointLoad, PointMass, Pose,
+    Profile, Robot, Routing, Section, UnitQuaternion, Vec3,
+};
 use whipcord_plot::{
-    AccuracySeries, AxisSpec, Chart, DistanceSeries, FigureOptions, Layer, PlotError, RobotView,
-    Scale, Series, TimingSeries, ViewStyle, accuracy_chart, distance_chart, png, robot_figure,
-    timing_chart,
+    AccuracySeries, Acting, AxisSpec, Chart, DistanceSeries, FigureOptions, Layer, PlotError,
+    RobotView, Scale, Series, TimingSeries, ViewStyle, accuracy_chart, distance_chart, png,
+    robot_figure, timing_chart,
 };
 
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
@@ -141,6 +144,116 @@ fn robots_without_holes_and_robots_that_stand_still_are_drawn() {
     .unwrap();
     let alone = view(&bare, "bare", ViewStyle::Model, |_| Vec3::X * 30.0);
     check(&robot_figure(&bare, &[alone], &FigureOptions::default()).unwrap());
+}
+
+/// One of each load, dead and following, with gravity along y.
+fn all_loads() -> Case {
+    let spread = |follower, profile| DistributedLoad { profile, follower };
+    let loads = Loads {
+        gravity: Some(Vec3::Y * -9.81),
+        tip_force: Vec3::new(0.0, 0.05, -0.2),
+        tip_moment: Vec3::Z * 3e-3,
+        points: vec![
+            PointLoad { at: 0.08, force: Vec3::Y * 0.1, follower: true, ..Default::default() },
+            PointLoad { at: 0.1, force: Vec3::X * 0.3, moment: Vec3::X, ..Default::default() },
+        ],
+        distributed: vec![
+            spread(
+                true,
+                Profile::Constant { from: 0.1, to: 0.15, force: Vec3::X, moment: Vec3::ZERO },
+            ),
+            spread(
+                false,
+                Profile::Linear {
+                    at: vec![0.0, 0.05, 0.18],
+                    force: vec![],
+                    moment: vec![Vec3::ZERO, Vec3::Y * 0.02, Vec3::X * 0.01],
+                },
+            ),
+        ],
+        masses: vec![PointMass { at: 0.05, mass: 0.01 }],
+        ..Loads::default()
+    };
+    Case { loads, ..Case::with_tensions(&[1.0]) }
+}
+
+#[test]
+fn loads_are_drawn_in_all_views_and_said_in_the_legend() {
+    let (robot, [before, bent, _]) = case_three();
+    let loads = Acting::on(&all_loads(), &bent.shape);
+    let views = [before, bent];
+    let options = FigureOptions { loads, ..Default::default() };
+    let svg = robot_figure(&robot, &views, &options).unwrap();
+    check(&svg);
+    for class in ["loads", "gravity"] {
+        assert_eq!(count(&svg, class), 4, "{class}");
+    }
+    assert_eq!(count(&svg, "comb"), 4 * 2);
+    assert_eq!(
+        legend(&svg)[3..],
+        [
+            "forces up to 300 mN",
+            "force 100 mN, follows the body",
+            "moments up to 1 N·m",
+            "load 1 N/m, follows the body",
+            "line moment up to 20 mN·m/m",
+            "mass 10 g",
+            "gravity 9.81 m/s²",
+        ]
+    );
+    // Without loads there is nothing of them.
+    let idle = Acting::on(&Case::default(), &views[1].shape);
+    let bare = robot_figure(&robot, &views, &FigureOptions { loads: idle, ..options }).unwrap();
+    assert_eq!((count(&bare, "loads"), legend(&bare).len()), (0, 3));
+}
+
+/// A load in the frame of the world does not turn with the base; one in that of the base does, and one
+/// that follows turns with its section as well.
+#[test]
+fn loads_point_where_they_act() {
+    let turn = UnitQuaternion::exp(Vec3::Y * std::f64::consts::FRAC_PI_2);
+    let base = Pose { rotation: turn, ..Pose::IDENTITY };
+    let robot = prototype(&[4; 10]).unwrap();
+    let shape = view(&robot, "", ViewStyle::Model, |_| Vec3::ZERO).shape.moved(base);
+    let drawn = |frame, tip_follower, force| {
+        let loads = Loads { frame, tip_follower, tip_force: force, ..Loads::default() };
+        Acting::on(&Case { loads, base, ..Case::with_tensions(&[0.0]) }, &shape)
+    };
+    // The base's x is the world's −z.
+    let down = drawn(LoadFrame::World, false, -Vec3::Z);
+    assert_ne!(drawn(LoadFrame::Base, false, -Vec3::Z), down);
+    let turned = view(&robot, "", ViewStyle::Model, |_| Vec3::ZERO);
+    let turned =
+        RobotView { shape: shape.clone(), disks: turned.disks.clone().moved(base), ..turned };
+    let picture = |loads: Acting| {
+        let options = FigureOptions { loads, ..Default::default() };
+        robot_figure(&robot, std::slice::from_ref(&turned), &options).unwrap()
+    };
+    let expected = picture(down);
+    assert_eq!(picture(drawn(LoadFrame::Base, false, Vec3::X)), expected);
+    assert!(picture(drawn(LoadFrame::World, true, Vec3::X)).contains("follows the body"));
+}
+
+/// The floor lies under a robot that is mounted high, not at the origin.
+#[test]
+fn a_raised_robot_fills_its_picture_as_one_on_the_floor_does() {
+    let robot = prototype(&[4; 10]).unwrap();
+    let bent = view(&robot, "", ViewStyle::Model, |_| towards(0.4, 8.0));
+    let floor = |height: f64| -> Vec<f64> {
+        let base = Pose { position: Vec3::Z * height, ..Pose::IDENTITY };
+        let raised = RobotView {
+            shape: bent.shape.clone().moved(base),
+            disks: bent.disks.clone().moved(base),
+            ..bent.clone()
+        };
+        let svg = robot_figure(&robot, &[raised], &FigureOptions::default()).unwrap();
+        let from = svg.find("class=\"floor\"").unwrap();
+        let group = &svg[from..from + svg[from..].find("</g>").unwrap()];
+        group.split(['M', 'L', ' ', '"']).filter_map(|word| word.parse().ok()).collect()
+    };
+    let (low, high) = (floor(0.0), floor(0.4));
+    assert!(low.len() > 20 && low.len() == high.len());
+    assert!(low.iter().zip(&high).all(|(a, b)| (a - b).abs() < 0.02), "{low:?} {high:?}");
 }
 
 #[test]
@@ -275,6 +388,11 @@ fn what_cannot_be_drawn_is_refused() {
     assert!(matches!(refused(&[bad], &options), PlotError::NotIncreasing { .. }));
     let lost = FigureOptions { measured: vec![Vec3::X * f64::INFINITY], ..Default::default() };
     assert!(matches!(refused(&views, &lost), PlotError::NotFinite { .. }));
+    let mut endless = all_loads();
+    endless.loads.tip_force.x = f64::NAN;
+    let endless = Acting::on(&endless, &views[1].shape);
+    let endless = FigureOptions { loads: endless, ..Default::default() };
+    assert!(matches!(refused(&views, &endless), PlotError::NotFinite { .. }));
     let slim = FigureOptions { width: 20.0, ..Default::default() };
     assert!(matches!(refused(&views, &slim), PlotError::Size { .. }));
 
@@ -327,7 +445,15 @@ proptest! {
             (towards(direction + twist * s / length, bend) + Vec3::Z * twist) * (1.0 / length)
         };
         let bent = view(&robot, "model", ViewStyle::Model, curvature);
-        let options = FigureOptions { elevation, ..Default::default() };
+        let mut case = all_loads();
+        let place = |s: f64| s * length / 0.18;
+        for point in &mut case.loads.points {
+            point.at = place(point.at);
+        }
+        case.loads.masses[0].at = place(case.loads.masses[0].at);
+        case.loads.distributed = vec![DistributedLoad::uniform(length, towards(direction, 1.0))];
+        let loads = if cables % 2 == 0 { Acting::on(&case, &bent.shape) } else { Acting::default() };
+        let options = FigureOptions { elevation, loads, ..Default::default() };
         check(&robot_figure(&robot, &[before(&robot), bent], &options).unwrap());
     }
 

@@ -2,8 +2,8 @@
 
 use whipcord::{Case, Drive, Model, ModelKind, Pose, Robot, Shape, Statics, Stations};
 use whipcord_plot::{
-    CableCourse, Colour, DistanceSeries, FigureOptions, Marker, PlotError, RobotView, ViewStyle,
-    distance_chart, robot_figure,
+    Acting, CableCourse, Colour, DistanceSeries, FigureOptions, Marker, PlotError, RobotView,
+    ViewStyle, distance_chart, robot_figure,
 };
 
 use super::study::Study;
@@ -31,9 +31,7 @@ pub struct Figure {
 /// [`Failure::Input`] when one cannot be drawn.
 pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
     let mut figures = Vec::new();
-    if study.reference().is_none() {
-        return Ok(figures);
-    }
+    let Some((_, reference)) = study.reference() else { return Ok(figures) };
     let fail = |error: PlotError| plot_failure(&study.file.path, &error);
     let mut views = vec![before(&study.file.robot, study.file.case.base)];
     views.extend(study.solved().map(|(run, solved)| RobotView {
@@ -47,6 +45,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
     let options = FigureOptions {
         title: study.file.title.clone(),
         measured: measured.map_or_else(Vec::new, |m| m.disks.iter().map(|d| d.position).collect()),
+        loads: Acting::on(&study.file.case, &reference.fine),
         ..FigureOptions::default()
     };
     figures.push(Figure {

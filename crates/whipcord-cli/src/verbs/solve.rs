@@ -7,7 +7,7 @@ use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser
 use clap::{Args, ValueEnum};
 use whipcord::{Drive, Loads, Model, ModelKind, Robot, Shape, Solution, Stations, Vec3};
 use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
-use whipcord_plot::{FigureOptions, RobotView, robot_figure};
+use whipcord_plot::{Acting, FigureOptions, RobotView, robot_figure};
 
 use crate::comparison::figures::{FINE_STATIONS, before};
 use crate::failure::Failure;
@@ -195,6 +195,7 @@ fn draw(
     let options = FigureOptions {
         title: file.title.clone(),
         measured: measured.map_or_else(Vec::new, |m| m.disks.iter().map(|d| d.position).collect()),
+        loads: Acting::on(&file.case, &solution.shape),
         ..FigureOptions::default()
     };
     let svg = robot_figure(&file.robot, &views, &options)

@@ -274,6 +274,15 @@ impl Loads {
         points.chain(masses).chain(self.distributed.iter().flat_map(|load| load.profile.knots()))
     }
 
+    /// The rotation from [`Loads::frame`] to the world, in which the base is turned by `base`.
+    #[must_use]
+    pub fn to_world(&self, base: UnitQuaternion) -> UnitQuaternion {
+        match self.frame {
+            LoadFrame::Base => base,
+            LoadFrame::World => UnitQuaternion::IDENTITY,
+        }
+    }
+
     /// The rotation from [`Loads::frame`] to the frame of a base that is turned by `base`.
     pub(crate) fn to_base(&self, base: UnitQuaternion) -> UnitQuaternion {
         match self.frame {
