@@ -11,7 +11,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use whipcord::batch::{Arrays, BatchOptions, Rows, solve_batch_into};
 use whipcord::cosserat::{Accuracy, Options};
-use whipcord::{Backbone, Cable, Disks, Loads, Material, Model, Robot, Routing, Section, Stations};
+use whipcord::{Backbone, Cable, Case, Disks, Material, Model, Robot, Routing, Section, Stations};
 
 fn main() {
     divan::main();
@@ -54,7 +54,7 @@ fn bench(bencher: Bencher, cables: usize, options: &BatchOptions<'_>) {
     bencher.counter(ItemsCount::new(ROWS)).bench_local(|| {
         let [positions, orientations, tensions_out, lengths] = &mut memory;
         let arrays = Arrays { positions, orientations, tensions: tensions_out, lengths };
-        let rows = Rows::Tensions { values: &tensions, loads: &Loads::default() };
+        let rows = Rows::Tensions { values: &tensions, case: &Case::default() };
         solve_batch_into(&model, &robot, rows, options, arrays).unwrap()
     });
 }

@@ -7,14 +7,14 @@
 //! or how wide the processor's vectors: the same input gives the same bits.
 //!
 //! Vectors (AVX2, AVX-512 or none, as the program finds them when it runs) carry one row in each lane
-//! where the Cosserat model has one cable on a section that is equally stiff about x and y, tensions, no
-//! load, and [`stability`](crate::cosserat::Options::stability) switched off. All else goes row by row.
+//! where the Cosserat model has [`Rows::Tensions`], no load, and a section whose stiffness is diagonal.
+//! All else goes row by row.
 //!
 //! Threads are started only with the cargo feature `parallel`, which is off by default.
 //!
 //! ```
 //! use whipcord::batch::{BatchOptions, Rows, solve_batch};
-//! use whipcord::{Backbone, Cable, Disks, Loads, Material, Model, ModelKind, Robot, Routing, Section};
+//! use whipcord::{Backbone, Cable, Case, Disks, Material, Model, ModelKind, Robot, Routing, Section};
 //!
 //! let backbone = Backbone {
 //!     section: Some(Section::circle(0.003)),
@@ -32,7 +32,7 @@
 //! let model = Model::new(ModelKind::Cosserat, Default::default(), Default::default());
 //! // Three rows of two tensions in N. The second is more than the section bears.
 //! let tensions = [3.0, 0.0, 1e4, 0.0, 0.0, 3.0];
-//! let rows = Rows::Tensions { values: &tensions, loads: &Loads::default() };
+//! let rows = Rows::Tensions { values: &tensions, case: &Case::default() };
 //! let batch = solve_batch(&model, &robot, rows, &BatchOptions::default())?;
 //! assert!(batch.row(0).unwrap().is_ok());
 //! assert!(batch.row(1).unwrap().is_err());
@@ -43,6 +43,7 @@
 
 mod arrays;
 mod error;
+mod piece;
 mod rows;
 mod run;
 
@@ -51,13 +52,14 @@ use core::num::NonZeroUsize;
 pub use arrays::{Arrays, Batch, Row, Solved};
 pub use error::BatchError;
 pub use rows::Rows;
+pub use whipcord_numerics::lanes::Width;
 
-use crate::case::{Case, Loads};
-use crate::cosserat::OneCableLanes;
+use crate::case::Case;
 use crate::error::SolveError;
 use crate::model::{Model, Prepared};
-use crate::robot::{Robot, limits};
-use crate::shape::{Diagnostics, Solution};
+use crate::robot::Robot;
+use crate::shape::Solution;
+use piece::solve_rows;
 use run::run;
 
 /// Called with the number of rows that are done so far and of all rows, from any of the threads;
@@ -75,14 +77,14 @@ pub struct BatchOptions<'a> {
     pub warm_path: bool,
     /// Solve row by row without vectors, with the same answers.
     pub no_lanes: bool,
+    /// How many rows at a time the vectors carry, with the same answers.
+    pub width: Width,
     /// Called after every piece of the batch.
     pub progress: Option<Progress<'a>>,
 }
 
 /// Rows of a path that one thread solves in order, the first of them cold.
 pub const PATH_ROWS: usize = 64;
-/// Rows that one thread takes at a time. Neither number depends on the threads.
-const CHUNK_ROWS: usize = 256;
 
 /// Solves all rows of one robot.
 ///
@@ -158,150 +160,4 @@ pub fn solve_robots(
 
 fn prepare(model: &Model, robot: &Robot, rows: &Rows<'_>) -> Result<Prepared, BatchError> {
     Ok(model.prepare(robot, &rows.first_loads())?)
-}
-
-/// A piece of the batch: its rows and where their answers go.
-struct Piece<'a> {
-    first: usize,
-    arrays: Arrays<'a>,
-    outcomes: &'a mut [Result<Solved, SolveError>],
-}
-
-fn solve_rows(
-    model: &Model,
-    prepared: &Prepared,
-    rows: &Rows<'_>,
-    options: &BatchOptions<'_>,
-    arrays: Arrays<'_>,
-    outcomes: &mut [Result<Solved, SolveError>],
-) -> Result<(), BatchError> {
-    let count = outcomes.len();
-    let sizes = (prepared.stations().len(), prepared.robot().cables().len());
-    let size = if options.warm_path { PATH_ROWS } else { CHUNK_ROWS };
-    let mut pieces = Vec::with_capacity(count.div_ceil(size));
-    let mut rest = arrays;
-    for (i, outcomes) in outcomes.chunks_mut(size).enumerate() {
-        let (arrays, after) = rest.split_at(outcomes.len(), sizes);
-        rest = after;
-        pieces.push(Piece { first: i * size, arrays, outcomes });
-    }
-    let lanes = lanes(prepared, rows, options);
-    let scratch = || (prepared.clone(), Case::default());
-    run(pieces, count, options, scratch, |mut piece, (prepared, case)| {
-        let rows_done = piece.outcomes.len();
-        let solved = match &lanes {
-            Some((lanes, tensions)) => solve_in_lanes(lanes, tensions, &mut piece, sizes),
-            None => [false; CHUNK_ROWS],
-        };
-        solve_piece(model, prepared, case, rows, options, &mut piece, sizes, &solved);
-        rows_done
-    })
-}
-
-/// The lanes that can take the rows, and their tensions.
-fn lanes<'a>(
-    prepared: &Prepared,
-    rows: &Rows<'a>,
-    options: &BatchOptions<'_>,
-) -> Option<(OneCableLanes, &'a [f64])> {
-    match (prepared, rows) {
-        (Prepared::Cosserat(model, _), Rows::Tensions { values, loads })
-            if !options.no_lanes && !options.warm_path && **loads == Loads::default() =>
-        {
-            Some((model.one_cable_lanes()?, values))
-        }
-        _ => None,
-    }
-}
-
-/// Solves what it can; returns which rows of the piece it has solved.
-fn solve_in_lanes(
-    lanes: &OneCableLanes,
-    tensions: &[f64],
-    piece: &mut Piece<'_>,
-    (stations, _): (usize, usize),
-) -> [bool; CHUNK_ROWS] {
-    let mut solved = [false; CHUNK_ROWS];
-    let tensions = &tensions[piece.first..piece.first + piece.outcomes.len()];
-    let Arrays { positions, orientations, tensions: pulls, lengths } = &mut piece.arrays;
-    let (positions, _) = positions.as_chunks_mut::<3>();
-    let (orientations, _) = orientations.as_chunks_mut::<4>();
-    lanes.solve(tensions, |answer| {
-        let row = answer.row;
-        if limits::TENSION.check("tension", tensions[row]).is_err() {
-            return;
-        }
-        let of = row * stations..(row + 1) * stations;
-        for ((frame, position), orientation) in
-            answer.frames().zip(&mut positions[of.clone()]).zip(&mut orientations[of])
-        {
-            let [x, y, z, w, a, b, c] = frame;
-            *position = [x, y, z];
-            *orientation = [w, a, b, c];
-        }
-        pulls[row] = tensions[row];
-        lengths[row] = answer.length;
-        let diagnostics = Diagnostics {
-            discretization_error: answer.discretization_error,
-            steps: answer.steps,
-            ..Diagnostics::default()
-        };
-        piece.outcomes[row] = Ok(Solved { diagnostics, tensions: true });
-        solved[row] = true;
-    });
-    solved
-}
-
-#[expect(clippy::too_many_arguments, reason = "one call, and what it takes belongs to four owners")]
-fn solve_piece(
-    model: &Model,
-    prepared: &mut Prepared,
-    case: &mut Case,
-    rows: &Rows<'_>,
-    options: &BatchOptions<'_>,
-    piece: &mut Piece<'_>,
-    sizes: (usize, usize),
-    solved: &[bool; CHUNK_ROWS],
-) {
-    let mut before: Option<Solution> = None;
-    for row in 0..piece.outcomes.len() {
-        if solved[row] {
-            continue;
-        }
-        rows.case(piece.first + row, prepared.robot().cables().len(), case);
-        let solved = solve_row(model, prepared, case, before.as_ref());
-        match &solved {
-            Ok(solution) => piece.arrays.write(row, sizes, solution),
-            Err(_) => piece.arrays.clear(row, sizes),
-        }
-        (before, piece.outcomes[row]) = match solved {
-            Ok(solution) => {
-                let solved = Solved {
-                    diagnostics: solution.diagnostics.clone(),
-                    tensions: solution.cables.iter().all(|cable| cable.tension.is_some()),
-                };
-                (options.warm_path.then_some(solution), Ok(solved))
-            }
-            Err(error) => (None, Err(error)),
-        };
-    }
-}
-
-/// One row, from the answer before it and, where that leads nowhere, from cold.
-fn solve_row(
-    model: &Model,
-    prepared: &mut Prepared,
-    case: &Case,
-    before: Option<&Solution>,
-) -> Result<Solution, SolveError> {
-    if !prepared.takes_places_of(&case.loads) {
-        // Steps end where point loads are: other places are other steps.
-        *prepared = model.prepare(&prepared.robot().clone(), &case.loads)?;
-    }
-    if let Some(before) = before
-        && let Ok(solution) = prepared.solve(case, Some(before))
-    {
-        return Ok(solution);
-    }
-    prepared.solve(case, None)
 }

@@ -1,11 +1,13 @@
 //! Pieces of a batch, one after another or shared by threads.
 
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use super::BatchOptions;
 use super::error::BatchError;
 
-/// Does all jobs. Each is done with scratch memory of one thread, and returns how many rows it did.
+/// Does all jobs. Each thread makes its scratch memory once and takes the next job when it has done
+/// one; a job returns how many rows it did.
 pub(super) fn run<J: Send, W>(
     jobs: Vec<J>,
     rows: usize,
@@ -15,61 +17,67 @@ pub(super) fn run<J: Send, W>(
 ) -> Result<(), BatchError> {
     let done = AtomicUsize::new(0);
     let stopped = AtomicBool::new(false);
-    let step = |memory: &mut W, job: J| {
-        if stopped.load(Ordering::Relaxed) {
-            return;
-        }
-        let count = work(job, memory);
-        let done = done.fetch_add(count, Ordering::Relaxed) + count;
-        if options.progress.is_some_and(|goes_on| !goes_on(done, rows)) {
-            stopped.store(true, Ordering::Relaxed);
+    let count = jobs.len();
+    let queue = Mutex::new(jobs.into_iter());
+    // What panics in a job ends the batch: the queue itself is whole.
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let worker = || {
+        let mut memory = scratch();
+        while !stopped.load(Ordering::Relaxed)
+            && let Some(job) = next()
+        {
+            let count = work(job, &mut memory);
+            let done = done.fetch_add(count, Ordering::Relaxed) + count;
+            if options.progress.is_some_and(|goes_on| !goes_on(done, rows)) {
+                stopped.store(true, Ordering::Relaxed);
+            }
         }
     };
-    share(jobs, options, scratch, step)?;
+    share(count, options, worker)?;
     let done = done.into_inner();
     // Who stops the batch after its last row has all of it.
     if done < rows { Err(BatchError::Stopped { done, rows }) } else { Ok(()) }
 }
 
+/// Has so many threads do the work as there are, but no more than there are jobs.
 #[cfg(feature = "parallel")]
-fn share<J: Send, W>(
-    jobs: Vec<J>,
+fn share(
+    jobs: usize,
     options: &BatchOptions<'_>,
-    scratch: impl Fn() -> W + Sync + Send,
-    step: impl Fn(&mut W, J) + Sync + Send,
+    worker: impl Fn() + Sync + Send,
 ) -> Result<(), BatchError> {
-    use rayon::prelude::*;
-
-    let Some(threads) = options.threads else {
-        jobs.into_par_iter().for_each_init(scratch, step);
+    let threads = options.threads.map_or_else(rayon::current_num_threads, |threads| threads.get());
+    let threads = threads.min(jobs);
+    if threads <= 1 {
+        worker();
         return Ok(());
+    }
+    let all = || {
+        rayon::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(|_| worker());
+            }
+            worker();
+        });
     };
-    if threads.get() == 1 {
-        one_by_one(jobs, scratch, step);
+    if options.threads.is_none() {
+        all();
         return Ok(());
     }
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.get())
+        .num_threads(threads)
         .build()
-        .map_err(|e| BatchError::Threads { threads: threads.get(), reason: e.to_string() })?;
-    pool.install(|| jobs.into_par_iter().for_each_init(scratch, step));
+        .map_err(|e| BatchError::Threads { threads, reason: e.to_string() })?;
+    pool.install(all);
     Ok(())
 }
 
 #[cfg(not(feature = "parallel"))]
-fn share<J: Send, W>(
-    jobs: Vec<J>,
+fn share(
+    _: usize,
     _: &BatchOptions<'_>,
-    scratch: impl Fn() -> W + Sync + Send,
-    step: impl Fn(&mut W, J) + Sync + Send,
+    worker: impl Fn() + Sync + Send,
 ) -> Result<(), BatchError> {
-    one_by_one(jobs, scratch, step);
+    worker();
     Ok(())
-}
-
-fn one_by_one<J, W>(jobs: Vec<J>, scratch: impl Fn() -> W, step: impl Fn(&mut W, J)) {
-    let mut memory = scratch();
-    for job in jobs {
-        step(&mut memory, job);
-    }
 }

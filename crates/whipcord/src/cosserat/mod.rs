@@ -42,7 +42,7 @@ mod without_load;
 
 pub use branches::{BranchOptions, Branches, CriticalKind, CriticalPoint, Equilibrium};
 pub use derivatives::{Derivatives, Hold, Place};
-pub(crate) use lanes::OneCableLanes;
+pub(crate) use lanes::UnloadedLanes;
 pub use model::{Cosserat, Workspace};
 pub use options::{Accuracy, Options};
 pub use trace::{Stage, TraceEvent};

@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use super::command::Command;
 use super::derivatives::{Derivatives, NoDerivatives, Solved};
 use super::grid::{Grid, Layout};
-use super::lanes::OneCableLanes;
+use super::lanes::{Setting, UnloadedLanes};
 use super::loads;
 use super::options::{Accuracy, Options};
 use super::outcome::{Failure, Found};
@@ -104,19 +104,19 @@ impl Cosserat {
         self.layout.has_loads_of(loads)
     }
 
-    /// What solves many tensions of its one cable at once where there is no load, when the model takes
-    /// that: one cable to the tip on a section that is equally stiff about x and y, driven by its tension,
-    /// and no stability asked for.
-    pub(crate) fn one_cable_lanes(&self) -> Option<OneCableLanes> {
+    /// What solves many rows of tensions at once where there is no load, when the model takes that: cables
+    /// driven by their tensions on a section whose stiffness is diagonal.
+    pub(crate) fn unloaded_lanes(&self) -> Option<UnloadedLanes> {
         let &Options { accuracy, stability, drive, .. } = &self.options;
-        if self.robot.cables().len() != 1 || stability || drive == Drive::Shortening {
+        if self.robot.cables().is_empty() || drive == Drive::Shortening {
             return None;
         }
         let tolerance = match accuracy {
             Accuracy::Steps(_) => None,
             Accuracy::Tolerance(share) => Some((share * self.robot.backbone().length, ERROR_RATIO)),
         };
-        OneCableLanes::new(&self.grids, tolerance)
+        let setting = Setting { tolerance, stability, order: self.layout.order.clone() };
+        UnloadedLanes::new(&self.grids, setting)
     }
 
     /// The shape under a case, starting from the solution of a neighbouring one when given.

@@ -27,7 +27,7 @@ use super::shooting::{finish, finish_chain, sample, seed, shoot};
 use super::stability::Stability;
 use super::state::{Node, State};
 use super::trace::{Stage, Trace};
-use super::unloaded::{Unloaded, Wanted};
+use super::unloaded::Unloaded;
 use super::without_load::{section_failure, set_tensions, start_without_load, without_load};
 use crate::case::Loads;
 use crate::shape::Wrench;
@@ -291,7 +291,7 @@ fn from_loose_cables(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Fou
     lengths::release(problem.commands, &mut scratch.tensions);
     set_tensions(problem.commands, &mut scratch.tensions);
     let Scratch { unloaded, tensions, .. } = scratch;
-    unloaded.sweep(problem.grid, tensions, false, Wanted::default()).ok()?;
+    unloaded.sweep(problem.grid, tensions, false, false).ok()?;
     scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
     seed(problem, scratch, 1.0);
     let effort = shoot(problem, scratch, 1.0).ok()?;
@@ -318,11 +318,8 @@ pub(super) fn least_eigenvalue(
 ) -> Result<Option<f64>, Failure> {
     if !scratch.applied.any() {
         let Scratch { unloaded, tensions, .. } = scratch;
-        let wanted = Wanted { stability: true, ..Wanted::default() };
-        unloaded
-            .sweep(problem.grid, tensions, true, wanted)
-            .map_err(|fault| section_failure(fault, tensions, 0.0))?;
-        return Ok(Some(unloaded.stability));
+        let least = unloaded.stability(problem.grid, tensions);
+        return least.map(Some).map_err(|fault| section_failure(fault, tensions, 0.0));
     }
     if scratch.applied.any_follower() {
         return Ok(None);

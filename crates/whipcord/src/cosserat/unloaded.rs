@@ -4,11 +4,11 @@
 //! eqs. (1) and (2) of [`super::section`]: there is no boundary value problem. The frames come from
 //! one pass of a Magnus integrator of order 6, the cable lengths from Gauss quadrature.
 
-use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
+use whipcord_numerics::{GAUSS_3, Mat3, Pose, magnus_6};
 
 use super::grid::Grid;
 use super::one_cable;
-use super::section::{BodyWrench, Section, SectionFault, Strain, Tangent, equilibrium};
+use super::section::{BodyWrench, SectionFault, Strain, Tangent, equilibrium};
 use super::sensitivity::work;
 
 /// A fault and where it lies.
@@ -28,27 +28,18 @@ pub(crate) struct Unloaded {
     pub lengths: Vec<f64>,
     /// `∂ℓᵢ/∂τⱼ` by rows in m/N: symmetric and not positive.
     pub length_by_tension: Vec<f64>,
-    /// Least eigenvalue of the reduced bending stiffness relative to the rod's own.
-    pub stability: f64,
     pulls: Vec<BodyWrench>,
-}
-
-/// What a sweep computes beside strains and lengths.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Wanted {
-    pub length_by_tension: bool,
-    pub stability: bool,
 }
 
 impl Unloaded {
     /// Solves all sections for these tensions (N, in the order of the grid), starting from the
-    /// strains of the last sweep when `warm`.
+    /// strains of the last sweep when `warm`; their derivatives by the tensions when `derivatives`.
     pub fn sweep(
         &mut self,
         grid: &Grid,
         tensions: &[f64],
         warm: bool,
-        wanted: Wanted,
+        derivatives: bool,
     ) -> Result<(), Fault> {
         let cables = tensions.len();
         let nodes = 3 * grid.len();
@@ -60,7 +51,6 @@ impl Unloaded {
         self.length_by_tension.clear();
         self.length_by_tension.resize(cables * cables, 0.0);
         self.pulls.resize(cables, BodyWrench::default());
-        self.stability = f64::INFINITY;
         let mut guess = Guess::default();
         for (k, step) in grid.steps.iter().enumerate() {
             let active = &tensions[..step.active];
@@ -90,7 +80,7 @@ impl Unloaded {
                         self.pulls[i] = pull;
                         self.lengths[i] += weight * stretch;
                     }
-                    if wanted.length_by_tension {
+                    if derivatives {
                         let tangent =
                             Tangent::at(section, crossings, active, &strain).map_err(fault)?;
                         self.add_length_by_tension(cables, step.active, weight, &tangent);
@@ -98,15 +88,43 @@ impl Unloaded {
                     strain
                 };
                 self.strains[3 * k + j] = strain;
-                if wanted.stability {
-                    let tangent =
-                        Tangent::at(section, crossings, active, &strain).map_err(fault)?;
-                    let value = relative_stiffness(&tangent, section);
-                    self.stability = self.stability.min(value);
-                }
             }
         }
         Ok(())
+    }
+
+    /// The stability of [`super::stability`] at the strains of the last sweep: without load eq. (8) is
+    /// `∫ δuᵀ S δu ds` with any field `δu`, and its least value that of `δuᵀ S δu / δuᵀ K_bt δu` at a
+    /// node.
+    ///
+    /// What cables add to the Hessian is not negative: the value is 1 at least. One taut cable gives two
+    /// equations for the three of `δu` that leave its direction alone, so that it is 1 where a step
+    /// has no more than one.
+    pub fn stability(&self, grid: &Grid, tensions: &[f64]) -> Result<f64, Fault> {
+        if grid.steps.iter().any(|step| taut(&tensions[..step.active]) <= 1) {
+            return Ok(1.0);
+        }
+        let mut least = f64::MAX;
+        for n in scattered(self.strains.len()) {
+            let (k, j) = (n / 3, n % 3);
+            let step = &grid.steps[k];
+            let (node, crossings) = grid.gauss.at(k, j, step.active);
+            let section = &node.section;
+            let tangent =
+                Tangent::at(section, crossings, &tensions[..step.active], &self.strains[n])
+                    .map_err(|kind| {
+                        let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
+                        Fault { kind, arc_length }
+                    })?;
+            let metric = section.bending_stiffness();
+            if is_below(&tangent.reduced, &metric, least) {
+                least = least_relative(&tangent.reduced, &metric);
+            }
+            if least <= LEAST_STABILITY {
+                break;
+            }
+        }
+        Ok(least)
     }
 
     /// `∂ℓᵢ/∂τⱼ = −∫ qᵢᵀ H⁻¹ qⱼ ds` with `q = (t, r × t)`, what a unit tension exerts.
@@ -172,9 +190,53 @@ impl Guess {
     }
 }
 
+/// Accuracy of the stability, relative to it.
+pub(super) const STABILITY_TOLERANCE: f64 = 1e-8;
+/// A stability that is as good as that of the bare rod; none is less.
+pub(super) const LEAST_STABILITY: f64 = 1.0 + STABILITY_TOLERANCE;
+
+/// How many of the cables are taut.
+pub(super) fn taut(tensions: &[f64]) -> usize {
+    tensions.iter().filter(|&&tension| tension > 0.0).count()
+}
+
+/// Whether some direction has less than this stiffness relative to the metric, by more than the
+/// tolerance.
+#[inline]
+fn is_below(reduced: &Mat3, metric: &Mat3, bound: f64) -> bool {
+    (*reduced - *metric * (bound * (1.0 - STABILITY_TOLERANCE))).ldlt().is_none()
+}
+
 /// Least eigenvalue of the reduced stiffness relative to that of the section alone.
-fn relative_stiffness(tangent: &Tangent, section: &Section) -> f64 {
-    let relative = tangent.reduced.eigenvalues_relative_to(&section.bending_stiffness());
-    // The stiffness of a section is positive: there always are some.
-    relative.map_or(f64::NEG_INFINITY, |values| values[0])
+pub(super) fn least_relative(reduced: &Mat3, metric: &Mat3) -> f64 {
+    // The stiffness of a section is positive: there always are some. Rounding alone takes them below 1.
+    reduced.eigenvalues_relative_to(metric).map_or(1.0, |values| values[0].max(1.0))
+}
+
+/// The numbers below `count`, neighbours far from one another: what is least along the rod is met, or
+/// nearly so, before most of the others.
+pub(super) fn scattered(count: usize) -> impl Iterator<Item = usize> {
+    // By the golden section, and then on to the next number that has no common factor.
+    let common = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let stride = (count * 5 / 8..=count).find(|&stride| common(stride, count) == 1).unwrap_or(1);
+    (0..count).map(move |i| i * stride % count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scattered;
+
+    #[test]
+    fn scattered_numbers_are_all_numbers() {
+        for count in 0..200 {
+            let mut met: Vec<usize> = scattered(count).collect();
+            met.sort_unstable();
+            assert!(met.into_iter().eq(0..count), "{count}");
+        }
+    }
 }

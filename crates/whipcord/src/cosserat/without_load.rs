@@ -6,7 +6,7 @@ use super::lengths::{self, Effort, Given, LengthFault, Responds};
 use super::outcome::{Failure, Found};
 use super::section::SectionFault;
 use super::statics::{Problem, Scratch};
-use super::unloaded::{Fault, Unloaded, Wanted};
+use super::unloaded::{Fault, Unloaded};
 use crate::shape::Wrench;
 
 /// Puts the given tensions in their place.
@@ -29,12 +29,11 @@ pub(super) fn without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Resu
 
 /// Strains and tensions of the rod without load.
 pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<Effort, Failure> {
-    let wanted = Wanted::default();
     let commands = problem.commands;
     if commands.iter().all(|c| matches!(c, Command::Tension(_))) {
         set_tensions(commands, &mut scratch.tensions);
         let Scratch { unloaded, tensions, .. } = scratch;
-        let Err(fault) = unloaded.sweep(problem.grid, tensions, false, wanted) else {
+        let Err(fault) = unloaded.sweep(problem.grid, tensions, false, false) else {
             return Ok(Effort::default());
         };
         let borne = borne_fraction(problem.grid, tensions, unloaded);
@@ -63,8 +62,7 @@ struct Sections<'a> {
 
 impl Responds for Sections<'_> {
     fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
-        let wanted = Wanted { length_by_tension: true, ..Wanted::default() };
-        self.unloaded.sweep(self.grid, tensions, warm, wanted)
+        self.unloaded.sweep(self.grid, tensions, warm, true)
     }
 
     fn lengths(&self) -> &[f64] {
@@ -83,7 +81,7 @@ fn borne_fraction(grid: &Grid, tensions: &[f64], unloaded: &mut Unloaded) -> f64
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (borne + folded);
         let scaled: Vec<f64> = tensions.iter().map(|t| t * middle).collect();
-        match unloaded.sweep(grid, &scaled, false, Wanted::default()) {
+        match unloaded.sweep(grid, &scaled, false, false) {
             Ok(()) => borne = middle,
             Err(_) => folded = middle,
         }

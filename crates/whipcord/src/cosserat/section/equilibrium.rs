@@ -7,10 +7,10 @@ use super::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Strain};
 use crate::cosserat::one_cable;
 
 /// A Newton step this small, as a strain, leaves an error of its square.
-const STEP_TOLERANCE: f64 = 2e-7;
+pub(in crate::cosserat) const STEP_TOLERANCE: f64 = 2e-7;
 const MAX_ITERATIONS: usize = 200;
 /// Undamped steps that are tried before the potential is watched.
-const UNDAMPED: usize = 5;
+pub(in crate::cosserat) const UNDAMPED: usize = 5;
 
 /// Finds the strain of a section, starting from `strain`; `tensions` and `crossings` belong to the
 /// same cables.
@@ -57,7 +57,7 @@ pub(crate) fn newton_equilibrium(
 
 /// Distance at which a curvature counts as a strain.
 #[inline]
-fn reach(crossings: &[Crossing]) -> f64 {
+pub(in crate::cosserat) fn reach(crossings: &[Crossing]) -> f64 {
     let widest = |widest: f64, c: &Crossing| widest.max(c.offset.norm_squared());
     crossings.iter().fold(1e-8, widest).sqrt()
 }

@@ -124,6 +124,14 @@ impl Section {
         Self { isotropic: false, coupling: Some(Box::new(coupling)), ..self }
     }
 
+    /// Diagonal of the Hessian's block of forces without cables: infinite on a held axis.
+    #[inline]
+    pub(super) fn pivots(&self) -> Vec3 {
+        let (k, soft) = (self.stiffness.shear, self.compliance.shear);
+        let pivot = |k: f64, soft: f64| if soft == 0.0 { f64::INFINITY } else { k };
+        Vec3::new(pivot(k.x, soft.x), pivot(k.y, soft.y), pivot(k.z, soft.z))
+    }
+
     /// What the strain exerts, `K (ξ − ξ*)`: nothing on a held axis.
     #[inline]
     pub fn elastic_wrench(&self, strain: &Strain) -> BodyWrench {

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Ldlt3, Mat3, Vec3};
 
-use super::{BodyWrench, Crossing, Section, SectionFault, Stiffness, Strain};
+use super::{BodyWrench, Crossing, Section, SectionFault, Strain};
 
 /// The Hessian of the potential, factored: `[A B; Bᵀ C]` by its Schur complement `S = C − BᵀA⁻¹B`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,13 +68,11 @@ pub(super) struct Hessian {
 impl Hessian {
     #[inline]
     pub fn of(section: &Section) -> Self {
-        let Stiffness { shear, bending } = section.stiffness;
-        let soft = section.compliance.shear;
-        let pivot = |k: f64, soft: f64| if soft == 0.0 { f64::INFINITY } else { k };
-        let pivots =
-            Vec3::new(pivot(shear.x, soft.x), pivot(shear.y, soft.y), pivot(shear.z, soft.z));
-        let mut hessian =
-            Self { a: Mat3::diagonal(pivots), b: Mat3::ZERO, c: Mat3::diagonal(bending) };
+        let mut hessian = Self {
+            a: Mat3::diagonal(section.pivots()),
+            b: Mat3::ZERO,
+            c: Mat3::diagonal(section.stiffness.bending),
+        };
         if let Some(beside) = &section.coupling {
             hessian.a += beside.shear;
             hessian.b = beside.mixed;

@@ -1,0 +1,72 @@
+use whipcord_numerics::GAUSS_3;
+
+use super::super::grid::Grid;
+use super::super::one_cable::Reduced;
+use super::super::section::BodyWrench;
+use super::section::{Guess, Several};
+
+/// One grid, made ready for lanes.
+#[derive(Clone, Debug)]
+pub(super) struct LaneGrid {
+    /// Three to each step.
+    pub nodes: Vec<LaneNode>,
+    /// Length of each step in m.
+    pub steps: Vec<f64>,
+    pub rest_excess: Vec<f64>,
+    /// Before how many steps a frame is kept, ascending.
+    pub kept: Vec<usize>,
+    /// How many cables reach through a step: every number that occurs, once.
+    pub active: Vec<usize>,
+}
+
+/// A Gauss node.
+#[derive(Clone, Debug)]
+pub(super) struct LaneNode {
+    pub section: LaneSection,
+    /// Of the quadrature in m.
+    pub weight: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum LaneSection {
+    /// With one cable and equally stiff about x and y.
+    One(Reduced),
+    Several(Several),
+}
+
+impl LaneGrid {
+    /// `None` where a section's stiffness is not diagonal.
+    pub fn new(grid: &Grid, kept: Vec<usize>) -> Option<Self> {
+        let mut nodes = Vec::with_capacity(3 * grid.len());
+        let mut before: Vec<f64> = Vec::new();
+        for (k, step) in grid.steps.iter().enumerate() {
+            for j in 0..3 {
+                let (node, crossings) = grid.gauss.at(k, j, step.active);
+                let section = if let ([crossing], true) = (crossings, node.section.isotropic) {
+                    let none = BodyWrench::default();
+                    LaneSection::One(Reduced::of(&node.section, crossing, none))
+                } else {
+                    let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
+                    let guess = match before[..] {
+                        [] => Guess::Rest,
+                        [_] => Guess::Last,
+                        [.., a, b] => Guess::Beyond((arc_length - b) / (b - a)),
+                    };
+                    before.push(arc_length);
+                    LaneSection::Several(Several::new(&node.section, crossings, guess)?)
+                };
+                nodes.push(LaneNode { section, weight: GAUSS_3.weights[j] * step.length });
+            }
+        }
+        let mut active: Vec<usize> = grid.steps.iter().map(|step| step.active).collect();
+        active.sort_unstable();
+        active.dedup();
+        Some(Self {
+            nodes,
+            steps: grid.steps.iter().map(|step| step.length).collect(),
+            rest_excess: grid.gauss.rest_excess.clone(),
+            kept,
+            active,
+        })
+    }
+}

@@ -1,0 +1,340 @@
+//! Rods without load under given tensions, as many at once as the processor's vectors have lanes.
+//!
+//! The same operations in the same order as [`super::one_cable`], [`super::section`] and
+//! [`super::unloaded`], so that the answers are the same to the last bit. Rows that take another branch
+//! of the scalar code are left to it: a section that folds or takes a damped step, a step that turns by
+//! half a radian, an error of discretisation that takes grids finer than those at hand.
+
+mod grid;
+mod section;
+mod stability;
+
+use pulp::{Simd, WithSimd};
+use whipcord_numerics::Pose;
+use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
+
+use super::grid::Grid;
+use grid::{LaneGrid, LaneSection};
+use section::one_cable;
+use stability::Stability;
+
+/// A position and a quaternion.
+const NUMBERS: usize = 7;
+
+/// A robot whose cables are driven by their tensions and which carries no load.
+#[derive(Clone, Debug)]
+pub(crate) struct UnloadedLanes {
+    /// The only grid, or the first of those with halved steps.
+    grids: Vec<LaneGrid>,
+    setting: Setting,
+    /// Which of the kept frames is that of each station.
+    stations: Vec<usize>,
+}
+
+/// How a robot is solved in lanes.
+#[derive(Clone, Debug)]
+pub(crate) struct Setting {
+    /// Largest change of the answer in m from grid to grid at which the finer one is taken, and by how
+    /// much the error is smaller than the change; `None` where the steps are prescribed.
+    pub tolerance: Option<(f64, f64)>,
+    /// Whether the stability of the answer is computed.
+    pub stability: bool,
+    /// The cable at each place in the order of the grid.
+    pub order: Vec<usize>,
+}
+
+/// A row that was solved.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneAnswer<'a> {
+    /// Its number among those given.
+    pub row: usize,
+    lanes: usize,
+    lane: usize,
+    frames: &'a [f64],
+    stations: &'a [usize],
+    order: &'a [usize],
+    lengths: &'a [f64],
+    /// Steps from base to tip.
+    pub steps: usize,
+    /// Estimated, in m.
+    pub discretization_error: Option<f64>,
+    /// Where it was asked for.
+    pub stability: Option<f64>,
+}
+
+impl LaneAnswer<'_> {
+    /// Position in m and quaternion (w, x, y, z) of each station.
+    #[inline]
+    pub fn frames(&self) -> impl Iterator<Item = [f64; NUMBERS]> + '_ {
+        self.stations.iter().map(|place| {
+            let at = place * NUMBERS * self.lanes + self.lane;
+            core::array::from_fn(|i| self.frames[at + i * self.lanes])
+        })
+    }
+
+    /// Each cable and its length in m.
+    #[inline]
+    pub fn lengths(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let of_place = |place: usize| self.lengths[place * self.lanes + self.lane];
+        self.order.iter().enumerate().map(move |(place, &cable)| (cable, of_place(place)))
+    }
+}
+
+impl UnloadedLanes {
+    /// `None` where a section's stiffness is not diagonal.
+    pub fn new(grids: &[Grid], setting: Setting) -> Option<Self> {
+        let first = grids.first()?;
+        // On each grid the kept places come in the same order.
+        let places = |grid: &Grid| {
+            let mut kept = grid.stations.clone();
+            if setting.tolerance.is_some() {
+                kept.extend_from_slice(&grid.disks);
+            }
+            kept.sort_unstable();
+            kept.dedup();
+            kept
+        };
+        let kept = places(first);
+        let stations = first.stations.iter().map(|k| kept.partition_point(|other| other < k));
+        let stations = stations.collect();
+        let grids: Option<Vec<LaneGrid>> =
+            grids.iter().map(|grid| LaneGrid::new(grid, places(grid))).collect();
+        Some(Self { grids: grids?, setting, stations })
+    }
+
+    /// Solves for rows of tensions in N, one for each cable, with the base at `base`; `take` gets those
+    /// that were solved, in no order.
+    pub fn solve(
+        &self,
+        width: Width,
+        base: Pose,
+        tensions: &[f64],
+        mut take: impl FnMut(LaneAnswer<'_>),
+    ) {
+        width.dispatch(Solve { robot: self, base, tensions, take: &mut take });
+    }
+}
+
+struct Solve<'a, F> {
+    robot: &'a UnloadedLanes,
+    base: Pose,
+    tensions: &'a [f64],
+    take: &'a mut F,
+}
+
+impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { robot, base, tensions, take } = self;
+        let UnloadedLanes { grids, setting, stations } = robot;
+        let lanes = Lanes::<S>::COUNT;
+        let cables = setting.order.len();
+        let places = grids[0].kept.len();
+        let mut sweep = Sweep::new(simd);
+        let mut stability = Stability::default();
+        let mut frames = vec![0.0; places * NUMBERS * lanes];
+        let mut coarse_frames = frames.clone();
+        let mut moved = frames.clone();
+        let mut lengths = vec![0.0; cables * lanes];
+        let mut coarse_lengths: Vec<Lanes<S>> = Vec::with_capacity(cables);
+        let mut column = vec![0.0; lanes];
+        for (group, values) in tensions.chunks(lanes * cables).enumerate() {
+            let rows = values.len() / cables;
+            sweep.tensions.clear();
+            for &cable in &setting.order {
+                for (lane, value) in column.iter_mut().enumerate() {
+                    // Lanes without a row are slack.
+                    *value = values.get(lane * cables + cable).copied().unwrap_or(0.0);
+                }
+                sweep.tensions.push(Lanes::load(simd, &column));
+            }
+            // A lane that has its answer, or none at all, is out.
+            let mut out = Lanes::splat(simd, 0.0);
+            for (level, grid) in grids.iter().enumerate() {
+                core::mem::swap(&mut frames, &mut coarse_frames);
+                sweep.run(grid, &mut frames);
+                out = out.max(sweep.bad);
+                let error = match setting.tolerance {
+                    None => Some(Lanes::splat(simd, 0.0)),
+                    Some(_) if level == 0 => None,
+                    Some((_, ratio)) => {
+                        let mut change = moved_by(simd, &frames, &coarse_frames, places);
+                        for (&fine, &coarse) in sweep.lengths.iter().zip(&coarse_lengths) {
+                            change = change.max((fine - coarse).abs());
+                        }
+                        Some(change / Lanes::splat(simd, ratio))
+                    }
+                };
+                coarse_lengths.clone_from(&sweep.lengths);
+                let Some(error) = error else { continue };
+                let tolerance = setting.tolerance.map_or(0.0, |(tolerance, _)| tolerance);
+                let met = |lane: usize| {
+                    out.as_slice()[lane] <= 0.0 && error.as_slice()[lane] <= tolerance
+                };
+                if (0..rows).any(met) {
+                    if setting.stability {
+                        stability.compute(grid, &sweep, |lane| lane < rows && met(lane));
+                    }
+                    for (to, from) in lengths.chunks_exact_mut(lanes).zip(&sweep.lengths) {
+                        to.copy_from_slice(from.as_slice());
+                    }
+                    let mut answer_frames = &frames;
+                    if base != Pose::IDENTITY {
+                        move_frames(simd, base, &frames, &mut moved);
+                        answer_frames = &moved;
+                    }
+                    for lane in (0..rows).filter(|&lane| met(lane)) {
+                        let value = if setting.stability {
+                            let Some(value) = stability.of_lane(lane) else { continue };
+                            Some(value)
+                        } else {
+                            None
+                        };
+                        take(LaneAnswer {
+                            row: group * lanes + lane,
+                            lanes,
+                            lane,
+                            frames: answer_frames,
+                            stations,
+                            order: &setting.order,
+                            lengths: &lengths,
+                            steps: grid.steps.len(),
+                            discretization_error: setting.tolerance.map(|_| error.as_slice()[lane]),
+                            stability: value,
+                        });
+                    }
+                }
+                let one = Lanes::splat(simd, 1.0);
+                out = out.max(error.where_at_most(tolerance, one, out));
+                if out.as_slice()[..rows].iter().all(|&out| out > 0.0) {
+                    break;
+                }
+            }
+        }
+    }
+}
+
+/// Largest distance in m between the kept positions on two grids.
+#[inline(always)]
+fn moved_by<S: Simd>(simd: S, fine: &[f64], coarse: &[f64], places: usize) -> Lanes<S> {
+    let lanes = Lanes::<S>::COUNT;
+    let mut change = Lanes::splat(simd, 0.0);
+    for place in 0..places {
+        let part = |i: usize| {
+            let at = (place * NUMBERS + i) * lanes;
+            Lanes::load(simd, &fine[at..]) - Lanes::load(simd, &coarse[at..])
+        };
+        change = change.max(LaneVec3::new(part(0), part(1), part(2)).norm());
+    }
+    change
+}
+
+/// All frames in the world, as [`crate::Shape::moved`] has them.
+#[inline(always)]
+fn move_frames<S: Simd>(simd: S, base: Pose, frames: &[f64], moved: &mut [f64]) {
+    let size = NUMBERS * Lanes::<S>::COUNT;
+    let base = LanePose::splat(simd, base);
+    for (to, from) in moved.chunks_exact_mut(size).zip(frames.chunks_exact(size)) {
+        let part = |i: usize| Lanes::load(simd, &from[i * Lanes::<S>::COUNT..]);
+        let pose = LanePose {
+            position: LaneVec3::new(part(0), part(1), part(2)),
+            w: part(3),
+            v: LaneVec3::new(part(4), part(5), part(6)),
+        };
+        store(&base.then(pose), to);
+    }
+}
+
+/// A frame as numbers × lanes.
+#[inline(always)]
+fn store<S: Simd>(pose: &LanePose<S>, to: &mut [f64]) {
+    let LanePose { position: p, w, v } = pose;
+    let numbers = [p.x, p.y, p.z, *w, v.x, v.y, v.z];
+    for (to, from) in to.chunks_exact_mut(Lanes::<S>::COUNT).zip(&numbers) {
+        to.copy_from_slice(from.as_slice());
+    }
+}
+
+/// Answers of all lanes on one grid.
+struct Sweep<S: Simd> {
+    simd: S,
+    /// In N and m, in the order of the grid.
+    tensions: Vec<Lanes<S>>,
+    lengths: Vec<Lanes<S>>,
+    /// Three to each step.
+    strains: Vec<LaneTwist<S>>,
+    /// Not positive where the lane's answer is one.
+    bad: Lanes<S>,
+}
+
+impl<S: Simd> Sweep<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Self {
+            simd,
+            tensions: Vec::new(),
+            lengths: Vec::new(),
+            strains: Vec::new(),
+            bad: Lanes::splat(simd, 0.0),
+        }
+    }
+
+    /// Sections and frames; the frames at the kept places are left as numbers × lanes for each place.
+    #[inline(always)]
+    fn run(&mut self, grid: &LaneGrid, frames: &mut [f64]) {
+        let Self { simd, tensions, lengths, strains, .. } = self;
+        let simd = *simd;
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        lengths.clear();
+        lengths.extend(grid.rest_excess.iter().map(|excess| Lanes::splat(simd, -excess)));
+        strains.clear();
+        let mut bad = zero;
+        let null = LaneVec3::new(zero, zero, zero);
+        let mut before = [LaneTwist { linear: null, angular: null }; 2];
+        let mut pose = LanePose::identity(simd);
+        let mut kept = grid.kept.iter().peekable();
+        let mut slots = frames.chunks_exact_mut(NUMBERS * Lanes::<S>::COUNT);
+        let mut keep = |k: usize, pose: &LanePose<S>| {
+            if kept.next_if(|&&place| place == k).is_some()
+                && let Some(slot) = slots.next()
+            {
+                store(pose, slot);
+            }
+        };
+        keep(0, &pose);
+        let (nodes, _) = grid.nodes.as_chunks::<3>();
+        for (k, (&h, nodes)) in grid.steps.iter().zip(nodes).enumerate() {
+            let mut twists = before;
+            let [first, second] = &mut twists;
+            let mut third = *first;
+            for (node, twist) in nodes.iter().zip([first, second, &mut third]) {
+                let (strain, solved) = match &node.section {
+                    LaneSection::One(at) => {
+                        one_cable(simd, at, node.weight, tensions[0], &mut lengths[0])
+                    }
+                    LaneSection::Several(at) => {
+                        let answer = at.solve(simd, node.weight, &before, tensions, lengths);
+                        before = [before[1], answer.0];
+                        answer
+                    }
+                };
+                bad = bad.max(solved.select(zero, one));
+                strains.push(strain);
+                *twist = strain * h;
+            }
+            let [first, second] = twists;
+            let exponent = magnus_6_exponent(&[first, second, third]);
+            let turn = exponent.angular.dot(exponent.angular);
+            bad = bad.max(turn.where_at_most(LanePose::<S>::SERIES_LIMIT, zero, one));
+            pose = pose.then(LanePose::exp(exponent));
+            keep(k + 1, &pose);
+        }
+        for length in lengths.iter() {
+            // A NaN is no answer.
+            bad = bad.max(length.where_at_most(f64::MAX, zero, one));
+        }
+        self.bad = bad;
+    }
+}
