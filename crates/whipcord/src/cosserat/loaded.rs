@@ -237,7 +237,7 @@ impl Shot {
 
 /// The weighted sum of slopes.
 #[inline]
-pub(super) fn combine(slopes: &[Vec3], weights: &[f64; STAGES]) -> Vec3 {
+pub(crate) fn combine(slopes: &[Vec3], weights: &[f64; STAGES]) -> Vec3 {
     slopes.iter().zip(weights).fold(Vec3::ZERO, |sum, (&slope, &weight)| sum + weight * slope)
 }
 

@@ -144,7 +144,13 @@ impl Chain {
             });
             let middle = 0.5 * (dead(steps.start, 0) + dead(steps.end - 1, 4)) + share;
             moment -= (far.position - near.position).cross(middle);
-            for place in steps.start + 1..=steps.end {
+            for (step, place) in steps.clone().zip(steps.start + 1..) {
+                if let Some(line) = task.loads.line(step) {
+                    let h = task.mesh.grid.steps[step].length;
+                    let turned = far.rotation.rotate(line.follower_moment(0.5));
+                    moment -= h * (line.moment(0.5) + turned);
+                    share -= h * far.rotation.rotate(line.follower_force(0.5));
+                }
                 let follower = task.loads.follower(place);
                 moment -= task.loads.moment(place) + far.rotation.rotate(follower.moment);
                 share -= far.rotation.rotate(follower.force);

@@ -87,7 +87,8 @@ pub(super) fn answers(
     let tensions = &task.tensions[span.first..span.first + cables];
     let steps = &task.mesh.spans[k];
     let loaded = samples.iter().any(|sample| sample.dead != Vec3::ZERO)
-        || (steps.start + 1..steps.end).any(|place| task.loads.moment(place) != Vec3::ZERO);
+        || (steps.start + 1..steps.end).any(|place| task.loads.moment(place) != Vec3::ZERO)
+        || steps.clone().any(|k| task.loads.line(k).is_some());
     core::array::from_fn(|c| {
         let row = &mut rows[c * cables..(c + 1) * cables];
         let by = match c {

@@ -1,11 +1,11 @@
 use std::borrow::Cow;
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::Pose;
 
 use super::friction::{History, Holes};
 use super::layout::{Frame, Mesh, of_this_model};
 use super::statics::{self, Problem, Scratch, Start};
-use crate::case::{Case, Loads, Piece};
+use crate::case::{Case, Loads};
 use crate::cosserat::command::Command;
 use crate::cosserat::outcome::{Failure, Found};
 use crate::cosserat::refinement::{Coarse, ERROR_RATIO};
@@ -164,7 +164,6 @@ impl CosseratDisks {
                 let problem = Mistake::LoadPlaces;
                 return Err(RobotError { path: "loads".to_owned(), problem }.into());
             }
-            refuse_spread(&case.loads)?;
             self.commands(case, &mut workspace.commands)?;
         }
         let base = cases.last().map_or(Pose::IDENTITY, |case| case.base);
@@ -327,22 +326,6 @@ impl CosseratDisks {
         let name = |cable: usize| self.robot.cables()[cable].name.clone();
         failure.explain(commands, &self.frame.rest_lengths, name)
     }
-}
-
-/// Between two disks the rod takes forces that keep their direction, and no more.
-fn refuse_spread(loads: &Loads) -> Result<(), SolveError> {
-    for (i, load) in loads.distributed.iter().enumerate() {
-        let turns = |piece: Piece| piece.moment.iter().any(|&moment| moment != Vec3::ZERO);
-        if load.follower || load.profile.pieces().any(turns) {
-            return Err(SolveError::Unsupported {
-                model: ModelKind::CosseratDisks,
-                path: format!("loads.distributed[{i}]"),
-                what: "a moment, or a load that follows the backbone, spread along it",
-                advice: "give it as point loads, or use cosserat",
-            });
-        }
-    }
-    Ok(())
 }
 
 fn start_from(solution: &Solution) -> Start {

@@ -4,8 +4,11 @@
 //! beyond a cut exerts on the *rod* there,
 //!
 //! ```text
-//! R′ = R û,   p′ = R v,   m′ = −p′ × f,   f′ = −(loads)      (v, u) = ξ* + K⁻¹ (Rᵀf, Rᵀm)       (1)
+//! R′ = R û,   p′ = R v,   m′ = −p′ × f − l,   f′ = −(loads)      (v, u) = ξ* + K⁻¹ (Rᵀf, Rᵀm)   (1)
 //! ```
+//!
+//! where `l` is the moment spread along the rod. The force of dead loads is known beforehand; that of
+//! followers, `R f` of each where it acts, is summed up on the way.
 //!
 //! No cable is in its sections: cables pull at the disks alone. Butcher's Runge–Kutta method of
 //! order 5 integrates; the classical one takes the variations
@@ -20,6 +23,7 @@
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
 use crate::cosserat::grid::Grid;
+use crate::cosserat::loaded::combine;
 use crate::cosserat::loads::AppliedLoads;
 use crate::cosserat::section::{BodyWrench, Strain};
 
@@ -113,12 +117,17 @@ pub(super) fn integrate(
     for k in steps {
         let h = grid.steps[k].length;
         let mut slopes = [[0.0; 10]; STAGES];
+        let line = loads.and_then(|span| span.applied.line(k).map(|line| (span, line)));
+        let mut pushes = [Vec3::ZERO; STAGES];
         for i in 0..STAGES {
             let at = advance(&state, &slopes[..i], &table.a[i], h);
             let (rotation, _, moment) = unpack(&at);
             let (node, _) = grid.shooting.at(k, NODE_OF_STAGE[i], 0);
             let dead = loads.map_or(Vec3::ZERO, |span| span.dead(k, NODE_OF_STAGE[i]));
-            let force = wrench.linear + dead - followers;
+            let mut force = wrench.linear + dead - followers;
+            if line.is_some() {
+                force -= h * combine(&pushes[..i], &table.a[i]);
+            }
             let to_body = rotation.conjugate();
             let local =
                 BodyWrench { linear: to_body.rotate(force), angular: to_body.rotate(moment) };
@@ -133,11 +142,21 @@ pub(super) fn integrate(
                 *sample = Sample { strain, wrench: local, rotation, dead };
             }
             let velocity = rotation.rotate(strain.linear);
+            let mut moment_rate = force.cross(velocity);
+            if let Some((span, line)) = line {
+                let t = table.c[i];
+                pushes[i] = span.load * rotation.rotate(line.follower_force(t));
+                let turned = rotation.rotate(line.follower_moment(t));
+                moment_rate -= span.load * (span.to_disk.rotate(line.moment(t)) + turned);
+            }
             slopes[i] = pack(
                 rotation * UnitQuaternion { w: 0.0, v: strain.angular * 0.5 },
                 velocity,
-                force.cross(velocity),
+                moment_rate,
             );
+        }
+        if line.is_some() {
+            followers += h * combine(&pushes, &table.b);
         }
         let (rotation, position, mut moment) = unpack(&advance(&state, &slopes, &table.b, h));
         if let (Some(span), true) = (loads, k + 1 < last) {
@@ -197,6 +216,7 @@ pub(super) fn linearise(
     for k in steps {
         let h = grid.steps[k].length;
         let triple = &samples[3 * (k - first)..3 * (k - first) + 3];
+        let line = loads.and_then(|span| span.applied.line(k).map(|line| (span, line)));
         let start = at;
         let mut slope = Variation::default();
         for (q, reach, weight) in STAGES {
@@ -216,6 +236,14 @@ pub(super) fn linearise(
                 moment: m.cross(du) - u.cross(stage.moment) + n.cross(dv) - v.cross(push),
                 force: Vec3::ZERO,
             };
+            if let Some((span, line)) = line {
+                let follower = span.load * line.follower_force(reach);
+                slope.force -= rotation.rotate(stage.turn.cross(follower));
+                let dead = span.to_disk.rotate(span.load * line.moment(reach));
+                let to_body = rotation.conjugate();
+                slope.moment -= to_body.rotate(dead).cross(stage.turn);
+                slope.moment -= to_body.rotate(dead.cross(axis));
+            }
             at = at.plus(weight * h, &slope);
         }
         if let (Some(span), true) = (loads, k + 1 < last) {
@@ -237,7 +265,7 @@ impl Variation {
             turn: self.turn + f * slope.turn,
             shift: self.shift + f * slope.shift,
             moment: self.moment + f * slope.moment,
-            force: self.force,
+            force: self.force + f * slope.force,
         }
     }
 }
