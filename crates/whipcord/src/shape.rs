@@ -67,7 +67,7 @@ pub struct Diagnostics {
     /// Least eigenvalue of the tangent stiffness relative to the backbone's own stiffness: 1 for a
     /// bare rod without load, 0 where it buckles, negative at an unstable equilibrium. Taut cables
     /// that are driven by their length hold it, those driven by their tension let go. `None` from a
-    /// model without energy.
+    /// model without energy, under loads that turn with the robot, and where a cable slides that rubs.
     pub stability: Option<f64>,
     /// Estimated error of the stations' positions in m, from a solution with half the steps;
     /// `None` where the steps were prescribed.

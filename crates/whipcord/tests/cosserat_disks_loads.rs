@@ -150,7 +150,8 @@ fn a_spread_moment_bends_by_its_closed_form() {
             let s = f64::from(i) / f64::from(count);
             let simpson = if i == 0 || i == count { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
             let angle = bend * (2.0 * s - s * s);
-            end += (simpson * LENGTH / f64::from(3 * count)) * Vec3::new(angle.sin(), 0.0, angle.cos());
+            end += (simpson * LENGTH / f64::from(3 * count))
+                * Vec3::new(angle.sin(), 0.0, angle.cos());
         }
         assert!((tip.position - end).norm() < 1e-10, "{bend}: {tip:?} {end:?}");
     }

@@ -13,8 +13,7 @@ pub struct Options {
     /// How finely it integrates. Where cables run straight between the disks, these are the model:
     /// they stay as many as the robot has, and only the spans between them are divided.
     pub accuracy: Accuracy,
-    /// Whether the stability of the answer is computed; where cables run straight between the disks,
-    /// at held tensions.
+    /// Whether the stability of the answer is computed.
     pub stability: bool,
     /// Residual at which equilibrium under load counts as met, relative to the scales of moment (EI/L,
     /// and what acts there), force (EI/L²), turn (1 rad) and length. It is about the relative error of

@@ -294,10 +294,83 @@ pub(crate) fn bisect(low: f64, high: f64, mut is_below: impl FnMut(f64) -> bool)
     0.5 * (low + high)
 }
 
+/// The zero of a function that falls, is concave, and has no value (`None`) from some place on, where it
+/// counts as negative: a bracket is shrunk by chords that are kept from stalling (the Illinois
+/// method), and halved where an end has no value.
+pub(crate) fn falling_zero(low: f64, high: f64, mut f: impl FnMut(f64) -> Option<f64>) -> f64 {
+    let (mut low, mut high) = (low, high);
+    let mut reach = high - low;
+    let mut at_low = f(low);
+    while at_low.is_none_or(|value| value < 0.0) {
+        (high, reach) = (low, 4.0 * reach);
+        low -= reach;
+        if low < -1e12 {
+            return low;
+        }
+        at_low = f(low);
+    }
+    let mut at_high = f(high);
+    while at_high.is_some_and(|value| value >= 0.0) {
+        (low, at_low, reach) = (high, at_high, 4.0 * reach);
+        high += reach;
+        if high > 1e12 {
+            return high;
+        }
+        at_high = f(high);
+    }
+    // Which end the last trial replaced: twice the same one, and the chord hangs on the other.
+    let mut replaced_low = None;
+    let tolerance = |low: f64, high: f64| TOLERANCE * (1.0 + low.abs().max(high.abs()));
+    while high - low > tolerance(low, high) {
+        let trial = match (at_low, at_high) {
+            (Some(a), Some(b)) if a > 0.0 => {
+                // A step beyond the zero closes the bracket from the other side.
+                let chord = low + (high - low) * (a / (a - b));
+                let margin = 0.5 * tolerance(low, high);
+                chord.clamp(low + margin, high - margin)
+            }
+            _ => 0.5 * (low + high),
+        };
+        match f(trial) {
+            Some(value) if value >= 0.0 => {
+                if replaced_low == Some(true) {
+                    at_high = at_high.map(|b| 0.5 * b);
+                }
+                (low, at_low, replaced_low) = (trial, Some(value), Some(true));
+            }
+            value => {
+                if replaced_low == Some(false) {
+                    at_low = at_low.map(|a| 0.5 * a);
+                }
+                (high, at_high, replaced_low) = (trial, value, Some(false));
+            }
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The number of negative eigenvalues of a symmetric block: by the signs of its leading minors where
+/// they are plain.
+pub(crate) fn negative_eigenvalues(block: &Mat3) -> usize {
+    let rows = &block.rows;
+    let size = rows.iter().map(|row| row.max_abs()).fold(0.0, f64::max);
+    let first = rows[0][0];
+    let second = first * rows[1][1] - rows[1][0] * rows[1][0];
+    let third = block.determinant();
+    let plain = first.abs() > 1e-8 * size
+        && second.abs() > 1e-8 * size * size
+        && third.abs() > 1e-8 * size * size * size;
+    if !plain {
+        return block.symmetric_eigenvalues().iter().filter(|&&x| x < 0.0).count();
+    }
+    let changes = |a: f64, b: f64| usize::from((a < 0.0) != (b < 0.0));
+    changes(1.0, first) + changes(first, second) + changes(second, third)
+}
+
 /// The inverse of a symmetric block and the number of its negative eigenvalues. A block that is
 /// singular to working precision is moved off by as much as rounding has.
 pub(crate) fn pivot(block: Mat3) -> (Mat3, usize) {
-    let negative = block.symmetric_eigenvalues().iter().filter(|&&x| x < 0.0).count();
+    let negative = negative_eigenvalues(&block);
     let inverse = block.inverse().unwrap_or_else(|| {
         let size = block.rows.iter().map(|row| row.max_abs()).fold(f64::MIN_POSITIVE, f64::max);
         let moved = block + Mat3::IDENTITY * (16.0 * f64::EPSILON * size);

@@ -14,10 +14,12 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::joint::{self, Chord, Factors, Vanished};
+use super::held::{self, Held};
+use super::joint::{self, Chord, Vanished};
 use super::layout::{Frame, Mesh, Span};
-use super::link::{Link, Push, answers};
+use super::link::{Gap, Link, Push, Taut};
 use super::rod::{self, InSpan, Sample};
+use crate::cosserat::command::Command;
 use crate::cosserat::elimination::{Change, Elimination, Size};
 use crate::cosserat::loads::AppliedLoads;
 use crate::cosserat::section::BodyWrench;
@@ -35,6 +37,8 @@ pub(super) struct Node {
     pub force: Vec3,
     /// Wrench in the rod beyond it, in its frame.
     pub wrench: BodyWrench,
+    /// Of a step: the change of the rotation, in the body frame.
+    turn: Vec3,
 }
 
 /// What the chain is closed for.
@@ -43,14 +47,14 @@ pub(super) struct Task<'a> {
     pub frame: &'a Frame,
     pub mesh: &'a Mesh,
     pub loads: &'a AppliedLoads,
-    /// Of all passages.
-    pub tensions: &'a [f64],
     /// Factor on all loads.
     pub load: f64,
-    /// Which of the shared tensions each passage has, and how many there are; empty when no
-    /// derivative is wanted.
+    /// Which of the tensions each passage has.
     pub groups: &'a [usize],
-    pub group_count: usize,
+    /// What drives each of them, where any is driven by its length; else empty.
+    pub commands: &'a [Command],
+    /// Whether the derivatives of the lengths by the tensions are wanted.
+    pub derivatives: bool,
     /// Greatest gap that counts as closed.
     pub tolerance: f64,
 }
@@ -59,17 +63,29 @@ pub(super) struct Task<'a> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     pub nodes: Vec<Node>,
+    /// By group.
+    pub tensions: Vec<f64>,
+    /// By group, in m.
+    pub lengths: Vec<f64>,
     /// Poses at the ends of all steps, relative to the disk before.
     pub poses: Vec<Pose>,
+    /// Of all passages.
     pub chords: Vec<Chord>,
+    pub pulled: Vec<f64>,
     /// Derivatives of the lengths of each group by the tension of each, by rows.
     pub length_by_tension: Vec<f64>,
-    pub samples: Vec<Sample>,
+    pub(super) samples: Vec<Sample>,
+    /// How the spans ended short of the next disk, and as what they were last linearised.
+    pub(super) gaps: Vec<Gap>,
+    pub(super) links: Vec<Link>,
+    /// Changes of the chords by what [`Link::by`] counts, span after span.
+    pub(super) rows: Vec<f64>,
     kept: Vec<Node>,
-    links: Vec<Link>,
-    rows: Vec<f64>,
+    kept_tensions: Vec<f64>,
+    step: Vec<Node>,
     columns: Vec<Change>,
     elimination: Elimination,
+    held: Held,
 }
 
 /// Why the chain did not close.
@@ -84,6 +100,9 @@ const MAX_ITERATIONS: usize = 40;
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e-9;
+/// A step that leaves so little of the gaps, and a gap so small, leaves the linearisation good for the
+/// next.
+const NEAR: f64 = 0.05;
 
 /// Scales of moment and force of a rod.
 #[derive(Clone, Copy, Debug)]
@@ -132,7 +151,7 @@ impl Chain {
             let slots = &mut chords[span.first..span.first + span.passages.len()];
             let drawn = joint::draw(span, &(near.inverse() * *far), slots);
             let pulled = if drawn.is_ok() {
-                joint::pull(span, slots, &task.tensions[span.first..])
+                joint::pull(span, slots, &self.pulled[span.first..])
             } else {
                 BodyWrench::default()
             };
@@ -141,6 +160,7 @@ impl Chain {
                 moment: total.angular,
                 force: share,
                 wrench: total - pulled,
+                ..Node::default()
             });
             let middle = 0.5 * (dead(steps.start, 0) + dead(steps.end - 1, 4)) + share;
             moment -= (far.position - near.position).cross(middle);
@@ -160,35 +180,70 @@ impl Chain {
         self.nodes.push(Node { rotation, ..Node::default() });
     }
 
-    /// Newton's method; returns the iterations and the greatest gap left.
-    pub fn close(&mut self, task: &Task<'_>) -> Result<(usize, f64), Open> {
+    /// Gives the passages the tensions of their groups.
+    pub fn pull(&mut self, groups: &[usize], tensions: &[f64]) {
+        self.tensions.clear();
+        self.tensions.extend_from_slice(tensions);
+        self.expand(groups);
+    }
+
+    fn expand(&mut self, groups: &[usize]) {
+        self.pulled.clear();
+        self.pulled.extend(groups.iter().map(|&group| self.tensions[group]));
+    }
+
+    /// Newton's method; returns the iterations and the greatest gap left. With `linearised` the links
+    /// that are kept are those of a coarser mesh, near enough to begin with.
+    pub fn close(&mut self, task: &Task<'_>, linearised: bool) -> Result<(usize, f64), Open> {
         let failed = |iterations, gap, fault| Open { iterations, gap, fault };
-        let mut gap = self.shoot(task).map_err(|f| failed(0, f64::INFINITY, Some(f)))?;
-        for iteration in 0..MAX_ITERATIONS {
+        let mut gap = self.measure(task).map_err(|f| failed(0, f64::INFINITY, Some(f)))?;
+        let mut linearised = linearised && self.links.len() == task.frame.spans.len();
+        let mut iteration = 0;
+        while iteration < MAX_ITERATIONS {
             if gap <= task.tolerance {
                 return self.finish(task, iteration, gap);
             }
-            if !self.eliminate(task, 0) {
+            let fresh = !linearised;
+            if fresh && !self.linearise(task) {
                 return Err(failed(iteration, gap, None));
             }
+            let directed = self.direct(task);
+            if !directed && fresh {
+                return Err(failed(iteration, gap, None));
+            }
+            iteration += 1;
             self.kept.clone_from(&self.nodes);
+            self.kept_tensions.clone_from(&self.tensions);
             let mut fraction = 1.0;
             loop {
-                self.step(task, fraction);
-                match self.shoot(task) {
-                    Ok(now) if now < (1.0 - 1e-4 * fraction) * gap => {
+                self.go(task, fraction);
+                match self.measure(task) {
+                    Ok(now) if fraction == 1.0 && now.max(gap) <= ROUNDING && now >= 0.5 * gap => {
+                        return self.finish(task, iteration, now);
+                    }
+                    // What is kept of a linearisation has to do better than a new one may.
+                    Ok(now)
+                        if directed
+                            && now < (if fresh { 1.0 - 1e-4 * fraction } else { 0.5 }) * gap =>
+                    {
+                        linearised = fraction == 1.0 && now < NEAR * gap && now < NEAR;
                         gap = now;
                         break;
                     }
-                    Ok(now) if fraction == 1.0 && now.max(gap) <= ROUNDING => {
-                        return self.finish(task, iteration + 1, now);
-                    }
                     outcome => {
-                        fraction *= 0.5;
-                        if fraction < LEAST_FRACTION {
-                            return Err(failed(iteration + 1, gap, outcome.err()));
+                        if fresh {
+                            fraction *= 0.5;
+                            if fraction < LEAST_FRACTION {
+                                return Err(failed(iteration, gap, outcome.err()));
+                            }
+                            continue;
                         }
-                        self.restore_links(task);
+                        linearised = false;
+                        self.go(task, 0.0);
+                        gap = self
+                            .measure(task)
+                            .map_err(|fault| failed(iteration, gap, Some(fault)))?;
+                        break;
                     }
                 }
             }
@@ -202,194 +257,195 @@ impl Chain {
         iterations: usize,
         gap: f64,
     ) -> Result<(usize, f64), Open> {
-        if !task.groups.is_empty() && !self.differentiate(task) {
+        if task.derivatives && !(self.linearise(task) && self.differentiate(task)) {
             return Err(Open { iterations, gap, fault: None });
         }
         Ok((iterations, gap))
     }
 
-    /// Integrates and linearises all spans; the greatest gap.
-    fn shoot(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
+    /// Integrates all spans; the greatest gap.
+    fn measure(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
         let Task { frame, mesh, loads, load, .. } = *task;
         let scales = Scales::of(frame, mesh);
         let count = frame.spans.len();
-        self.links.resize(count, Link::default());
+        self.gaps.resize(count, Gap::default());
         self.poses.resize(mesh.grid.len(), Pose::IDENTITY);
         self.chords.resize(frame.passages, Chord::default());
         self.samples.resize(3 * mesh.grid.len(), Sample::default());
-        self.rows.resize(9 * frame.passages, 0.0);
+        self.lengths.clear();
+        self.lengths.resize(self.tensions.len(), 0.0);
         let mut greatest: f64 = 0.0;
         for (k, span) in frame.spans.iter().enumerate() {
             let steps = mesh.spans[k].clone();
             let cables = span.passages.len();
-            let tensions = &task.tensions[span.first..span.first + cables];
             let (node, next) = (self.nodes[k], self.nodes[k + 1]);
-            let to_disk = node.rotation.conjugate();
-            let at_start = loads.force(steps.start, 0);
-            let inside = InSpan { applied: loads, load, to_disk, at_start };
+            let inside = InSpan::at(loads, load, node.rotation, steps.start);
             let samples = &mut self.samples[3 * steps.start..3 * steps.end];
             let poses = &mut self.poses[steps.clone()];
-            let end = rod::integrate(
-                &mesh.grid,
-                steps.clone(),
-                node.wrench,
-                Some(&inside),
-                poses,
-                samples,
-            );
+            let grid = &mesh.grid;
+            let end =
+                rod::integrate(grid, steps.clone(), node.wrench, Some(&inside), poses, samples);
             let chords = &mut self.chords[span.first..span.first + cables];
             joint::draw(span, &end.pose, chords).map_err(|gone| folded(gone, span))?;
-            let total_force = to_disk.rotate(load * at_start + node.force);
-            let total = BodyWrench { linear: total_force, angular: node.moment };
-            let residual = node.wrench + joint::pull(span, chords, tensions) - total;
-            let rows = &mut self.rows[9 * span.first..9 * (span.first + cables)];
-            let by = answers(task, k, samples, chords, &end.pose, &inside, rows);
-            let Some(factors) = Factors::new(&by) else {
-                return Err(Fault { kind: SectionFault::Diverged, arc_length: span.start });
-            };
-            let rotation = (node.rotation * end.pose.rotation).renormalized();
-            let follower = loads.follower(steps.end);
-            let dead = load * rotation.conjugate().rotate(loads.moment(steps.end));
-            let applied = dead + load * follower.moment;
-            let moment = joint::far_moment(span, &end, chords, tensions) - applied;
-            let force = node.force
-                - node.rotation.rotate(end.followers)
-                - load * rotation.rotate(follower.force);
-            let gap = Change {
-                turn: (next.rotation.conjugate() * rotation).log(),
-                moment: moment - next.moment,
-                force: force - next.force,
-            };
-            greatest = greatest
-                .max(gap.turn.norm())
-                .max(gap.moment.norm() / (scales.moment + next.moment.norm()))
-                .max(gap.force.norm() / (scales.force + next.force.norm()))
-                .max(residual.linear.norm() / (scales.force + node.wrench.linear.norm()))
-                .max(residual.angular.norm() / (scales.moment + node.wrench.angular.norm()));
-            let finite = gap.is_finite() && residual.linear.is_finite();
-            if !(finite && residual.angular.is_finite()) {
-                greatest = f64::INFINITY;
+            for (chord, &group) in chords.iter().zip(&task.groups[span.first..]) {
+                self.lengths[group] += chord.length;
             }
-            self.links[k] = Link {
-                by,
-                factors,
-                residual,
-                total_force,
-                turn: end.pose.rotation,
-                followers: end.followers,
-                gap,
-                applied: dead,
-                follower: load * rotation.rotate(follower.force),
-            };
+            let tensions = &self.pulled[span.first..span.first + cables];
+            let gap = Gap::new(task, k, (&node, &next), &end, chords, tensions);
+            greatest = greatest.max(gap.size(&scales, &node, &next));
+            self.gaps[k] = gap;
         }
-        Ok(greatest)
+        let lack = held::greatest_lack(task, &self.tensions, &self.lengths, &scales);
+        let greatest = greatest.max(lack);
+        // A NaN must not pass for a closed gap.
+        Ok(if lack.is_finite() { greatest } else { f64::INFINITY })
     }
 
-    /// Eliminates the chain with this many shared tensions.
-    fn eliminate(&mut self, task: &Task<'_>, shared: usize) -> bool {
+    /// Linearises all spans where they were last measured; `false` where one is singular.
+    fn linearise(&mut self, task: &Task<'_>) -> bool {
+        let frame = task.frame;
+        self.links.resize(frame.spans.len(), Link::default());
+        self.rows.resize(9 * frame.passages, 0.0);
+        for (k, span) in frame.spans.iter().enumerate() {
+            let steps = &task.mesh.spans[k];
+            let passages = span.first..span.first + span.passages.len();
+            let taut = Taut {
+                samples: &self.samples[3 * steps.start..3 * steps.end],
+                pose: self.poses[steps.end - 1],
+                chords: &self.chords[passages.clone()],
+                tensions: &self.pulled[passages.clone()],
+            };
+            let rows = &mut self.rows[9 * passages.start..9 * passages.end];
+            match Link::new(task, k, self.nodes[k].rotation, &self.gaps[k], &taut, rows) {
+                Some(link) => self.links[k] = link,
+                None => {
+                    self.links.clear();
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Eliminates the chain with these shared tensions, by group.
+    fn eliminate(&mut self, task: &Task<'_>, shared: &[usize]) -> bool {
         let cut = if task.loads.any_follower_force() { 6 } else { 3 };
         let scales = Scales::of(task.frame, task.mesh);
-        self.elimination.start(Size { cut, shared }, scales.moment, scales.force);
+        let size = Size { cut, shared: shared.len() };
+        self.elimination.start(size, scales.moment, scales.force);
         let axes = [Vec3::X, Vec3::Y, Vec3::Z];
-        for (k, span) in task.frame.spans.iter().enumerate() {
-            let link = self.links[k];
-            let rotation = self.nodes[k].rotation;
-            let mut columns = core::mem::take(&mut self.columns);
+        let mut columns = core::mem::take(&mut self.columns);
+        for k in 0..task.frame.spans.len() {
+            let link = &self.links[k];
             columns.clear();
-            for axis in axes {
-                columns.push(link.pass(rotation, &Push { turn: axis, ..Push::default() }).1);
+            let mut pass = |push: &Push| columns.push(link.pass(push).1);
+            for turn in axes {
+                pass(&Push { turn, ..Push::default() });
             }
-            for axis in axes {
-                columns.push(link.pass(rotation, &Push { moment: axis, ..Push::default() }).1);
+            for moment in axes {
+                pass(&Push { moment, ..Push::default() });
             }
             if cut == 6 {
-                for axis in axes {
-                    columns.push(link.pass(rotation, &Push { force: axis, ..Push::default() }).1);
+                for force in axes {
+                    pass(&Push { force, ..Push::default() });
                 }
             }
-            for group in 0..shared {
-                columns.push(link.pass(rotation, &self.tug(task, k, group)).1);
+            for &group in shared {
+                let mut tug = Push::default();
+                tug.tug(task, k, &self.chords, link, |of| f64::from(u8::from(of == group)));
+                pass(&tug);
             }
-            let closing = link.pass(rotation, &Push { close: 1.0, ..Push::default() }).1;
-            let gap = link.gap.plus(1.0, closing);
-            let regular = self.elimination.push(&columns, &gap);
-            self.columns = columns;
-            if !regular {
+            let residual = self.gaps[k].residual;
+            let closing = link.pass(&Push { residual, ..Push::default() }).1;
+            let gap = self.gaps[k].change.plus(1.0, closing);
+            if !self.elimination.push(&columns, &gap) {
+                self.columns = columns;
                 return false;
             }
-            debug_assert_eq!(span.first, task.frame.spans[k].first);
         }
+        self.columns = columns;
         self.elimination.answer();
-        (0..=task.frame.spans.len()).all(|k| self.elimination.change(k, shared).is_finite())
+        (0..=task.frame.spans.len()).all(|k| self.elimination.change(k, shared.len()).is_finite())
     }
 
-    /// What one more newton in the passages of a group does to a span.
-    fn tug(&self, task: &Task<'_>, k: usize, group: usize) -> Push {
-        let span = &task.frame.spans[k];
-        let to_far = self.links[k].turn.conjugate();
-        let mut push = Push::default();
-        for (i, passage) in span.passages.iter().enumerate() {
-            if task.groups[span.first + i] == group {
-                let chord = &self.chords[span.first + i];
-                push.pull = push.pull + joint::unit_pull(passage.near, chord);
-                push.far += passage.far.cross(to_far.rotate(chord.along));
+    /// The Newton step from where the chain was last measured, with the links as they are; `false`
+    /// where there is none.
+    fn direct(&mut self, task: &Task<'_>) -> bool {
+        let mut held = core::mem::take(&mut self.held);
+        held.find(task.commands);
+        let mut solved = self.eliminate(task, &held.cables);
+        let shared = held.cables.len();
+        if solved && shared > 0 {
+            self.lengthen(task, &held.cables, true, &mut held.lengths);
+            solved = held.solve(task, &self.tensions, &self.lengths);
+        }
+        if solved {
+            self.step.clear();
+            for k in 0..self.nodes.len() {
+                let mut change = self.elimination.change(k, shared);
+                for (j, &theta) in held.change.iter().enumerate() {
+                    change = change.plus(theta, self.elimination.change(k, j));
+                }
+                let Change { turn, moment, force } = change;
+                let mut node = Node { moment, force, turn, ..Node::default() };
+                if let Some(link) = self.links.get(k) {
+                    let residual = self.gaps[k].residual;
+                    let mut push = Push { turn, moment, force, residual, ..Push::default() };
+                    push.tug(task, k, &self.chords, link, |group| held.change_of(group));
+                    node.wrench = link.pass(&push).0;
+                }
+                solved &= change.is_finite() && node.wrench.linear.is_finite();
+                self.step.push(node);
             }
         }
-        push
+        self.held = held;
+        solved
     }
 
-    /// Goes a fraction of the Newton step from where the nodes were kept; the links are still those
-    /// of that place.
-    fn step(&mut self, task: &Task<'_>, fraction: f64) {
-        for k in 0..self.nodes.len() {
-            let change = self.elimination.change(k, 0);
-            let kept = self.kept[k];
-            let wrench = match self.links.get(k) {
-                Some(link) => {
-                    let Change { turn, moment, force } = change;
-                    let push = Push { turn, moment, force, close: 1.0, ..Push::default() };
-                    kept.wrench + link.pass(kept.rotation, &push).0 * fraction
-                }
-                None => kept.wrench,
-            };
-            let turned = UnitQuaternion::exp(fraction * change.turn);
-            self.nodes[k] = Node {
+    /// Goes a fraction of the Newton step from where the nodes were kept.
+    fn go(&mut self, task: &Task<'_>, fraction: f64) {
+        for ((node, kept), step) in self.nodes.iter_mut().zip(&self.kept).zip(&self.step) {
+            let turned = UnitQuaternion::exp(fraction * step.turn);
+            *node = Node {
                 rotation: (kept.rotation * turned).renormalized(),
-                moment: kept.moment + fraction * change.moment,
-                force: kept.force + fraction * change.force,
-                wrench,
+                moment: kept.moment + fraction * step.moment,
+                force: kept.force + fraction * step.force,
+                wrench: kept.wrench + step.wrench * fraction,
+                turn: Vec3::ZERO,
             };
         }
-        debug_assert_eq!(self.nodes.len(), task.frame.spans.len() + 1);
-    }
-
-    /// Links and elimination of the kept nodes, after a step that was too long.
-    fn restore_links(&mut self, task: &Task<'_>) {
-        self.nodes.clone_from(&self.kept);
-        // It was possible before, and is again.
-        if self.shoot(task).is_ok() {
-            self.eliminate(task, 0);
+        if !self.held.cables.is_empty() {
+            for (&group, &change) in self.held.cables.iter().zip(&self.held.change) {
+                self.tensions[group] = (self.kept_tensions[group] + fraction * change).max(0.0);
+            }
+            self.expand(task.groups);
         }
     }
 
-    /// `∂ℓ/∂τ` of the groups, from a closed chain.
-    fn differentiate(&mut self, task: &Task<'_>) -> bool {
-        let count = task.group_count;
-        if !self.eliminate(task, count) {
-            return false;
-        }
-        self.length_by_tension.clear();
-        self.length_by_tension.resize(count * count, 0.0);
+    /// Changes of the lengths of these groups, by rows, with the tension of each and, where asked,
+    /// as the gaps are closed at these tensions.
+    fn lengthen(&self, task: &Task<'_>, groups: &[usize], closing: bool, out: &mut Vec<f64>) {
+        let shared = groups.len();
+        let wide = shared + usize::from(closing);
+        out.clear();
+        out.resize(shared * wide, 0.0);
+        let row_of = |group: usize| groups.iter().position(|&of| of == group);
         for (k, span) in task.frame.spans.iter().enumerate() {
-            let link = self.links[k];
-            let rotation = self.nodes[k].rotation;
+            let link = &self.links[k];
             let cables = span.passages.len();
             let rows = &self.rows[9 * span.first..9 * (span.first + cables)];
-            for j in 0..count {
+            for j in 0..wide {
                 let Change { turn, moment, force } = self.elimination.change(k, j);
-                let push = Push { turn, moment, force, ..self.tug(task, k, j) };
-                let change = link.pass(rotation, &push).0;
+                let mut push = Push { turn, moment, force, ..Push::default() };
+                if j < shared {
+                    let pulled = |of| f64::from(u8::from(of == groups[j]));
+                    push.tug(task, k, &self.chords, link, pulled);
+                } else {
+                    push.residual = self.gaps[k].residual;
+                }
+                let change = link.pass(&push).0;
                 for i in 0..cables {
+                    let Some(row) = row_of(task.groups[span.first + i]) else { continue };
                     let by = |c: usize| rows[c * cables + i];
                     let along: f64 = (0..3)
                         .map(|c| {
@@ -398,10 +454,21 @@ impl Chain {
                                 + by(6 + c) * turn[c]
                         })
                         .sum();
-                    self.length_by_tension[task.groups[span.first + i] * count + j] += along;
+                    out[row * wide + j] += along;
                 }
             }
         }
+    }
+
+    /// `∂ℓ/∂τ` of all groups, from a closed chain that is linearised where it stands.
+    fn differentiate(&mut self, task: &Task<'_>) -> bool {
+        let all: Vec<usize> = (0..self.tensions.len()).collect();
+        if !self.eliminate(task, &all) {
+            return false;
+        }
+        let mut out = core::mem::take(&mut self.length_by_tension);
+        self.lengthen(task, &all, false, &mut out);
+        self.length_by_tension = out;
         true
     }
 }

@@ -56,6 +56,8 @@ pub(super) struct Holes {
 }
 
 const MAX_ITERATIONS: usize = 120;
+/// A step that gains nothing is shortened to no less than this.
+const LEAST_FRACTION: f64 = 1.0 / 16.0;
 /// Of the backbone's length: slips and tensions, in terms of κ, are met to this.
 const TOLERANCE: f64 = 1e-13;
 /// Of the backbone's length: less is no sliding.
@@ -169,6 +171,8 @@ fn newton(
     let (mut beyond, mut lu) = (vec![0.0; n], DenseLu::default());
     let (mut matrix, mut right) = (vec![0.0; n * n], vec![0.0; n]);
     let mut last = f64::INFINITY;
+    let (mut kept, mut change) = (tensions.clone(), vec![0.0; n]);
+    let (mut fraction, mut size) = (1.0, f64::INFINITY);
     for iteration in 0..MAX_ITERATIONS {
         rod.respond(&tensions, true).map_err(|fault| rod.failure(fault, &tensions))?;
         let turns = rod.turns(holes);
@@ -222,8 +226,8 @@ fn newton(
                 worst = worst.max(right[p].abs());
             }
         }
-        let settled = worst <= TOLERANCE * length;
-        if settled || (iteration + 1 == MAX_ITERATIONS && last <= ROUNDING * length) {
+        let rounded = worst <= ROUNDING * length && worst > 0.3 * last;
+        if worst <= TOLERANCE * length || rounded {
             for (contact, (before, now)) in
                 history.contacts.iter_mut().zip(history.beyond.iter().zip(&beyond))
             {
@@ -249,16 +253,24 @@ fn newton(
             return Ok(Found::with(Effort { iterations, residual }));
         }
         last = worst;
-        if lu.factor(n, &matrix).is_err() {
-            break;
+        // From one state of the holes to the next and back: shorter steps find what is between them.
+        let now = right.iter().map(|x| x * x).sum::<f64>();
+        if now >= size && fraction > LEAST_FRACTION {
+            fraction *= 0.5;
+        } else {
+            if lu.factor(n, &matrix).is_err() {
+                break;
+            }
+            change.clone_from(&right);
+            lu.solve(&mut change);
+            if !change.iter().all(|x| x.is_finite()) {
+                break;
+            }
+            kept.clone_from(&tensions);
+            (fraction, size) = (1.0, now);
         }
-        let mut change = right.clone();
-        lu.solve(&mut change);
-        if !change.iter().all(|x| x.is_finite()) {
-            break;
-        }
-        for (tension, d) in tensions.iter_mut().zip(&change) {
-            *tension = (*tension + d).max(0.0);
+        for ((tension, start), d) in tensions.iter_mut().zip(&kept).zip(&change) {
+            *tension = (start + fraction * d).max(0.0);
         }
     }
     Err(Failure::NotConverged {

@@ -1,30 +1,51 @@
-//! One linearised span of the chain: what it passes on to the next disk.
+//! One span of the loaded chain: how it ends short of the next disk, and what it passes on to it.
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::chain::Task;
+use super::chain::{Node, Scales, Task};
 use super::joint::{self, Answer, Chord, Factors};
-use super::rod::{self, By, InSpan, Sample};
+use super::rod::{self, By, End, InSpan, Sample};
 use crate::cosserat::elimination::Change;
 use crate::cosserat::section::BodyWrench;
+
+/// What is left of the equations of a span.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Gap {
+    /// Of eq. (3).
+    pub residual: BodyWrench,
+    /// Of eqs. (4).
+    pub change: Change,
+    /// Total force `N` at the start.
+    total_force: Vec3,
+    /// Sum of the followers inside the span, disk frame.
+    followers: Vec3,
+    /// Moment applied to the far disk, in its frame, and follower force there.
+    applied: Vec3,
+    follower: Vec3,
+}
+
+/// A span as it was last integrated.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Taut<'a> {
+    pub samples: &'a [Sample],
+    pub pose: Pose,
+    pub chords: &'a [Chord],
+    pub tensions: &'a [f64],
+}
 
 /// A linearised span.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Link {
     /// By the six components of `w`, and by the direction of the dead loads.
-    pub by: [Answer; 9],
-    pub factors: Factors,
-    /// What is left of eq. (3).
-    pub residual: BodyWrench,
-    /// `N`, and `Q`.
-    pub total_force: Vec3,
-    pub turn: UnitQuaternion,
-    /// Sum of the followers inside the span, disk frame.
-    pub followers: Vec3,
-    pub gap: Change,
-    /// Moment applied to the far disk, in its frame, and follower force there.
-    pub applied: Vec3,
-    pub follower: Vec3,
+    by: [Answer; 9],
+    factors: Factors,
+    /// Of the disk it starts from, and of the far disk relative to that one.
+    rotation: UnitQuaternion,
+    turn: UnitQuaternion,
+    total_force: Vec3,
+    followers: Vec3,
+    applied: Vec3,
+    follower: Vec3,
 }
 
 /// What a span is asked: changes at its start.
@@ -33,27 +54,117 @@ pub(super) struct Push {
     pub turn: Vec3,
     pub moment: Vec3,
     pub force: Vec3,
+    /// What is left of eq. (3) and is closed.
+    pub residual: BodyWrench,
     /// Of the cables' share in eq. (3), and of the total moment at the far disk.
     pub pull: BodyWrench,
     pub far: Vec3,
-    /// How much of what is left of eq. (3) is closed.
-    pub close: f64,
+}
+
+impl Push {
+    /// Adds what changes of the tensions of the groups do to a span.
+    pub fn tug(
+        &mut self,
+        task: &Task<'_>,
+        k: usize,
+        chords: &[Chord],
+        link: &Link,
+        change: impl Fn(usize) -> f64,
+    ) {
+        let span = &task.frame.spans[k];
+        let to_far = link.turn.conjugate();
+        for (i, passage) in span.passages.iter().enumerate() {
+            let change = change(task.groups[span.first + i]);
+            if change != 0.0 {
+                let chord = &chords[span.first + i];
+                self.pull = self.pull + joint::unit_pull(passage.near, chord) * change;
+                self.far += change * passage.far.cross(to_far.rotate(chord.along));
+            }
+        }
+    }
+}
+
+impl Gap {
+    /// Of span `k` between its two nodes.
+    pub fn new(
+        task: &Task<'_>,
+        k: usize,
+        (node, next): (&Node, &Node),
+        end: &End,
+        chords: &[Chord],
+        tensions: &[f64],
+    ) -> Self {
+        let Task { loads, load, .. } = *task;
+        let span = &task.frame.spans[k];
+        let steps = &task.mesh.spans[k];
+        let at_start = load * loads.force(steps.start, 0) + node.force;
+        let total_force = node.rotation.conjugate().rotate(at_start);
+        let total = BodyWrench { linear: total_force, angular: node.moment };
+        let rotation = (node.rotation * end.pose.rotation).renormalized();
+        let follower = loads.follower(steps.end);
+        let dead = load * rotation.conjugate().rotate(loads.moment(steps.end));
+        let applied = dead + load * follower.moment;
+        let moment = joint::far_moment(span, end, chords, tensions) - applied;
+        let follower = load * rotation.rotate(follower.force);
+        let force = node.force - node.rotation.rotate(end.followers) - follower;
+        Self {
+            residual: node.wrench + joint::pull(span, chords, tensions) - total,
+            change: Change {
+                turn: (next.rotation.conjugate() * rotation).log(),
+                moment: moment - next.moment,
+                force: force - next.force,
+            },
+            total_force,
+            followers: end.followers,
+            applied: dead,
+            follower,
+        }
+    }
+
+    /// The greatest part of it, without dimension; never NaN.
+    pub fn size(&self, scales: &Scales, node: &Node, next: &Node) -> f64 {
+        let Self { residual, change, .. } = self;
+        let finite = change.is_finite() && residual.linear.is_finite();
+        if !(finite && residual.angular.is_finite()) {
+            return f64::INFINITY;
+        }
+        (change.turn.norm())
+            .max(change.moment.norm() / (scales.moment + next.moment.norm()))
+            .max(change.force.norm() / (scales.force + next.force.norm()))
+            .max(residual.linear.norm() / (scales.force + node.wrench.linear.norm()))
+            .max(residual.angular.norm() / (scales.moment + node.wrench.angular.norm()))
+    }
 }
 
 impl Link {
+    /// Linearises span `k`; `rows` takes the changes of the chords. `None` where eq. (3) is singular.
+    pub fn new(
+        task: &Task<'_>,
+        k: usize,
+        rotation: UnitQuaternion,
+        gap: &Gap,
+        taut: &Taut<'_>,
+        rows: &mut [f64],
+    ) -> Option<Self> {
+        let start = task.mesh.spans[k].start;
+        let inside = InSpan::at(task.loads, task.load, rotation, start);
+        let by = answers(task, k, taut, &inside, rows);
+        let Gap { total_force, followers, applied, follower, .. } = *gap;
+        let (factors, turn) = (Factors::new(&by)?, taut.pose.rotation);
+        Some(Self { by, factors, rotation, turn, total_force, followers, applied, follower })
+    }
+
     /// The change of `w` and what arrives at the next disk when the start changes.
-    pub fn pass(&self, rotation: UnitQuaternion, push: &Push) -> (BodyWrench, Change) {
-        let Push { turn, moment, force, pull, far, close } = *push;
+    pub fn pass(&self, push: &Push) -> (BodyWrench, Change) {
+        let Push { turn, moment, force, residual, pull, far } = *push;
+        let rotation = self.rotation;
         let by_turn = |of: fn(&Answer) -> Vec3| -> Vec3 {
             (0..3).fold(Vec3::ZERO, |sum, c| sum + of(&self.by[6 + c]) * turn[c])
         };
         let total = self.total_force.cross(turn) + rotation.conjugate().rotate(force);
         let right = BodyWrench {
-            linear: total - pull.linear - by_turn(|a| a.pull.linear) - self.residual.linear * close,
-            angular: moment
-                - pull.angular
-                - by_turn(|a| a.pull.angular)
-                - self.residual.angular * close,
+            linear: total - pull.linear - by_turn(|a| a.pull.linear) - residual.linear,
+            angular: moment - pull.angular - by_turn(|a| a.pull.angular) - residual.angular,
         };
         let change = self.factors.solve(right);
         let all = |of: fn(&Answer) -> Vec3| -> Vec3 {
@@ -72,19 +183,17 @@ impl Link {
 }
 
 /// The answers to the six components of `w` and to the direction of the dead loads.
-pub(super) fn answers(
+fn answers(
     task: &Task<'_>,
     k: usize,
-    samples: &[Sample],
-    chords: &[Chord],
-    pose: &Pose,
+    taut: &Taut<'_>,
     inside: &InSpan<'_>,
     rows: &mut [f64],
 ) -> [Answer; 9] {
+    let Taut { samples, ref pose, chords, tensions } = *taut;
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let span = &task.frame.spans[k];
     let cables = span.passages.len();
-    let tensions = &task.tensions[span.first..span.first + cables];
     let steps = &task.mesh.spans[k];
     let loaded = samples.iter().any(|sample| sample.dead != Vec3::ZERO)
         || (steps.start + 1..steps.end).any(|place| task.loads.moment(place) != Vec3::ZERO)

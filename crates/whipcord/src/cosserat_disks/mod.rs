@@ -11,14 +11,17 @@
 
 mod chain;
 mod friction;
+mod held;
 mod joint;
 mod layout;
 mod link;
+mod loading;
 mod local;
 mod model;
 mod rod;
 mod stability;
 mod statics;
+mod stays;
 mod unloaded;
 
 pub use crate::cosserat::Options;

@@ -5,6 +5,7 @@ use whipcord_numerics::Pose;
 use super::friction::{History, Holes};
 use super::layout::{Frame, Mesh, of_this_model};
 use super::statics::{self, Problem, Scratch, Start};
+use super::stays;
 use crate::case::{Case, Loads};
 use crate::cosserat::command::Command;
 use crate::cosserat::outcome::{Failure, Found};
@@ -21,6 +22,8 @@ const READY_MESHES: usize = 3;
 const MAX_REFINEMENTS: usize = 8;
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 2;
+/// With so many, the least eigenvalue of a column is known to better than 1e-6.
+const STABILITY_STEPS: usize = 16;
 
 /// The Cosserat rod with cables that run straight from hole to hole, built for one robot.
 ///
@@ -166,16 +169,13 @@ impl CosseratDisks {
             }
             self.commands(case, &mut workspace.commands)?;
         }
-        let base = cases.last().map_or(Pose::IDENTITY, |case| case.base);
         match self.options.accuracy {
             Accuracy::Steps(_) => {
                 let mesh = &self.meshes[0];
                 let found = self.solve_on(mesh, cases, &start, workspace)?;
-                Ok(self.solution(mesh, base, workspace, found, None))
+                Ok(self.solution(mesh, cases, workspace, found, None))
             }
-            Accuracy::Tolerance(tolerance) => {
-                self.solve_to(tolerance, cases, base, start, workspace)
-            }
+            Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, cases, start, workspace),
         }
     }
 
@@ -184,7 +184,6 @@ impl CosseratDisks {
         &self,
         tolerance: f64,
         cases: &[Case],
-        base: Pose,
         mut start: Start,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
@@ -211,16 +210,11 @@ impl CosseratDisks {
                 error = workspace.change(&mesh, length) / ERROR_RATIO;
                 if error <= tolerance {
                     let found = Found { iterations, ..found };
-                    return Ok(self.solution(&mesh, base, workspace, found, Some(error)));
+                    return Ok(self.solution(&mesh, cases, workspace, found, Some(error)));
                 }
             }
             workspace.keep(&mesh);
-            let disks = mesh.grid.disks.iter().map(|&k| workspace.scratch.poses[k]).collect();
-            start = Start::From {
-                tensions: workspace.scratch.tensions.clone(),
-                disks,
-                base: Some(workspace.scratch.base_wrench),
-            };
+            start = Start::Coarser;
             (steps, coarser) = (mesh.grid.len(), true);
         }
         Err(SolveError::StepsTooCoarse { error, tolerance, steps })
@@ -256,6 +250,13 @@ impl CosseratDisks {
         }
     }
 
+    /// Where stability is computed: its error goes with the fourth power of the step, and is far below
+    /// what anybody asks of it where positions still matter.
+    fn mesh_for_stability(&self) -> &Mesh {
+        let fine = self.meshes.iter().position(|mesh| mesh.grid.len() >= STABILITY_STEPS);
+        &self.meshes[fine.unwrap_or(self.meshes.len() - 1)]
+    }
+
     /// What drives each cable.
     fn commands(&self, case: &Case, commands: &mut Vec<Command>) -> Result<(), SolveError> {
         commands.clear();
@@ -270,17 +271,17 @@ impl CosseratDisks {
     fn solution(
         &self,
         mesh: &Mesh,
-        base: Pose,
+        cases: &[Case],
         workspace: &mut Workspace,
         found: Found,
         discretization_error: Option<f64>,
     ) -> Solution {
-        let stability = if self.options.stability {
-            let problem = self.problem(mesh, &workspace.commands);
-            statics::least_eigenvalue(&problem, &mut workspace.scratch)
-        } else {
-            None
-        };
+        let case = cases.last();
+        let base = case.map_or(Pose::IDENTITY, |case| case.base);
+        let stability = case.filter(|_| self.options.stability).and_then(|case| {
+            let problem = self.problem(self.mesh_for_stability(), &workspace.commands);
+            stays::least_eigenvalue(&problem, case, &mut workspace.scratch)
+        });
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| {
             let poses = places.iter().map(|&k| scratch.poses[k]).collect();

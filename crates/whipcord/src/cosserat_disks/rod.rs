@@ -22,6 +22,7 @@
 
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
+use super::layout::Mesh;
 use crate::cosserat::grid::Grid;
 use crate::cosserat::loaded::combine;
 use crate::cosserat::loads::AppliedLoads;
@@ -173,7 +174,32 @@ pub(super) fn integrate(
     End { pose: Pose { position, rotation }, moment, followers }
 }
 
-impl InSpan<'_> {
+/// Samples of all spans from the wrenches at their starts, and the loads inside them.
+pub(super) fn sample<'a>(
+    mesh: &Mesh,
+    wrench: impl Fn(usize) -> BodyWrench,
+    inside: impl Fn(usize) -> Option<InSpan<'a>>,
+    samples: &mut Vec<Sample>,
+    poses: &mut Vec<Pose>,
+) {
+    samples.clear();
+    samples.resize(3 * mesh.grid.len(), Sample::default());
+    poses.clear();
+    poses.resize(mesh.grid.len(), Pose::IDENTITY);
+    for (k, steps) in mesh.spans.iter().enumerate() {
+        let slots = &mut samples[3 * steps.start..3 * steps.end];
+        let poses = &mut poses[steps.clone()];
+        let inside = inside(k);
+        integrate(&mesh.grid, steps.clone(), wrench(k), inside.as_ref(), poses, slots);
+    }
+}
+
+impl<'a> InSpan<'a> {
+    /// Of the span that starts with step `first` from a disk turned so.
+    pub fn at(applied: &'a AppliedLoads, load: f64, disk: UnitQuaternion, first: usize) -> Self {
+        Self { applied, load, to_disk: disk.conjugate(), at_start: applied.force(first, 0) }
+    }
+
     /// Dead load between the start of the span and a node, in the frame of the disk, negative: what
     /// it adds to the force at the node.
     fn dead(&self, k: usize, node: usize) -> Vec3 {

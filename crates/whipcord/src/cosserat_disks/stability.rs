@@ -12,23 +12,56 @@
 //! ```
 //!
 //! Each `ν` adds three negative directions; what is negative beyond them is a way to leave. Reported
-//! is the least value of `E″ / ∫ δuᵀ K_bt δu ds`, as in that model, at held tensions.
+//! is the least value of `E″ / ∫ δuᵀ K_bt δu ds`, as in that model.
+//!
+//! A taut cable that is held at its length, or a piece of one that sticks in its holes, admits only
+//! what leaves it that long: the form is bordered by `b = ∂ℓ/∂(η, d)`, and its negative directions are
+//! counted by eq. (11) of that model with `D = 0`, since a chord knows the tension only through the
+//! shape.
 
-use whipcord_numerics::{Mat3, Vec3};
+use whipcord_numerics::{Mat3, Vec3, symmetric_eigenvalues};
 
 use super::joint::Chord;
 use super::layout::{Frame, Mesh};
 use super::rod::Sample;
 use crate::cosserat::loaded::Sample as Section;
 use crate::cosserat::section::Tangent;
-use crate::cosserat::stability::{Element, SLOPES, WEIGHTS, bisect, element, pivot, symmetric};
+use crate::cosserat::stability::{
+    Element, SLOPES, WEIGHTS, bisect, element, falling_zero, negative_eigenvalues, pivot, symmetric,
+};
 
 /// Quadratic forms of the steps and spans, and memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stability {
     steps: Vec<Step>,
     ties: Vec<Tie>,
+    borders: Vec<Border>,
+    locked: Locked,
+    schur: Vec<f64>,
+    carried: Vec<Vec3>,
 }
+
+/// What is held at its length, as far as it is taut: whole cables, or pieces of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Locked {
+    /// Which lock each passage belongs to.
+    pub of_passage: Vec<Option<usize>>,
+    /// What a tension of 1 N adds to each, in m.
+    pub compliances: Vec<f64>,
+}
+
+/// `b` of a piece of cable that is held.
+#[derive(Clone, Copy, Debug, Default)]
+struct Border {
+    lock: usize,
+    near: Vec3,
+    far: Vec3,
+    way: Vec3,
+}
+
+/// Compliance added to what is held, relative to the order of magnitude of what the rod gives: it
+/// decides what counts as zero where more is taut than lengths are independent.
+const REGULARISATION: f64 = 1e-9;
 
 /// One step: the rod's form on (start, middle, end), and its borders by `ν`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,7 +74,7 @@ struct Step {
 }
 
 /// The chords of one span: blocks on (η near, η far, δd), in the frame of the near disk.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Tie {
     near: Mat3,
     far: Mat3,
@@ -49,6 +82,20 @@ struct Tie {
     near_far: Mat3,
     near_way: Mat3,
     far_way: Mat3,
+    /// Its pieces that are held.
+    borders: core::ops::Range<usize>,
+}
+
+/// A span with its chords, `ν` and `δd` eliminated: what is left on (η near, η far), how `δd` was coupled to
+/// them, the inverse of its pivot, and how many directions were negative.
+struct Tied {
+    near: Mat3,
+    far: Mat3,
+    near_far: Mat3,
+    near_way: Mat3,
+    far_way: Mat3,
+    way: Mat3,
+    negative: usize,
 }
 
 /// A form on (η near, η here, ν).
@@ -63,7 +110,9 @@ struct Form {
 }
 
 impl Stability {
-    /// The least eigenvalue at an equilibrium; `None` where a section of the rod has no stiffness.
+    /// The least eigenvalue at an equilibrium with these cables or pieces held; `None` where a section
+    /// of the rod has no stiffness. `scale` is what 1 N shortens a cable by, in m, in order of magnitude.
+    #[expect(clippy::too_many_arguments, reason = "an equilibrium, and what holds it")]
     pub fn least_eigenvalue(
         &mut self,
         frame: &Frame,
@@ -71,34 +120,92 @@ impl Stability {
         samples: &[Sample],
         chords: &[Chord],
         tensions: &[f64],
+        locked: Locked,
+        scale: f64,
     ) -> Option<f64> {
         self.steps.clear();
         for (k, triple) in samples.chunks_exact(3).enumerate() {
             self.steps.push(step(mesh, k, triple)?);
         }
         self.ties.clear();
+        self.borders.clear();
         for (k, span) in frame.spans.iter().enumerate() {
             // The last sample of a span stands at its end.
             let turn = samples.get(3 * mesh.spans[k].end - 1)?.rotation.to_matrix();
-            let mut tie = Tie::default();
+            let mut tie = Tie { borders: self.borders.len()..0, ..Tie::default() };
             for (i, passage) in span.passages.iter().enumerate() {
                 let p = span.first + i;
                 tie.add(passage.near, passage.far, &turn, &chords[p], tensions[p]);
+                if let Some(lock) = locked.of_passage[p] {
+                    let t = chords[p].along;
+                    self.borders.push(Border {
+                        lock,
+                        near: t.cross(passage.near),
+                        far: passage.far.cross(turn.transpose_mul(t)),
+                        way: t,
+                    });
+                }
             }
+            tie.borders.end = self.borders.len();
             self.ties.push(tie);
         }
+        self.locked = locked;
+        for compliance in &mut self.locked.compliances {
+            *compliance += REGULARISATION * scale;
+        }
         let spans = &mesh.spans;
-        let negative = |shift: f64| self.negative_directions(spans, shift);
-        Some(bisect(-1.0, 2.0, |shift| negative(shift) > 0))
+        let free = falling_zero(0.0, 1.0, |shift| self.least_of_base(spans, shift));
+        if self.locked.compliances.is_empty() {
+            return Some(free);
+        }
+        // What is held only raises it.
+        let margin = 1e-7 * (1.0 + free.abs());
+        let mut negative = |shift: f64| self.negative_directions(spans, shift) > 0;
+        Some(bisect(free - margin, free + 1.0, &mut negative))
     }
 
-    /// The number of negative directions of `E″` less the shifted metric.
-    fn negative_directions(&self, spans: &[core::ops::Range<usize>], shift: f64) -> usize {
+    /// The least eigenvalue of the last pivot, that of the first disk beyond the base, for `E″` less
+    /// the shifted metric; `None` where anything before it is negative already. It falls with the shift
+    /// and is concave: a Schur complement, whose poles are those of the robot held at that disk too.
+    fn least_of_base(&mut self, spans: &[core::ops::Range<usize>], shift: f64) -> Option<f64> {
+        let (before, last) = self.eliminate(spans, shift, false);
+        let least = last.symmetric_eigenvalues().into_iter().fold(f64::INFINITY, f64::min);
+        (before <= 3 * spans.len()).then_some(least)
+    }
+
+    /// The number of negative directions of `E″` less the shifted metric among those admitted.
+    fn negative_directions(&mut self, spans: &[core::ops::Range<usize>], shift: f64) -> usize {
+        let (before, last) = self.eliminate(spans, shift, true);
+        let held = self.locked.compliances.len();
+        let of_locks = symmetric_eigenvalues(held, &mut self.schur);
+        let negative =
+            before + negative_eigenvalues(&last) + of_locks.iter().filter(|&&x| x < 0.0).count();
+        negative.saturating_sub(3 * spans.len() + held)
+    }
+
+    /// Block elimination from the tip to the base: how many directions are negative before the last
+    /// pivot, and that pivot. With `locks` the Schur complement of what is held is left behind.
+    fn eliminate(
+        &mut self,
+        spans: &[core::ops::Range<usize>],
+        shift: f64,
+        locks: bool,
+    ) -> (usize, Mat3) {
+        let Self { steps: of_steps, ties, borders, locked, schur, carried } = self;
+        let held = if locks { locked.compliances.len() } else { 0 };
+        schur.clear();
+        schur.resize(held * held, 0.0);
+        carried.clear();
+        carried.resize(held, Vec3::ZERO);
+        for i in 0..held {
+            schur[i * held + i] = -locked.compliances[i];
+        }
         let mut negative = 0;
         let mut beyond = Mat3::ZERO;
+        let mut last = Mat3::ZERO;
         for (k, steps) in spans.iter().enumerate().rev() {
             let mut form: Option<Form> = None;
-            for step in &self.steps[steps.clone()] {
+            for step in &of_steps[steps.clone()] {
                 let (next, below) = step.without_middle(shift);
                 negative += below;
                 form = Some(match form {
@@ -111,14 +218,40 @@ impl Stability {
                 });
             }
             let Some(form) = form else { continue };
-            let (near, far, coupling, below) = form.with_chords(&self.ties[k]);
+            let tied = form.with_chords(&ties[k]);
             // Three of them are those of ν.
-            negative += below;
-            let (end, below) = pivot(symmetric(far + beyond));
-            negative += below;
-            beyond = symmetric(near - coupling * (end * coupling.transpose()));
+            negative += tied.negative;
+            last = symmetric(tied.far + beyond);
+            let (end, below) = pivot(last);
+            if k > 0 {
+                negative += below;
+            }
+            beyond = symmetric(tied.near - tied.near_far * (end * tied.near_far.transpose()));
+            if held == 0 {
+                continue;
+            }
+            let of_span = if locks { &borders[ties[k].borders.clone()] } else { &[] };
+            for a in of_span {
+                let at_way = tied.way * a.way;
+                for b in of_span {
+                    schur[a.lock * held + b.lock] -= at_way.dot(b.way);
+                }
+                carried[a.lock] += a.far - tied.far_way * at_way;
+            }
+            for i in 0..held {
+                let at_end = end * carried[i];
+                for j in 0..held {
+                    schur[i * held + j] -= at_end.dot(carried[j]);
+                }
+            }
+            for carried in carried.iter_mut() {
+                *carried = -(tied.near_far * (end * *carried));
+            }
+            for a in of_span {
+                carried[a.lock] += a.near - tied.near_way * (tied.way * a.way);
+            }
         }
-        negative.saturating_sub(3 * spans.len())
+        (negative, last)
     }
 }
 
@@ -192,28 +325,31 @@ impl Form {
         (form, below)
     }
 
-    /// With the chords put to it, and `ν` and `δd` eliminated: blocks (near, near), (far, far),
-    /// (near, far), and how many directions were negative.
-    fn with_chords(&self, tie: &Tie) -> (Mat3, Mat3, Mat3, usize) {
+    /// With the chords put to it, and `ν` and `δd` eliminated.
+    fn with_chords(&self, tie: &Tie) -> Tied {
         // An axis that neither stretches nor bends has no compliance: its force is all reaction.
         let size = self.force.rows.iter().map(|row| row.max_abs()).fold(0.0, f64::max);
         let least = 1e-12 * size.max(f64::MIN_POSITIVE);
         let (force, below) = pivot(symmetric(self.force - Mat3::IDENTITY * least));
         let (near, far) = (self.near_force * force, self.here_force * force);
-        let way = symmetric(tie.way - force);
         let (near_way, far_way) = (tie.near_way - near, tie.far_way - far);
-        let (inverse, below_way) = pivot(way);
-        let (near_by, far_by) = (near_way * inverse, far_way * inverse);
-        (
-            self.near + tie.near
+        let (way, below_way) = pivot(symmetric(tie.way - force));
+        let (near_by, far_by) = (near_way * way, far_way * way);
+        Tied {
+            near: self.near + tie.near
                 - near * self.near_force.transpose()
                 - near_by * near_way.transpose(),
-            self.here + tie.far - far * self.here_force.transpose() - far_by * far_way.transpose(),
-            self.near_here + tie.near_far
+            far: self.here + tie.far
+                - far * self.here_force.transpose()
+                - far_by * far_way.transpose(),
+            near_far: self.near_here + tie.near_far
                 - near * self.here_force.transpose()
                 - near_by * far_way.transpose(),
-            below + below_way,
-        )
+            near_way,
+            far_way,
+            way,
+            negative: below + below_way,
+        }
     }
 }
 

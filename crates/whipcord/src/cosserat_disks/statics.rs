@@ -2,12 +2,14 @@
 
 use whipcord_numerics::Pose;
 
-use super::chain::{Chain, Open, Scales, Task};
+use super::chain::Chain;
 use super::friction::{self, History, Holes};
 use super::layout::{Frame, Mesh};
+use super::loading::{self, PATH_ENDS, Raise};
 use super::rod::Sample;
 use super::stability::Stability;
-use super::unloaded::Unloaded;
+use super::stays::{compliance_scale, turns};
+use super::unloaded::{self, Unloaded};
 use crate::cosserat::command::Command;
 use crate::cosserat::lengths::{self, Effort, Given, LengthFault, LengthScratch, Responds};
 use crate::cosserat::loads::AppliedLoads;
@@ -28,11 +30,25 @@ pub(super) struct Problem<'a> {
     pub holes: Option<&'a Holes>,
 }
 
+impl Problem<'_> {
+    /// Whether a cable is driven by its length.
+    pub fn by_length(&self) -> bool {
+        self.commands.iter().any(|command| matches!(command, Command::Length { .. }))
+    }
+
+    /// How many disks there are, the base included.
+    pub fn disks(&self) -> usize {
+        self.frame.spans.len() + 1
+    }
+}
+
 /// Where the iteration starts.
 #[derive(Clone, Debug)]
 pub(super) enum Start {
     /// From the robot without load.
     Cold,
+    /// From the answer that the scratch holds, on a coarser mesh.
+    Coarser,
     /// From a neighbouring answer: tensions by cable, disks, and what the base exerts.
     From { tensions: Vec<f64>, disks: Vec<Pose>, base: Option<Wrench> },
 }
@@ -53,19 +69,16 @@ pub(super) struct Scratch {
     pub(super) chain: Chain,
     /// Tension of every passage.
     pub(super) pulled: Vec<f64>,
-    stability: Stability,
-    samples: Vec<Sample>,
-    groups: Vec<usize>,
+    pub(super) stability: Stability,
+    pub(super) samples: Vec<Sample>,
+    pub(super) sampled: Vec<Pose>,
+    pub(super) applied_to_sample: AppliedLoads,
+    pub(super) groups: Vec<usize>,
     length_by_tension: Vec<f64>,
     length_scratch: LengthScratch,
 }
 
-/// The load is raised by at least this fraction, or the path is given up.
-const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
-const FIRST_LOAD_STEP: f64 = 0.25;
-const SHORT_ITERATION: usize = 5;
-const PATH_ENDS: &str = "no equilibrium near it was found at more load, as at a snap-through: apply less load, or lead the robot there by other tensions first";
-const CONTRADICTORY: &str =
+pub(super) const CONTRADICTORY: &str =
     "the cable lengths contradict one another: prescribe fewer of them, or check them";
 
 /// Solves the problem under the loads that `scratch.applied` has gathered; the answer is left in
@@ -79,8 +92,10 @@ pub(super) fn solve(
         return with_friction(problem, holes, scratch);
     }
     let cables = problem.commands.len();
-    scratch.tensions.clear();
-    scratch.tensions.resize(cables, 0.0);
+    if !matches!(start, Start::Coarser) {
+        scratch.tensions.clear();
+        scratch.tensions.resize(cables, 0.0);
+    }
     scratch.groups.clear();
     let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);
     scratch.groups.extend(passages.map(|passage| passage.cable));
@@ -94,64 +109,16 @@ pub(super) fn solve(
             *tension = given;
         }
     }
-    let by_length = problem.commands.iter().any(|c| matches!(c, Command::Length { .. }));
-    let mut tensions = scratch.tensions.clone();
-    let mut rod = Rod::new(problem, scratch, cables);
-    if let Start::From { disks, base: Some(base), .. } = start
-        && rod.scratch.applied.any()
-    {
-        rod.start_from(&tensions, disks, *base);
+    if scratch.applied.any() {
+        return loading::solve(problem, start, scratch);
     }
-    if !by_length {
-        rod.equilibrium(&tensions, false)?;
-        let (iterations, residual) = (rod.iterations, rod.residual);
-        return Ok(rod.finish(tensions, Found::with(Effort { iterations, residual })));
+    let mut rod = Rod::new(problem, scratch);
+    if matches!(start, Start::Coarser) {
+        rod.from = unloaded::From::Coarser;
     }
-    let given = Given {
-        length: problem.frame.rod.backbone().length,
-        commands: problem.commands,
-        bracket: true,
-    };
-    let mut memory = core::mem::take(&mut rod.scratch.length_scratch);
-    let solved = lengths::solve(&given, &mut tensions, &mut rod, &mut memory);
-    rod.scratch.length_scratch = memory;
-    match solved {
-        Ok(effort) => {
-            let effort = Effort {
-                iterations: effort.iterations + rod.iterations,
-                residual: effort.residual.max(rod.residual),
-            };
-            Ok(rod.finish(tensions, Found::with(effort)))
-        }
-        Err(LengthFault::Section(fault)) => Err(rod.failure(fault, &tensions)),
-        Err(LengthFault::Unreachable { cable, length }) => {
-            Err(Failure::Unreachable { cable, length })
-        }
-        Err(LengthFault::Stalled { residual }) => Err(Failure::NotConverged {
-            iterations: rod.iterations,
-            residual,
-            last_load: 0.0,
-            advice: CONTRADICTORY,
-        }),
-    }
-}
-
-/// Stability of the answer in `scratch`: `None` under loads that follow the body, which have no
-/// energy, with friction, and where lengths are held that the tensions alone would not hold.
-pub(super) fn least_eigenvalue(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<f64> {
-    if scratch.applied.any_follower() || problem.holes.is_some() {
-        return None;
-    }
-    let Scratch { applied, unloaded, chain, stability, samples, pulled, .. } = scratch;
-    let (samples, chords) = if applied.any() {
-        (&chain.samples, &chain.chords)
-    } else {
-        unloaded.sample(problem.mesh, samples);
-        (&*samples, &unloaded.chords)
-    };
-    let least = stability.least_eigenvalue(problem.frame, problem.mesh, samples, chords, pulled)?;
-    let held = problem.commands.iter().any(|c| matches!(c, Command::Length { .. }));
-    (least >= 0.0 || !held).then_some(least)
+    let mut tensions = rod.scratch.tensions.clone();
+    let effort = rod.settle(&mut tensions)?;
+    Ok(rod.finish(tensions, Found::with(effort)))
 }
 
 /// One step of actuation on from what the holes remember.
@@ -163,7 +130,7 @@ fn with_friction(
     scratch.groups.clear();
     scratch.groups.extend(0..problem.frame.passages);
     let mut history = core::mem::take(&mut scratch.history);
-    let mut rod = Rod::new(problem, scratch, problem.frame.passages);
+    let mut rod = Rod::new(problem, scratch);
     let found = friction::step(&mut rod, holes, problem.commands, &mut history)?;
     let lengths = rod.scratch.lengths.clone();
     let found = rod.finish(history.base.clone(), found);
@@ -178,8 +145,10 @@ fn with_friction(
 pub(super) struct Rod<'a> {
     problem: &'a Problem<'a>,
     scratch: &'a mut Scratch,
-    /// How many tensions there are: one for each cable, or for each passage.
-    count: usize,
+    /// What a sweep without load starts from.
+    from: unloaded::From,
+    /// Whether the loads count.
+    loaded: bool,
     /// Whether the chain holds an equilibrium under all of the load.
     closed: bool,
     last_load: f64,
@@ -188,9 +157,17 @@ pub(super) struct Rod<'a> {
 }
 
 impl<'a> Rod<'a> {
-    fn new(problem: &'a Problem<'a>, scratch: &'a mut Scratch, count: usize) -> Self {
+    fn new(problem: &'a Problem<'a>, scratch: &'a mut Scratch) -> Self {
         let (last_load, residual) = (0.0, 0.0);
-        Self { problem, scratch, count, closed: false, last_load, iterations: 0, residual }
+        let from = unloaded::From::Nothing;
+        let loaded = scratch.applied.any();
+        let (closed, iterations) = (false, 0);
+        Self { problem, scratch, from, loaded, closed, last_load, iterations, residual }
+    }
+
+    /// The robot as it would be without the loads.
+    pub fn without_load(problem: &'a Problem<'a>, scratch: &'a mut Scratch) -> Self {
+        Self { loaded: false, ..Self::new(problem, scratch) }
     }
 
     /// Of the backbone, in m.
@@ -200,26 +177,18 @@ impl<'a> Rod<'a> {
 
     /// By how much a tension of 1 N shortens a cable, in m: its order of magnitude.
     pub fn compliance_scale(&self) -> f64 {
-        let length = self.length();
-        let lever = (self.problem.frame.spans.iter())
-            .flat_map(|span| &span.passages)
-            .map(|passage| passage.near.norm())
-            .fold(1e-3 * length, f64::max);
-        let force = Scales::of(self.problem.frame, self.problem.mesh).force;
-        lever * lever / (force * length)
+        compliance_scale(self.problem)
     }
 
     /// `φ` at the near hole of every passage.
     pub fn turns(&self, holes: &Holes) -> Vec<f64> {
-        let Problem { frame, mesh, .. } = *self.problem;
-        let Scratch { applied, chain, unloaded, .. } = &*self.scratch;
-        let (poses, chords) = if applied.any() {
+        let Scratch { chain, unloaded, .. } = &*self.scratch;
+        let (poses, chords) = if self.loaded {
             (&chain.poses, &chain.chords)
         } else {
             (&unloaded.poses, &unloaded.chords)
         };
-        let spans: Vec<Pose> = mesh.spans.iter().map(|steps| poses[steps.end - 1]).collect();
-        friction::turns(frame, holes, &spans, chords)
+        turns(self.problem, holes, poses, chords)
     }
 
     fn expand(&mut self, tensions: &[f64]) {
@@ -228,21 +197,29 @@ impl<'a> Rod<'a> {
         pulled.extend(groups.iter().map(|&cable| tensions[cable]));
     }
 
-    fn start_from(&mut self, tensions: &[f64], disks: &[Pose], base: Wrench) {
-        if disks.len() != self.problem.frame.spans.len() + 1 {
-            return;
+    /// Finds the robot under its commands: at these tensions, or at those that its lengths need.
+    pub fn settle(&mut self, tensions: &mut [f64]) -> Result<Effort, Failure> {
+        if !self.problem.by_length() {
+            return match self.respond_with(tensions, true, false) {
+                Ok(()) => Ok(Effort { iterations: self.iterations, residual: self.residual }),
+                Err(fault) => Err(self.failure(fault, tensions)),
+            };
         }
-        self.expand(tensions);
-        let Scratch { applied, chain, pulled, .. } = &mut *self.scratch;
-        let task = task(self.problem, applied, pulled, (&[], 0), 1.0);
-        chain.start_from(&task, disks, base);
-        self.closed = true;
-    }
-
-    /// Finds the equilibrium under these tensions by cable.
-    fn equilibrium(&mut self, tensions: &[f64], derivatives: bool) -> Result<(), Failure> {
-        self.respond_with(tensions, true, derivatives)
-            .map_err(|fault| self.failure(fault, tensions))
+        let commands = self.problem.commands;
+        let given = Given { length: self.length(), commands, bracket: true };
+        let mut memory = core::mem::take(&mut self.scratch.length_scratch);
+        let solved = lengths::solve(&given, tensions, self, &mut memory);
+        self.scratch.length_scratch = memory;
+        solved.map_err(|fault| match fault {
+            LengthFault::Section(fault) => self.failure(fault, tensions),
+            LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
+            LengthFault::Stalled { residual } => Failure::NotConverged {
+                iterations: self.iterations,
+                residual,
+                last_load: 0.0,
+                advice: CONTRADICTORY,
+            },
+        })
     }
 
     fn respond_with(
@@ -252,80 +229,59 @@ impl<'a> Rod<'a> {
         derivatives: bool,
     ) -> Result<(), Fault> {
         self.expand(tensions);
-        if !self.scratch.applied.any() {
+        if !self.loaded {
             let Problem { frame, mesh, .. } = *self.problem;
             let Scratch { unloaded, pulled, .. } = &mut *self.scratch;
-            unloaded.sweep(frame, mesh, pulled, warm, derivatives)?;
+            use unloaded::From;
+            let from = if warm || self.from == From::Coarser { self.from } else { From::Nothing };
+            let swept = unloaded.sweep(frame, mesh, pulled, from, derivatives);
+            if swept.is_err() || self.from == From::Nothing {
+                self.from = From::Neighbour;
+            }
+            swept?;
             self.iterations = 0;
         } else {
-            self.loaded(warm, derivatives)?;
+            self.under_load(tensions, warm, derivatives)?;
         }
         self.gather(tensions.len(), derivatives);
         Ok(())
     }
 
     /// Under loads: from the chain as it stands, from the robot without load, or raising the load.
-    fn loaded(&mut self, warm: bool, derivatives: bool) -> Result<(), Fault> {
-        let Problem { frame, mesh, .. } = *self.problem;
-        let groups = if derivatives { self.scratch.groups.clone() } else { Vec::new() };
-        if warm && self.closed && self.close(1.0, &groups).is_ok() {
-            return Ok(());
-        }
-        self.closed = false;
-        self.last_load = 0.0;
-        let Scratch { unloaded, pulled, chain, .. } = &mut *self.scratch;
-        unloaded.sweep(frame, mesh, pulled, false, false)?;
-        chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
-        let rest = chain.nodes.clone();
-        if self.close(1.0, &groups).is_ok() {
-            self.closed = true;
-            return Ok(());
-        }
-        let (mut here, mut load, mut step) = (rest, 0.0, FIRST_LOAD_STEP);
-        loop {
-            let next = f64::min(load + step, 1.0);
-            self.scratch.chain.nodes.clone_from(&here);
-            match self.close(next, &groups) {
-                Ok(_) if next >= 1.0 => {
-                    self.closed = true;
+    fn under_load(&mut self, tensions: &[f64], warm: bool, derivatives: bool) -> Result<(), Fault> {
+        let Scratch { chain, groups, .. } = &mut *self.scratch;
+        chain.pull(groups, tensions);
+        let raise = Raise { problem: self.problem, commands: &[], derivatives };
+        if self.closed && warm {
+            match raise.close(self.scratch, 1.0, false) {
+                Ok(effort) => {
+                    self.iterations += effort.iterations;
+                    self.residual = effort.residual;
                     return Ok(());
                 }
-                Ok(iterations) => {
-                    here.clone_from(&self.scratch.chain.nodes);
-                    load = next;
-                    self.last_load = load;
-                    if iterations <= SHORT_ITERATION {
-                        step *= 2.0;
-                    }
-                }
-                Err(open) => {
-                    step *= 0.5;
-                    if step < LEAST_LOAD_STEP {
-                        self.residual = if open.gap.is_finite() { open.gap } else { 1.0 };
-                        let none = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
-                        return Err(open.fault.unwrap_or(none));
-                    }
-                }
+                Err(_) => self.closed = false,
             }
         }
-    }
-
-    fn close(&mut self, load: f64, groups: &[usize]) -> Result<usize, Open> {
-        let Scratch { applied, chain, pulled, .. } = &mut *self.scratch;
-        let task = task(self.problem, applied, pulled, (groups, self.count), load);
-        let closed = chain.close(&task);
-        let (iterations, gap) = match &closed {
-            Ok((iterations, gap)) => (*iterations, *gap),
-            Err(open) => (open.iterations, open.gap),
-        };
-        self.iterations += iterations;
-        self.residual = gap;
-        closed.map(|(iterations, _)| iterations)
+        if !self.closed {
+            let Problem { frame, mesh, .. } = *self.problem;
+            let Scratch { unloaded, pulled, chain, .. } = &mut *self.scratch;
+            unloaded.sweep(frame, mesh, pulled, unloaded::From::Nothing, false)?;
+            chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
+            let raised = raise.load(self.scratch);
+            self.closed = raised.is_ok();
+            let effort = raised.map_err(|ended| {
+                (self.last_load, self.residual) = (ended.load, ended.residual);
+                ended.fault
+            })?;
+            self.iterations += effort.iterations;
+            self.residual = effort.residual;
+        }
+        Ok(())
     }
 
     /// Lengths and derivatives of the cables from those of the passages.
     fn gather(&mut self, cables: usize, derivatives: bool) {
-        let loaded = self.scratch.applied.any();
+        let loaded = self.loaded;
         let Scratch { unloaded, chain, groups, lengths, length_by_tension, .. } =
             &mut *self.scratch;
         let chords = if loaded { &chain.chords } else { &unloaded.chords };
@@ -357,26 +313,8 @@ impl<'a> Rod<'a> {
 
     /// Copies the answer out.
     fn finish(self, tensions: Vec<f64>, found: Found) -> Found {
-        let Problem { mesh, .. } = *self.problem;
-        let loaded = self.scratch.applied.any();
-        let scratch = self.scratch;
-        let relative = if loaded { &scratch.chain.poses } else { &scratch.unloaded.poses };
-        scratch.poses.clear();
-        scratch.poses.push(Pose::IDENTITY);
-        let mut disk = Pose::IDENTITY;
-        for steps in &mesh.spans {
-            for k in steps.clone() {
-                scratch.poses.push(disk * relative[k]);
-            }
-            disk = disk * relative[steps.end - 1];
-        }
-        scratch.base_wrench = match scratch.chain.nodes.first() {
-            Some(node) if loaded => {
-                Wrench { force: scratch.applied.base_force() + node.force, moment: node.moment }
-            }
-            _ => Wrench::default(),
-        };
-        scratch.tensions = tensions;
+        copy_out(self.problem, self.scratch);
+        self.scratch.tensions = tensions;
         found
     }
 
@@ -403,23 +341,25 @@ impl<'a> Rod<'a> {
     }
 }
 
-fn task<'a>(
-    problem: &Problem<'a>,
-    loads: &'a AppliedLoads,
-    tensions: &'a [f64],
-    (groups, group_count): (&'a [usize], usize),
-    load: f64,
-) -> Task<'a> {
-    Task {
-        frame: problem.frame,
-        mesh: problem.mesh,
-        loads,
-        tensions,
-        load,
-        groups,
-        group_count,
-        tolerance: problem.tolerance,
+/// Frames from base to tip and what the base bears, from the spans of the answer.
+pub(super) fn copy_out(problem: &Problem<'_>, scratch: &mut Scratch) {
+    let loaded = scratch.applied.any();
+    let relative = if loaded { &scratch.chain.poses } else { &scratch.unloaded.poses };
+    scratch.poses.clear();
+    scratch.poses.push(Pose::IDENTITY);
+    let mut disk = Pose::IDENTITY;
+    for steps in &problem.mesh.spans {
+        for k in steps.clone() {
+            scratch.poses.push(disk * relative[k]);
+        }
+        disk = disk * relative[steps.end - 1];
     }
+    scratch.base_wrench = match scratch.chain.nodes.first() {
+        Some(node) if loaded => {
+            Wrench { force: scratch.applied.base_force() + node.force, moment: node.moment }
+        }
+        _ => Wrench::default(),
+    };
 }
 
 impl Responds for Rod<'_> {

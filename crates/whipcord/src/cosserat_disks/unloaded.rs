@@ -24,15 +24,46 @@ pub(super) struct Unloaded {
     pub chords: Vec<Chord>,
     /// `∂ℓᵢ/∂τⱼ` of the passages of each span by rows, span after span.
     pub length_by_tension: Vec<f64>,
-    samples: Vec<Sample>,
+    /// What eq. (3) of each span was last factored to.
+    tangents: Vec<Factors>,
+    /// Changes of the chords by the six components of `w`, span after span.
     rows: Vec<f64>,
+    /// Tensions of the last sweep, and `∂w/∂τ` of each passage from the last sweep with derivatives.
+    tensions: Vec<f64>,
+    by_tension: Vec<BodyWrench>,
+    samples: Vec<Sample>,
     /// Newton iterations of all spans.
     pub iterations: usize,
+}
+
+/// What a sweep starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum From {
+    /// From nothing.
+    Nothing,
+    /// From the answer of the last sweep, and what it said of other tensions.
+    Neighbour,
+    /// From that answer and its linearisation: the mesh is finer, the tensions nearly the same.
+    Coarser,
+}
+
+/// How a span is solved.
+#[derive(Clone, Copy)]
+struct Guess {
+    wrench: Option<BodyWrench>,
+    /// Whether the linearisation that is kept of the span is near enough.
+    linearised: bool,
 }
 
 /// A step of `w` this small, relative to its scale, leaves an error of its square.
 const STEP_TOLERANCE: f64 = 1e-8;
 const MAX_ITERATIONS: usize = 25;
+/// A step of `w` this small changes the linearisation so little that it is kept; that of the lengths
+/// has to be nearer.
+const NEAR: f64 = 1e-2;
+const NEAR_FOR_DERIVATIVES: f64 = 1e-3;
+/// A kept linearisation that leaves more than this of the step before is made anew.
+const SLOW: f64 = 0.3;
 /// The tensions are raised by at least this fraction, or the span folds.
 const LEAST_STEP: f64 = 1.0 / 1024.0;
 
@@ -41,65 +72,75 @@ enum Stop {
     Diverged,
 }
 
-impl From<Vanished> for Stop {
+impl core::convert::From<Vanished> for Stop {
     fn from(at: Vanished) -> Self {
         Self::Vanished(at.cable)
     }
 }
 
 impl Unloaded {
-    /// Solves all spans for the tensions of all passages, starting from the last answer when `warm`.
+    /// Solves all spans for the tensions of all passages.
     pub fn sweep(
         &mut self,
         frame: &Frame,
         mesh: &Mesh,
         tensions: &[f64],
-        warm: bool,
+        from: From,
         derivatives: bool,
     ) -> Result<(), Fault> {
         let count = frame.spans.len();
-        let warm = warm && self.wrenches.len() == count;
+        let from = if self.tangents.len() == count { from } else { From::Nothing };
+        if from == From::Neighbour && self.by_tension.len() == frame.passages {
+            self.foresee(frame, tensions);
+        }
         self.wrenches.resize(count, BodyWrench::default());
+        self.tangents.resize(count, Factors::default());
         self.poses.resize(mesh.grid.len(), Pose::IDENTITY);
         self.chords.resize(frame.passages, Chord::default());
+        self.rows.resize(6 * frame.passages, 0.0);
+        self.by_tension.clear();
         self.length_by_tension.clear();
         self.iterations = 0;
-        let mut guess: Option<(BodyWrench, usize)> = None;
+        let mut neighbour: Option<(BodyWrench, usize)> = None;
         for (k, span) in frame.spans.iter().enumerate() {
             let pulled = &tensions[span.first..span.first + span.passages.len()];
-            let start = match guess {
-                _ if warm => Some(self.wrenches[k]),
+            let guess = match neighbour {
+                _ if from != From::Nothing => {
+                    let linearised = from == From::Coarser;
+                    Guess { wrench: Some(self.wrenches[k]), linearised }
+                }
                 // A neighbour with the same cables is a good guess.
-                Some((wrench, cables)) if cables == span.passages.len() => Some(wrench),
-                _ => None,
+                Some((wrench, cables)) if cables == span.passages.len() => {
+                    Guess { wrench: Some(wrench), linearised: false }
+                }
+                _ => Guess { wrench: None, linearised: false },
             };
-            let solved = self.solve(frame, mesh, k, pulled, start, derivatives);
+            let solved = self.solve(frame, mesh, k, pulled, guess, derivatives);
             let solved = match solved {
                 Err(_) => self.raise(frame, mesh, k, pulled, derivatives),
                 done => done,
             };
             if let Err(stop) = solved {
-                self.wrenches.clear();
+                self.tangents.clear();
                 let kind = match stop {
                     Stop::Vanished(cable) => SectionFault::Folded { cable },
                     Stop::Diverged => self.folding(span, pulled),
                 };
                 return Err(Fault { kind, arc_length: span.start });
             }
-            guess = Some((self.wrenches[k], span.passages.len()));
+            neighbour = Some((self.wrenches[k], span.passages.len()));
         }
+        self.tensions.clear();
+        self.tensions.extend_from_slice(tensions);
         Ok(())
     }
 
-    /// Samples of all spans as the last sweep left them.
-    pub fn sample(&self, mesh: &Mesh, samples: &mut Vec<Sample>) {
-        samples.clear();
-        samples.resize(3 * mesh.grid.len(), Sample::default());
-        let mut poses = self.poses.clone();
-        for (steps, &wrench) in mesh.spans.iter().zip(&self.wrenches) {
-            let slots = &mut samples[3 * steps.start..3 * steps.end];
-            let poses = &mut poses[steps.clone()];
-            rod::integrate(&mesh.grid, steps.clone(), wrench, None, poses, slots);
+    /// Moves the wrenches along with the tensions.
+    fn foresee(&mut self, frame: &Frame, tensions: &[f64]) {
+        for (span, wrench) in frame.spans.iter().zip(&mut self.wrenches) {
+            for p in span.first..span.first + span.passages.len() {
+                *wrench = *wrench + self.by_tension[p] * (tensions[p] - self.tensions[p]);
+            }
         }
     }
 
@@ -129,7 +170,8 @@ impl Unloaded {
         loop {
             let next = f64::min(reached + step, 1.0);
             let part: Vec<f64> = tensions.iter().map(|t| t * next).collect();
-            match self.solve(frame, mesh, k, &part, Some(here), derivatives && next >= 1.0) {
+            let guess = Guess { wrench: Some(here), linearised: false };
+            match self.solve(frame, mesh, k, &part, guess, derivatives && next >= 1.0) {
                 Ok(()) if next >= 1.0 => return Ok(()),
                 Ok(()) => {
                     here = self.wrenches[k];
@@ -153,14 +195,14 @@ impl Unloaded {
         mesh: &Mesh,
         k: usize,
         tensions: &[f64],
-        start: Option<BodyWrench>,
+        guess: Guess,
         derivatives: bool,
     ) -> Result<(), Stop> {
         let span = &frame.spans[k];
         let steps = mesh.spans[k].clone();
         let cables = span.passages.len();
         self.samples.resize(3 * steps.len(), Sample::default());
-        self.rows.resize(6 * cables, 0.0);
+        let rows = &mut self.rows[6 * span.first..6 * (span.first + cables)];
         let chords = &mut self.chords[span.first..span.first + cables];
         let poses = &mut self.poses[steps.clone()];
         let (node, _) = mesh.grid.shooting.at(steps.start, 0, 0);
@@ -171,13 +213,14 @@ impl Unloaded {
         let relative = |w: &BodyWrench| {
             (w.linear.max_abs() / force_scale).max(w.angular.max_abs() / moment_scale)
         };
-        let mut wrench = start.unwrap_or_default();
-        if start.is_none() && tensions.iter().any(|&t| t > 0.0) {
+        let mut wrench = guess.wrench.unwrap_or_default();
+        if guess.wrench.is_none() && tensions.iter().any(|&t| t > 0.0) {
             rod::integrate(&mesh.grid, steps.clone(), wrench, None, poses, &mut []);
             joint::draw(span, &poses[poses.len() - 1], chords)?;
             wrench = joint::pull(span, chords, tensions) * -1.0;
         }
-        let mut factors: Option<Factors> = None;
+        let mut factors = guess.linearised.then(|| self.tangents[k]);
+        let near = if derivatives { NEAR_FOR_DERIVATIVES } else { NEAR };
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             self.iterations += 1;
@@ -189,16 +232,8 @@ impl Unloaded {
             let tangent = match factors {
                 Some(kept) => kept,
                 None => {
-                    let by = answers(
-                        mesh,
-                        k,
-                        span,
-                        &self.samples,
-                        chords,
-                        tensions,
-                        &end.pose,
-                        &mut self.rows,
-                    );
+                    let by =
+                        answers(mesh, k, span, &self.samples, chords, tensions, &end.pose, rows);
                     Factors::new(&by).ok_or(Stop::Diverged)?
                 }
             };
@@ -211,9 +246,9 @@ impl Unloaded {
             let fraction = if size > 1.0 { 1.0 / size } else { 1.0 };
             wrench = wrench + change * fraction;
             // Kept factors contract by the size of the step before.
-            factors = (size < 1e-2 && !derivatives).then_some(tangent);
+            factors = (size < near).then_some(tangent);
             if size <= STEP_TOLERANCE {
-                self.wrenches[k] = wrench;
+                (self.wrenches[k], self.tangents[k]) = (wrench, tangent);
                 rod::integrate(&mesh.grid, steps.clone(), wrench, None, poses, &mut []);
                 joint::draw(span, &poses[poses.len() - 1], chords)?;
                 if derivatives {
@@ -221,7 +256,7 @@ impl Unloaded {
                 }
                 return Ok(());
             }
-            if !fresh && size > 0.3 * last {
+            if !fresh && size > SLOW * last {
                 factors = None;
             }
             last = size;
@@ -237,8 +272,9 @@ impl Unloaded {
         for (j, passage) in span.passages.iter().enumerate() {
             let pull = joint::unit_pull(passage.near, &self.chords[span.first + j]);
             let change = tangent.solve(pull * -1.0);
+            self.by_tension.push(change);
             for i in 0..cables {
-                let by = |c: usize| self.rows[c * cables + i];
+                let by = |c: usize| self.rows[6 * span.first + c * cables + i];
                 let along: f64 =
                     (0..3).map(|c| by(c) * change.linear[c] + by(3 + c) * change.angular[c]).sum();
                 self.length_by_tension[first + i * cables + j] = along;

@@ -1,0 +1,239 @@
+//! The robot under loads: from a neighbour, from the robot without load, or with the load raised from
+//! nothing in steps that adapt.
+//!
+//! Where the robot without load has no answer near, or the way from it ends, the load and the commands
+//! are raised together from the robot at rest: another way, which can go round a fold or a snap.
+
+use super::chain::{Chain, Node, Open, Task};
+use super::statics::{Problem, Rod, Scratch, Start, copy_out};
+use super::unloaded;
+use crate::cosserat::command::Command;
+use crate::cosserat::lengths::Effort;
+use crate::cosserat::outcome::{Failure, Found};
+use crate::cosserat::section::SectionFault;
+use crate::cosserat::unloaded::Fault;
+
+/// The load is raised by at least this fraction, or the path is given up.
+const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
+const FIRST_LOAD_STEP: f64 = 0.25;
+/// An iteration longer than this means that the path bends: the step is not lengthened.
+const SHORT_ITERATION: usize = 5;
+pub(super) const PATH_ENDS: &str = "no equilibrium near it was found at more load, as at a snap-through: apply less load, or lead the robot there by other tensions first";
+
+/// The load on its way up, from a chain that is closed without it.
+pub(super) struct Raise<'a> {
+    pub problem: &'a Problem<'a>,
+    /// What drives the cables, where any is driven by its length; else empty.
+    pub commands: &'a [Command],
+    pub derivatives: bool,
+}
+
+/// Where it could not be raised any more.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ended {
+    pub load: f64,
+    pub residual: f64,
+    pub iterations: usize,
+    pub fault: Fault,
+}
+
+/// Finds the equilibrium under the loads that `scratch.applied` has gathered; the answer is left in
+/// `scratch`.
+pub(super) fn solve(
+    problem: &Problem<'_>,
+    start: &Start,
+    scratch: &mut Scratch,
+) -> Result<Found, Failure> {
+    let commands = if problem.by_length() { problem.commands } else { &[] };
+    let raise = Raise { problem, commands, derivatives: false };
+    let near = match start {
+        Start::Coarser => Some(true),
+        Start::From { disks, base: Some(base), .. } if disks.len() == problem.disks() => {
+            let Scratch { chain, groups, tensions, applied, .. } = &mut *scratch;
+            chain.pull(groups, tensions);
+            chain.start_from(&raise.task(groups, applied, 1.0), disks, *base);
+            Some(false)
+        }
+        _ => None,
+    };
+    if let Some(linearised) = near
+        && let Ok(effort) = raise.close(scratch, 1.0, linearised)
+    {
+        return Ok(finish(problem, scratch, effort));
+    }
+    let without = start_without_load(problem, scratch);
+    let mut ended = match raise.load(scratch) {
+        Ok(effort) => return Ok(finish(problem, scratch, effort)),
+        Err(ended) => ended,
+    };
+    match raise.all(scratch) {
+        Ok(effort) => return Ok(finish(problem, scratch, effort)),
+        Err(Some(other)) if other.load > ended.load => ended = other,
+        Err(_) => {}
+    }
+    without?;
+    Err(ended.failure(scratch))
+}
+
+/// The chain at the equilibrium without load; where there is none, with the cables slack that are
+/// driven by their length.
+fn start_without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Failure> {
+    let mut tensions = scratch.tensions.clone();
+    let mut settled = Rod::without_load(problem, scratch).settle(&mut tensions);
+    if settled.is_err() {
+        for (tension, command) in tensions.iter_mut().zip(problem.commands) {
+            *tension = match *command {
+                Command::Tension(given) => given,
+                Command::Length { .. } => 0.0,
+            };
+        }
+        let slack = Problem { commands: &[], ..*problem };
+        if let Err(failure) = Rod::without_load(&slack, scratch).settle(&mut tensions) {
+            settled = settled.and(Err(failure));
+        }
+    }
+    let Scratch { chain, groups, unloaded, .. } = &mut *scratch;
+    chain.pull(groups, &tensions);
+    chain.start(problem.frame, problem.mesh, &unloaded.wrenches, &unloaded.poses);
+    settled.map(|_| ())
+}
+
+fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
+    scratch.tensions.clone_from(&scratch.chain.tensions);
+    scratch.lengths.clone_from(&scratch.chain.lengths);
+    scratch.pulled.clone_from(&scratch.chain.pulled);
+    copy_out(problem, scratch);
+    Found::with(effort)
+}
+
+impl Raise<'_> {
+    fn task<'a>(
+        &'a self,
+        groups: &'a [usize],
+        loads: &'a crate::cosserat::loads::AppliedLoads,
+        load: f64,
+    ) -> Task<'a> {
+        let Problem { frame, mesh, tolerance, .. } = *self.problem;
+        let Self { commands, derivatives, .. } = *self;
+        Task { frame, mesh, loads, load, groups, commands, derivatives, tolerance }
+    }
+
+    /// Closes the chain from where it stands, at a fraction of the load.
+    pub fn close(
+        &self,
+        scratch: &mut Scratch,
+        load: f64,
+        linearised: bool,
+    ) -> Result<Effort, Open> {
+        let Scratch { chain, groups, applied, .. } = &mut *scratch;
+        let task = self.task(groups, applied, load);
+        let (iterations, residual) = chain.close(&task, linearised)?;
+        Ok(Effort { iterations, residual })
+    }
+
+    /// Raises the load to all of it from a chain that is closed without any.
+    pub fn load(&self, scratch: &mut Scratch) -> Result<Effort, Ended> {
+        self.path(scratch, |scratch, load| self.close(scratch, load, false))
+    }
+
+    /// Raises the load and the commands to all of them from the robot at rest; `None` where that is
+    /// not to be had.
+    fn all(&self, scratch: &mut Scratch) -> Result<Effort, Option<Ended>> {
+        let Problem { frame, mesh, commands, .. } = *self.problem;
+        let Scratch { chain, groups, unloaded, .. } = &mut *scratch;
+        chain.pull(groups, &vec![0.0; commands.len()]);
+        unloaded
+            .sweep(frame, mesh, &chain.pulled, unloaded::From::Nothing, false)
+            .map_err(|_| None)?;
+        chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
+        let part = |fraction: f64| -> Vec<Command> {
+            let of_cable = |(&rest, command): (&f64, &Command)| match *command {
+                Command::Tension(tension) => Command::Tension(fraction * tension),
+                Command::Length { target, compliance } => {
+                    Command::Length { target: rest + fraction * (target - rest), compliance }
+                }
+            };
+            frame.rest_lengths.iter().zip(commands).map(of_cable).collect()
+        };
+        let raised = self.path(scratch, |scratch, load| {
+            let commands = part(load);
+            let Scratch { chain, groups, .. } = &mut *scratch;
+            let mut tensions = chain.tensions.clone();
+            for (tension, command) in tensions.iter_mut().zip(&commands) {
+                if let Command::Tension(given) = *command {
+                    *tension = given;
+                }
+            }
+            chain.pull(groups, &tensions);
+            let held = if self.commands.is_empty() { &[][..] } else { &commands };
+            Raise { commands: held, ..*self }.close(scratch, load, false)
+        });
+        raised.map_err(Some)
+    }
+
+    /// Goes from nothing to all in steps that adapt, at first at once.
+    fn path(
+        &self,
+        scratch: &mut Scratch,
+        mut close: impl FnMut(&mut Scratch, f64) -> Result<Effort, Open>,
+    ) -> Result<Effort, Ended> {
+        let mut here = Place::of(&scratch.chain);
+        let (mut load, mut step, mut iterations) = (0.0, 1.0, 0);
+        loop {
+            let next = f64::min(load + step, 1.0);
+            match close(scratch, next) {
+                Ok(effort) => {
+                    iterations += effort.iterations;
+                    if next >= 1.0 {
+                        return Ok(Effort { iterations, ..effort });
+                    }
+                    here = Place::of(&scratch.chain);
+                    load = next;
+                    if effort.iterations <= SHORT_ITERATION {
+                        step *= 2.0;
+                    }
+                }
+                Err(open) => {
+                    iterations += open.iterations;
+                    step = f64::min(0.5 * step, FIRST_LOAD_STEP);
+                    if step < LEAST_LOAD_STEP {
+                        let none = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
+                        let residual = if open.gap.is_finite() { open.gap } else { 1.0 };
+                        let fault = open.fault.unwrap_or(none);
+                        return Err(Ended { load, residual, iterations, fault });
+                    }
+                    let Scratch { chain, groups, .. } = &mut *scratch;
+                    chain.nodes.clone_from(&here.nodes);
+                    chain.pull(groups, &here.tensions);
+                }
+            }
+        }
+    }
+}
+
+/// A closed chain that a step goes out from.
+struct Place {
+    nodes: Vec<Node>,
+    tensions: Vec<f64>,
+}
+
+impl Place {
+    fn of(chain: &Chain) -> Self {
+        Self { nodes: chain.nodes.clone(), tensions: chain.tensions.clone() }
+    }
+}
+
+impl Ended {
+    fn failure(&self, scratch: &Scratch) -> Failure {
+        let Self { load: last_load, residual, iterations, fault } = *self;
+        match fault.kind {
+            SectionFault::Folded { cable } => {
+                let tension = scratch.chain.tensions.get(cable).copied().unwrap_or(0.0);
+                Failure::Folds { cable, arc_length: fault.arc_length, tension, last_load }
+            }
+            SectionFault::Diverged => {
+                Failure::NotConverged { iterations, residual, last_load, advice: PATH_ENDS }
+            }
+        }
+    }
+}
