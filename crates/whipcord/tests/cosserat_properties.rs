@@ -4,6 +4,7 @@
 #[allow(dead_code, reason = "each test file uses a part of it")]
 mod common;
 
+use common::burden::burdened;
 use common::symmetry::Symmetry;
 use common::{
     Wildness, config, distance, fine_options, helix, paper_backbone, paper_robot, robot, solve,
@@ -19,9 +20,9 @@ use whipcord_numerics::Twist;
 
 const CASES: u32 = if cfg!(debug_assertions) { 24 } else { 96 };
 
-/// Half of the robots carry loads.
+/// A third of the robots carry single loads, another third loads along the backbone and masses as well.
 fn any_robot() -> impl Strategy<Value = (Robot, Case)> {
-    prop_oneof![robot(Wildness::UNLOADED), robot(Wildness::LOADED)]
+    prop_oneof![robot(Wildness::UNLOADED), robot(Wildness::LOADED), burdened(Wildness::LOADED)]
 }
 
 fn length(robot: &Robot) -> f64 {

@@ -101,10 +101,13 @@ impl Cosserat {
         for level in 0..=MAX_REFINEMENTS {
             let grid = self.grid(level)?;
             let mut found = match self.solve_on(&grid, case, &start, level, workspace) {
-                // Steps that are too coarse for a strong bend can keep Newton's method away.
+                // Steps that are too coarse for a strong bend can keep Newton's method away, and near a
+                // buckling load one grid may lose the stability that a coarser one still had.
                 Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. })
-                    if coarser.is_none() && level < GIVE_UP_LEVEL =>
+                    if level < GIVE_UP_LEVEL =>
                 {
+                    coarser = None;
+                    start = cold.clone();
                     continue;
                 }
                 // A section folds between the nodes of a coarse grid before it does at them: only
