@@ -256,6 +256,19 @@ fn no_answer_has_status_1_and_a_reason() {
     }
 }
 
+/// A backbone that does not get shorter, and two cables opposite each other that both shall.
+#[test]
+fn lengths_that_contradict_one_another_are_told_with_what_they_miss() {
+    let scratch = Scratch::new();
+    let text = robot("shortening = \"3 mm\"")
+        .replace("poisson_ratio = 0.3", "poisson_ratio = 0.3\nextensible = false");
+    let against = "name = \"against\"\nholes = [10, 10, 10, 10, 10, 10, 10, 10, 10, 10]";
+    let text = format!("{text}[[cables]]\n{against}\nshortening = \"1 mm\"\n");
+    let message = fail(1, &["solve", &scratch.write("against.toml", &text)]);
+    let told = "cable `pull` is still 2 mm too long and cable `against` 2 mm; shorten each by";
+    assert!(message.contains(told), "{message}");
+}
+
 #[test]
 fn a_reader_that_stops_early_is_no_failure() {
     let mut child = command(&["solve", CASE_3, "--json", "--stations", "20000"])

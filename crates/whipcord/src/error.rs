@@ -68,6 +68,17 @@ pub enum SolveError {
         reachable: f64,
     },
 
+    /// Cable lengths that cannot be had together, whatever pulls at the cables: a backbone that does not get
+    /// shorter, say, has no shape in which a cable and its antagonist are both shortened.
+    #[error(
+        "the prescribed cable lengths contradict one another: at the best compromise {}; shorten each by that much less, or drive one of them by its tension",
+        too_long(misses)
+    )]
+    ContradictoryLengths {
+        /// The cables that contradict one another, two or more, and how each misses its length.
+        misses: Vec<LengthMiss>,
+    },
+
     /// A section that cannot be bent so far that its cable gets as short as prescribed.
     #[error(
         "between disks {disk} and {next_disk} cable `{cable}` cannot be {} long: that section takes lengths from {} to {}; shorten the cable less",
@@ -165,6 +176,32 @@ pub enum SolveError {
     },
 }
 
+/// A cable that cannot be as short as prescribed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LengthMiss {
+    /// Name of the cable.
+    pub cable: String,
+    /// What it is too long by, in m.
+    pub excess: f64,
+}
+
+/// What each of these cables misses, in words.
+fn too_long(misses: &[LengthMiss]) -> String {
+    let mut words = String::new();
+    for (i, miss) in misses.iter().enumerate() {
+        let joint = match i {
+            0 => "",
+            _ if i + 1 == misses.len() => " and ",
+            _ => ", ",
+        };
+        let still = if i == 0 { " is still" } else { "" };
+        let excess = millimetres(miss.excess, Round::Nearest);
+        let long = if i == 0 { " too long" } else { "" };
+        words += &format!("{joint}cable `{}`{still} {excess}{long}", miss.cable);
+    }
+    words
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -197,6 +234,11 @@ mod tests {
                 last_disk: 2,
                 excess: 0.002_5,
             },
+            SolveError::ContradictoryLengths {
+                misses: [("left", 0.002), ("right", 0.001), ("top", 0.000_5)]
+                    .map(|(cable, excess)| LengthMiss { cable: cable.to_owned(), excess })
+                    .to_vec(),
+            },
             SolveError::NotConverged {
                 iterations: 30,
                 residual: 0.012_345,
@@ -212,6 +254,7 @@ mod tests {
             "shortened by 180.859 mm: 19.9999 mm is as far",
             "between disks 3 and 4 cable `pull` cannot be 0 mm long: that section takes lengths from 1.23457 mm to 20 mm;",
             "still 2.5 mm too long",
+            "compromise cable `left` is still 2 mm too long, cable `right` 1 mm and cable `top` 0.5 mm;",
             "residual 0.0123 after 30 iterations; the last load that converged is 0.999 of the given one; load it less",
             "loses its stability at 0.621 of the given load",
             "still 2e-6 mm with 4096 steps, above the tolerance of 1.8e-7 mm",

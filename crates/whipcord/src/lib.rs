@@ -26,7 +26,7 @@ pub use case::{
     CableCommand, Case, DistributedLoad, Drive, LoadFrame, Loads, PointLoad, PointMass, Profile,
     Shortening,
 };
-pub use error::SolveError;
+pub use error::{LengthMiss, SolveError};
 pub use model::{Differentiable, Model, ModelKind, Prepared, Statics, Stations};
 pub use parameter::{Parameter, StiffnessPart};
 pub use robot::{

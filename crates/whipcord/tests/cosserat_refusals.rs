@@ -220,6 +220,7 @@ proptest! {
                         | SolveError::NotConverged { .. }
                         | SolveError::Buckled { .. }
                         | SolveError::UnreachableLength { .. }
+                        | SolveError::ContradictoryLengths { .. }
                         | SolveError::StepsTooCoarse { .. }
                 );
                 prop_assert!(expected, "{message}");

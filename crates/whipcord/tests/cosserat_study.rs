@@ -1,5 +1,6 @@
 //! Random robots bent up to 180° under tip loads up to twice the buckling load of the bare rod, with
-//! gravity: how many converge, and whether the reasons of those that do not are true.
+//! gravity, and some of them with loads spread along a part of the rod: how many converge, and whether the
+//! reasons of those that do not are true.
 //!
 //! The whole study, which prints its table:
 //! `cargo test --release -p whipcord --test cosserat_study -- --ignored --nocapture`.
@@ -18,12 +19,28 @@ use std::time::Instant;
 
 use common::{Wildness, bending_stiffness, lengths_of, robot, samples};
 use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
-use whipcord::{Case, Drive, Loads, Robot, Solution, SolveError, Statics, Vec3, Wrench};
+use whipcord::{
+    Case, DistributedLoad, Drive, Loads, Profile, Robot, Solution, SolveError, Statics, Vec3,
+    Wrench,
+};
 
 /// Euler's load of the bare rod is π²/4 EI/L²; the tip force is up to twice that.
 const WILD: Wildness =
     Wildness { cables: 6, tension: 1.0, force: 0.5 * PI * PI, moment: 0.0, weight: 1.0 };
 const CLASSES: usize = 6;
+
+/// One robot in so many has a load spread along a part of it.
+const SPREAD_EVERY: usize = 3;
+
+/// A dead load on the outer part of the rod, as great as up to half of the greatest tip force.
+fn spread(robot: &Robot, direction: Vec3, share: f64) -> DistributedLoad {
+    let length = robot.backbone().length;
+    let from = 0.6 * share * length;
+    let greatest = 0.25 * PI * PI * bending_stiffness(robot) / length.powi(2);
+    let force = direction * (greatest / (length - from));
+    let profile = Profile::Constant { from, to: length, force, moment: Vec3::ZERO };
+    DistributedLoad { profile, follower: false }
+}
 
 /// How far the backbone turns from disk to disk, summed up, in rad.
 fn turning(solution: &Solution) -> f64 {
@@ -70,7 +87,9 @@ struct Row {
 fn is_confirmed(robot: &Robot, case: &Case, drive: Drive, reason: &SolveError) -> bool {
     let fine = |accuracy| Options { accuracy, drive, ..Options::default() };
     match reason {
-        SolveError::SectionFolds { .. } | SolveError::UnreachableLength { .. } => {
+        SolveError::SectionFolds { .. }
+        | SolveError::UnreachableLength { .. }
+        | SolveError::ContradictoryLengths { .. } => {
             let model = whipcord::Model::Cosserat(fine(Accuracy::Steps(300)));
             model.solve(robot, case).is_err()
         }
@@ -99,15 +118,27 @@ fn is_confirmed(robot: &Robot, case: &Case, drive: Drive, reason: &SolveError) -
     }
 }
 
+/// So many robots whose cables alone bend them by every size of bending equally often, with loads; those
+/// whose cables fold them before are left out.
+fn robots(count: usize) -> impl Iterator<Item = (usize, Robot, Case, Solution)> {
+    let drawn = samples((robot(WILD), common::ball(), 0.0..1.0_f64), 2 * count).enumerate();
+    let bent = drawn.filter_map(|(n, ((robot, mut case), direction, share))| {
+        case.loads.points.clear();
+        if n % SPREAD_EVERY == 0 {
+            case.loads.distributed.push(spread(&robot, direction, share));
+        }
+        let target = PI * ((n as f64 + 0.5) * 0.618_033_988_749_895).fract();
+        let (bent, alone) = bent_by(&robot, &case, target)?;
+        Some((n, robot, bent, alone))
+    });
+    bent.take(count)
+}
+
 /// Solves so many robots and sorts what comes of it by how far the cables alone bend them.
 fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
     let mut rows = [Row::default(); CLASSES];
-    let mut slowest = 0.0_f64;
-    for (n, (robot, mut case)) in samples(robot(WILD), count).enumerate() {
-        case.loads.points.clear();
-        // Every size of bending equally often.
-        let target = PI * ((n as f64 + 0.5) * 0.618_033_988_749_895).fract();
-        let Some((bent, alone)) = bent_by(&robot, &case, target) else { continue };
+    let (mut times, mut failure_times) = (Vec::new(), Vec::new());
+    for (n, robot, bent, alone) in robots(count) {
         let asked = match drive {
             Drive::Shortening => lengths_of(&alone, &bent.loads),
             _ => bent,
@@ -116,23 +147,26 @@ fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
         let begun = Instant::now();
         let options = Options { drive, ..Options::default() };
         let outcome = whipcord::Model::Cosserat(options).solve(&robot, &asked);
-        slowest = slowest.max(begun.elapsed().as_secs_f64());
+        let taken = begun.elapsed().as_secs_f64();
+        times.push(taken);
         let reason = match outcome {
             Ok(solution) if solution.diagnostics.is_unstable() => {
                 row.unstable += 1;
-                println!("{n}: unstable, lost at {:?}", solution.diagnostics.stability_lost_at);
+                let lost_at = solution.diagnostics.stability_lost_at;
+                println!("{n}: unstable, lost at {lost_at:?}, {:.1} ms", 1e3 * taken);
                 continue;
             }
             Ok(solution) => {
                 row.stable += 1;
                 if let Some(load) = solution.diagnostics.stability_lost_at {
                     row.snapped += 1;
-                    println!("{n}: snapped through at {load:.4}");
+                    println!("{n}: snapped through at {load:.4}, {:.1} ms", 1e3 * taken);
                 }
                 continue;
             }
             Err(reason) => reason,
         };
+        failure_times.push(taken);
         *match reason {
             SolveError::SectionFolds { .. } => &mut row.folds,
             SolveError::UnreachableLength { .. } => &mut row.unreachable,
@@ -141,11 +175,27 @@ fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
             _ => &mut row.other,
         } += 1;
         let confirmed = is_confirmed(&robot, &asked, drive, &reason);
-        println!("{n}: {reason} — {}", if confirmed { "confirmed" } else { "NOT CONFIRMED" });
+        let verdict = if confirmed { "confirmed" } else { "NOT CONFIRMED" };
+        println!("{n}: {reason} — {verdict}, {:.1} ms", 1e3 * taken);
         row.unconfirmed += usize::from(!confirmed);
     }
-    println!("slowest solve {slowest:.3} s");
+    print_times("all", times);
+    print_times("failures", failure_times);
     rows
+}
+
+fn print_times(of: &str, mut times: Vec<f64>) {
+    times.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let place = ((share * times.len() as f64) as usize).min(times.len().saturating_sub(1));
+        1e3 * times.get(place).copied().unwrap_or(0.0)
+    };
+    println!(
+        "{of}: median {:.2} ms, 99 % within {:.1} ms, slowest {:.1} ms",
+        at(0.5),
+        at(0.99),
+        at(1.0)
+    );
 }
 
 fn print(title: &str, rows: &[Row]) {

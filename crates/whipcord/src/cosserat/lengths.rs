@@ -15,6 +15,7 @@
 use whipcord_numerics::{BoundedQuadratic, DenseLu};
 
 use super::command::Command;
+use super::contradiction;
 use super::unloaded::Fault;
 
 /// A rod that answers tensions with the lengths of its cables.
@@ -28,12 +29,15 @@ pub(crate) trait Responds {
 }
 
 /// Why no tensions were found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum LengthFault {
     /// A section fault that no tension brought about.
     Section(Fault),
     /// This cable cannot get as short as it should: `length` is the least it reaches.
     Unreachable { cable: usize, length: f64 },
+    /// These lengths cannot be had together: what each cable is too long by in m at the best compromise,
+    /// 0 where it takes no part.
+    Contradictory { misses: Vec<f64> },
     /// The iteration limit.
     Stalled { residual: f64 },
 }
@@ -74,6 +78,8 @@ pub(crate) struct Effort {
 /// Lengths are met to this fraction of the backbone's length.
 const LENGTH_TOLERANCE: f64 = 2e-14;
 pub(crate) const MAX_ITERATIONS: usize = 100;
+/// What to do where no tensions were found and no cause is known.
+pub(crate) const STALLED: &str = "no tensions were found that give all of these cable lengths: shorten the cables less, or drive one of them by its tension";
 /// Of the largest diagonal entry: keeps the step defined where more straight cables are taut than
 /// lengths are independent, and picks tensions of least change there.
 const REGULARISATION: f64 = 1e-13;
@@ -92,12 +98,18 @@ pub(crate) fn solve(
     rod: &mut impl Responds,
     scratch: &mut LengthScratch,
 ) -> Result<Effort, LengthFault> {
-    match attempt(given, tensions, rod, scratch) {
-        Err(LengthFault::Unreachable { .. }) if given.bracket => {
-            Err(limit(given, tensions, rod, scratch))
-        }
-        other => other,
+    let fault = match attempt(given, tensions, rod, scratch) {
+        Err(fault @ LengthFault::Stalled { .. }) => fault,
+        Err(fault @ LengthFault::Unreachable { .. }) if given.bracket => fault,
+        other => return other,
+    };
+    if let Some(misses) = contradiction::misses(given, tensions, rod, scratch) {
+        return Err(LengthFault::Contradictory { misses });
     }
+    Err(match fault {
+        LengthFault::Unreachable { .. } => limit(given, tensions, rod, scratch),
+        other => other,
+    })
 }
 
 /// How far the cables go when all are shortened in proportion: by bisection between no tension and
@@ -165,7 +177,7 @@ pub(crate) fn release(commands: &[Command], tensions: &mut [f64]) {
 }
 
 /// [`solve`], with the first sign that a section folds as the reason of a failure.
-fn attempt(
+pub(super) fn attempt(
     given: &Given<'_>,
     tensions: &mut [f64],
     rod: &mut impl Responds,

@@ -3,7 +3,8 @@
 //! The total internal wrench of rod and cables is carried along the backbone instead of the
 //! paper's state `(p, R, v, u)`. From the inside out: `section` (and `one_cable`) solves one
 //! cross-section for its strains; `unloaded` and `loaded` put the sections together on a `grid`,
-//! `sensitivity` differentiates the latter; `lengths` finds tensions for prescribed cable lengths;
+//! `sensitivity` differentiates the latter; `lengths` finds tensions for prescribed cable lengths, and `contradiction`
+//! those of which there are none;
 //! `statics` shoots at equilibrium under `loads` with the Newton step of `newton`, from the rod
 //! `without_load` or along the path of `continuation`, where `chain` shoots from many starts at once,
 //! with the linear algebra of `elimination` and `shared` on the points of `state`; `arc_length` follows
@@ -16,6 +17,7 @@ mod branches;
 mod chain;
 pub(crate) mod command;
 mod continuation;
+mod contradiction;
 pub mod derivatives;
 pub(crate) mod elimination;
 pub(crate) mod grid;

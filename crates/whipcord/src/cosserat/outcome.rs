@@ -2,7 +2,7 @@
 
 use super::command::Command;
 use super::lengths::Effort;
-use crate::error::SolveError;
+use crate::error::{LengthMiss, SolveError};
 
 /// How an answer was found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,12 +14,32 @@ pub(crate) struct Found {
 }
 
 /// Why there is none.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Failure {
-    Folds { cable: usize, arc_length: f64, tension: f64, last_load: f64 },
-    Unreachable { cable: usize, length: f64 },
-    Buckled { lost_at: f64, iterations: usize },
-    NotConverged { iterations: usize, residual: f64, last_load: f64, advice: &'static str },
+    Folds {
+        cable: usize,
+        arc_length: f64,
+        tension: f64,
+        last_load: f64,
+    },
+    Unreachable {
+        cable: usize,
+        length: f64,
+    },
+    /// What each cable is too long by at the best compromise, in m; 0 for those that take no part.
+    Contradictory {
+        misses: Vec<f64>,
+    },
+    Buckled {
+        lost_at: f64,
+        iterations: usize,
+    },
+    NotConverged {
+        iterations: usize,
+        residual: f64,
+        last_load: f64,
+        advice: &'static str,
+    },
 }
 
 impl Found {
@@ -56,6 +76,11 @@ impl Failure {
                 };
                 let reachable = initial - length;
                 SolveError::UnreachableLength { cable: name(cable), requested, reachable }
+            }
+            Self::Contradictory { misses } => {
+                let missed = misses.iter().enumerate().filter(|&(_, &excess)| excess > 0.0);
+                let misses = missed.map(|(i, &excess)| LengthMiss { cable: name(i), excess });
+                SolveError::ContradictoryLengths { misses: misses.collect() }
             }
             Self::Buckled { lost_at, iterations } => {
                 SolveError::Buckled { load: lost_at, iterations }

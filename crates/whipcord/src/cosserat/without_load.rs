@@ -45,11 +45,12 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
     lengths::solve(&given, tensions, &mut rod, length_scratch).map_err(|fault| match fault {
         LengthFault::Section(fault) => section_failure(fault, &scratch.tensions, 0.0),
         LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
+        LengthFault::Contradictory { misses } => Failure::Contradictory { misses },
         LengthFault::Stalled { residual } => Failure::NotConverged {
             iterations: lengths::MAX_ITERATIONS,
             residual,
             last_load: 0.0,
-            advice: "the cable lengths contradict one another: prescribe fewer of them",
+            advice: lengths::STALLED,
         },
     })
 }

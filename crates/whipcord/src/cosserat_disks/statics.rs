@@ -78,9 +78,6 @@ pub(super) struct Scratch {
     length_scratch: LengthScratch,
 }
 
-pub(super) const CONTRADICTORY: &str =
-    "the cable lengths contradict one another: prescribe fewer of them, or check them";
-
 /// Solves the problem under the loads that `scratch.applied` has gathered; the answer is left in
 /// `scratch`.
 pub(super) fn solve(
@@ -213,11 +210,12 @@ impl<'a> Rod<'a> {
         solved.map_err(|fault| match fault {
             LengthFault::Section(fault) => self.failure(fault, tensions),
             LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
+            LengthFault::Contradictory { misses } => Failure::Contradictory { misses },
             LengthFault::Stalled { residual } => Failure::NotConverged {
                 iterations: self.iterations,
                 residual,
                 last_load: 0.0,
-                advice: CONTRADICTORY,
+                advice: lengths::STALLED,
             },
         })
     }
