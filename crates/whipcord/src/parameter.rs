@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use crate::case::Case;
+use whipcord_numerics::Vec3;
+
+use crate::case::{Case, Profile};
 use crate::robot::{
     Along, Backbone, Cable, Disks, Problem, Robot, RobotError, Routing, Section, Stiffness,
 };
@@ -155,6 +157,43 @@ pub enum Parameter {
         /// Component.
         axis: usize,
     },
+    /// A mass that the robot carries, in kg.
+    PointMass {
+        /// Number of the mass.
+        mass: usize,
+    },
+    /// A component of the force of a distributed load in N/m; by as much everywhere it acts.
+    LineForce {
+        /// Distributed load.
+        load: usize,
+        /// Component.
+        axis: usize,
+    },
+    /// A component of the moment of a distributed load in N·m/m; by as much everywhere it acts.
+    LineMoment {
+        /// Distributed load.
+        load: usize,
+        /// Component.
+        axis: usize,
+    },
+    /// A component of the force at one station of a distributed load in N/m.
+    LineForceAt {
+        /// Distributed load.
+        load: usize,
+        /// Station.
+        entry: usize,
+        /// Component.
+        axis: usize,
+    },
+    /// A component of the moment at one station of a distributed load in N·m/m.
+    LineMomentAt {
+        /// Distributed load.
+        load: usize,
+        /// Station.
+        entry: usize,
+        /// Component.
+        axis: usize,
+    },
 }
 
 /// Parts of a section's stiffness.
@@ -219,6 +258,19 @@ impl fmt::Display for Parameter {
             Self::TipMoment { axis } => write!(f, "loads.tip_moment[{axis}]"),
             Self::PointForce { load, axis } => write!(f, "loads.point[{load}].force[{axis}]"),
             Self::PointMoment { load, axis } => write!(f, "loads.point[{load}].moment[{axis}]"),
+            Self::PointMass { mass } => write!(f, "loads.mass[{mass}].mass"),
+            Self::LineForce { load, axis } => {
+                write!(f, "loads.distributed[{load}].force[{axis}]")
+            }
+            Self::LineMoment { load, axis } => {
+                write!(f, "loads.distributed[{load}].moment[{axis}]")
+            }
+            Self::LineForceAt { load, entry, axis } => {
+                write!(f, "loads.distributed[{load}].force[{entry}][{axis}]")
+            }
+            Self::LineMomentAt { load, entry, axis } => {
+                write!(f, "loads.distributed[{load}].moment[{entry}][{axis}]")
+            }
         }
     }
 }
@@ -364,6 +416,38 @@ impl Parameter {
             }
             Self::PointMoment { load, axis } if axis < 3 => {
                 case.loads.points.get_mut(load).map(|p| &mut p.moment[axis]).into_iter().collect()
+            }
+            Self::PointMass { mass } => {
+                case.loads.masses.get_mut(mass).map(|m| &mut m.mass).into_iter().collect()
+            }
+            Self::LineForce { load, axis }
+            | Self::LineMoment { load, axis }
+            | Self::LineForceAt { load, axis, .. }
+            | Self::LineMomentAt { load, axis, .. }
+                if axis < 3 =>
+            {
+                let profile = case.loads.distributed.get_mut(load).map(|load| &mut load.profile);
+                let values = profile.map_or_else(Vec::new, |profile| self.of_profile(profile));
+                values.into_iter().map(|value| &mut value[axis]).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The forces or moments of a profile that the parameter changes.
+    fn of_profile<'a>(&self, profile: &'a mut Profile) -> Vec<&'a mut Vec3> {
+        match (*self, profile) {
+            (Self::LineForce { .. }, Profile::Constant { force, .. }) => vec![force],
+            (Self::LineMoment { .. }, Profile::Constant { moment, .. }) => vec![moment],
+            (Self::LineForce { .. }, Profile::Linear { force, .. }) => force.iter_mut().collect(),
+            (Self::LineMoment { .. }, Profile::Linear { moment, .. }) => {
+                moment.iter_mut().collect()
+            }
+            (Self::LineForceAt { entry, .. }, Profile::Linear { force, .. }) => {
+                force.get_mut(entry).into_iter().collect()
+            }
+            (Self::LineMomentAt { entry, .. }, Profile::Linear { moment, .. }) => {
+                moment.get_mut(entry).into_iter().collect()
             }
             _ => Vec::new(),
         }

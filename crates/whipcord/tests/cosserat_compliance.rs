@@ -213,6 +213,9 @@ fn what_is_not_there_is_refused_by_name() {
         (Parameter::TipForce { axis: 7 }, "tip_force"),
         (Parameter::PointForce { load: 0, axis: 0 }, "force"),
         (Parameter::HoleAngle { cable: 0, disk: 0 }, "angle"),
+        (Parameter::LineForce { load: 0, axis: 0 }, "distributed load 1"),
+        (Parameter::LineMomentAt { load: 1, entry: 2, axis: 0 }, "distributed load 2"),
+        (Parameter::PointMass { mass: 3 }, "mass"),
     ] {
         let message = refused(parameter);
         assert!(message.contains(words) && message.contains("is no number"), "{message}");

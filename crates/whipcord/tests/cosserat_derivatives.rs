@@ -116,6 +116,17 @@ fn parameters(robot: &Robot, case: &Case) -> Vec<(Parameter, f64)> {
             all.push(Parameter::PointMoment { load, axis });
         }
     }
+    for load in 0..case.loads.distributed.len() {
+        for axis in 0..3 {
+            all.push(Parameter::LineForce { load, axis });
+            all.push(Parameter::LineMoment { load, axis });
+            for entry in 0..2 {
+                all.push(Parameter::LineForceAt { load, entry, axis });
+                all.push(Parameter::LineMomentAt { load, entry, axis });
+            }
+        }
+    }
+    all.extend((0..case.loads.masses.len()).map(|mass| Parameter::PointMass { mass }));
     for cable in 0..robot.cables().len() {
         all.push(Parameter::Angle { cable });
         all.push(Parameter::Radius { cable });
@@ -142,6 +153,11 @@ fn parameters(robot: &Robot, case: &Case) -> Vec<(Parameter, f64)> {
                 Parameter::Gravity { .. } => 0.3 * force / rod_mass,
                 Parameter::TipForce { .. } | Parameter::PointForce { .. } => 0.3 * force,
                 Parameter::TipMoment { .. } | Parameter::PointMoment { .. } => 0.3 * moment,
+                Parameter::LineForce { .. } | Parameter::LineForceAt { .. } => 0.5 * force / length,
+                Parameter::LineMoment { .. } | Parameter::LineMomentAt { .. } => {
+                    0.5 * moment / length
+                }
+                Parameter::PointMass { .. } => 0.3 * rod_mass,
                 Parameter::Angle { .. } | Parameter::Turns { .. } => 1.0,
                 Parameter::PoissonRatio => 0.5,
                 Parameter::Coefficient { power, .. } => 0.05 * length.powi(1 - power as i32),
@@ -236,10 +252,27 @@ fn check_parameters_to(tolerance: f64, robot: &Robot, case: &Case, failures: &mu
     all.len()
 }
 
+/// With distributed loads of nothing, which something can become.
+fn with_room(case: &Case, length: f64) -> Case {
+    let stretch = Profile::Constant {
+        from: 0.25 * length,
+        to: 0.75 * length,
+        force: Vec3::ZERO,
+        moment: Vec3::ZERO,
+    };
+    let none = vec![Vec3::ZERO; 2];
+    let linear = Profile::Linear { at: vec![0.0, length], force: none.clone(), moment: none };
+    let load = |profile: &Profile, follower| DistributedLoad { profile: profile.clone(), follower };
+    let mut case = case.clone();
+    case.loads.distributed = vec![load(&stretch, false), load(&linear, true)];
+    case
+}
+
 fn check_random(wild: Wildness, count: usize) {
     let mut failures = String::new();
     let mut checked = 0;
     for (i, (robot, case)) in common::samples(common::robot(wild), count).enumerate() {
+        let case = with_room(&case, robot.backbone().length);
         let before = failures.len();
         checked += check_parameters(&robot, &case, &mut failures);
         if failures.len() > before {
@@ -250,7 +283,7 @@ fn check_random(wild: Wildness, count: usize) {
     println!("{checked} derivatives by parameters of {count} robots");
 }
 
-const ROBOTS: usize = if cfg!(debug_assertions) { 2 } else { 12 };
+const ROBOTS: usize = if cfg!(debug_assertions) { 1 } else { 6 };
 
 #[test]
 fn parameters_under_loads() {
@@ -600,6 +633,16 @@ fn follower_loads() {
 /// The case with forces and moments that turn with the robot and are spread along it: on a stretch,
 /// and linear along all of it; with followers at points as well, or without.
 fn under_spread_followers(robot: &Robot, case: &Case, points: bool) -> Case {
+    let mut case = under_spread_loads(robot, case, true);
+    case.loads.tip_force *= 0.5;
+    case.loads.tip_follower = points;
+    for point in &mut case.loads.points {
+        point.follower = points;
+    }
+    case
+}
+
+fn under_spread_loads(robot: &Robot, case: &Case, follower: bool) -> Case {
     let mut case = case.clone();
     let (length, stiffness) = (robot.backbone().length, bending_stiffness(robot));
     let (force, moment) = (stiffness / length.powi(3), stiffness / length.powi(2));
@@ -612,17 +655,31 @@ fn under_spread_followers(robot: &Robot, case: &Case, points: bool) -> Case {
     let linear = Profile::Linear {
         at: vec![0.0, length],
         force: vec![Vec3::new(-0.2, 0.5, 0.0) * force, Vec3::new(0.3, 0.0, -0.4) * force],
-        moment: vec![],
+        moment: vec![Vec3::new(0.1, 0.0, 0.05) * moment, Vec3::new(0.0, -0.1, 0.1) * moment],
     };
-    let follower = true;
     case.loads.distributed =
         [stretch, linear].map(|profile| DistributedLoad { profile, follower }).to_vec();
-    case.loads.tip_force *= 0.5;
-    case.loads.tip_follower = points;
-    for point in &mut case.loads.points {
-        point.follower = points;
-    }
     case
+}
+
+/// Dead forces and moments that are spread along the robot, and masses that it carries.
+#[test]
+fn spread_dead_loads_and_masses() {
+    let mut failures = String::new();
+    for (i, (robot, case)) in taut(Wildness::LOADED, ROBOTS).enumerate() {
+        let mut case = under_spread_loads(&robot, &case, false);
+        let (length, stiffness) = (robot.backbone().length, bending_stiffness(&robot));
+        case.loads.gravity = Some(Vec3::new(3.0, -9.0, 2.0));
+        let mass = 0.05 * stiffness / length.powi(2) / 9.81;
+        let carried = |at| whipcord::PointMass { at, mass };
+        case.loads.masses = vec![carried(0.4 * length), carried(length)];
+        check_parameters(&robot, &case, &mut failures);
+        if i % 2 == 0 {
+            let (robot, case) = by_length(&robot, &case, true);
+            check_parameters(&robot, &case, &mut failures);
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
 }
 
 #[test]

@@ -161,7 +161,10 @@ impl Cosserat {
                 base_wrench: scratch.base_wrench,
                 starts: starts.as_deref(),
                 // Without load no shot has been fired: its strains would be those of another case.
-                strains: if scratch.applied.any() { scratch.shot.strains() } else { &[] },
+                strains: match scratch.applied.any() {
+                    true => scratch.shot.strains(),
+                    false => &scratch.unloaded.strains,
+                },
             },
             parameters,
         );

@@ -1,11 +1,11 @@
 //! The transpose of [`super::forward`]: from the sensitivity of something to the end of each step
 //! and to the cables' lengths, its sensitivity to what acts within each stage.
 
-use whipcord_numerics::{BUTCHER_5, Vec3};
+use whipcord_numerics::{BUTCHER_5, UnitQuaternion, Vec3};
 
 use super::elimination::StepPull;
 use super::forward::Forcing;
-use super::replay::{Replay, Spread, Stage};
+use super::replay::{Ends, Replay, Spread, Stage, Swing};
 use crate::cosserat::grid::Step;
 use crate::cosserat::loaded::STAGES;
 
@@ -50,14 +50,12 @@ fn step(
 ) {
     let table = &BUTCHER_5;
     let h = step.length;
-    let end = Pull {
-        quaternion: replay.ends[k].turn_by_end.map(|column| column.dot(pull.effect.turn)),
-        moment: pull.effect.moment,
-    };
+    let ends = &replay.ends[k];
+    let end = Pull { quaternion: end_pull(ends, pull.effect.turn), moment: pull.effect.moment };
     let mut slopes = [Pull::default(); STAGES];
     let spread = replay.spread(k);
-    // To what the followers exert at each stage.
-    let mut pushed = [Vec3::ZERO; STAGES];
+    // To the rate of the force at each stage.
+    let mut rates = [Vec3::ZERO; STAGES];
     for i in (0..STAGES).rev() {
         let weight = h * table.b[i];
         slopes[i].add(weight, &end);
@@ -70,16 +68,19 @@ fn step(
         }
         let velocity = weight * pull.effect.shift;
         let (mut at, forcing) = transpose(stage, &slopes[i], velocity, strain, curvature);
-        out[i] = forcing;
+        rates[i] += weight * pull.effect.force;
+        out[i] = Forcing { torque: slopes[i].moment, rate: rates[i], ..forcing };
         if let Some(spread) = spread {
-            pushed[i] -= weight * pull.effect.force;
-            let Spread { force_by_turn, moment_by_turn } = &spread[i];
-            for (j, q) in at.quaternion.iter_mut().enumerate() {
-                *q += force_by_turn[j].dot(pushed[i]) - moment_by_turn[j].dot(slopes[i].moment);
+            let Spread { force, moment } = &spread[i];
+            let mut turn = TurnPull::default();
+            turn.of_body(stage, force, -rates[i]);
+            turn.of_body(stage, moment, -slopes[i].moment);
+            for (q, by_turn) in at.quaternion.iter_mut().zip(turn.quaternion(stage)) {
+                *q += by_turn;
             }
-            for (push, f) in pushed[..i].iter_mut().zip(table.a[i]) {
-                *push -= h * f * forcing.force;
-            }
+        }
+        for (rate, f) in rates[..i].iter_mut().zip(table.a[i]) {
+            *rate += h * f * forcing.force;
         }
         for j in 0..i {
             let f = h * table.a[i][j];
@@ -99,21 +100,60 @@ fn transpose(
     mut curvature: Vec3,
 ) -> (Pull, Forcing) {
     let velocity = velocity + slope.moment.cross(stage.force);
-    strain += stage.rotation.transpose_mul(velocity);
-    let along =
-        |column: &[f64; 4]| column.iter().zip(&slope.quaternion).map(|(a, b)| a * b).sum::<f64>();
-    let [a, b, c] = &stage.spin_by_curvature;
-    curvature += Vec3::new(along(a), along(b), along(c));
+    let swung = stage.rotation.transpose_mul(velocity);
+    strain += swung;
+    let turned = &stage.turned;
+    let mut turn = TurnPull::default();
+    turn.of_body(stage, &stage.velocity_swing, velocity);
+    // Of the bracket that q multiplies in q′.
+    let q = turned.quaternion;
+    let [w, x, y, z] = slope.quaternion;
+    let spin = q.conjugate() * UnitQuaternion { w, v: Vec3::new(x, y, z) };
+    let (u, ratio) = (stage.strain.angular, 0.5 * turned.ratio);
+    turn.y += ratio * (u.cross(spin.v) - spin.w * u);
+    turn.s += (ratio - 0.5) * u.dot(spin.v);
+    curvature += (0.5 * turned.scale) * spin.v;
     let [vn, vm, um] = &stage.compliance;
     let n = *vn * strain + *vm * curvature;
     let m = vm.transpose_mul(strain) + *um * curvature;
-    let quaternion = core::array::from_fn(|j| {
-        stage.force_by_turn[j].dot(n)
-            + stage.moment_by_turn[j].dot(m)
-            + stage.velocity_by_turn[j].dot(velocity)
-            + along(&stage.spin_by_turn[j])
-    });
-    let at = Pull { quaternion, moment: stage.rotation * m };
+    turn.of_base(&stage.force_swing, n);
+    turn.of_base(&stage.moment_swing, m);
+    let at = Pull { quaternion: turn.quaternion(stage), moment: stage.rotation * m };
     let force = stage.rotation * n + stage.velocity.cross(slope.moment);
-    (at, Forcing { force_balance: -n, moment_balance: -m, force })
+    (at, Forcing { force_balance: -n, moment_balance: -m, force, ..Forcing::default() })
+}
+
+/// Sensitivity to `(s, y)` of [`super::replay::Turned`].
+#[derive(Clone, Copy, Debug, Default)]
+struct TurnPull {
+    s: f64,
+    y: Vec3,
+}
+
+impl TurnPull {
+    /// From that to a vector of the base frame, seen in the body frame.
+    fn of_base(&mut self, swing: &Swing, pull: Vec3) {
+        self.y += pull.cross(swing.arm);
+        self.s += swing.rest.dot(pull);
+    }
+
+    /// From that to a vector of the body, seen in the base frame.
+    fn of_body(&mut self, stage: &Stage, swing: &Swing, pull: Vec3) {
+        let arm = stage.rotation.transpose_mul(pull) - stage.turned.short * pull;
+        self.y += swing.arm.cross(arm);
+        self.s += swing.rest.dot(pull);
+    }
+
+    /// To the quaternion of the stage before it is scaled back.
+    fn quaternion(&self, stage: &Stage) -> [f64; 4] {
+        (stage.turned.quaternion * UnitQuaternion { w: self.s, v: self.y }).wxyz()
+    }
+}
+
+/// From the sensitivity to the turn of the end of a step to that to its quaternion.
+fn end_pull(ends: &Ends, turn: Vec3) -> [f64; 4] {
+    let q = ends.quaternion;
+    let t = ends.turn * turn;
+    let v = q.w * t + t.cross(q.v);
+    [-q.v.dot(t), v.x, v.y, v.z]
 }

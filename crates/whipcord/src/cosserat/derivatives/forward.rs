@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! (δv, δu) = H⁻¹ ((δN, δMᵦ) − e),   δN = ∂N/∂q δq + Rᵀ δF,   δMᵦ = ∂Mᵦ/∂q δq + Rᵀ δM     (d1)
-//! δq′ = ∂q′/∂q δq + ∂q′/∂u δu,   δp′ = ∂p′/∂q δq + R δv,   δM′ = F × δp′ + δF × p′         (d2)
+//! δq′ = ½ (δq̂ ∘ u + q̂ ∘ δu),   δp′ = ∂p′/∂q δq + R δv,   δM′ = F × δp′ + δF × p′           (d2)
 //! ```
 //!
 //! to which followers that are spread along the rod add what they turn ([`super::replay::Spread`]);
@@ -14,8 +14,10 @@
 
 use whipcord_numerics::{BUTCHER_5, Mat3, Vec3};
 
-use super::lanes::{LANES, Lane, LaneVec, cross, times, transpose_times};
-use super::replay::{AXES, Replay, Stage};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
+use super::replay::{AXES, Replay, Spread, Stage, Swing};
 use crate::cosserat::grid::Step;
 use crate::cosserat::loaded::STAGES;
 
@@ -42,12 +44,15 @@ pub(super) struct Effect {
     pub force: Vec3,
 }
 
-/// What acts within a stage: the explicit change `e` of the section equations, and of the force.
+/// What acts within a stage: the explicit change `e` of the section equations, that of the force, and
+/// those of the rates of moment and force, in the base frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Forcing {
     pub force_balance: Vec3,
     pub moment_balance: Vec3,
     pub force: Vec3,
+    pub torque: Vec3,
+    pub rate: Vec3,
 }
 
 impl Forcing {
@@ -56,6 +61,8 @@ impl Forcing {
         self.force_balance.dot(other.force_balance)
             + self.moment_balance.dot(other.moment_balance)
             + self.force.dot(other.force)
+            + self.torque.dot(other.torque)
+            + self.rate.dot(other.rate)
     }
 }
 
@@ -90,12 +97,14 @@ struct Ended {
     force: LaneVec,
 }
 
-/// `e` and `δF` at a stage, for each column of a pass.
+/// [`Forcing`] at a stage for each column of a pass.
 #[derive(Clone, Copy, Debug, Default)]
 struct Push {
     force_balance: LaneVec,
     moment_balance: LaneVec,
     force: LaneVec,
+    torque: LaneVec,
+    rate: LaneVec,
 }
 
 impl Maps {
@@ -109,56 +118,24 @@ impl Maps {
         more: usize,
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
     ) {
+        self.prepare(steps.len(), cables, more);
+        Arch::new().dispatch(AllSteps { maps: self, steps, replay, cables, forcing });
+    }
+
+    /// Room for the maps of so many steps by tensions and `more` inputs.
+    pub fn prepare(&mut self, steps: usize, cables: usize, more: usize) {
         self.inputs = cables + more;
         self.steps.clear();
         self.effects.clear();
+        self.effects.resize(steps * self.inputs, Effect::default());
         self.length_by_state.clear();
+        self.length_by_state.resize(steps * cables, Default::default());
         self.length_by_input.clear();
-        self.length_by_input.resize(steps.len() * self.inputs * cables, 0.0);
-        let columns = STATES + self.inputs;
-        let mut lengths = vec![Lane::default(); cables];
-        for (k, step) in steps.iter().enumerate() {
-            let active = step.active;
-            let force = replay.spread(k).map(|_| Default::default());
-            let pass_of = if force.is_some() { pass::<true> } else { pass::<false> };
-            let mut map = StepMap { force, ..StepMap::default() };
-            let (effects, by_state) = (self.effects.len(), self.length_by_state.len());
-            self.effects.resize(effects + self.inputs, Effect::default());
-            self.length_by_state.resize(by_state + cables, Default::default());
-            for first in (0..columns).step_by(LANES) {
-                let pushes = self.pushes(replay, k, cables, active, first, forcing);
-                lengths.fill(Lane::default());
-                let start = start(replay, k, first);
-                let ended = pass_of(step, replay, k, cables, &start, pushes.as_ref(), &mut lengths);
-                for lane in 0..LANES.min(columns - first) {
-                    let c = first + lane;
-                    let (turn, moment) = (ended.turn.get(lane), ended.moment.get(lane));
-                    let (shift, force) = (ended.shift.get(lane), ended.force.get(lane));
-                    if c < STATES {
-                        set_column(&mut map.turn[c / 3], c % 3, turn);
-                        set_column(&mut map.moment[c / 3], c % 3, moment);
-                        set_column(&mut map.shift[c / 3], c % 3, shift);
-                        if let Some(map) = &mut map.force {
-                            set_column(&mut map[c / 3], c % 3, force);
-                        }
-                        for (i, length) in lengths.iter().enumerate() {
-                            self.length_by_state[by_state + i][c / 3][c % 3] = length.0[lane];
-                        }
-                    } else {
-                        let input = c - STATES;
-                        self.effects[effects + input] = Effect { turn, moment, shift, force };
-                        let place = (k * self.inputs + input) * cables;
-                        for (i, length) in lengths.iter().enumerate() {
-                            self.length_by_input[place + i] = length.0[lane];
-                        }
-                    }
-                }
-            }
-            self.steps.push(map);
-        }
+        self.length_by_input.resize(steps * self.inputs * cables, 0.0);
     }
 
     /// What acts on the columns of a pass; `None` where nothing does.
+    #[inline(always)]
     fn pushes(
         &self,
         replay: &Replay,
@@ -181,7 +158,7 @@ impl Maps {
                     Forcing {
                         force_balance: pull.linear,
                         moment_balance: pull.angular,
-                        force: Vec3::ZERO,
+                        ..Forcing::default()
                     }
                 } else if input < self.inputs {
                     forcing(k, i, input - cables)
@@ -191,6 +168,8 @@ impl Maps {
                 push.force_balance.set(lane, forced.force_balance);
                 push.moment_balance.set(lane, forced.moment_balance);
                 push.force.set(lane, forced.force);
+                push.torque.set(lane, forced.torque);
+                push.rate.set(lane, forced.rate);
             }
         }
         Some(pushes)
@@ -202,6 +181,70 @@ impl Maps {
     }
 }
 
+/// [`Maps::compute`], compiled for each set of vector instructions; none of them fuses operations, so
+/// that all give the same bits.
+struct AllSteps<'a> {
+    maps: &'a mut Maps,
+    steps: &'a [Step],
+    replay: &'a Replay,
+    cables: usize,
+    forcing: &'a dyn Fn(usize, usize, usize) -> Forcing,
+}
+
+impl WithSimd for AllSteps<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { maps, steps, replay, cables, forcing } = self;
+        let inputs = maps.inputs;
+        let columns = STATES + inputs;
+        let mut lengths = vec![Lane::default(); cables];
+        for (k, step) in steps.iter().enumerate() {
+            let active = step.active;
+            let force = replay.spread(k).map(|_| Default::default());
+            let mut map = StepMap { force, ..StepMap::default() };
+            for first in (0..columns).step_by(LANES) {
+                let pushes = maps.pushes(replay, k, cables, active, first, forcing);
+                lengths.fill(Lane::default());
+                let start = start(replay, k, first);
+                let pushes = pushes.as_ref();
+                let ended = match replay.spread(k) {
+                    Some(spread) => {
+                        pass(step, replay, k, cables, &start, pushes, Some(spread), &mut lengths)
+                    }
+                    None => pass(step, replay, k, cables, &start, pushes, None, &mut lengths),
+                };
+                for lane in 0..LANES.min(columns - first) {
+                    let c = first + lane;
+                    let (turn, moment) = (ended.turn.get(lane), ended.moment.get(lane));
+                    let (shift, force) = (ended.shift.get(lane), ended.force.get(lane));
+                    if c < STATES {
+                        set_column(&mut map.turn[c / 3], c % 3, turn);
+                        set_column(&mut map.moment[c / 3], c % 3, moment);
+                        set_column(&mut map.shift[c / 3], c % 3, shift);
+                        if let Some(map) = &mut map.force {
+                            set_column(&mut map[c / 3], c % 3, force);
+                        }
+                        for (i, length) in lengths.iter().enumerate() {
+                            maps.length_by_state[k * cables + i][c / 3][c % 3] = length.0[lane];
+                        }
+                    } else {
+                        let input = c - STATES;
+                        maps.effects[k * inputs + input] = Effect { turn, moment, shift, force };
+                        let place = (k * inputs + input) * cables;
+                        for (i, length) in lengths.iter().enumerate() {
+                            maps.length_by_input[place + i] = length.0[lane];
+                        }
+                    }
+                }
+            }
+            maps.steps.push(map);
+        }
+    }
+}
+
+#[inline(always)]
 fn set_column(m: &mut Mat3, column: usize, v: Vec3) {
     for (row, value) in m.rows.iter_mut().zip([v.x, v.y, v.z]) {
         row[column] = value;
@@ -209,6 +252,7 @@ fn set_column(m: &mut Mat3, column: usize, v: Vec3) {
 }
 
 /// The columns from `first` on at the start of a step: units of the state, nothing of the inputs.
+#[inline(always)]
 fn start(replay: &Replay, k: usize, first: usize) -> Pass {
     let mut pass = Pass::default();
     for lane in 0..LANES {
@@ -227,15 +271,18 @@ fn start(replay: &Replay, k: usize, first: usize) -> Pass {
     pass
 }
 
-/// One step of a few columns; `lengths` gathers what they add to the cables. `SPREAD`: whether followers
-/// are spread along it.
-fn pass<const SPREAD: bool>(
+/// One step of a few columns; `lengths` gathers what they add to the cables, `spread` is what
+/// followers do along it.
+#[expect(clippy::too_many_arguments, reason = "a step and all that acts on it")]
+#[inline(always)]
+fn pass(
     step: &Step,
     replay: &Replay,
     k: usize,
     cables: usize,
     start: &Pass,
     pushes: Option<&[Push; STAGES]>,
+    spread: Option<&[Spread; STAGES]>,
     lengths: &mut [Lane],
 ) -> Ended {
     let table = &BUTCHER_5;
@@ -244,8 +291,8 @@ fn pass<const SPREAD: bool>(
     let mut torques = [LaneVec::default(); STAGES];
     let mut end = *start;
     let mut shift = LaneVec::default();
-    let spread = if SPREAD { replay.spread(k) } else { None };
-    let mut pushed = [LaneVec::default(); STAGES];
+    // Of the force.
+    let mut rates = [LaneVec::default(); STAGES];
     for i in 0..STAGES {
         let stage = &replay.stages[STAGES * k + i];
         let (mut q, mut moment) = (start.quaternion, start.moment);
@@ -263,16 +310,22 @@ fn pass<const SPREAD: bool>(
             Some(push) => start.force + push.force,
             None => start.force,
         };
-        if spread.is_some() {
-            for (push, f) in pushed[..i].iter().zip(table.a[i]) {
-                force += (-h * f) * *push;
+        if spread.is_some() || push.is_some() {
+            for (rate, f) in rates[..i].iter().zip(table.a[i]) {
+                force += (h * f) * *rate;
             }
         }
         let mut slopes = slopes(stage, &q, &moment, &force, push);
+        if let Some(push) = push {
+            slopes.torque += push.torque;
+            rates[i] = push.rate;
+        }
         if let Some(spread) = spread {
-            pushed[i] = combine(&spread[i].force_by_turn, &q);
-            slopes.torque = slopes.torque - combine(&spread[i].moment_by_turn, &q);
-            end.force += (-h * table.b[i]) * pushed[i];
+            rates[i] = rates[i] - to_base(stage, &spread[i].force, &slopes.turn);
+            slopes.torque = slopes.torque - to_base(stage, &spread[i].moment, &slopes.turn);
+        }
+        if spread.is_some() || push.is_some() {
+            end.force += (h * table.b[i]) * rates[i];
         }
         (spins[i], torques[i]) = (slopes.spin, slopes.torque);
         let weight = h * table.b[i];
@@ -290,15 +343,17 @@ fn pass<const SPREAD: bool>(
                 weight * (slopes.strain.dot(pull.linear) + slopes.curvature.dot(pull.angular));
         }
     }
-    let mut turn = LaneVec::default();
-    for (column, q) in replay.ends[k].turn_by_end.iter().zip(&end.quaternion) {
-        turn += LaneVec { x: column.x * *q, y: column.y * *q, z: column.z * *q };
-    }
+    let ends = &replay.ends[k];
+    // 2 f² (δq ∘ q*).
+    let [w, x, y, z] = end.quaternion;
+    let (change, q) = (LaneVec { x, y, z }, ends.quaternion);
+    let turn = ends.turn * (q.w * change - along(q.v, w) + cross(q.v, &change));
     Ended { turn, moment: end.moment, shift, force: end.force }
 }
 
 /// What a stage returns for a few columns.
 struct Slopes {
+    turn: LaneTurn,
     spin: [Lane; 4],
     velocity: LaneVec,
     torque: LaneVec,
@@ -306,17 +361,31 @@ struct Slopes {
     curvature: LaneVec,
 }
 
+/// `(s, y)` of [`super::replay::Turned`].
+struct LaneTurn {
+    s: Lane,
+    y: LaneVec,
+}
+
 /// Eqs. (d1) and (d2).
 #[inline(always)]
 fn slopes(
     stage: &Stage,
-    q: &[Lane; 4],
+    &[w, x, y, z]: &[Lane; 4],
     moment: &LaneVec,
     force: &LaneVec,
     push: Option<&Push>,
 ) -> Slopes {
-    let mut n = combine(&stage.force_by_turn, q) + transpose_times(&stage.rotation, force);
-    let mut m = combine(&stage.moment_by_turn, q) + transpose_times(&stage.rotation, moment);
+    let turned = &stage.turned;
+    let (q, change) = (turned.quaternion, LaneVec { x, y, z });
+    let turn = LaneTurn {
+        s: q.w * w + change.dot(q.v),
+        y: q.w * change - along(q.v, w) - cross(q.v, &change),
+    };
+    let LaneTurn { s, y } = &turn;
+    let to_body = |swing: &Swing| cross(swing.arm, y) + along(swing.rest, *s);
+    let mut n = to_body(&stage.force_swing) + transpose_times(&stage.rotation, force);
+    let mut m = to_body(&stage.moment_swing) + transpose_times(&stage.rotation, moment);
     if let Some(push) = push {
         n = n - push.force_balance;
         m = m - push.moment_balance;
@@ -324,27 +393,27 @@ fn slopes(
     let [vn, vm, um] = &stage.compliance;
     let strain = times(vn, &n) + times(vm, &m);
     let curvature = transpose_times(vm, &n) + times(um, &m);
-    let velocity = combine(&stage.velocity_by_turn, q) + times(&stage.rotation, &strain);
+    let swing = &stage.velocity_swing;
+    // y × arm.
+    let swung = -cross(swing.arm, y);
+    let velocity =
+        times(&stage.rotation, &(strain + swung)) - turned.short * swung + along(swing.rest, *s);
     // δF × p′ = −p′ × δF.
     let torque = cross(stage.force, &velocity) - cross(stage.velocity, force);
-    let by_turn = &stage.spin_by_turn;
-    let by_curvature = &stage.spin_by_curvature;
-    let spin = core::array::from_fn(|r| {
-        (by_turn[0][r] * q[0] + by_turn[1][r] * q[1])
-            + (by_turn[2][r] * q[2] + by_turn[3][r] * q[3])
-            + (by_curvature[0][r] * curvature.x
-                + by_curvature[1][r] * curvature.y
-                + by_curvature[2][r] * curvature.z)
-    });
-    Slopes { spin, velocity, torque, strain, curvature }
+    let u = stage.strain.angular;
+    let (half, ratio) = (0.5 * turned.scale, 0.5 * turned.ratio);
+    let (b, a) = (
+        along(u, (ratio - 0.5) * *s) - ratio * cross(u, y) + half * curvature,
+        -(ratio * y.dot(u)),
+    );
+    let spun = q.w * b + along(q.v, a) + cross(q.v, &b);
+    let spin = [q.w * a - b.dot(q.v), spun.x, spun.y, spun.z];
+    Slopes { turn, spin, velocity, torque, strain, curvature }
 }
 
+/// `∂(R x)` of a vector of the body.
 #[inline(always)]
-fn combine(columns: &[Vec3; 4], q: &[Lane; 4]) -> LaneVec {
-    let [a, b, c, d] = columns;
-    LaneVec {
-        x: (a.x * q[0] + b.x * q[1]) + (c.x * q[2] + d.x * q[3]),
-        y: (a.y * q[0] + b.y * q[1]) + (c.y * q[2] + d.y * q[3]),
-        z: (a.z * q[0] + b.z * q[1]) + (c.z * q[2] + d.z * q[3]),
-    }
+fn to_base(stage: &Stage, swing: &Swing, turn: &LaneTurn) -> LaneVec {
+    let swung = -cross(swing.arm, &turn.y);
+    times(&stage.rotation, &swung) - stage.turned.short * swung + along(swing.rest, turn.s)
 }

@@ -1,7 +1,7 @@
 //! Several derivatives at once: a number for each of a few columns, so that one pass over a stage
 //! serves them all and the compiler has independent operations to put side by side.
 
-use core::ops::{Add, AddAssign, Mul, Sub};
+use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use whipcord_numerics::{Mat3, Vec3};
 
@@ -10,6 +10,7 @@ pub(super) const LANES: usize = 4;
 
 /// One number of each column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(32))]
 pub(super) struct Lane(pub [f64; LANES]);
 
 /// One vector of each column.
@@ -20,11 +21,37 @@ pub(super) struct LaneVec {
     pub z: Lane,
 }
 
+/// One 3×3 matrix of each column, by rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LaneMat {
+    pub rows: [LaneVec; 3],
+}
+
+impl Lane {
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    /// What a function has of each number.
+    #[inline(always)]
+    pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        Self([f(self.0[0]), f(self.0[1]), f(self.0[2]), f(self.0[3])])
+    }
+
+    #[inline(always)]
+    fn with(self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        let (a, b) = (self.0, b.0);
+        Self([f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2]), f(a[3], b[3])])
+    }
+}
+
 impl Add for Lane {
     type Output = Self;
     #[inline(always)]
     fn add(self, b: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i] + b.0[i]))
+        self.with(b, |a, b| a + b)
     }
 }
 
@@ -32,7 +59,15 @@ impl Sub for Lane {
     type Output = Self;
     #[inline(always)]
     fn sub(self, b: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i] - b.0[i]))
+        self.with(b, |a, b| a - b)
+    }
+}
+
+impl Neg for Lane {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
     }
 }
 
@@ -43,11 +78,19 @@ impl AddAssign for Lane {
     }
 }
 
+impl Mul for Lane {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, b: Self) -> Self {
+        self.with(b, |a, b| a * b)
+    }
+}
+
 impl Mul<Lane> for f64 {
     type Output = Lane;
     #[inline(always)]
     fn mul(self, b: Lane) -> Lane {
-        Lane(core::array::from_fn(|i| self * b.0[i]))
+        b.map(|b| self * b)
     }
 }
 
@@ -69,6 +112,28 @@ impl LaneVec {
     pub fn dot(&self, a: Vec3) -> Lane {
         a.x * self.x + a.y * self.y + a.z * self.z
     }
+
+    /// `a · b` of each column.
+    #[inline(always)]
+    pub fn inner(&self, b: &Self) -> Lane {
+        self.x * b.x + self.y * b.y + self.z * b.z
+    }
+
+    /// `a × b` of each column.
+    #[inline(always)]
+    pub fn cross(&self, b: &Self) -> Self {
+        Self {
+            x: self.y * b.z - self.z * b.y,
+            y: self.z * b.x - self.x * b.z,
+            z: self.x * b.y - self.y * b.x,
+        }
+    }
+
+    /// Each vector by the number of its column.
+    #[inline(always)]
+    pub fn scaled(&self, f: Lane) -> Self {
+        Self { x: f * self.x, y: f * self.y, z: f * self.z }
+    }
 }
 
 impl Add for LaneVec {
@@ -87,6 +152,14 @@ impl Sub for LaneVec {
     }
 }
 
+impl Neg for LaneVec {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}
+
 impl AddAssign for LaneVec {
     #[inline(always)]
     fn add_assign(&mut self, b: Self) {
@@ -100,6 +173,12 @@ impl Mul<LaneVec> for f64 {
     fn mul(self, b: LaneVec) -> LaneVec {
         LaneVec { x: self * b.x, y: self * b.y, z: self * b.z }
     }
+}
+
+/// `a` by the number of each column.
+#[inline(always)]
+pub(super) fn along(a: Vec3, f: Lane) -> LaneVec {
+    LaneVec { x: a.x * f, y: a.y * f, z: a.z * f }
 }
 
 /// `m v` of each column.
@@ -123,4 +202,113 @@ pub(super) fn transpose_times(m: &Mat3, v: &LaneVec) -> LaneVec {
 #[inline(always)]
 pub(super) fn cross(a: Vec3, v: &LaneVec) -> LaneVec {
     LaneVec { x: a.y * v.z - a.z * v.y, y: a.z * v.x - a.x * v.z, z: a.x * v.y - a.y * v.x }
+}
+
+impl LaneMat {
+    /// The matrix of one column.
+    #[inline]
+    pub fn get(&self, lane: usize) -> Mat3 {
+        let [a, b, c] = &self.rows;
+        Mat3::from_rows(a.get(lane), b.get(lane), c.get(lane))
+    }
+
+    /// Sets the matrix of one column.
+    #[inline]
+    pub fn set(&mut self, lane: usize, m: &Mat3) {
+        for (row, value) in self.rows.iter_mut().zip(m.rows) {
+            row.set(lane, value);
+        }
+    }
+
+    /// `â` with `â b = a × b`.
+    #[inline(always)]
+    pub fn skew(a: &LaneVec) -> Self {
+        let none = Lane::default();
+        Self {
+            rows: [
+                LaneVec { x: none, y: -a.z, z: a.y },
+                LaneVec { x: a.z, y: none, z: -a.x },
+                LaneVec { x: -a.y, y: a.x, z: none },
+            ],
+        }
+    }
+
+    /// The multiple of the identity.
+    #[inline(always)]
+    pub fn diagonal(f: Lane) -> Self {
+        let none = Lane::default();
+        Self {
+            rows: [
+                LaneVec { x: f, y: none, z: none },
+                LaneVec { x: none, y: f, z: none },
+                LaneVec { x: none, y: none, z: f },
+            ],
+        }
+    }
+
+    /// `â self`.
+    #[inline(always)]
+    pub fn crossed(&self, a: &LaneVec) -> Self {
+        let [x, y, z] = &self.rows;
+        Self {
+            rows: [
+                z.scaled(a.y) - y.scaled(a.z),
+                x.scaled(a.z) - z.scaled(a.x),
+                y.scaled(a.x) - x.scaled(a.y),
+            ],
+        }
+    }
+
+    /// `self b`.
+    #[inline(always)]
+    pub fn times(&self, b: &Self) -> Self {
+        let row =
+            |a: &LaneVec| b.rows[0].scaled(a.x) + b.rows[1].scaled(a.y) + b.rows[2].scaled(a.z);
+        Self { rows: [row(&self.rows[0]), row(&self.rows[1]), row(&self.rows[2])] }
+    }
+
+    /// `self bᵀ`.
+    #[inline(always)]
+    pub fn times_transpose(&self, b: &Self) -> Self {
+        let row = |a: &LaneVec| LaneVec {
+            x: a.inner(&b.rows[0]),
+            y: a.inner(&b.rows[1]),
+            z: a.inner(&b.rows[2]),
+        };
+        Self { rows: [row(&self.rows[0]), row(&self.rows[1]), row(&self.rows[2])] }
+    }
+
+    /// Each matrix by the number of its column.
+    #[inline(always)]
+    pub fn scaled(&self, f: Lane) -> Self {
+        let [a, b, c] = &self.rows;
+        Self { rows: [a.scaled(f), b.scaled(f), c.scaled(f)] }
+    }
+}
+
+impl Add for LaneMat {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        let ([a, c, e], [b, d, f]) = (self.rows, b.rows);
+        Self { rows: [a + b, c + d, e + f] }
+    }
+}
+
+impl Sub for LaneMat {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        let ([a, c, e], [b, d, f]) = (self.rows, b.rows);
+        Self { rows: [a - b, c - d, e - f] }
+    }
+}
+
+impl Mul<LaneMat> for f64 {
+    type Output = LaneMat;
+    #[inline(always)]
+    fn mul(self, b: LaneMat) -> LaneMat {
+        let [x, y, z] = b.rows;
+        LaneMat { rows: [self * x, self * y, self * z] }
+    }
 }

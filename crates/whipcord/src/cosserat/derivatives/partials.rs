@@ -1,14 +1,16 @@
 //! Where a parameter enters: the explicit change `e` of the section equations, of the force, of the
 //! loads between steps and of the cables' lengths, at constant strain and shape.
 
-use whipcord_numerics::{BUTCHER_5, GAUSS_3, Twist, UnitQuaternion, Vec3};
+use whipcord_numerics::{GAUSS_3, Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
 use super::forward::Forcing;
-use super::replay::{AXES, Replay};
+use super::linear::Linear;
+use super::mass_change::MassChange;
+use super::replay::AXES;
+use super::spread_change::SpreadChange;
 use crate::case::{Case, Shortening};
-use crate::cosserat::grid::{Grid, Layout, SHOOTING_NODES, Step};
-use crate::cosserat::loaded::{NODE_OF_STAGE, STAGES};
-use crate::cosserat::section::{Stiffness, Strain};
+use crate::cosserat::grid::{Grid, Layout, Node, SHOOTING_NODES, Step};
+use crate::cosserat::section::{BodyWrench, Crossing, Stiffness, Strain};
 use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::{Robot, RobotError, RouteChange, Routing, SectionProperties};
 use crate::shape::Wrench;
@@ -21,6 +23,8 @@ pub(super) struct Setting<'a> {
     pub layout: &'a Layout,
     pub grid: &'a Grid,
     pub tensions: &'a [f64],
+    /// Frames at the ends of all steps.
+    pub poses: &'a [Pose],
 }
 
 impl Setting<'_> {
@@ -38,18 +42,35 @@ impl Setting<'_> {
     }
 }
 
+/// A section of the linearised answer.
+#[derive(Clone, Copy, Debug)]
+struct Place<'a> {
+    /// Its step, and where along the backbone.
+    k: usize,
+    s: f64,
+    /// Somewhere within the step.
+    inside: f64,
+    node: &'a Node,
+    crossings: &'a [Crossing],
+    strain: Strain,
+    pulls: &'a [(BodyWrench, f64)],
+    rotation: Mat3,
+}
+
 /// One parameter, with all that its partial derivatives take.
 #[derive(Clone, Debug)]
 pub(super) struct Partial {
     parameter: Parameter,
     /// By cables, in the order of the grid.
     routes: Vec<Option<RouteChange>>,
-    /// Change of the mass beyond each node; empty where there is none.
-    masses: Vec<f64>,
+    masses: MassChange,
+    spread: SpreadChange,
     /// Of the cables' lengths at rest.
     pub rest_lengths: Vec<f64>,
-    /// What acts at each stage; empty where nothing does.
+    /// What acts at each section within the steps; empty where nothing does.
     forcing: Vec<Forcing>,
+    /// What acts just behind each node, and at the tip in front of it.
+    at_nodes: Vec<Forcing>,
     /// Of the cables' lengths at constant strain.
     pub lengths: Vec<f64>,
     /// The wrench that is added at a node, base frame.
@@ -63,7 +84,7 @@ impl Partial {
     /// [`RobotError`] when robot and case have no such quantity.
     pub fn new(
         setting: &Setting<'_>,
-        replay: &Replay,
+        linear: &Linear,
         parameter: &Parameter,
     ) -> Result<Self, RobotError> {
         let Setting { robot, case, layout, .. } = *setting;
@@ -75,34 +96,39 @@ impl Partial {
             rest_lengths: vec![0.0; routes.len()],
             lengths: vec![0.0; routes.len()],
             routes,
-            masses: Vec::new(),
+            masses: MassChange::default(),
+            spread: SpreadChange::new(&case.loads, parameter),
             forcing: Vec::new(),
+            at_nodes: Vec::new(),
             added: None,
             targets: Vec::new(),
         };
-        if partial.has_mass() {
-            partial.masses = mass_changes(setting, parameter);
-        }
+        partial.masses = MassChange::new(setting, parameter);
         partial.change_rest_lengths(setting);
-        partial.act(setting, replay);
-        partial.added = partial.wrench(setting, replay);
+        partial.act(setting, linear);
+        partial.added = partial.wrench(setting);
         partial.targets =
             (0..partial.routes.len()).map(|place| partial.target(setting, place)).collect();
         Ok(partial)
     }
 
-    /// What acts at a stage.
+    /// What acts at a section within a step, by its number along the rod.
     #[inline]
-    pub fn forcing(&self, stage: usize) -> Forcing {
-        self.forcing.get(stage).copied().unwrap_or_default()
+    pub fn forcing(&self, at: usize) -> Forcing {
+        self.forcing.get(at).copied().unwrap_or_default()
     }
 
-    /// Whether anything acts within a stage.
+    /// What acts just behind a node, and at the tip in front of it.
+    pub fn at_node(&self, node: usize) -> Forcing {
+        self.at_nodes.get(node).copied().unwrap_or_default()
+    }
+
+    /// Whether anything acts within a step.
     pub fn acts(&self) -> bool {
         !self.forcing.is_empty()
     }
 
-    fn wrench(&self, setting: &Setting<'_>, replay: &Replay) -> Option<(usize, Wrench)> {
+    fn wrench(&self, setting: &Setting<'_>) -> Option<(usize, Wrench)> {
         let loads = &setting.case.loads;
         let (place, force, moment, follower) = match self.parameter {
             Parameter::TipForce { axis } => {
@@ -117,11 +143,17 @@ impl Partial {
             Parameter::PointMoment { load, axis } => {
                 (setting.grid.loads[load], Vec3::ZERO, AXES[axis], loads.points[load].follower)
             }
+            Parameter::PointMass { mass } => {
+                let place = setting.grid.loads[loads.points.len() + mass];
+                (place, loads.gravity.unwrap_or_default(), Vec3::ZERO, false)
+            }
             _ => return None,
         };
         // What is applied to the clamped base bends nothing.
-        let ends = replay.ends.get(place.checked_sub(1)?)?;
-        let rotation = if follower { ends.pose.rotation } else { setting.turn() };
+        if place == 0 {
+            return None;
+        }
+        let rotation = if follower { setting.poses[place].rotation } else { setting.turn() };
         let wrench = Wrench { force: rotation.rotate(force), moment: rotation.rotate(moment) };
         Some((place, wrench))
     }
@@ -146,20 +178,6 @@ impl Partial {
             }
         };
         asked + stretch * setting.tensions[place]
-    }
-
-    fn has_mass(&self) -> bool {
-        matches!(
-            self.parameter,
-            Parameter::Density
-                | Parameter::LinearDensity
-                | Parameter::DiskMass
-                | Parameter::Diameter
-                | Parameter::DiameterAt { .. }
-                | Parameter::InnerDiameter
-                | Parameter::Width
-                | Parameter::Height
-        )
     }
 
     /// Whether the strain at rest or a course changes.
@@ -220,10 +238,12 @@ impl Partial {
     }
 
     /// Forcing of all stages, and the explicit change of lengths.
-    fn act(&mut self, setting: &Setting<'_>, replay: &Replay) {
-        let Setting { robot, grid, .. } = *setting;
+    fn act(&mut self, setting: &Setting<'_>, linear: &Linear) {
+        let Setting { grid, tensions, .. } = *setting;
+        let cables = tensions.len();
         let acts = self.changes_rest()
-            || !self.masses.is_empty()
+            || self.masses.any()
+            || !self.spread.pieces.is_empty()
             || matches!(
                 self.parameter,
                 Parameter::YoungModulus
@@ -239,38 +259,62 @@ impl Partial {
         }
         let mut lengths = self.rest_lengths.clone();
         for (k, step) in grid.steps.iter().enumerate() {
-            for i in 0..STAGES {
-                let (j, at) = (NODE_OF_STAGE[i], STAGES * k + i);
-                let s = step.start + BUTCHER_5.c[i] * step.length;
-                let weight = BUTCHER_5.b[i] * step.length;
-                let out = self.act_at(setting, replay, (k, j, at), s, weight, &mut lengths);
+            let inside = step.start + 0.5 * step.length;
+            for i in 0..linear.per_step() {
+                let at = linear.per_step() * k + i;
+                let (place, weight) = linear.place(i);
+                let s = step.start + place * step.length;
+                let (node, crossings) = linear.node(grid, k, i, step.active);
+                let strain = linear.strain(at);
+                let pulls = linear.pulls(at, cables, step.active);
+                let section = Place {
+                    k,
+                    s,
+                    inside,
+                    node,
+                    crossings,
+                    strain,
+                    pulls,
+                    rotation: linear.rotation(at),
+                };
+                let out = self.act_at(setting, &section, weight * step.length, &mut lengths);
                 self.forcing.push(out);
             }
         }
-        // The section at the tip, which belongs to no step.
-        let (last, at) = (grid.len() - 1, STAGES * grid.len());
-        let tip = robot.backbone().length;
-        let out = self.act_at(setting, replay, (last, LAST_NODE, at), tip, 0.0, &mut lengths);
-        self.forcing.push(out);
+        for n in 0..=grid.len() {
+            let k = n.min(grid.len() - 1);
+            let j = if n == k { 0 } else { LAST_NODE };
+            let step = &grid.steps[k];
+            let (place, inside) = (SHOOTING_NODES[j], step.start + 0.5 * step.length);
+            let (node, crossings) = grid.shooting.at(k, j, step.active);
+            let stage = linear.at_node(n);
+            let section = Place {
+                k,
+                s: step.start + place * step.length,
+                inside,
+                node,
+                crossings,
+                strain: stage.strain,
+                pulls: linear.pulls_at_node(n, cables, step.active),
+                rotation: stage.rotation,
+            };
+            let out = self.act_at(setting, &section, 0.0, &mut lengths);
+            self.at_nodes.push(out);
+        }
         self.lengths = lengths;
     }
 
-    /// What acts at one stage, given by its step, node and number; adds to the lengths.
+    /// What acts at one section; adds to the lengths.
     fn act_at(
         &self,
         setting: &Setting<'_>,
-        replay: &Replay,
-        (k, j, at): (usize, usize, usize),
-        s: f64,
+        section: &Place<'_>,
         weight: f64,
         lengths: &mut [f64],
     ) -> Forcing {
-        let Setting { robot, grid, tensions, .. } = *setting;
-        let step = grid.steps[k];
-        let (active, inside) = (step.active, step.start + 0.5 * step.length);
-        let (node, crossings) = grid.shooting.at(k, j, active);
-        let stage = &replay.stages[at];
-        let (v, u) = (stage.strain.linear, stage.strain.angular);
+        let Setting { robot, tensions, .. } = *setting;
+        let Place { k, s, inside, node, crossings, strain: at, pulls, .. } = *section;
+        let (v, u) = (at.linear, at.angular);
         let mut out = Forcing::default();
         let strain = Twist { linear: v - Vec3::Z, angular: u - node.section.rest_curvature };
         if let Parameter::Stiffness { row, column } = self.parameter {
@@ -292,20 +336,21 @@ impl Partial {
             out.force_balance -= wrench.linear;
             out.moment_balance -= wrench.angular;
         }
+        self.spread.act(&mut out, setting.turn(), section.s, inside, &section.rotation);
         match self.parameter {
             Parameter::Gravity { axis } => {
                 let mass = node.distal_mass + setting.carried_beyond(k);
                 out.force = mass * setting.turn().rotate(AXES[axis]);
             }
             _ => {
-                if let Some(mass) = self.masses.get(NODES * k + j) {
+                if self.masses.any() {
                     let gravity = setting.case.loads.gravity.unwrap_or_default();
-                    out.force = *mass * setting.turn().rotate(gravity);
+                    let mass = self.masses.beyond(setting, &self.parameter, k, s);
+                    out.force += mass * setting.turn().rotate(gravity);
                 }
             }
         }
         let rest_changes = self.changes_rest();
-        let pulls = replay.pulls_at(at, tensions.len(), active);
         for (place, (crossing, (pull, stretch))) in crossings.iter().zip(pulls).enumerate() {
             if rest_changes {
                 lengths[place] -= weight * self.rest_stretch(setting, place, s, inside);
@@ -326,9 +371,8 @@ impl Partial {
     }
 }
 
-/// Places of the shooting grid in a step, and the last of them.
-const NODES: usize = SHOOTING_NODES.len();
-const LAST_NODE: usize = NODES - 1;
+/// The last place of the shooting grid in a step.
+const LAST_NODE: usize = SHOOTING_NODES.len() - 1;
 
 /// Refuses a parameter that robot and case do not have.
 fn exists(robot: &Robot, case: &Case, parameter: &Parameter) -> Result<(), RobotError> {
@@ -415,40 +459,4 @@ fn entry_wrench(row: usize, column: usize, strain: Twist) -> Twist {
         add(column, component(row));
     }
     wrench
-}
-
-/// Change of the mass beyond each node of the shooting grid; so many to a step.
-fn mass_changes(setting: &Setting<'_>, parameter: &Parameter) -> Vec<f64> {
-    let Setting { robot, grid, .. } = *setting;
-    let backbone = robot.backbone();
-    let (density, disks) = (backbone.material.density.unwrap_or(0.0), robot.disks());
-    let given = backbone.linear_density.is_some();
-    let linear = |s: f64| match parameter {
-        Parameter::LinearDensity => 1.0,
-        Parameter::Density => backbone.section_at(disks, s).map_or(0.0, |p| p.area),
-        // A mass per length that is given does not follow from the section.
-        _ if given => 0.0,
-        _ => backbone.section_change(disks, s, s, parameter).map_or(0.0, |p| density * p.area),
-    };
-    let between = |from: f64, to: f64| {
-        let at = |i: usize| linear(from + GAUSS_3.nodes[i] * (to - from));
-        (to - from) * (0..3).map(|i| GAUSS_3.weights[i] * at(i)).sum::<f64>()
-    };
-    let mut at_nodes = vec![0.0; grid.len() + 1];
-    if *parameter == Parameter::DiskMass {
-        for &k in &grid.disks {
-            at_nodes[k] += 1.0;
-        }
-    }
-    let mut masses = vec![0.0; NODES * grid.len()];
-    let mut mass = 0.0;
-    for (k, step) in grid.steps.iter().enumerate().rev() {
-        mass += at_nodes[k + 1];
-        let end = step.start + step.length;
-        for (j, &c) in SHOOTING_NODES.iter().enumerate() {
-            masses[NODES * k + j] = mass + between(step.start + c * step.length, end);
-        }
-        mass += between(step.start, end);
-    }
-    masses
 }

@@ -23,14 +23,11 @@ const LAST_NODE: usize = 4;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stage {
     pub strain: Strain,
-    /// `∂N`, `∂Mᵦ` and `∂p′` by each component of the quaternion before it is scaled back.
-    pub force_by_turn: [Vec3; 4],
-    pub moment_by_turn: [Vec3; 4],
-    pub velocity_by_turn: [Vec3; 4],
-    /// `∂q′` by each of them, at constant curvature.
-    pub spin_by_turn: [[f64; 4]; 4],
-    /// `∂q′` by the curvature.
-    pub spin_by_curvature: [[f64; 4]; 3],
+    pub turned: Turned,
+    /// How `N`, `Mᵦ` and `p′` turn.
+    pub force_swing: Swing,
+    pub moment_swing: Swing,
+    pub velocity_swing: Swing,
     /// `R`, as the stage has it.
     pub rotation: Mat3,
     /// `F` in the base frame.
@@ -43,12 +40,67 @@ pub(super) struct Stage {
     pub compliance: [Mat3; 3],
 }
 
+/// The quaternion `q` of a stage and how it is scaled back to `q̂ = f q`, `f = (3 − |q|²)/2`.
+///
+/// With `(s, y) = q* ∘ δq` its frame turns by `η = 2 y/|q|²` in the body frame, and grows by
+/// `σ = 2 s (f − |q|²)/(f |q|²)`, which is what the scaling leaves of a change of norm.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Turned {
+    pub quaternion: UnitQuaternion,
+    /// `f`.
+    pub scale: f64,
+    /// `f/|q|²`.
+    pub ratio: f64,
+    /// `1 − |q̂|²`.
+    pub short: f64,
+    /// `η/y` and `σ/s`.
+    turn: f64,
+    growth: f64,
+}
+
+/// How a vector turns with `(s, y)`: `∂(Rᵀ a) = arm × y + s rest` of one that is given in the base
+/// frame, `∂(R x) = (R − (1 − |q̂|²) I)(y × arm) + s rest` of one of the body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Swing {
+    pub arm: Vec3,
+    pub rest: Vec3,
+}
+
+impl Turned {
+    fn new(&[w, x, y, z, ..]: &State) -> Self {
+        let quaternion = UnitQuaternion { w, v: Vec3::new(x, y, z) };
+        let squared = w * w + quaternion.v.norm_squared();
+        let scale = 1.5 - 0.5 * squared;
+        Self {
+            quaternion,
+            scale,
+            ratio: scale / squared,
+            short: 1.0 - scale * scale * squared,
+            turn: 2.0 / squared,
+            growth: 2.0 * (scale - squared) / (scale * squared),
+        }
+    }
+
+    /// Of a vector of the base frame, which is `to_body` in that of the section.
+    fn swing_to_body(&self, to_body: Vec3, given: Vec3) -> Swing {
+        Swing {
+            arm: self.turn * (to_body - self.short * given),
+            rest: self.growth * (to_body - given),
+        }
+    }
+
+    /// Of a vector of the body, which is `to_base` in the base frame.
+    fn swing_to_base(&self, to_base: Vec3, given: Vec3) -> Swing {
+        Swing { arm: self.turn * given, rest: self.growth * (to_base - given) }
+    }
+}
+
 /// What turns with the section and is spread along a step, at one stage: its force and moment per
-/// metre in the base frame, by each component of the quaternion before it is scaled back.
+/// metre.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spread {
-    pub force_by_turn: [Vec3; 4],
-    pub moment_by_turn: [Vec3; 4],
+    pub force: Swing,
+    pub moment: Swing,
 }
 
 /// Where a step starts and ends.
@@ -56,8 +108,10 @@ pub(super) struct Spread {
 pub(super) struct Ends {
     /// `∂q` at the start by a turn of the start about each axis of the base frame.
     pub start_by_turn: [[f64; 4]; 3],
-    /// Turn of the end, base frame, by each component of the quaternion before it is scaled back.
-    pub turn_by_end: [Vec3; 4],
+    /// Quaternion of the end before it is scaled back, and how it is: the turn of the end in the base
+    /// frame is `2 f² (δq ∘ q*)`.
+    pub quaternion: UnitQuaternion,
+    pub turn: f64,
     /// Frame at the end.
     pub pose: Pose,
     /// Force in the base frame just before the end.
@@ -108,6 +162,7 @@ impl Replay {
         let Answer { grid, loads, tensions, .. } = *answer;
         let cables = tensions.len();
         self.stages.clear();
+        self.stages.reserve(STAGES * grid.len() + 1);
         self.pulls.clear();
         self.pulls.resize(STAGES * grid.len() * cables, Default::default());
         self.ends.clear();
@@ -115,6 +170,10 @@ impl Replay {
         self.base_moment = answer.base_moment;
         self.base_force = loads.base_force() + answer.follower_force;
         let known = answer.strains.len() == STAGES * grid.len();
+        // The last shot has met the equilibrium of every section, but that of a chain, whose starts
+        // have been moved since.
+        let met = known && answer.starts.is_none();
+        self.stages.resize(STAGES * grid.len(), Stage::default());
         let mut strain = grid.shooting.at(0, 0, 0).0.section.rest_strain();
         let mut moment = answer.base_moment;
         let mut follower_force = answer.follower_force;
@@ -146,8 +205,10 @@ impl Replay {
                     strain = answer.strains[STAGES * k + i];
                 }
                 let fault = |kind| Fault { kind, arc_length: step.start + BUTCHER_5.c[i] * h };
-                equilibrium(&node.section, crossings, active, wrench, &mut strain)
-                    .map_err(fault)?;
+                if !met {
+                    equilibrium(&node.section, crossings, active, wrench, &mut strain)
+                        .map_err(fault)?;
+                }
                 let tangent =
                     Tangent::at(&node.section, crossings, active, &strain).map_err(fault)?;
                 let place = (STAGES * k + i) * cables;
@@ -164,25 +225,16 @@ impl Replay {
                     pushes[i] = r * line.follower_force(t);
                 }
                 slopes[i] = pack(turned * spin, velocity, torque);
-                let mut made = Stage {
-                    strain,
-                    rotation: r,
-                    force,
-                    moment,
-                    velocity,
-                    compliance: tangent.compliance(),
-                    ..Stage::default()
-                };
-                made.differentiate(&stage, turned, moment, &wrench);
+                let made = &mut self.stages[STAGES * k + i];
+                made.set(strain, Turned::new(&stage), r, (force, moment), &wrench, &tangent);
                 if let Some(line) = line.filter(|_| follows) {
                     let t = BUTCHER_5.c[i];
-                    let by_turn = |x| made.turned(&stage, turned, x);
+                    let swing = |x| made.turned.swing_to_base(r * x, x);
                     spread[i] = Spread {
-                        force_by_turn: by_turn(line.follower_force(t)),
-                        moment_by_turn: by_turn(line.follower_moment(t)),
+                        force: swing(line.follower_force(t)),
+                        moment: swing(line.follower_moment(t)),
                     };
                 }
-                self.stages.push(made);
             }
             if follows {
                 follower_force -= h * combine(&pushes, &BUTCHER_5.b);
@@ -196,7 +248,7 @@ impl Replay {
             let force = loads.force(k, LAST_NODE) + follower_force;
             let pose = Pose { position, rotation: turned };
             let mut ends = Ends { pose, force, moment: arriving, ..Ends::default() };
-            ends.differentiate(rotation, &end, turned);
+            ends.differentiate(rotation, &end);
             self.ends.push(ends);
             let follower = loads.follower(k + 1);
             follower_force -= turned.rotate(follower.force);
@@ -220,17 +272,9 @@ impl Replay {
         equilibrium(&node.section, crossings, active, wrench, &mut strain).map_err(fault)?;
         let tangent = Tangent::at(&node.section, crossings, active, &strain).map_err(fault)?;
         let rotation = pose.rotation.to_matrix();
-        let mut made = Stage {
-            strain,
-            rotation,
-            force,
-            moment,
-            velocity: rotation * strain.linear,
-            compliance: tangent.compliance(),
-            ..Stage::default()
-        };
-        let state = pack(pose.rotation, pose.position, moment);
-        made.differentiate(&state, pose.rotation, moment, &wrench);
+        let mut made = Stage::default();
+        let turned = Turned::new(&pack(pose.rotation, pose.position, moment));
+        made.set(strain, turned, rotation, (force, moment), &wrench, &tangent);
         self.stages.push(made);
         let place = self.pulls.len();
         self.pulls.resize(place + tensions.len(), Default::default());
@@ -265,71 +309,37 @@ impl Stage {
         Strain { linear: *vn * n + *vm * m, angular: vm.transpose_mul(n) + *um * m }
     }
 
-    /// By the quaternion of the stage. With `q̂` the quaternion scaled back, `ρ` its norm, which
-    /// differs from 1 by the square of how far it was off, and `η`, `σ` its change as a turn in the
-    /// body frame and as a relative change of norm, `∂R = R̃ η̂ + 2σ (R − I)`, `R̃ = R − (1 − ρ²) I`.
-    fn differentiate(
+    /// The section of a stage at its answer; `wrench` is the force and moment in its own frame.
+    fn set(
         &mut self,
-        stage: &State,
-        scaled: UnitQuaternion,
-        moment: Vec3,
+        strain: Strain,
+        turned: Turned,
+        rotation: Mat3,
+        (force, moment): (Vec3, Vec3),
         wrench: &BodyWrench,
+        tangent: &Tangent,
     ) {
-        let squared = scaled.w * scaled.w + scaled.v.norm_squared();
-        let (short, inverse) = (1.0 - squared, 1.0 / squared);
-        let force = self.force;
-        let turned_force = wrench.linear - short * force;
-        let turned_moment = wrench.angular - short * moment;
-        let (force_rest, moment_rest) = (wrench.linear - force, wrench.angular - moment);
-        let spin = UnitQuaternion { w: 0.0, v: self.strain.angular * 0.5 };
-        for j in 0..4 {
-            let change = scaled_back(stage, j);
-            let relative = scaled.conjugate() * change;
-            let turn = relative.v * (2.0 * inverse);
-            let growth = 2.0 * relative.w * inverse;
-            self.force_by_turn[j] = turned_force.cross(turn) + growth * force_rest;
-            self.moment_by_turn[j] = turned_moment.cross(turn) + growth * moment_rest;
-            self.spin_by_turn[j] = (change * spin).wxyz();
-        }
-        for (column, axis) in self.spin_by_curvature.iter_mut().zip(AXES) {
-            *column = (scaled * UnitQuaternion { w: 0.0, v: axis * 0.5 }).wxyz();
-        }
-        self.velocity_by_turn = self.turned(stage, scaled, self.strain.linear);
-    }
-
-    /// `∂(R x)` by each component of the quaternion, for a vector `x` of the body frame.
-    #[inline]
-    fn turned(&self, stage: &State, scaled: UnitQuaternion, x: Vec3) -> [Vec3; 4] {
-        let squared = scaled.w * scaled.w + scaled.v.norm_squared();
-        let (short, inverse) = (1.0 - squared, 1.0 / squared);
-        let rest = self.rotation * x - x;
-        core::array::from_fn(|j| {
-            let relative = scaled.conjugate() * scaled_back(stage, j);
-            let swing = (relative.v * (2.0 * inverse)).cross(x);
-            let growth = 2.0 * relative.w * inverse;
-            self.rotation * swing - short * swing + growth * rest
-        })
+        let velocity = rotation * strain.linear;
+        self.strain = strain;
+        self.turned = turned;
+        self.force_swing = turned.swing_to_body(wrench.linear, force);
+        self.moment_swing = turned.swing_to_body(wrench.angular, moment);
+        self.velocity_swing = turned.swing_to_base(velocity, strain.linear);
+        (self.rotation, self.force, self.moment) = (rotation, force, moment);
+        (self.velocity, self.compliance) = (velocity, tangent.compliance());
     }
 }
 
 impl Ends {
-    fn differentiate(&mut self, start: UnitQuaternion, end: &State, scaled: UnitQuaternion) {
+    fn differentiate(&mut self, start: UnitQuaternion, end: &State) {
         for (column, axis) in self.start_by_turn.iter_mut().zip(AXES) {
             *column = (UnitQuaternion { w: 0.0, v: axis * 0.5 } * start).wxyz();
         }
         // The norm is 1 but for the square of the error of one step.
-        for j in 0..4 {
-            self.turn_by_end[j] = 2.0 * (scaled_back(end, j) * scaled.conjugate()).v;
-        }
+        let turned = Turned::new(end);
+        self.quaternion = turned.quaternion;
+        self.turn = 2.0 * turned.scale * turned.scale;
     }
 }
 
 pub(super) const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
-
-/// Derivative of [`UnitQuaternion::renormalized`] by component `j` of the quaternion of a state.
-fn scaled_back(&[w, x, y, z, ..]: &State, j: usize) -> UnitQuaternion {
-    let q = [w, x, y, z];
-    let f = 1.5 - 0.5 * q.iter().map(|c| c * c).sum::<f64>();
-    let at = |i: usize| if i == j { f - q[j] * q[i] } else { -q[j] * q[i] };
-    UnitQuaternion { w: at(0), v: Vec3::new(at(1), at(2), at(3)) }
-}

@@ -1,0 +1,114 @@
+//! What is to be said of one place: Jacobians, compliance, stiffness.
+
+use whipcord_numerics::Twist;
+
+use super::elimination::NodeChange;
+use super::{Derivatives, Hold, Place, Source};
+use crate::cosserat::command::Command;
+use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield};
+
+impl Derivatives {
+    /// The actuation Jacobian of a place: for the command of each cable ([`Self::command`]) the
+    /// velocity of the place's point and its angular velocity, base frame.
+    #[must_use]
+    pub fn actuation_jacobian(&self, at: Place) -> Vec<Twist> {
+        let node = self.places.node(at);
+        self.jacobian(|cable| {
+            let place = self.place_of[cable];
+            let right: Vec<f64> = match self.commands[place] {
+                Command::Tension(_) => {
+                    self.by_tension[place].lengths.iter().map(|length| -length).collect()
+                }
+                Command::Length { .. } => {
+                    (0..self.place_of.len()).map(|i| if i == place { -1.0 } else { 0.0 }).collect()
+                }
+            };
+            let mut tensions = self.held.tensions(Hold::Commands, &right);
+            if matches!(self.commands[place], Command::Tension(_)) {
+                tensions[place] += 1.0;
+            }
+            self.twist_of(node, &tensions)
+        })
+    }
+
+    /// The Jacobian of a place by the tensions of all cables in N, whatever drives them.
+    #[must_use]
+    pub fn tension_jacobian(&self, at: Place) -> Vec<Twist> {
+        let node = self.places.node(at);
+        self.jacobian(|cable| self.by_tension[self.place_of[cable]].nodes[node].twist())
+    }
+
+    fn jacobian(&self, column: impl Fn(usize) -> Twist) -> Vec<Twist> {
+        (0..self.place_of.len()).map(column).collect()
+    }
+
+    fn twist_of(&self, node: usize, tensions: &[f64]) -> Twist {
+        let mut change = NodeChange::default();
+        for (column, &tension) in self.by_tension.iter().zip(tensions) {
+            change.add(tension, &column.nodes[node]);
+        }
+        change.twist()
+    }
+
+    /// The compliance of a place: its motion under a dead wrench that is applied to it.
+    ///
+    /// # Errors
+    /// [`crate::SolveError::NoDerivatives`] where the robot is so near to buckling that it is not
+    /// finite.
+    pub fn compliance(&self, at: Place, hold: Hold) -> Result<Matrix6, crate::SolveError> {
+        let node = self.places.node(at);
+        let mut columns = [Twist::default(); 6];
+        for (component, column) in columns.iter_mut().enumerate() {
+            let raw = self.raw(Source::Wrench { node, component });
+            let right: Vec<f64> = raw.lengths.iter().map(|length| -length).collect();
+            let tensions = self.held.tensions(hold, &right);
+            let (free, pulled) = (raw.nodes[node].twist(), self.twist_of(node, &tensions));
+            *column = free + pulled;
+            if !(column.linear.is_finite() && column.angular.is_finite()) {
+                return Err(crate::SolveError::NoDerivatives);
+            }
+        }
+        Ok(Matrix6::from_columns(&columns))
+    }
+
+    /// The stiffness of a place, the inverse of its compliance; `None` where it cannot move in every
+    /// direction, as at the base.
+    ///
+    /// # Errors
+    /// As [`Self::compliance`].
+    pub fn stiffness(&self, at: Place, hold: Hold) -> Result<Option<Matrix6>, crate::SolveError> {
+        Ok(self.compliance(at, hold)?.inverse(self.length))
+    }
+
+    /// All that is to be said of one place.
+    ///
+    /// # Errors
+    /// As [`Self::compliance`].
+    pub fn at(&self, place: Place) -> Result<Local, crate::SolveError> {
+        let yielding = |hold: Hold| -> Result<Yield, crate::SolveError> {
+            let compliance = self.compliance(place, hold)?;
+            Ok(Yield { compliance, stiffness: compliance.inverse(self.length) })
+        };
+        let driven = |&grid: &usize| match self.commands[grid] {
+            Command::Tension(_) => DrivenBy::Tension,
+            Command::Length { .. } => DrivenBy::Shortening,
+        };
+        Ok(Local {
+            driven_by: self.place_of.iter().map(driven).collect(),
+            actuation_jacobian: self.actuation_jacobian(place),
+            tensions_held: yielding(Hold::Tensions)?,
+            lengths_held: yielding(Hold::Lengths)?,
+            means: Means::Exact,
+        })
+    }
+
+    /// How the lengths of the cables change with their tensions in m/N, all others held: by rows of
+    /// lengths. Symmetric and not positive under dead forces.
+    #[must_use]
+    pub fn length_by_tension(&self) -> Vec<Vec<f64>> {
+        let entry =
+            |i: usize, j: usize| self.by_tension[self.place_of[j]].lengths[self.place_of[i]];
+        let cables = self.place_of.len();
+        (0..cables).map(|i| (0..cables).map(|j| entry(i, j)).collect()).collect()
+    }
+}

@@ -1,0 +1,139 @@
+//! The sections at which an answer is linearised: the stages of the shot under load, or the nodes of
+//! the quadrature without.
+
+use whipcord_numerics::{BUTCHER_5, GAUSS_3, Mat3};
+
+use super::adjoint::stage_pulls;
+use super::elimination::StepPull;
+use super::forward::{Forcing, Maps};
+use super::quadrature::{POINTS, Quadrature};
+use super::replay::{Answer, Replay, Stage};
+use crate::cosserat::grid::{Grid, Node, Step};
+use crate::cosserat::loaded::{NODE_OF_STAGE, STAGES};
+use crate::cosserat::section::{BodyWrench, Crossing, Strain};
+use crate::cosserat::unloaded::Fault;
+
+/// A linearised answer.
+#[derive(Clone, Debug)]
+pub(super) enum Linear {
+    Shot(Replay),
+    Unloaded(Quadrature),
+}
+
+impl Linear {
+    /// An answer under loads, or one without.
+    pub fn of(answer: &Answer<'_>) -> Result<Self, Fault> {
+        if answer.loads.any() {
+            let mut replay = Replay::default();
+            replay.run(answer)?;
+            Ok(Self::Shot(replay))
+        } else {
+            let mut quadrature = Quadrature::default();
+            quadrature.run(answer)?;
+            Ok(Self::Unloaded(quadrature))
+        }
+    }
+
+    /// Sections within a step.
+    pub fn per_step(&self) -> usize {
+        match self {
+            Self::Shot(_) => STAGES,
+            Self::Unloaded(_) => POINTS,
+        }
+    }
+
+    /// Where in a step of length 1 a section of it lies, and its weight.
+    pub fn place(&self, i: usize) -> (f64, f64) {
+        match self {
+            Self::Shot(_) => (BUTCHER_5.c[i], BUTCHER_5.b[i]),
+            Self::Unloaded(_) => (GAUSS_3.nodes[i], GAUSS_3.weights[i]),
+        }
+    }
+
+    /// A section of a step on the grid.
+    pub fn node<'g>(
+        &self,
+        grid: &'g Grid,
+        k: usize,
+        i: usize,
+        active: usize,
+    ) -> (&'g Node, &'g [Crossing]) {
+        match self {
+            Self::Shot(_) => grid.shooting.at(k, NODE_OF_STAGE[i], active),
+            Self::Unloaded(_) => grid.gauss.at(k, i, active),
+        }
+    }
+
+    /// The strain of a section, by its number along the rod.
+    pub fn strain(&self, at: usize) -> Strain {
+        match self {
+            Self::Shot(replay) => replay.stages[at].strain,
+            Self::Unloaded(quadrature) => quadrature.points[at].strain,
+        }
+    }
+
+    /// How a section is turned.
+    pub fn rotation(&self, at: usize) -> Mat3 {
+        match self {
+            Self::Shot(replay) => replay.stages[at].rotation,
+            Self::Unloaded(quadrature) => quadrature.rotation(at),
+        }
+    }
+
+    /// What unit tensions exert at a section, and the stretch of each cable.
+    pub fn pulls(&self, at: usize, cables: usize, active: usize) -> &[(BodyWrench, f64)] {
+        let all = match self {
+            Self::Shot(replay) => &replay.pulls,
+            Self::Unloaded(quadrature) => &quadrature.pulls,
+        };
+        &all[at * cables..at * cables + active]
+    }
+
+    /// The section just behind a node, and at the tip in front of it.
+    pub fn at_node(&self, node: usize) -> &Stage {
+        match self {
+            Self::Shot(replay) => &replay.stages[STAGES * node],
+            Self::Unloaded(quadrature) => &quadrature.nodes[node],
+        }
+    }
+
+    /// What unit tensions exert there.
+    pub fn pulls_at_node(&self, node: usize, cables: usize, active: usize) -> &[(BodyWrench, f64)] {
+        match self {
+            Self::Shot(replay) => replay.pulls_at(STAGES * node, cables, active),
+            Self::Unloaded(quadrature) => &quadrature.node_pulls[node * cables..][..active],
+        }
+    }
+
+    /// The maps of every step, see [`Maps::compute`].
+    pub fn maps(
+        &self,
+        steps: &[Step],
+        cables: usize,
+        more: usize,
+        forcing: &dyn Fn(usize, usize, usize) -> Forcing,
+    ) -> Maps {
+        let mut maps = Maps::default();
+        match self {
+            Self::Shot(replay) => maps.compute(steps, replay, cables, more, forcing),
+            Self::Unloaded(quadrature) => {
+                quadrature.compute(&mut maps, steps, cables, more, forcing);
+            }
+        }
+        maps
+    }
+
+    /// Sensitivities of one scalar to the forcing of every section within the steps.
+    pub fn pull_back(
+        &self,
+        steps: &[Step],
+        pulls: &[StepPull],
+        lengths: &[f64],
+        out: &mut Vec<Forcing>,
+    ) {
+        match self {
+            Self::Shot(replay) => stage_pulls(steps, replay, pulls, lengths, out),
+            Self::Unloaded(quadrature) => quadrature.stage_pulls(steps, pulls, lengths, out),
+        }
+    }
+}
