@@ -1,6 +1,7 @@
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use crate::Vec3;
+use crate::lanes::LaneSym3;
 
 /// A 3×3 matrix, stored by rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -172,6 +173,13 @@ impl Mat3 {
             Self::from_rows(r0 * scale.x, r1 * scale.y, r2 * scale.z)
         };
         Some(halved(&halved(self).transpose()).symmetric_eigenvalues())
+    }
+
+    /// The least `μ` with `det(self − μ metric) = 0`, see [`LaneSym3::least_relative`].
+    #[must_use]
+    pub fn least_relative(&self, metric: &Self) -> f64 {
+        let simd = pulp::Scalar::new();
+        LaneSym3::splat(simd, self).least_relative(&LaneSym3::splat(simd, metric), simd).value
     }
 
     /// One Jacobi rotation in the plane of `i < j`: its cosine and sine, where one is needed.
@@ -378,6 +386,30 @@ mod tests {
             assert!((a - b).abs() < 1e-14);
         }
         assert!(spd().eigenvalues_relative_to(&Mat3::ZERO).is_none());
+    }
+
+    #[test]
+    fn the_least_relative_eigenvalue_is_the_least_of_all() {
+        let metric = Mat3::from_rows(
+            Vec3::new(2.0, -0.3, 0.1),
+            Vec3::new(-0.3, 0.5, 0.2),
+            Vec3::new(0.1, 0.2, 7.0),
+        );
+        let flat = Mat3::outer(Vec3::new(1.0, 2.0, -0.3), Vec3::new(1.0, 2.0, -0.3));
+        let flatter = flat + Mat3::outer(Vec3::new(0.1, 0.0, 0.2), Vec3::new(0.1, 0.0, 0.2));
+        for (matrix, accuracy) in [
+            (spd(), 1e-14),
+            (spd() * 1e-6, 1e-20),
+            (metric * 0.7, 1e-5),
+            (Mat3::ZERO, 0.0),
+            // One root at zero, and two.
+            (flatter, 1e-14),
+            (flat, 1e-7),
+        ] {
+            let least = matrix.eigenvalues_relative_to(&metric).unwrap()[0];
+            let got = matrix.least_relative(&metric);
+            assert!((got - least).abs() <= accuracy, "{got} {least}");
+        }
     }
 
     #[test]

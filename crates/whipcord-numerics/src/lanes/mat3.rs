@@ -53,16 +53,65 @@ impl<S: Simd> LaneSym3<S> {
         (LaneLdlt3 { l10, l20, l21, inv_d }, definite)
     }
 
-    /// The matrix of one lane.
+    /// The same matrix in every lane.
+    #[inline(always)]
     #[must_use]
-    pub fn lane(&self, lane: usize) -> Mat3 {
-        let of = |entry: &Lanes<S>| entry.as_slice()[lane];
-        let Self { xx, yx, yy, zx, zy, zz } = self;
-        Mat3::from_rows(
-            crate::Vec3::new(of(xx), of(yx), of(zx)),
-            crate::Vec3::new(of(yx), of(yy), of(zy)),
-            crate::Vec3::new(of(zx), of(zy), of(zz)),
-        )
+    pub fn splat(simd: S, a: &Mat3) -> Self {
+        let entry = |i: usize, j: usize| Lanes::splat(simd, a.rows[i][j]);
+        let (xx, yx, yy) = (entry(0, 0), entry(1, 0), entry(1, 1));
+        Self { xx, yx, yy, zx: entry(2, 0), zy: entry(2, 1), zz: entry(2, 2) }
+    }
+
+    /// The adjugate: the inverse times the determinant.
+    #[inline(always)]
+    #[must_use]
+    pub fn adjugate(&self) -> Self {
+        let Self { xx, yx, yy, zx, zy, zz } = *self;
+        Self {
+            xx: yy * zz - zy * zy,
+            yx: zy * zx - yx * zz,
+            yy: xx * zz - zx * zx,
+            zx: yx * zy - yy * zx,
+            zy: yx * zx - xx * zy,
+            zz: xx * yy - yx * yx,
+        }
+    }
+
+    /// `tr(self b)`.
+    #[inline(always)]
+    fn trace_with(&self, b: &Self) -> Lanes<S> {
+        let across = self.yx * b.yx + self.zx * b.zx + self.zy * b.zy;
+        self.xx * b.xx + self.yy * b.yy + self.zz * b.zz + across * 2.0
+    }
+
+    /// The least `μ` with `det(self − μ metric) = 0`, of a matrix without negative eigenvalues relative
+    /// to a metric that is positive definite.
+    ///
+    /// Laguerre's method goes from below all roots to the least without passing it, at order 3 where
+    /// that is simple. What rounding makes negative counts as zero.
+    #[inline(always)]
+    #[must_use]
+    pub fn least_relative(&self, metric: &Self, simd: S) -> Lanes<S> {
+        const STEPS: usize = 5;
+        let (zero, three) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 3.0));
+        let (own, of_metric) = (self.adjugate(), metric.adjugate());
+        // p(μ) = c₀ − c₁ μ + c₂ μ² − c₃ μ³; tr(a adj a) = 3 det a.
+        let third = Lanes::splat(simd, 1.0 / 3.0);
+        let c0 = self.trace_with(&own) * third;
+        let c1 = own.trace_with(metric);
+        let c2 = self.trace_with(&of_metric);
+        let c3 = metric.trace_with(&of_metric) * third;
+        let mut root = zero;
+        for _ in 0..STEPS {
+            let value = c0 - root * (c1 - root * (c2 - root * c3));
+            let fall = c1 - root * (c2 * 2.0 - root * c3 * three);
+            let bend = c2 * 2.0 - root * c3 * 6.0;
+            let under_root = (fall * fall * 2.0 - value * bend * three) * 2.0;
+            let step = value * three / (fall + under_root.at_least(0.0).sqrt());
+            // At the root rounding alone decides the sign; 0/0 is no step either.
+            root = root + zero.below(value).and(zero.below(step)).select(step, zero);
+        }
+        root
     }
 }
 

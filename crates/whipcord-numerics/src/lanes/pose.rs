@@ -128,24 +128,23 @@ pub fn magnus_6_exponent<S: Simd>(twists: &[LaneTwist<S>; 3]) -> LaneTwist<S> {
 /// Horner's scheme, the highest coefficient first.
 #[inline(always)]
 fn horner<S: Simd, const N: usize>(x: Lanes<S>, highest: f64, coefficients: [f64; N]) -> Lanes<S> {
-    // The innermost quotient of the scalar series is a quotient here, too.
-    let mut value = x / Lanes::splat(x.simd, highest);
-    for (i, c) in coefficients.into_iter().enumerate() {
-        value = if i == 0 { value + c } else { x * value + c };
-    }
-    value
+    let first = x * highest;
+    coefficients
+        .into_iter()
+        .enumerate()
+        .fold(first, |value, (i, c)| if i == 0 { value + c } else { x * value + c })
 }
 
 #[inline(always)]
 fn b_c<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let b = horner(
         x,
-        87_178_291_200.0,
+        1.0 / 87_178_291_200.0,
         [-1.0 / 479_001_600.0, 1.0 / 3_628_800.0, -1.0 / 40_320.0, 1.0 / 720.0, -1.0 / 24.0, 0.5],
     );
     let c = horner(
         x,
-        1_307_674_368_000.0,
+        1.0 / 1_307_674_368_000.0,
         [
             -1.0 / 6_227_020_800.0,
             1.0 / 39_916_800.0,
@@ -162,12 +161,12 @@ fn b_c<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 fn sinc_cos<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let sinc = horner(
         x,
-        6_227_020_800.0,
+        1.0 / 6_227_020_800.0,
         [-1.0 / 39_916_800.0, 1.0 / 362_880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0, 1.0],
     );
     let cos = horner(
         x,
-        479_001_600.0,
+        1.0 / 479_001_600.0,
         [-1.0 / 3_628_800.0, 1.0 / 40_320.0, -1.0 / 720.0, 1.0 / 24.0, -0.5, 1.0],
     );
     (sinc, cos)

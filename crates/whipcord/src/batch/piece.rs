@@ -37,7 +37,7 @@ struct Batch<'a> {
 
 /// The lanes that can take the rows, their tensions, and what they have in common.
 struct Lanes<'a> {
-    robot: UnloadedLanes,
+    robot: UnloadedLanes<'a>,
     tensions: &'a [f64],
     case: &'a Case,
 }
@@ -89,7 +89,7 @@ pub(super) fn solve_rows(
 
 /// The lanes that can take the rows.
 fn lanes<'a>(
-    prepared: &Prepared,
+    prepared: &'a Prepared,
     rows: &Rows<'a>,
     options: &BatchOptions<'_>,
 ) -> Option<Lanes<'a>> {

@@ -6,7 +6,7 @@ use super::arc_length::{Event, Mark, Walk, other_branch};
 use super::model::{Cosserat, Workspace};
 use super::options::{Accuracy, Options};
 use super::outcome::Found;
-use super::refinement::{ERROR_RATIO, FOLLOW_LEVEL, MAX_REFINEMENTS};
+use super::refinement::{FOLLOW_LEVEL, MAX_REFINEMENTS};
 use super::state::{Direction, State};
 use super::statics;
 use crate::case::Case;
@@ -230,7 +230,7 @@ impl Cosserat {
                 }
                 (Accuracy::Tolerance(tolerance), Some(earlier)) => {
                     found = found.after(&earlier);
-                    error = workspace.change(&grid) / ERROR_RATIO;
+                    error = workspace.error(&grid);
                     if error <= tolerance * self.robot.backbone().length {
                         return self.solution(&grid, case, workspace, found, Some(error));
                     }

@@ -7,7 +7,7 @@ use super::lanes::{Setting, UnloadedLanes};
 use super::loads;
 use super::options::{Accuracy, Options};
 use super::outcome::{Failure, Found};
-use super::refinement::{COARSE_STEPS, Coarse, ERROR_RATIO, FOLD_LEVEL, READY_GRIDS};
+use super::refinement::{COARSE_STEPS, Coarse, FOLD_LEVEL, READY_GRIDS};
 use super::statics::{self, Scratch, Start};
 use super::without_load::section_failure;
 use crate::case::{Case, Drive, Loads};
@@ -106,17 +106,17 @@ impl Cosserat {
 
     /// What solves many rows of tensions at once where there is no load, when the model takes that: cables
     /// driven by their tensions on a section whose stiffness is diagonal.
-    pub(crate) fn unloaded_lanes(&self) -> Option<UnloadedLanes> {
+    pub(crate) fn unloaded_lanes(&self) -> Option<UnloadedLanes<'_>> {
         let &Options { accuracy, stability, drive, .. } = &self.options;
         if self.robot.cables().is_empty() || drive == Drive::Shortening {
             return None;
         }
         let tolerance = match accuracy {
             Accuracy::Steps(_) => None,
-            Accuracy::Tolerance(share) => Some((share * self.robot.backbone().length, ERROR_RATIO)),
+            Accuracy::Tolerance(share) => Some(share * self.robot.backbone().length),
         };
-        let setting = Setting { tolerance, stability, order: self.layout.order.clone() };
-        UnloadedLanes::new(&self.grids, setting)
+        let order = self.layout.order.clone();
+        UnloadedLanes::new(self, Setting { tolerance, stability, order })
     }
 
     /// The shape under a case, starting from the solution of a neighbouring one when given.

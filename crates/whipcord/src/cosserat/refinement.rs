@@ -8,7 +8,7 @@ use super::command::Command;
 use super::grid::Grid;
 use super::model::{Cosserat, Workspace};
 use super::outcome::Found;
-use super::statics::{self, Start};
+use super::statics::{self, Scratch, Start};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::Solution;
@@ -28,6 +28,8 @@ pub(super) const FOLD_LEVEL: usize = 5;
 pub(super) const MAX_REFINEMENTS: usize = 9;
 /// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
 pub(crate) const ERROR_RATIO: f64 = 15.0;
+/// A rod without load is integrated with order 6, which leaves 1/64.
+pub(super) const UNLOADED_ERROR_RATIO: f64 = 31.0;
 /// Where lengths are given they do not change with the steps; the tensions do. The steps are those
 /// that suffice for the tensions found, so that the lengths of an answer return its tensions and not
 /// those of another grid. The positions may be off by this much more than the tolerance, where they
@@ -71,9 +73,12 @@ impl Workspace {
         self.coarse.keep(grid, &self.scratch.poses, &self.scratch.lengths);
     }
 
-    /// Largest change of a position or a cable's length since then, in m.
-    pub(super) fn change(&self, grid: &Grid) -> f64 {
-        self.coarse.change(grid, &self.scratch.poses, &self.scratch.lengths)
+    /// Estimated error in m of positions and cables' lengths: as much of their largest change since then
+    /// as the order of the method leaves.
+    pub(super) fn error(&self, grid: &Grid) -> f64 {
+        let Scratch { poses, lengths, applied, .. } = &self.scratch;
+        let ratio = if applied.any() { ERROR_RATIO } else { UNLOADED_ERROR_RATIO };
+        self.coarse.change(grid, poses, lengths) / ratio
     }
 }
 
@@ -121,7 +126,7 @@ impl Cosserat {
             };
             if let Some((earlier, coarse)) = &coarser {
                 found = found.after(earlier);
-                error = workspace.change(&grid) / ERROR_RATIO;
+                error = workspace.error(&grid);
                 let given_lengths =
                     workspace.commands.iter().any(|c| matches!(c, Command::Length { .. }));
                 let mut met = error <= tolerance;
@@ -165,7 +170,7 @@ impl Cosserat {
         statics::solve(&problem, &start, &mut workspace.at_tensions).ok()?;
         let Workspace { at_tensions, coarse: kept, .. } = &mut *workspace;
         kept.keep(coarse, &at_tensions.poses, &at_tensions.lengths);
-        Some(workspace.change(grid) / ERROR_RATIO)
+        Some(workspace.error(grid))
     }
 
     pub(super) fn solve_on(

@@ -4,7 +4,7 @@
 //! eqs. (1) and (2) of [`super::section`]: there is no boundary value problem. The frames come from
 //! one pass of a Magnus integrator of order 6, the cable lengths from Gauss quadrature.
 
-use whipcord_numerics::{GAUSS_3, Mat3, Pose, magnus_6};
+use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
 use super::grid::Grid;
 use super::one_cable;
@@ -54,6 +54,9 @@ impl Unloaded {
         let mut guess = Guess::default();
         for (k, step) in grid.steps.iter().enumerate() {
             let active = &tensions[..step.active];
+            if k > 0 && grid.steps[k - 1].active != step.active {
+                guess.jump();
+            }
             for j in 0..3 {
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
                 let section = &node.section;
@@ -95,7 +98,7 @@ impl Unloaded {
 
     /// The stability of [`super::stability`] at the strains of the last sweep: without load eq. (8) is
     /// `∫ δuᵀ S δu ds` with any field `δu`, and its least value that of `δuᵀ S δu / δuᵀ K_bt δu` at a
-    /// node.
+    /// section: of those in the middles of the steps.
     ///
     /// What cables add to the Hessian is not negative: the value is 1 at least. One taut cable gives two
     /// equations for the three of `δu` that leave its direction alone, so that it is 1 where a step
@@ -104,27 +107,16 @@ impl Unloaded {
         if grid.steps.iter().any(|step| taut(&tensions[..step.active]) <= 1) {
             return Ok(1.0);
         }
-        let mut least = f64::MAX;
-        for n in scattered(self.strains.len()) {
-            let (k, j) = (n / 3, n % 3);
-            let step = &grid.steps[k];
-            let (node, crossings) = grid.gauss.at(k, j, step.active);
-            let section = &node.section;
-            let tangent =
-                Tangent::at(section, crossings, &tensions[..step.active], &self.strains[n])
-                    .map_err(|kind| {
-                        let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
-                        Fault { kind, arc_length }
-                    })?;
+        let mut least = f64::INFINITY;
+        for (k, step) in grid.steps.iter().enumerate() {
+            let (node, crossings) = grid.gauss.at(k, 1, step.active);
+            let (section, strain) = (&node.section, &self.strains[3 * k + 1]);
+            let tangent = Tangent::at(section, crossings, &tensions[..step.active], strain)
+                .map_err(|kind| Fault { kind, arc_length: step.start + 0.5 * step.length })?;
             let metric = section.bending_stiffness();
-            if is_below(&tangent.reduced, &metric, least) {
-                least = least_relative(&tangent.reduced, &metric);
-            }
-            if least <= LEAST_STABILITY {
-                break;
-            }
+            least = least.min((tangent.reduced - metric).least_relative(&metric));
         }
-        Ok(least)
+        Ok(1.0 + least)
     }
 
     /// `∂ℓᵢ/∂τⱼ = −∫ qᵢᵀ H⁻¹ qⱼ ds` with `q = (t, r × t)`, what a unit tension exerts.
@@ -160,83 +152,56 @@ impl Unloaded {
     }
 }
 
-/// The next strain by extrapolation from the two before it.
+/// The next strain by extrapolation from the three before it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Guess {
     known: usize,
-    at: [f64; 2],
-    strains: [Strain; 2],
+    at: [f64; 3],
+    strains: [Strain; 3],
 }
 
 impl Guess {
     #[inline]
     fn at(&self, arc_length: f64) -> Option<Strain> {
-        let [a, b] = self.strains;
+        let [a, b, c] = self.strains;
         match self.known {
             0 => None,
-            1 => Some(b),
-            _ => {
-                let t = (arc_length - self.at[1]) / (self.at[1] - self.at[0]);
-                Some(b + (b - a) * t)
-            }
+            1 | 2 => Some(c),
+            _ => Some(match extrapolation(self.at, arc_length) {
+                Some([wa, wb, wc]) => a * wa + b * wb + c * wc,
+                None => c,
+            }),
         }
+    }
+
+    /// Forgets all but the last strain, where a cable ends and the strains jump.
+    #[inline]
+    fn jump(&mut self) {
+        self.known = self.known.min(1);
     }
 
     #[inline]
     fn learn(&mut self, arc_length: f64, strain: Strain) {
         self.known += 1;
-        self.at = [self.at[1], arc_length];
-        self.strains = [self.strains[1], strain];
+        self.at = [self.at[1], self.at[2], arc_length];
+        self.strains = [self.strains[1], self.strains[2], strain];
     }
 }
 
-/// Accuracy of the stability, relative to it.
-pub(super) const STABILITY_TOLERANCE: f64 = 1e-8;
-/// A stability that is as good as that of the bare rod; none is less.
-pub(super) const LEAST_STABILITY: f64 = 1.0 + STABILITY_TOLERANCE;
+/// Weights of what is known at three places in what a parabola through it has at another; `None` where
+/// that is farther off than they are from one another.
+#[inline]
+pub(super) fn extrapolation([a, b, c]: [f64; 3], at: f64) -> Option<[f64; 3]> {
+    (at - c <= c - a).then(|| {
+        [
+            (at - b) * (at - c) / ((a - b) * (a - c)),
+            (at - a) * (at - c) / ((b - a) * (b - c)),
+            (at - a) * (at - b) / ((c - a) * (c - b)),
+        ]
+    })
+}
 
 /// How many of the cables are taut.
 pub(super) fn taut(tensions: &[f64]) -> usize {
     tensions.iter().filter(|&&tension| tension > 0.0).count()
-}
-
-/// Whether some direction has less than this stiffness relative to the metric, by more than the
-/// tolerance.
-#[inline]
-fn is_below(reduced: &Mat3, metric: &Mat3, bound: f64) -> bool {
-    (*reduced - *metric * (bound * (1.0 - STABILITY_TOLERANCE))).ldlt().is_none()
-}
-
-/// Least eigenvalue of the reduced stiffness relative to that of the section alone.
-pub(super) fn least_relative(reduced: &Mat3, metric: &Mat3) -> f64 {
-    // The stiffness of a section is positive: there always are some. Rounding alone takes them below 1.
-    reduced.eigenvalues_relative_to(metric).map_or(1.0, |values| values[0].max(1.0))
-}
-
-/// The numbers below `count`, neighbours far from one another: what is least along the rod is met, or
-/// nearly so, before most of the others.
-pub(super) fn scattered(count: usize) -> impl Iterator<Item = usize> {
-    // By the golden section, and then on to the next number that has no common factor.
-    let common = |mut a: usize, mut b: usize| {
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
-    let stride = (count * 5 / 8..=count).find(|&stride| common(stride, count) == 1).unwrap_or(1);
-    (0..count).map(move |i| i * stride % count)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::scattered;
-
-    #[test]
-    fn scattered_numbers_are_all_numbers() {
-        for count in 0..200 {
-            let mut met: Vec<usize> = scattered(count).collect();
-            met.sort_unstable();
-            assert!(met.into_iter().eq(0..count), "{count}");
-        }
-    }
 }

@@ -3,6 +3,7 @@ use whipcord_numerics::GAUSS_3;
 use super::super::grid::Grid;
 use super::super::one_cable::Reduced;
 use super::super::section::BodyWrench;
+use super::super::unloaded::extrapolation;
 use super::section::{Guess, Several};
 
 /// One grid, made ready for lanes.
@@ -40,6 +41,10 @@ impl LaneGrid {
         let mut nodes = Vec::with_capacity(3 * grid.len());
         let mut before: Vec<f64> = Vec::new();
         for (k, step) in grid.steps.iter().enumerate() {
+            if k > 0 && grid.steps[k - 1].active != step.active {
+                // The strains jump: only the last one is of use.
+                before.drain(..before.len().saturating_sub(1));
+            }
             for j in 0..3 {
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
                 let section = if let ([crossing], true) = (crossings, node.section.isotropic) {
@@ -49,8 +54,10 @@ impl LaneGrid {
                     let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
                     let guess = match before[..] {
                         [] => Guess::Rest,
-                        [_] => Guess::Last,
-                        [.., a, b] => Guess::Beyond((arc_length - b) / (b - a)),
+                        [_] | [_, _] => Guess::Last,
+                        [.., a, b, c] => {
+                            extrapolation([a, b, c], arc_length).map_or(Guess::Last, Guess::Beyond)
+                        }
                     };
                     before.push(arc_length);
                     LaneSection::Several(Several::new(&node.section, crossings, guess)?)

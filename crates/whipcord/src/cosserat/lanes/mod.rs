@@ -9,34 +9,42 @@ mod grid;
 mod section;
 mod stability;
 
+use std::sync::OnceLock;
+
 use pulp::{Simd, WithSimd};
 use whipcord_numerics::Pose;
 use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
 
 use super::grid::Grid;
+use super::model::Cosserat;
+use super::refinement::UNLOADED_ERROR_RATIO;
 use grid::{LaneGrid, LaneSection};
 use section::one_cable;
-use stability::Stability;
+use stability::stability;
 
 /// A position and a quaternion.
 const NUMBERS: usize = 7;
 
+/// The steps are halved so often in lanes; few rows need more.
+const LEVELS: usize = 6;
+
 /// A robot whose cables are driven by their tensions and which carries no load.
 #[derive(Clone, Debug)]
-pub(crate) struct UnloadedLanes {
-    /// The only grid, or the first of those with halved steps.
-    grids: Vec<LaneGrid>,
+pub(crate) struct UnloadedLanes<'a> {
+    model: &'a Cosserat,
+    /// The only grid, or the first of those with halved steps; each made when a row needs it.
+    grids: Vec<OnceLock<Option<LaneGrid>>>,
     setting: Setting,
-    /// Which of the kept frames is that of each station.
+    /// Which of the kept frames is that of each station, and how many are kept.
     stations: Vec<usize>,
+    places: usize,
 }
 
 /// How a robot is solved in lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct Setting {
-    /// Largest change of the answer in m from grid to grid at which the finer one is taken, and by how
-    /// much the error is smaller than the change; `None` where the steps are prescribed.
-    pub tolerance: Option<(f64, f64)>,
+    /// Largest estimated error of the answer in m; `None` where the steps are prescribed.
+    pub tolerance: Option<f64>,
     /// Whether the stability of the answer is computed.
     pub stability: bool,
     /// The cable at each place in the order of the grid.
@@ -80,26 +88,29 @@ impl LaneAnswer<'_> {
     }
 }
 
-impl UnloadedLanes {
+impl<'a> UnloadedLanes<'a> {
     /// `None` where a section's stiffness is not diagonal.
-    pub fn new(grids: &[Grid], setting: Setting) -> Option<Self> {
-        let first = grids.first()?;
-        // On each grid the kept places come in the same order.
-        let places = |grid: &Grid| {
-            let mut kept = grid.stations.clone();
-            if setting.tolerance.is_some() {
-                kept.extend_from_slice(&grid.disks);
-            }
-            kept.sort_unstable();
-            kept.dedup();
-            kept
-        };
-        let kept = places(first);
+    pub fn new(model: &'a Cosserat, setting: Setting) -> Option<Self> {
+        let first = model.grid(0).ok()?;
+        let kept = kept(&first, &setting);
         let stations = first.stations.iter().map(|k| kept.partition_point(|other| other < k));
-        let stations = stations.collect();
-        let grids: Option<Vec<LaneGrid>> =
-            grids.iter().map(|grid| LaneGrid::new(grid, places(grid))).collect();
-        Some(Self { grids: grids?, setting, stations })
+        let levels = if setting.tolerance.is_some() { LEVELS } else { 1 };
+        let lanes = Self {
+            model,
+            grids: vec![OnceLock::new(); levels],
+            stations: stations.collect(),
+            places: kept.len(),
+            setting,
+        };
+        lanes.grid(0).is_some().then_some(lanes)
+    }
+
+    fn grid(&self, level: usize) -> Option<&LaneGrid> {
+        let make = || {
+            let grid = self.model.grid(level).ok()?;
+            LaneGrid::new(&grid, kept(&grid, &self.setting))
+        };
+        self.grids.get(level)?.get_or_init(make).as_ref()
     }
 
     /// Solves for rows of tensions in N, one for each cable, with the base at `base`; `take` gets those
@@ -115,8 +126,19 @@ impl UnloadedLanes {
     }
 }
 
+/// Before how many steps of a grid a frame is kept. On each grid the places come in the same order.
+fn kept(grid: &Grid, setting: &Setting) -> Vec<usize> {
+    let mut kept = grid.stations.clone();
+    if setting.tolerance.is_some() {
+        kept.extend_from_slice(&grid.disks);
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
 struct Solve<'a, F> {
-    robot: &'a UnloadedLanes,
+    robot: &'a UnloadedLanes<'a>,
     base: Pose,
     tensions: &'a [f64],
     take: &'a mut F,
@@ -128,12 +150,11 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { robot, base, tensions, take } = self;
-        let UnloadedLanes { grids, setting, stations } = robot;
+        let UnloadedLanes { setting, stations, places, .. } = robot;
+        let places = *places;
         let lanes = Lanes::<S>::COUNT;
         let cables = setting.order.len();
-        let places = grids[0].kept.len();
         let mut sweep = Sweep::new(simd);
-        let mut stability = Stability::default();
         let mut frames = vec![0.0; places * NUMBERS * lanes];
         let mut coarse_frames = frames.clone();
         let mut moved = frames.clone();
@@ -152,31 +173,29 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
             }
             // A lane that has its answer, or none at all, is out.
             let mut out = Lanes::splat(simd, 0.0);
-            for (level, grid) in grids.iter().enumerate() {
+            for (level, grid) in (0..).map_while(|level| robot.grid(level)).enumerate() {
                 core::mem::swap(&mut frames, &mut coarse_frames);
                 sweep.run(grid, &mut frames);
                 out = out.max(sweep.bad);
                 let error = match setting.tolerance {
                     None => Some(Lanes::splat(simd, 0.0)),
                     Some(_) if level == 0 => None,
-                    Some((_, ratio)) => {
+                    Some(_) => {
                         let mut change = moved_by(simd, &frames, &coarse_frames, places);
                         for (&fine, &coarse) in sweep.lengths.iter().zip(&coarse_lengths) {
                             change = change.max((fine - coarse).abs());
                         }
-                        Some(change / Lanes::splat(simd, ratio))
+                        Some(change / Lanes::splat(simd, UNLOADED_ERROR_RATIO))
                     }
                 };
                 coarse_lengths.clone_from(&sweep.lengths);
                 let Some(error) = error else { continue };
-                let tolerance = setting.tolerance.map_or(0.0, |(tolerance, _)| tolerance);
+                let tolerance = setting.tolerance.unwrap_or(0.0);
                 let met = |lane: usize| {
                     out.as_slice()[lane] <= 0.0 && error.as_slice()[lane] <= tolerance
                 };
                 if (0..rows).any(met) {
-                    if setting.stability {
-                        stability.compute(grid, &sweep, |lane| lane < rows && met(lane));
-                    }
+                    let value = setting.stability.then(|| stability(grid, &sweep));
                     for (to, from) in lengths.chunks_exact_mut(lanes).zip(&sweep.lengths) {
                         to.copy_from_slice(from.as_slice());
                     }
@@ -186,12 +205,10 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                         answer_frames = &moved;
                     }
                     for lane in (0..rows).filter(|&lane| met(lane)) {
-                        let value = if setting.stability {
-                            let Some(value) = stability.of_lane(lane) else { continue };
-                            Some(value)
-                        } else {
-                            None
-                        };
+                        let value = value.as_ref().map(|value| value.as_slice()[lane]);
+                        if value.is_some_and(f64::is_nan) {
+                            continue;
+                        }
                         take(LaneAnswer {
                             row: group * lanes + lane,
                             lanes,
@@ -292,7 +309,7 @@ impl<S: Simd> Sweep<S> {
         strains.clear();
         let mut bad = zero;
         let null = LaneVec3::new(zero, zero, zero);
-        let mut before = [LaneTwist { linear: null, angular: null }; 2];
+        let mut before = [LaneTwist { linear: null, angular: null }; 3];
         let mut pose = LanePose::identity(simd);
         let mut kept = grid.kept.iter().peekable();
         let mut slots = frames.chunks_exact_mut(NUMBERS * Lanes::<S>::COUNT);
@@ -307,16 +324,14 @@ impl<S: Simd> Sweep<S> {
         let (nodes, _) = grid.nodes.as_chunks::<3>();
         for (k, (&h, nodes)) in grid.steps.iter().zip(nodes).enumerate() {
             let mut twists = before;
-            let [first, second] = &mut twists;
-            let mut third = *first;
-            for (node, twist) in nodes.iter().zip([first, second, &mut third]) {
+            for (node, twist) in nodes.iter().zip(&mut twists) {
                 let (strain, solved) = match &node.section {
                     LaneSection::One(at) => {
                         one_cable(simd, at, node.weight, tensions[0], &mut lengths[0])
                     }
                     LaneSection::Several(at) => {
                         let answer = at.solve(simd, node.weight, &before, tensions, lengths);
-                        before = [before[1], answer.0];
+                        before = [before[1], before[2], answer.0];
                         answer
                     }
                 };
@@ -324,8 +339,7 @@ impl<S: Simd> Sweep<S> {
                 strains.push(strain);
                 *twist = strain * h;
             }
-            let [first, second] = twists;
-            let exponent = magnus_6_exponent(&[first, second, third]);
+            let exponent = magnus_6_exponent(&twists);
             let turn = exponent.angular.dot(exponent.angular);
             bad = bad.max(turn.where_at_most(LanePose::<S>::SERIES_LIMIT, zero, one));
             pose = pose.then(LanePose::exp(exponent));

@@ -27,8 +27,8 @@ pub(super) enum Guess {
     Rest,
     /// At the strain of the section before.
     Last,
-    /// This much of their difference beyond the two before.
-    Beyond(f64),
+    /// Beyond the three before, which have these weights.
+    Beyond([f64; 3]),
 }
 
 /// [`super::super::section::Tangent`] in each lane.
@@ -100,25 +100,25 @@ impl Several {
         self.stiffness.bending
     }
 
-    /// The strain from those of the two sections before, and in which lanes there is one; adds to the
+    /// The strain from those of the three sections before, and in which lanes there is one; adds to the
     /// cables' lengths.
     #[inline(always)]
     pub fn solve<S: Simd>(
         &self,
         simd: S,
         weight: f64,
-        before: &[LaneTwist<S>; 2],
+        before: &[LaneTwist<S>; 3],
         tensions: &[Lanes<S>],
         lengths: &mut [Lanes<S>],
     ) -> (LaneTwist<S>, LaneMask<S>) {
-        let [a, b] = *before;
+        let [a, b, c] = *before;
         let mut strain = match self.guess {
             Guess::Rest => LaneTwist {
                 linear: LaneVec3::splat(simd, Vec3::Z),
                 angular: LaneVec3::splat(simd, self.rest_curvature),
             },
-            Guess::Last => b,
-            Guess::Beyond(t) => b + (b - a) * t,
+            Guess::Last => c,
+            Guess::Beyond([wa, wb, wc]) => a * wa + b * wb + c * wc,
         };
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let tolerance = Lanes::splat(simd, STEP_TOLERANCE);
