@@ -1,7 +1,21 @@
-//! Rows per second of unloaded batches of the paper's rod, 12 steps: `cargo bench -p whipcord --bench batch --features parallel`.
+//! Rows per second of batches: `cargo bench -p whipcord --bench batch --features parallel`.
 //!
-//! One cable is that of the paper's case III, where 12 steps leave an error below 1e-6 of the
-//! length (see `benches/cosserat.rs`); further cables run as it does, turned about the backbone.
+//! The paper's rod. One cable is that of its case III; further cables run as it does, turned about the
+//! backbone, and all together pull with up to the weight of 400 g. `default_options` is what a user gets:
+//! steps halved until the estimated error is below 1e-9 of the length (9, 18 and 36 steps for these
+//! robots), and the stability. `twelve_steps` leaves an error below 1e-6 of the length (see
+//! `benches/cosserat.rs`).
+//!
+//! What bounds it. A step of a rod with one cable, for all lanes, is three sections of about a hundred
+//! additions and multiplications, four divisions and a square root for each iteration, and some three
+//! hundred for the Magnus exponent, its exponential and the product of frames. Nothing is loaded but the
+//! robot's own nodes, some 30 numbers to each, which stay in the first-level cache and serve all rows;
+//! a row writes half a kilobyte. The three sections do not wait for one another, so that it is the
+//! throughput of the arithmetic that counts, divisions and square roots first, and neither memory nor a
+//! chain of dependencies: rows per second grow with the width of the vectors and with the cores. With
+//! several cables Newton's method takes two or three 6×6 systems to a section, each about 170 operations
+//! and 60 more for every cable; what does not fit the 32 registers goes to the first-level cache and back.
+//! A loaded row is one solve of `benches/cosserat.rs` and grows with the cores alone.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
@@ -9,15 +23,15 @@ use core::num::NonZeroUsize;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use whipcord::batch::{Arrays, BatchOptions, Rows, solve_batch_into};
+use whipcord::batch::{Arrays, BatchOptions, Rows, Width, solve_batch_into};
 use whipcord::cosserat::{Accuracy, Options};
-use whipcord::{Backbone, Cable, Case, Disks, Material, Model, Robot, Routing, Section, Stations};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Loads, Material, Model, Robot, Routing, Section, Vec3,
+};
 
 fn main() {
     divan::main();
 }
-
-const ROWS: usize = 20_000;
 
 fn robot(cables: usize) -> Robot {
     let backbone = Backbone {
@@ -37,36 +51,63 @@ fn robot(cables: usize) -> Robot {
     Robot::new(backbone, disks, (0..cables).map(cable).collect()).unwrap()
 }
 
-fn bench(bencher: Bencher, cables: usize, options: &BatchOptions<'_>) {
+fn bench(
+    bencher: Bencher,
+    (rows, cables): (usize, usize),
+    model: Options,
+    case: &Case,
+    options: &BatchOptions<'_>,
+) {
     let robot = robot(cables);
     // From nothing to the weight of 400 g, shared among the cables.
     let most = 0.4 * 9.80665 / cables as f64;
-    let count = ROWS * cables;
+    let count = rows * cables;
     let tensions: Vec<f64> =
         (0..count).map(|i| most * (i * 7919 % count) as f64 / count as f64).collect();
-    let model = Model::Cosserat(Options {
-        accuracy: Accuracy::Steps(12),
-        stability: false,
-        stations: Stations::Disks,
-        ..Options::default()
-    });
-    let mut memory = [10 * 3, 10 * 4, cables, cables].map(|width| vec![0.0; ROWS * width]);
-    bencher.counter(ItemsCount::new(ROWS)).bench_local(|| {
+    let model = Model::Cosserat(model);
+    let mut memory = [10 * 3, 10 * 4, cables, cables].map(|width| vec![0.0; rows * width]);
+    bencher.counter(ItemsCount::new(rows)).bench_local(|| {
         let [positions, orientations, tensions_out, lengths] = &mut memory;
         let arrays = Arrays { positions, orientations, tensions: tensions_out, lengths };
-        let rows = Rows::Tensions { values: &tensions, case: &Case::default() };
+        let rows = Rows::Tensions { values: &tensions, case };
         solve_batch_into(&model, &robot, rows, options, arrays).unwrap()
     });
 }
 
-#[divan::bench(args = [1, 3, 6], consts = [1, 2], sample_count = 20)]
-fn lanes<const THREADS: usize>(bencher: Bencher, cables: usize) {
-    let threads = NonZeroUsize::new(THREADS);
-    bench(bencher, cables, &BatchOptions { threads, ..BatchOptions::default() });
+fn threads(count: usize) -> BatchOptions<'static> {
+    BatchOptions { threads: NonZeroUsize::new(count), ..BatchOptions::default() }
+}
+
+fn twelve() -> Options {
+    Options { accuracy: Accuracy::Steps(12), ..Options::default() }
 }
 
 #[divan::bench(args = [1, 3, 6], consts = [1, 2], sample_count = 20)]
-fn row_by_row<const THREADS: usize>(bencher: Bencher, cables: usize) {
-    let threads = NonZeroUsize::new(THREADS);
-    bench(bencher, cables, &BatchOptions { threads, no_lanes: true, ..BatchOptions::default() });
+fn default_options<const THREADS: usize>(bencher: Bencher, cables: usize) {
+    let size = (5_000, cables);
+    bench(bencher, size, Options::default(), &Case::default(), &threads(THREADS));
+}
+
+#[divan::bench(args = [1, 3, 6], consts = [1, 2], sample_count = 20)]
+fn twelve_steps<const THREADS: usize>(bencher: Bencher, cables: usize) {
+    bench(bencher, (10_000, cables), twelve(), &Case::default(), &threads(THREADS));
+}
+
+#[divan::bench(args = [1, 3, 6], sample_count = 10)]
+fn twelve_steps_four_lanes(bencher: Bencher, cables: usize) {
+    let options = BatchOptions { width: Width::Avx2, ..threads(1) };
+    bench(bencher, (5_000, cables), twelve(), &Case::default(), &options);
+}
+
+#[divan::bench(args = [1, 3, 6], consts = [1, 2], sample_count = 10)]
+fn twelve_steps_row_by_row<const THREADS: usize>(bencher: Bencher, cables: usize) {
+    let options = BatchOptions { no_lanes: true, ..threads(THREADS) };
+    bench(bencher, (2_000, cables), twelve(), &Case::default(), &options);
+}
+
+#[divan::bench(args = [1, 3], consts = [1, 2], sample_count = 10)]
+fn loaded<const THREADS: usize>(bencher: Bencher, cables: usize) {
+    let loads = Loads { tip_force: Vec3::new(0.02, 0.01, -0.02), ..Loads::default() };
+    let case = Case { loads, ..Case::default() };
+    bench(bencher, (500, cables), Options::default(), &case, &threads(THREADS));
 }
