@@ -61,7 +61,7 @@ fn tip_is(robot: &str, expected: [f64; 3], bound: f64) {
 }
 
 /// Mattiasson (1981), an end moment (closed form), Argyris and Symeonidis (1981), and a uniform load and a
-/// pressure by shooting: see `cosserat_benchmarks.rs` and `cosserat_distributed.rs` of the library.
+/// pressure by shooting: see `cosserat/benchmarks.rs` and `cosserat/distributed.rs` of the library.
 #[test]
 fn bare_rods_bend_as_in_the_books() {
     let rod = |loads: &str| format!("{RIGID}{loads}");

@@ -1,0 +1,11 @@
+//! What is asked of every model: the pose of the base, batches, and the ends of what quantities may be.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[allow(dead_code, reason = "other binaries use other parts of it")]
+#[path = "../common/mod.rs"]
+mod common;
+
+mod base_pose;
+mod batch;
+mod limits;

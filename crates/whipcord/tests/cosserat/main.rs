@@ -1,0 +1,40 @@
+//! The Cosserat rod with continuous cables: against the literature and closed forms, against a second
+//! formulation, and what must hold for any robot. One module for each subject, in one binary: to run one
+//! of them, `cargo test -p whipcord --test cosserat MODULE::`.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and a study prints"
+)]
+
+#[allow(dead_code, reason = "other binaries use other parts of it")]
+#[path = "../common/mod.rs"]
+mod common;
+#[allow(dead_code, reason = "other binaries use other parts of it")]
+#[path = "../oracle/mod.rs"]
+mod oracle;
+
+mod backbones;
+mod benchmarks;
+mod bent_rods;
+mod branches;
+mod closed_forms;
+mod columns;
+mod compliance;
+mod contradictions;
+mod derivatives;
+mod distributed;
+mod dual_numbers;
+mod follower;
+mod lengths;
+mod load_properties;
+mod properties;
+mod refusals;
+mod second_formulation;
+mod stability;
+mod strong_loads;
+mod study;
+mod tendons;

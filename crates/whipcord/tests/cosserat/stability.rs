@@ -1,0 +1,161 @@
+//! Buckling loads: where the stability value changes sign.
+//!
+//! Rods are so slender that stretch and shear move a buckling load by less than the 1e-4 asked for.
+
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use crate::common::{paper_robot, round, solve_with, straight};
+use whipcord::cosserat::Options;
+use whipcord::{
+    Backbone, Cable, CableCommand, Case, Disks, Loads, Material, Robot, Routing, Shortening, Vec3,
+};
+
+/// Radius of the cables, for a rod of length 1.
+const RADIUS: f64 = 0.01;
+
+/// Length 1, EI = 1, `EI/(EA L²) = 6·10⁻¹²`, density such that its weight is 1 at 1 m/s².
+fn slender() -> Backbone {
+    let diameter = 1e-5_f64;
+    let young = 64.0 / (PI * diameter.powi(4));
+    let rod = round(1.0, diameter, young, 0.35 * young);
+    let density = 4.0 / (PI * diameter * diameter);
+    Backbone { material: Material { density: Some(density), ..rod.material }, ..rod }
+}
+
+fn robot(angles: &[f64]) -> Robot {
+    let cable = |(i, &angle): (usize, &f64)| {
+        Cable::new(format!("cable {i}"), Routing::Straight { angle, radius: RADIUS })
+    };
+    let cables = angles.iter().enumerate().map(cable).collect();
+    Robot::new(slender(), Disks::equally_spaced(1.0, 11, RADIUS), cables).unwrap()
+}
+
+fn stability(robot: &Robot, case: &Case) -> f64 {
+    let solution = solve_with(Options::default(), robot, case).unwrap();
+    let tip = solution.disks.tip().position;
+    assert!(tip.x.hypot(tip.y) < 1e-9, "the rod is to be straight: {tip:?}");
+    solution.diagnostics.stability.unwrap()
+}
+
+fn pushed(force: f64) -> Loads {
+    Loads { tip_force: Vec3::new(0.0, 0.0, -force), ..Loads::default() }
+}
+
+/// The value is positive just below the load and negative just above it.
+fn changes_sign_at(critical: f64, value: impl Fn(f64) -> f64) {
+    for factor in [0.5, 0.9, 1.0 - 1e-4] {
+        assert!(value(factor * critical) > 0.0, "below {critical}: {}", value(factor * critical));
+    }
+    for factor in [1.0 + 1e-4, 1.1, 1.5] {
+        assert!(value(factor * critical) < 0.0, "above {critical}: {}", value(factor * critical));
+    }
+}
+
+#[test]
+fn a_clamped_free_column_buckles_at_eulers_load() {
+    let rod = robot(&[]);
+    let at = |force| stability(&rod, &Case { loads: pushed(force), ..Case::default() });
+    changes_sign_at(FRAC_PI_2 * FRAC_PI_2, at);
+    // Under a dead end load the value is 1 − P/P_Euler.
+    assert!((at(1.0) - (1.0 - 4.0 / (PI * PI))).abs() < 1e-6);
+}
+
+/// Greenhill, Proc. Cambridge Phil. Soc. 4 (1881) 65–73: `q L³/EI` = 7.837347438943484, from the first
+/// zero of the Bessel function of order −1/3.
+#[test]
+fn a_column_under_its_own_weight_buckles_at_greenhills_load() {
+    let rod = robot(&[]);
+    let under = |gravity: f64| {
+        let loads = Loads { gravity: Some(Vec3::new(0.0, 0.0, -gravity)), ..Loads::default() };
+        stability(&rod, &Case { loads, ..Case::default() })
+    };
+    changes_sign_at(7.837_347_438_943_484, under);
+}
+
+/// A cable that runs along the axis goes with the rod wherever it bends: its tension does no work on
+/// a buckle, and the column under an end load buckles when it would without it.
+#[test]
+fn a_central_cable_never_buckles_a_rod() {
+    let cable = Cable::new("central", Routing::Straight { angle: 0.0, radius: 0.0 });
+    let disks = Disks::equally_spaced(1.0, 11, RADIUS);
+    let rod = Robot::new(slender(), disks, vec![cable]).unwrap();
+    for tension in [1.0, 10.0, 1000.0, 1e6] {
+        let pulled = Case::with_tensions(&[tension]);
+        assert!((stability(&rod, &pulled) - 1.0).abs() < 1e-3, "{tension} N");
+        let loaded = |force| Case { loads: pushed(force), ..pulled.clone() };
+        changes_sign_at(FRAC_PI_2 * FRAC_PI_2, |force| stability(&rod, &loaded(force)));
+    }
+}
+
+/// Beside the axis a cable bends the rod, and that is all: up to where the section folds there is
+/// but one shape, and it is stable.
+#[test]
+fn a_straight_cable_beside_the_axis_never_buckles_a_rod() {
+    let rod = paper_robot(vec![straight(30.0)]);
+    let stiffness = 1.1e9 * PI * 0.003_f64.powi(4) / 64.0;
+    let folds =
+        1.0 / (1.0 / (1.1e9 * PI * 0.003_f64.powi(2) / 4.0) + 0.008_f64.powi(2) / stiffness);
+    for fraction in [0.01, 0.3, 0.6, 0.9, 0.99] {
+        let case = Case::with_tensions(&[fraction * folds]);
+        let solution = solve_with(Options::default(), &rod, &case).unwrap();
+        assert!(solution.diagnostics.stability.unwrap() > 0.0, "{fraction}");
+    }
+}
+
+/// Cables around the rod, all shortened alike so that they stay taut.
+fn locked(cables: usize, force: f64, axial_stiffness: Option<f64>) -> f64 {
+    let angles: Vec<f64> = (0..cables).map(|i| TAU * i as f64 / cables as f64).collect();
+    let free = robot(&angles);
+    let with = |cable: &Cable| Cable { axial_stiffness, ..cable.clone() };
+    let elastic = free.cables().iter().map(with).collect();
+    let rod = Robot::new(slender(), free.disks().clone(), elastic).unwrap();
+    // Of a stretch that takes about 100 N of tension from each of them.
+    let area = PI * 1e-10 / 4.0;
+    let young = 64.0 / (PI * 1e-20);
+    let shortening =
+        100.0 * (cables as f64 / (young * area) + axial_stiffness.map_or(0.0, |k| 1.0 / k));
+    let command = CableCommand { tension: None, shortening: Some(Shortening::Length(shortening)) };
+    stability(
+        &rod,
+        &Case { commands: vec![command; cables], loads: pushed(force), ..Case::default() },
+    )
+}
+
+/// Locked cables on both sides keep the tip from turning: the column is then clamped at one end and
+/// guided at the other.
+#[test]
+fn locked_cables_hold_the_tip_upright() {
+    for cables in [3, 4, 6] {
+        changes_sign_at(PI * PI, |force| locked(cables, force, None));
+    }
+    // Two of them do so in their own plane only.
+    changes_sign_at(FRAC_PI_2 * FRAC_PI_2, |force| locked(2, force, None));
+}
+
+/// Elastic cables hold the tip like a spring of `k = ½ n EA r²/L` against its turning; with
+/// `EI = L = 1` the buckling load solves `k sin √P + √P cos √P = 0`.
+#[test]
+fn elastic_locked_cables_hold_it_like_a_spring() {
+    for stiffness in [1e3, 1e4, 1e5] {
+        let spring = 0.5 * 3.0 * stiffness * RADIUS * RADIUS;
+        let (mut low, mut high) = (FRAC_PI_2, PI);
+        for _ in 0..60 {
+            let middle: f64 = 0.5 * (low + high);
+            // Positive below the root: the tip would turn back.
+            if spring * middle.sin() + middle * middle.cos() > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        changes_sign_at(low * low, |force| locked(3, force, Some(stiffness)));
+    }
+}
+
+/// Four locked straight cables have three independent lengths: what one of them does the others do,
+/// too, and nothing counts twice.
+#[test]
+fn a_locked_cable_too_many_changes_nothing() {
+    let (three, four) = (locked(3, 5.0, None), locked(4, 5.0, None));
+    assert!((three - four).abs() < 1e-5, "{three} {four}");
+}

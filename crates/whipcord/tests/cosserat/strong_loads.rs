@@ -1,0 +1,111 @@
+//! Loads so strong that a shot from the base misses the tip by many orders of magnitude.
+
+use whipcord::cosserat::Options;
+use whipcord::{
+    Backbone, Cable, Case, Disks, Loads, Material, Model, Robot, Routing, Section, Solution,
+    Statics, Stations, Vec3,
+};
+
+fn cantilever(length: f64, diameter: f64) -> Robot {
+    let backbone = Backbone {
+        section: Some(Section::circle(diameter)),
+        material: Material {
+            young_modulus: Some(1.1e9),
+            poisson_ratio: Some(0.3),
+            density: Some(1040.0),
+            ..Material::default()
+        },
+        ..Backbone::new(length)
+    };
+    Robot::new(backbone, Disks::equally_spaced(length, 10, 0.008), vec![]).unwrap()
+}
+
+fn solve(robot: &Robot, loads: Loads) -> Solution {
+    let case = Case { loads, ..Case::default() };
+    Model::Cosserat(Options::default()).solve(robot, &case).unwrap()
+}
+
+/// `x/L` of the tip of the paper's backbone under a transverse tip force in N, by collocation
+/// (SciPy's `solve_bvp`) on the stretched and sheared rod, continued in the load.
+const TRANSVERSE: [(f64, f64); 3] = [(10.0, 0.933), (30.0, 0.965), (100.0, 0.992)];
+
+#[test]
+fn a_strong_transverse_force_pulls_the_rod_straight() {
+    let robot = cantilever(0.18, 0.003);
+    for (force, x) in TRANSVERSE {
+        let loads = Loads { tip_force: Vec3::X * force, ..Loads::default() };
+        let solution = solve(&robot, loads);
+        let tip = solution.disks.tip().position / 0.18;
+        assert!((tip.x - x).abs() < 1e-3, "{force} N: {}", tip.x);
+        assert!(solution.diagnostics.stability.unwrap() > 0.0);
+    }
+}
+
+/// The first integral of the rod under a dead force: without shear and stretch,
+/// `½ u²·EI + F·t` is constant, and the curvature at the tip vanishes.
+#[test]
+fn the_base_moment_meets_the_first_integral_of_the_elastica() {
+    // So slender that stretch and shear do not count.
+    let robot = cantilever(0.18, 0.0003);
+    let stiffness = 1.1e9 * core::f64::consts::PI * 0.0003_f64.powi(4) / 64.0;
+    let euler = 2.467 * stiffness / (0.18 * 0.18);
+    for force in [5.0, 50.0, 300.0] {
+        let loads = Loads { tip_force: Vec3::X * force * euler, ..Loads::default() };
+        let solution = solve(&robot, loads);
+        let along_tip = solution.disks.tip().rotation.rotate(Vec3::Z).x;
+        let moment = solution.base_wrench.unwrap().moment.norm();
+        let exact = (2.0 * stiffness * force * euler * along_tip).sqrt();
+        assert!((moment / exact - 1.0).abs() < 1e-4, "{force}: {moment} {exact}");
+    }
+}
+
+#[test]
+fn a_long_thread_hangs_down() {
+    // 3 m of a rod of 0.5 mm under its own weight: 5000 times the weight that bends it by a radian.
+    let robot = cantilever(3.0, 0.0005);
+    let loads = Loads { gravity: Some(Vec3::X * 9.81), ..Loads::default() };
+    let solution = solve(&robot, loads);
+    let tip = solution.disks.tip().position;
+    assert!(tip.x > 2.97 && tip.x < 3.0 && tip.z > 0.0 && tip.z < 0.1, "{tip:?}");
+    assert!(solution.diagnostics.stability.unwrap() > 0.0);
+    let weight = 1040.0 * 9.81 * 3.0 * core::f64::consts::PI * 0.0005_f64.powi(2) / 4.0;
+    assert!((solution.base_wrench.unwrap().force.x / weight - 1.0).abs() < 1e-12);
+}
+
+/// A steel rod that its cable winds up by as much as one and a half turns: the base bears the weight
+/// and its moment about it, which the shape tells.
+#[test]
+fn a_straight_cable_with_gravity_converges_from_cold_at_any_tension() {
+    let (density, area) = (7850.0, core::f64::consts::PI * 1e-6);
+    let backbone = Backbone {
+        section: Some(Section::circle(0.002)),
+        material: Material {
+            young_modulus: Some(200e9),
+            poisson_ratio: Some(0.3),
+            density: Some(density),
+            ..Material::default()
+        },
+        ..Backbone::new(0.5)
+    };
+    let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.015 });
+    let disks = Disks::equally_spaced(0.5, 10, 0.015);
+    let robot = Robot::new(backbone, disks, vec![cable]).unwrap();
+    let options = Options { stations: Stations::Equal(401), ..Options::default() };
+    for gravity in [Vec3::X * -9.81, Vec3::X * 9.81, Vec3::Y * 9.81, Vec3::Z * -9.81] {
+        for tension in [5.0, 15.0, 45.0, 150.0, 200.0, 300.0] {
+            let mut case = Case::with_tensions(&[tension]);
+            case.loads.gravity = Some(gravity);
+            let solution = Model::Cosserat(options.clone()).solve(&robot, &case).unwrap();
+            let borne = solution.base_wrench.unwrap();
+            let weight = gravity * (density * area);
+            assert!((borne.force - weight * 0.5).norm() < 1e-12, "{tension} N: {borne:?}");
+            let at = |i: usize| solution.shape.poses[i].position.cross(weight);
+            let (h, ends) = (0.5 / 400.0, (at(0) + at(400)) * 0.5);
+            let moment = (1..400).fold(ends, |sum, i| sum + at(i)) * h;
+            let missed = (borne.moment - moment).norm();
+            // The trapezoidal rule errs by h² times the slope of the ends.
+            let bound = h * h * weight.norm();
+            assert!(missed < bound, "{tension} N: {missed:e}, {bound:e}");
+        }
+    }
+}

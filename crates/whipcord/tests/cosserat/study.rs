@@ -1,0 +1,240 @@
+//! Random robots bent up to 180° under tip loads up to twice the buckling load of the bare rod, with
+//! gravity, and some of them with loads spread along a part of the rod: how many converge, and whether the
+//! reasons of those that do not are true.
+//!
+//! The whole study, which prints its table:
+//! `cargo test --release -p whipcord --test cosserat study:: -- --ignored --nocapture`.
+
+use crate::common;
+use core::f64::consts::PI;
+use std::time::Instant;
+
+use crate::common::{Wildness, bending_stiffness, lengths_of, robot, samples};
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::{
+    Case, DistributedLoad, Drive, Loads, Profile, Robot, Solution, SolveError, Statics, Vec3,
+    Wrench,
+};
+
+/// Euler's load of the bare rod is π²/4 EI/L²; the tip force is up to twice that.
+const WILD: Wildness =
+    Wildness { cables: 6, tension: 1.0, force: 0.5 * PI * PI, moment: 0.0, weight: 1.0 };
+const CLASSES: usize = 6;
+
+/// One robot in so many has a load spread along a part of it.
+const SPREAD_EVERY: usize = 3;
+
+/// A dead load on the outer part of the rod, as great as up to half of the greatest tip force.
+fn spread(robot: &Robot, direction: Vec3, share: f64) -> DistributedLoad {
+    let length = robot.backbone().length;
+    let from = 0.6 * share * length;
+    let greatest = 0.25 * PI * PI * bending_stiffness(robot) / length.powi(2);
+    let force = direction * (greatest / (length - from));
+    let profile = Profile::Constant { from, to: length, force, moment: Vec3::ZERO };
+    DistributedLoad { profile, follower: false }
+}
+
+/// How far the backbone turns from disk to disk, summed up, in rad.
+fn turning(solution: &Solution) -> f64 {
+    let tangent = |i: usize| solution.disks.poses[i].rotation.rotate(Vec3::Z);
+    let angle = |i: usize| {
+        let (a, b) = (tangent(i - 1), tangent(i));
+        a.cross(b).norm().atan2(a.dot(b))
+    };
+    (1..solution.disks.poses.len()).map(angle).sum()
+}
+
+/// The case with its tensions scaled so that the cables alone turn the backbone by about `target`;
+/// `None` where they fold it before.
+fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> {
+    let model = whipcord::Model::Cosserat(Options::default());
+    let mut scaled = Case { loads: Loads::default(), ..case.clone() };
+    let mut answer = None;
+    for _ in 0..6 {
+        let solution = model.solve(robot, &scaled).ok()?;
+        let factor = (target / turning(&solution).max(0.05)).clamp(0.3, 3.0);
+        answer = Some((Case { loads: case.loads.clone(), ..scaled.clone() }, solution));
+        for command in &mut scaled.commands {
+            command.tension = command.tension.map(|t| t * factor);
+        }
+    }
+    answer
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    stable: usize,
+    snapped: usize,
+    unstable: usize,
+    folds: usize,
+    unreachable: usize,
+    buckled: usize,
+    not_converged: usize,
+    other: usize,
+    unconfirmed: usize,
+}
+
+/// Whether a reason is true, by a different way: from many base wrenches at once on a fine grid no
+/// equilibrium is found that the robot could stay in; a section that folds does so on fine steps.
+fn is_confirmed(robot: &Robot, case: &Case, drive: Drive, reason: &SolveError) -> bool {
+    let fine = |accuracy| Options { accuracy, drive, ..Options::default() };
+    match reason {
+        SolveError::SectionFolds { .. }
+        | SolveError::UnreachableLength { .. }
+        | SolveError::ContradictoryLengths { .. } => {
+            let model = whipcord::Model::Cosserat(fine(Accuracy::Steps(300)));
+            model.solve(robot, case).is_err()
+        }
+        _ => {
+            let accuracy = Accuracy::Steps(96);
+            let model = Cosserat::new(robot, &case.loads, &fine(accuracy)).unwrap();
+            let mut workspace = Workspace::default();
+            let unloaded = Case { loads: Loads::default(), ..case.clone() };
+            let Ok(start) = whipcord::Model::Cosserat(fine(accuracy)).solve(robot, &unloaded)
+            else {
+                return false;
+            };
+            let unit = bending_stiffness(robot) / robot.backbone().length;
+            let wrenches = samples((common::ball(), common::ball()), 40);
+            !wrenches.into_iter().any(|(moment, force)| {
+                let wrench = Wrench {
+                    force: force * (5.0 * unit / robot.backbone().length),
+                    moment: moment * (8.0 * unit),
+                };
+                let near = Solution { base_wrench: Some(wrench), ..start.clone() };
+                model
+                    .solve(case, Some(&near), &mut workspace)
+                    .is_ok_and(|found| !found.diagnostics.is_unstable())
+            })
+        }
+    }
+}
+
+/// So many robots whose cables alone bend them by every size of bending equally often, with loads; those
+/// whose cables fold them before are left out.
+fn robots(count: usize) -> impl Iterator<Item = (usize, Robot, Case, Solution)> {
+    let drawn = samples((robot(WILD), common::ball(), 0.0..1.0_f64), 2 * count).enumerate();
+    let bent = drawn.filter_map(|(n, ((robot, mut case), direction, share))| {
+        case.loads.points.clear();
+        if n % SPREAD_EVERY == 0 {
+            case.loads.distributed.push(spread(&robot, direction, share));
+        }
+        let target = PI * ((n as f64 + 0.5) * 0.618_033_988_749_895).fract();
+        let (bent, alone) = bent_by(&robot, &case, target)?;
+        Some((n, robot, bent, alone))
+    });
+    bent.take(count)
+}
+
+/// Solves so many robots and sorts what comes of it by how far the cables alone bend them.
+fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
+    let mut rows = [Row::default(); CLASSES];
+    let (mut times, mut failure_times) = (Vec::new(), Vec::new());
+    for (n, robot, bent, alone) in robots(count) {
+        let asked = match drive {
+            Drive::Shortening => lengths_of(&alone, &bent.loads),
+            _ => bent,
+        };
+        let row = &mut rows[((turning(&alone) / PI * CLASSES as f64) as usize).min(CLASSES - 1)];
+        let begun = Instant::now();
+        let options = Options { drive, ..Options::default() };
+        let outcome = whipcord::Model::Cosserat(options).solve(&robot, &asked);
+        let taken = begun.elapsed().as_secs_f64();
+        times.push(taken);
+        let reason = match outcome {
+            Ok(solution) if solution.diagnostics.is_unstable() => {
+                row.unstable += 1;
+                let lost_at = solution.diagnostics.stability_lost_at;
+                println!("{n}: unstable, lost at {lost_at:?}, {:.1} ms", 1e3 * taken);
+                continue;
+            }
+            Ok(solution) => {
+                row.stable += 1;
+                if let Some(load) = solution.diagnostics.stability_lost_at {
+                    row.snapped += 1;
+                    println!("{n}: snapped through at {load:.4}, {:.1} ms", 1e3 * taken);
+                }
+                continue;
+            }
+            Err(reason) => reason,
+        };
+        failure_times.push(taken);
+        *match reason {
+            SolveError::SectionFolds { .. } => &mut row.folds,
+            SolveError::UnreachableLength { .. } => &mut row.unreachable,
+            SolveError::Buckled { .. } => &mut row.buckled,
+            SolveError::NotConverged { .. } => &mut row.not_converged,
+            _ => &mut row.other,
+        } += 1;
+        let confirmed = is_confirmed(&robot, &asked, drive, &reason);
+        let verdict = if confirmed { "confirmed" } else { "NOT CONFIRMED" };
+        println!("{n}: {reason} — {verdict}, {:.1} ms", 1e3 * taken);
+        row.unconfirmed += usize::from(!confirmed);
+    }
+    print_times("all", times);
+    print_times("failures", failure_times);
+    rows
+}
+
+fn print_times(of: &str, mut times: Vec<f64>) {
+    times.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let place = ((share * times.len() as f64) as usize).min(times.len().saturating_sub(1));
+        1e3 * times.get(place).copied().unwrap_or(0.0)
+    };
+    println!(
+        "{of}: median {:.2} ms, 99 % within {:.1} ms, slowest {:.1} ms",
+        at(0.5),
+        at(0.99),
+        at(1.0)
+    );
+}
+
+fn print(title: &str, rows: &[Row]) {
+    println!("\n{title}");
+    println!(
+        "bending       stable (snapped)  unstable  folds  unreachable  buckled  not conv.  other  unconfirmed"
+    );
+    for (i, r) in rows.iter().enumerate() {
+        println!(
+            "{:3}° – {:3}°  {:7} ({:7})  {:8}  {:5}  {:11}  {:7}  {:9}  {:5}  {:11}",
+            30 * i,
+            30 * (i + 1),
+            r.stable,
+            r.snapped,
+            r.unstable,
+            r.folds,
+            r.unreachable,
+            r.buckled,
+            r.not_converged,
+            r.other,
+            r.unconfirmed
+        );
+    }
+}
+
+fn check(rows: &[Row], count: usize) {
+    let sum = |f: fn(&Row) -> usize| rows.iter().map(f).sum::<usize>();
+    assert_eq!(sum(|r| r.unconfirmed), 0, "a reason is not true");
+    assert!(sum(|r| r.stable) * 100 >= 97 * count, "{rows:?}");
+}
+
+#[test]
+fn random_robots_converge_or_say_why_not() {
+    let count = if cfg!(debug_assertions) { 15 } else { 150 };
+    for drive in [Drive::Tension, Drive::Shortening] {
+        let rows = study(count, drive);
+        print(&format!("{drive:?}"), &rows);
+        check(&rows, count);
+    }
+}
+
+#[test]
+#[ignore = "takes minutes: the whole study"]
+fn two_thousand_random_robots() {
+    for drive in [Drive::Tension, Drive::Shortening] {
+        let rows = study(2000, drive);
+        print(&format!("2000 random robots, driven by {drive:?}"), &rows);
+        check(&rows, 2000);
+    }
+}

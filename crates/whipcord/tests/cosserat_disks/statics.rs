@@ -1,0 +1,239 @@
+//! The model with cables straight from hole to hole: limits, equilibrium, symmetries.
+
+use crate::common::{helix, paper_backbone, paper_disks, paper_robot, straight};
+use whipcord::cosserat::Accuracy;
+use whipcord::cosserat_disks::Options;
+use whipcord::{
+    Backbone, Cable, Case, Disks, Loads, Material, Model, ModelKind, PointLoad, Robot, Routing,
+    Shortening, Solution, Statics, Vec3,
+};
+
+fn solve(robot: &Robot, case: &Case) -> Solution {
+    Model::CosseratDisks(Options::default())
+        .solve(robot, case)
+        .unwrap_or_else(|error| panic!("{error}\n{case:?}"))
+}
+
+fn heavy() -> Backbone {
+    let mut backbone = paper_backbone();
+    backbone.material = Material { density: Some(1040.0), ..backbone.material };
+    backbone
+}
+
+fn with_sections(sections: usize, routings: &[Routing]) -> Robot {
+    let disks = Disks::equally_spaced(0.18, sections + 1, 0.008);
+    let cable = |(i, routing): (usize, &Routing)| Cable::new(format!("c{i}"), routing.clone());
+    Robot::new(heavy(), disks, routings.iter().enumerate().map(cable).collect()).unwrap()
+}
+
+fn several_loads() -> Loads {
+    Loads {
+        gravity: Some(Vec3::new(1.0, 2.0, -9.0)),
+        tip_force: Vec3::new(0.05, -0.08, 0.02),
+        tip_moment: Vec3::new(1e-3, 2e-3, 1e-3),
+        points: vec![
+            PointLoad { at: 0.05, force: Vec3::new(0.0, 0.05, 0.0), ..PointLoad::default() },
+            PointLoad { at: 0.13, moment: Vec3::new(2e-3, 0.0, 1e-3), ..PointLoad::default() },
+        ],
+        ..Loads::default()
+    }
+}
+
+#[test]
+fn tends_to_the_continuous_model_with_order_two() {
+    let routings = [helix(20.0, 0.6), straight(200.0)];
+    for loads in [Loads::default(), several_loads()] {
+        let case = Case { loads, ..Case::with_tensions(&[3.0, 1.5]) };
+        let continuous = Model::new(ModelKind::Cosserat, Default::default(), Default::default())
+            .solve(&with_sections(9, &routings), &case)
+            .unwrap();
+        let error = |sections: usize| {
+            let solution = solve(&with_sections(sections, &routings), &case);
+            (solution.disks.tip().position - continuous.disks.tip().position).norm()
+        };
+        let errors = [9, 18, 36, 72].map(error);
+        for pair in errors.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!((1.9..2.1).contains(&order), "{errors:?}");
+        }
+    }
+}
+
+#[test]
+fn at_the_papers_spacing_the_tip_is_some_millimetres_from_the_continuous_one() {
+    // The paper's cases I and III: 1.7 % of the length, and 1.1 %.
+    let cases = [(vec![4; 10], 0.003_12), (vec![1, 2, 3, 4, 4, 4, 4, 3, 2, 1], 0.001_96)];
+    for (holes, expected) in cases {
+        let robot = paper_robot(vec![Routing::holes(holes)]);
+        let case = Case::with_tensions(&[0.4 * 9.80665]);
+        let tip = |kind| {
+            let model = Model::new(kind, Default::default(), Default::default());
+            model.solve(&robot, &case).unwrap().disks.tip().position
+        };
+        let apart = (tip(ModelKind::CosseratDisks) - tip(ModelKind::Cosserat)).norm();
+        assert!((apart - expected).abs() < 1e-5, "{apart}");
+    }
+}
+
+/// Forces on the whole robot: what the base bears is all that is applied, and its moment.
+#[test]
+fn the_base_bears_what_is_applied() {
+    let robot = with_sections(7, &[helix(20.0, 0.6), straight(200.0)]);
+    let loads = Loads { gravity: None, ..several_loads() };
+    let case = Case { loads, ..Case::with_tensions(&[3.0, 1.5]) };
+    let stations = whipcord::Stations::Equal(19);
+    let model = Model::new(ModelKind::CosseratDisks, stations, Default::default());
+    let solution = model.solve(&robot, &case).unwrap();
+    let at = |s: f64| {
+        let i = solution.shape.arc_length.iter().position(|&x| (x - s).abs() < 1e-9).unwrap();
+        solution.shape.poses[i].position
+    };
+    let tip = solution.disks.tip().position;
+    let force = Vec3::new(0.05, -0.08 + 0.05, 0.02);
+    let moment = Vec3::new(1e-3 + 2e-3, 2e-3, 1e-3 + 1e-3)
+        + tip.cross(case.loads.tip_force)
+        + at(0.05).cross(case.loads.points[0].force);
+    let base = solution.base_wrench.unwrap();
+    assert!((base.force - force).norm() < 1e-13);
+    assert!((base.moment - moment).norm() < 1e-9, "{:?} {moment:?}", base.moment);
+}
+
+#[test]
+fn lengths_give_back_the_tensions() {
+    let robot = with_sections(9, &[helix(20.0, 0.6), straight(200.0), straight(80.0)]);
+    for loads in [Loads::default(), several_loads()] {
+        let tensions = [3.0, 1.5, 0.7];
+        let case = Case { loads: loads.clone(), ..Case::with_tensions(&tensions) };
+        let solution = solve(&robot, &case);
+        let shorter: Vec<Shortening> = solution
+            .cables
+            .iter()
+            .map(|cable| Shortening::Length(cable.initial_length - cable.length))
+            .collect();
+        let back = solve(&robot, &Case { loads, ..Case::with_shortenings(&shorter) });
+        for (cable, given) in back.cables.iter().zip(tensions) {
+            assert!((cable.tension.unwrap() - given).abs() < 1e-7, "{:?}", back.cables);
+        }
+    }
+}
+
+#[test]
+fn followers_turn_with_the_robot() {
+    let robot = with_sections(6, &[straight(0.0)]);
+    let loads = Loads {
+        tip_force: Vec3::new(0.1, 0.05, 0.02),
+        tip_follower: true,
+        points: vec![PointLoad {
+            at: 0.08,
+            force: Vec3::new(0.0, 0.1, 0.0),
+            follower: true,
+            ..PointLoad::default()
+        }],
+        ..Loads::default()
+    };
+    let case = Case { loads, ..Case::with_tensions(&[2.0]) };
+    let stations = whipcord::Stations::Equal(10);
+    let model = Model::new(ModelKind::CosseratDisks, stations, Default::default());
+    let solution = model.solve(&robot, &case).unwrap();
+    let at_load = solution.shape.poses[4];
+    let tip = solution.disks.tip();
+    let (far, near) = (
+        tip.rotation.rotate(case.loads.tip_force),
+        at_load.rotation.rotate(case.loads.points[0].force),
+    );
+    let base = solution.base_wrench.unwrap();
+    let moment = tip.position.cross(far) + at_load.position.cross(near);
+    assert!((base.force - far - near).norm() < 1e-9);
+    assert!((base.moment - moment).norm() < 1e-9);
+}
+
+#[test]
+fn fewer_steps_than_the_default_err_by_little() {
+    let robot = paper_robot(vec![straight(0.0)]);
+    let case = Case::with_tensions(&[0.4 * 9.80665]);
+    let exact = solve(&robot, &case);
+    let options = Options { accuracy: Accuracy::Steps(9), ..Options::default() };
+    let coarse = Model::CosseratDisks(options).solve(&robot, &case).unwrap();
+    let error = (coarse.disks.tip().position - exact.disks.tip().position).norm() / 0.18;
+    assert!(error < 2e-5, "{error}");
+    assert_eq!(paper_disks().count(), 10);
+}
+
+/// With many disks it is the stability of the continuous model, and of a bare rod always.
+#[test]
+fn stability_is_that_of_the_continuous_model_in_the_limit() {
+    let pushed = |force: f64| Loads { tip_force: Vec3::new(0.0, 0.0, -force), ..Loads::default() };
+    let bare = [];
+    let cables = [straight(0.0), straight(180.0), helix(20.0, 0.6)];
+    let tensions = [2.0, 2.0, 1.0];
+    for (routings, tensions, loads, sections, tolerance) in [
+        (&bare[..], &[][..], pushed(0.2), 5, 1e-5),
+        (&bare[..], &[][..], pushed(0.6), 5, 1e-5),
+        (&cables[..2], &tensions[..2], pushed(0.2), 40, 2e-3),
+        (&cables[..], &tensions[..], Loads::default(), 40, 2e-2),
+        (&cables[..], &tensions[..], several_loads(), 40, 2e-2),
+    ] {
+        let robot = with_sections(sections, routings);
+        let case = Case { loads, ..Case::with_tensions(tensions) };
+        let least = |kind| {
+            let model = Model::new(kind, Default::default(), Default::default());
+            model.solve(&robot, &case).unwrap().diagnostics.stability.unwrap()
+        };
+        let (disks, continuous) = (least(ModelKind::CosseratDisks), least(ModelKind::Cosserat));
+        assert!((disks - continuous).abs() < tolerance, "{disks} {continuous}");
+    }
+}
+
+/// The same robot elsewhere, under loads given in its base's frame.
+#[test]
+fn moving_the_base_moves_the_robot() {
+    use whipcord::{Pose, UnitQuaternion};
+    let robot = with_sections(9, &[helix(20.0, 0.6), straight(200.0)]);
+    let case = Case { loads: several_loads(), ..Case::with_tensions(&[3.0, 1.5]) };
+    let base = Pose {
+        position: Vec3::new(0.1, -0.2, 0.3),
+        rotation: UnitQuaternion::exp(Vec3::new(0.4, -0.9, 0.2)),
+    };
+    let (here, there) = (solve(&robot, &case), solve(&robot, &Case { base, ..case.clone() }));
+    for (a, b) in here.disks.poses.iter().zip(&there.disks.poses) {
+        assert!((base.transform(a.position) - b.position).norm() < 1e-12);
+    }
+    // From a neighbour that stands there.
+    let mut model = Model::CosseratDisks(Options::default()).prepare(&robot, &case.loads).unwrap();
+    let warm = model.solve(&case, Some(&there)).unwrap();
+    assert!((warm.disks.tip().position - here.disks.tip().position).norm() < 1e-11);
+}
+
+#[test]
+fn a_robot_at_rest_stays_and_mirrored_cables_mirror_the_shape() {
+    let robot = with_sections(5, &[helix(20.0, 0.6), straight(80.0)]);
+    let rest = solve(&robot, &Case::with_tensions(&[0.0, 0.0]));
+    assert!((rest.disks.tip().position - Vec3::new(0.0, 0.0, 0.18)).norm() < 1e-15);
+    let mirrored = with_sections(5, &[helix(-20.0, -0.6), straight(-80.0)]);
+    let case = Case::with_tensions(&[3.0, 1.0]);
+    let (a, b) = (solve(&robot, &case), solve(&mirrored, &case));
+    for (a, b) in a.disks.positions().zip(b.disks.positions()) {
+        assert!((Vec3::new(a.x, -a.y, a.z) - b).norm() < 1e-12);
+    }
+    let relabelled = with_sections(5, &[straight(80.0), helix(20.0, 0.6)]);
+    let other = solve(&relabelled, &Case::with_tensions(&[1.0, 3.0]));
+    assert!((other.disks.tip().position - a.disks.tip().position).norm() < 1e-12);
+}
+
+/// `W(τ) = min (U + Σ τ ℓ)` has the gradient `ℓ`, so that `∂ℓᵢ/∂τⱼ` is symmetric, as long as the loads
+/// have an energy: dead moments have none.
+#[test]
+fn lengths_answer_tensions_symmetrically() {
+    let robot = with_sections(6, &[helix(20.0, 0.6), straight(200.0)]);
+    let forces = Loads { tip_moment: Vec3::ZERO, points: Vec::new(), ..several_loads() };
+    for loads in [Loads::default(), forces] {
+        let length = |tensions: [f64; 2], cable: usize| {
+            let case = Case { loads: loads.clone(), ..Case::with_tensions(&tensions) };
+            solve(&robot, &case).cables[cable].length
+        };
+        let h = 1e-3;
+        let by_second = (length([3.0, 1.5 + h], 0) - length([3.0, 1.5 - h], 0)) / (2.0 * h);
+        let by_first = (length([3.0 + h, 1.5], 1) - length([3.0 - h, 1.5], 1)) / (2.0 * h);
+        assert!((by_first - by_second).abs() < 1e-4 * by_first.abs(), "{by_first} {by_second}");
+    }
+}
