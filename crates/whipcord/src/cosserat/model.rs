@@ -1,4 +1,5 @@
 use std::borrow::Cow;
+use std::sync::{Arc, OnceLock};
 
 use super::command::Command;
 use super::derivatives::{Derivatives, NoDerivatives, Solved};
@@ -7,7 +8,7 @@ use super::lanes::{Setting, UnloadedLanes};
 use super::loads;
 use super::options::{Accuracy, Options};
 use super::outcome::{Failure, Found};
-use super::refinement::{COARSE_STEPS, Coarse, FOLD_LEVEL, READY_GRIDS};
+use super::refinement::{COARSE_STEPS, Coarse, FINER_GRIDS, FOLD_LEVEL, READY_GRIDS};
 use super::statics::{self, Scratch, Start};
 use super::without_load::section_failure;
 use crate::case::{Case, Drive, Loads};
@@ -51,6 +52,8 @@ pub struct Cosserat {
     pub(super) options: Options,
     /// The only grid, or the first of a sequence in which the steps are halved.
     pub(super) grids: Vec<Grid>,
+    /// The next of them, made when the first case needs them and shared by all copies of the model.
+    pub(super) finer: Arc<[OnceLock<Grid>; FINER_GRIDS]>,
 }
 
 /// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
@@ -83,7 +86,13 @@ impl Cosserat {
                 .map(|level| Grid::refined(robot, &layout, COARSE_STEPS, level))
                 .collect::<Result<_, _>>()?,
         };
-        Ok(Self { robot: robot.clone(), layout, options: options.clone(), grids })
+        Ok(Self {
+            robot: robot.clone(),
+            layout,
+            options: options.clone(),
+            grids,
+            finer: Arc::default(),
+        })
     }
 
     /// The robot this model was built for.

@@ -1,6 +1,7 @@
 //! Answers to a tolerance: the steps are halved until the answer changes no more.
 
 use std::borrow::Cow;
+use std::sync::OnceLock;
 
 use whipcord_numerics::Pose;
 
@@ -17,6 +18,8 @@ use crate::shape::Solution;
 pub(super) const COARSE_STEPS: usize = 8;
 /// Grids that are made beforehand: with three of them most robots are done.
 pub(super) const READY_GRIDS: usize = 3;
+/// Finer ones that are kept once they were needed: to make them takes longer than to solve on them.
+pub(super) const FINER_GRIDS: usize = 3;
 /// A failure to converge is believed only with steps halved this often.
 pub(super) const GIVE_UP_LEVEL: usize = 3;
 /// Where the load path loses its stability or ends, it is followed on with steps halved this often:
@@ -85,9 +88,17 @@ impl Workspace {
 impl Cosserat {
     /// The grid whose steps are halved so often; where the steps are prescribed, the only one.
     pub(super) fn grid(&self, level: usize) -> Result<Cow<'_, Grid>, SolveError> {
-        Ok(match self.grids.get(level) {
-            Some(grid) => Cow::Borrowed(grid),
-            None => Cow::Owned(Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?),
+        if let Some(grid) = self.grids.get(level) {
+            return Ok(Cow::Borrowed(grid));
+        }
+        let slot = level.checked_sub(READY_GRIDS).and_then(|place| self.finer.get(place));
+        if let Some(grid) = slot.and_then(OnceLock::get) {
+            return Ok(Cow::Borrowed(grid));
+        }
+        let grid = Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?;
+        Ok(match slot {
+            Some(slot) => Cow::Borrowed(slot.get_or_init(|| grid)),
+            None => Cow::Owned(grid),
         })
     }
 
