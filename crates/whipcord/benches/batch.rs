@@ -11,18 +11,18 @@
 //! hundred for the Magnus exponent, its exponential and the product of frames. Nothing is loaded but the
 //! robot's own nodes, some 30 numbers to each, which stay in the first-level cache and serve all rows;
 //! a row writes half a kilobyte. The three sections do not wait for one another, so that it is the
-//! throughput of the arithmetic that counts, divisions and square roots first, and neither memory nor a
-//! chain of dependencies. With AVX2 callgrind counts 1640 instructions for a step of four rows. With
+//! throughput of the arithmetic that should count, divisions and square roots first, and neither memory nor
+//! a chain of dependencies. With AVX2 callgrind counts 1640 instructions for a step of four rows. With
 //! several cables Newton's method takes two or three 6×6 systems to a section, each about 170 operations
 //! and 60 more for every cable; what does not fit the registers goes to the first-level cache and back.
 //! A loaded row is one solve of `benches/cosserat.rs`.
 //!
-//! Processor time for a row in µs, on a Zen server whose two cores six other programs shared (so twice or
-//! more what a quiet one takes), with twelve steps and one, three and six cables: row by row 3.4, 18 and
-//! 24; in eight lanes 0.67, 2.5 and 3.6; in four lanes one and three cables 0.85 and 3.9, for vectors of
-//! 512 bits divide at half the pace. With the default options 2.4, 12 and 16. Two threads take as much
-//! processor time as one, to within 1 % row by row, under load and with the default options: nothing is
-//! lost to sharing.
+//! Processor time for a row in µs, on two cores of a Zen server that a dozen other programs ran on at the
+//! time (to compare with one another; nothing was measured on a quiet machine), with twelve steps and
+//! one, three and six cables: row by row 3.4, 18 and 24; in eight lanes 0.67, 2.5 and 3.6; in four lanes
+//! one and three cables 0.85 and 3.9. With the default options, in eight lanes, 2.4, 12 and 16. Two threads
+//! took as much processor time as one, to within 1 % row by row, under load and with the default options:
+//! sharing the rows costs nothing that shows.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
