@@ -8,7 +8,7 @@ use crate::{Pose, Twist};
 /// even number of brackets keep their sign, those of an odd number change it.
 ///
 /// `twists` are `ξ` times the length of the step.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn magnus_6(twists: &[Twist; 3]) -> Pose {
     let [a, b, c] = *twists;

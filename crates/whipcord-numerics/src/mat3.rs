@@ -113,6 +113,16 @@ impl Mat3 {
         Ldlt3::new(self)
     }
 
+    /// `I + self`.
+    #[inline]
+    #[must_use]
+    pub fn plus_identity(mut self) -> Self {
+        self.rows[0].x += 1.0;
+        self.rows[1].y += 1.0;
+        self.rows[2].z += 1.0;
+        self
+    }
+
     /// The eigenvalues of a symmetric matrix in ascending order, by Jacobi's rotations: each is
     /// accurate to rounding relative to the largest.
     #[must_use]
@@ -302,12 +312,24 @@ impl Ldlt3 {
     #[inline]
     #[must_use]
     pub fn solve(&self, b: Vec3) -> Vec3 {
-        let y1 = b.y - self.l10 * b.x;
-        let y2 = b.z - self.l20 * b.x - self.l21 * y1;
-        let x2 = y2 * self.inv_d.z;
-        let x1 = y1 * self.inv_d.y - self.l21 * x2;
-        let x0 = b.x * self.inv_d.x - self.l10 * x1 - self.l20 * x2;
-        Vec3::new(x0, x1, x2)
+        let [x, y, z] = self.solve_each([b.x, b.y, b.z]);
+        Vec3::new(x, y, z)
+    }
+
+    /// Solves `A x = b` for components that may hold a number of each of several columns.
+    #[inline(always)]
+    #[must_use]
+    pub fn solve_each<T>(&self, [b0, b1, b2]: [T; 3]) -> [T; 3]
+    where
+        T: Copy + Sub<Output = T>,
+        f64: Mul<T, Output = T>,
+    {
+        let y1 = b1 - self.l10 * b0;
+        let y2 = b2 - self.l20 * b0 - self.l21 * y1;
+        let x2 = self.inv_d.z * y2;
+        let x1 = self.inv_d.y * y1 - self.l21 * x2;
+        let x0 = self.inv_d.x * b0 - self.l10 * x1 - self.l20 * x2;
+        [x0, x1, x2]
     }
 
     /// Solves `A X = B`, column by column.

@@ -57,7 +57,20 @@ impl UnitQuaternion {
     #[inline]
     #[must_use]
     pub fn renormalized(self) -> Self {
-        let f = 1.5 - 0.5 * (self.w * self.w + self.v.norm_squared());
+        self.scaled(self.renormalization())
+    }
+
+    /// The factor of [`Self::renormalized`].
+    #[inline]
+    #[must_use]
+    pub fn renormalization(self) -> f64 {
+        1.5 - 0.5 * (self.w * self.w + self.v.norm_squared())
+    }
+
+    /// All components times a number.
+    #[inline]
+    #[must_use]
+    pub fn scaled(self, f: f64) -> Self {
         Self { w: self.w * f, v: self.v * f }
     }
 
@@ -81,6 +94,15 @@ impl UnitQuaternion {
         Self { w: self.w, v: -self.v }
     }
 
+    /// The rate `½ q (0, u)` of (w, x, y, z) while the frame turns at `u`, in its own axes.
+    #[inline]
+    #[must_use]
+    pub fn rate(self, u: Vec3) -> [f64; 4] {
+        let half = u * 0.5;
+        let v = self.w * half + self.v.cross(half);
+        [-self.v.dot(half), v.x, v.y, v.z]
+    }
+
     /// The rotated vector.
     #[inline]
     #[must_use]
@@ -89,19 +111,28 @@ impl UnitQuaternion {
         a + self.w * t + self.v.cross(t)
     }
 
+    /// What the rotation adds to a vector, `R − I`, as a matrix. Of a quaternion that is not a unit it is
+    /// that times the squared norm.
+    #[inline]
+    #[must_use]
+    pub fn to_displacement(self) -> Mat3 {
+        let Self { w, v } = self;
+        let t = v + v;
+        let (xx, yy, zz) = (t.x * v.x, t.y * v.y, t.z * v.z);
+        let (xy, xz, yz) = (t.x * v.y, t.x * v.z, t.y * v.z);
+        let (wx, wy, wz) = (w * t.x, w * t.y, w * t.z);
+        Mat3::from_rows(
+            Vec3::new(-yy - zz, xy - wz, xz + wy),
+            Vec3::new(xy + wz, -xx - zz, yz - wx),
+            Vec3::new(xz - wy, yz + wx, -xx - yy),
+        )
+    }
+
     /// The rotation matrix, whose columns are the rotated axes.
     #[inline]
     #[must_use]
     pub fn to_matrix(self) -> Mat3 {
-        let Self { w, v } = self;
-        let (xx, yy, zz) = (v.x * v.x, v.y * v.y, v.z * v.z);
-        let (xy, xz, yz) = (v.x * v.y, v.x * v.z, v.y * v.z);
-        let (wx, wy, wz) = (w * v.x, w * v.y, w * v.z);
-        Mat3::from_rows(
-            Vec3::new(1.0 - 2.0 * (yy + zz), 2.0 * (xy - wz), 2.0 * (xz + wy)),
-            Vec3::new(2.0 * (xy + wz), 1.0 - 2.0 * (xx + zz), 2.0 * (yz - wx)),
-            Vec3::new(2.0 * (xz - wy), 2.0 * (yz + wx), 1.0 - 2.0 * (xx + yy)),
-        )
+        self.to_displacement().plus_identity()
     }
 }
 
@@ -148,6 +179,27 @@ mod tests {
             for i in 0..3 {
                 assert!((r.rows[i] - expected.rows[i]).max_abs() < 4e-16, "{angle}");
             }
+        }
+    }
+
+    #[test]
+    fn displacement_is_the_rotation_less_the_identity_and_grows_with_the_square() {
+        let q = UnitQuaternion::exp(Vec3::new(0.7, -0.4, 0.2));
+        let p = Vec3::new(1.0, -2.0, 0.5);
+        assert!((p + q.to_displacement() * p - q.rotate(p)).max_abs() < 1e-15);
+        let twice = q.scaled(2.0).to_displacement() * p;
+        assert!((twice - 4.0 * (q.rotate(p) - p)).max_abs() < 1e-14);
+    }
+
+    #[test]
+    fn rate_is_the_derivative_of_a_turn_about_own_axes() {
+        let q = UnitQuaternion::exp(Vec3::new(0.7, -0.4, 0.2));
+        let u = Vec3::new(3.0, 1.0, -2.0);
+        let h = 1e-5;
+        let at = |h: f64| (q * UnitQuaternion::exp(h * u)).wxyz();
+        let (ahead, behind) = (at(h), at(-h));
+        for (i, rate) in q.rate(u).into_iter().enumerate() {
+            assert!((rate - (ahead[i] - behind[i]) / (2.0 * h)).abs() < 1e-9);
         }
     }
 

@@ -6,7 +6,8 @@
 
 use whipcord_numerics::{GAUSS_3, Mat3, Vec3};
 
-use super::section::{Coupling, Crossing, Section, Stiffness};
+use super::one_cable::Reduced;
+use super::section::{BodyWrench, Coupling, Crossing, Section, Stiffness};
 use crate::case::Loads;
 use crate::error::SolveError;
 use crate::model::ModelKind;
@@ -45,9 +46,25 @@ pub(crate) struct Nodes {
     /// By how much quadrature at these nodes gets each cable too long on the rod at rest, in m, in
     /// the order of the grid.
     pub rest_excess: Vec<f64>,
+    /// What eq. (9) at a node has beside the tension when nothing but its one cable pulls; `None` where
+    /// there are more cables, or the section is not equally stiff about x and y.
+    pub one_cable: Vec<Option<Reduced>>,
 }
 
 impl Nodes {
+    /// Fills [`Self::one_cable`].
+    fn reduced(mut self, steps: &[Step]) -> Self {
+        let places = (0..steps.len()).flat_map(|k| (0..self.per_step).map(move |j| (k, j)));
+        let reduced = places.map(|(k, j)| match self.at(k, j, steps[k].active) {
+            (Node { section, .. }, [crossing]) if section.isotropic => {
+                Some(Reduced::of(section, crossing, BodyWrench::default()))
+            }
+            _ => None,
+        });
+        self.one_cable = reduced.collect();
+        self
+    }
+
     /// Node `j` of step `k`, and how the first `active` cables cross it.
     #[inline]
     pub fn at(&self, k: usize, j: usize, active: usize) -> (&Node, &[Crossing]) {
@@ -165,7 +182,8 @@ impl Grid {
         }
         let masses = distal_masses(robot, &grid_steps, &disk_masses);
         Ok(Self {
-            gauss: nodes(robot, layout, &grid_steps, &masses, &GAUSS_3.nodes, &GAUSS_3.weights)?,
+            gauss: nodes(robot, layout, &grid_steps, &masses, &GAUSS_3.nodes, &GAUSS_3.weights)?
+                .reduced(&grid_steps),
             shooting: nodes(robot, layout, &grid_steps, &masses, &SHOOTING_NODES, &BOOLE)?,
             stations: layout.stations.iter().map(place).collect(),
             disks,
@@ -288,6 +306,7 @@ fn nodes(
         nodes: Vec::with_capacity(steps.len() * places.len()),
         crossings: vec![Crossing::default(); steps.len() * places.len() * cables],
         rest_excess: layout.rest_lengths.iter().map(|length| -length).collect(),
+        one_cable: Vec::new(),
     };
     let mut next = 0;
     for (k, step) in steps.iter().enumerate() {
@@ -298,7 +317,7 @@ fn nodes(
             let distal_mass = masses[k] + mass_between(robot, s, end);
             for i in 0..step.active {
                 let point = robot.routes()[layout.order[i]].at(s);
-                let crossing = Crossing { offset: point.offset, slope: point.slope };
+                let crossing = Crossing::new(point.offset, point.slope);
                 let stretch = crossing.tangent(&section.rest_strain()).norm();
                 out.rest_excess[i] += weight * step.length * stretch;
                 out.crossings[next + i] = crossing;

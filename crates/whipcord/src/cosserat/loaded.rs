@@ -14,6 +14,7 @@
 //! The base moment, and with follower forces their share of the base force, are the only unknowns;
 //! [`super::sensitivity`] differentiates by them.
 
+use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
 use super::grid::Grid;
@@ -74,6 +75,24 @@ pub(super) struct Aim<'a> {
     pub sample: bool,
 }
 
+/// [`Shot::fire`] with the instructions that the processor has. No sum is reordered or fused: the
+/// answer is the same to the last bit.
+struct Fire<'a> {
+    shot: &'a mut Shot,
+    grid: &'a Grid,
+    loads: &'a AppliedLoads,
+    aim: &'a Aim<'a>,
+}
+
+impl WithSimd for Fire<'_> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.shot.integrate(self.grid, self.loads, self.aim)
+    }
+}
+
 impl Shot {
     /// Starts the sections of the next shot from the strains at the Gauss nodes of the rod
     /// without load.
@@ -97,6 +116,11 @@ impl Shot {
 
     /// Integrates eqs. (4).
     pub fn fire(&mut self, grid: &Grid, loads: &AppliedLoads, aim: &Aim<'_>) -> Result<(), Fault> {
+        Arch::new().dispatch(Fire { shot: self, grid, loads, aim })
+    }
+
+    #[inline(always)]
+    fn integrate(&mut self, grid: &Grid, loads: &AppliedLoads, aim: &Aim<'_>) -> Result<(), Fault> {
         self.poses.clear();
         self.samples.clear();
         let slots = STAGES * grid.len();
@@ -170,6 +194,7 @@ impl Shot {
 
     /// One step; its sections start from `neighbour` where given, else from the last shot.
     #[expect(clippy::too_many_arguments, reason = "the state of one sweep, passed step by step")]
+    #[inline(always)]
     fn step(
         &mut self,
         grid: &Grid,
@@ -183,23 +208,31 @@ impl Shot {
         let table = &BUTCHER_5;
         let step = grid.steps[k];
         let (h, tensions) = (step.length, &aim.tensions[..step.active]);
-        let mut slopes = [[0.0; 10]; STAGES];
+        // Of each stage, and of the end: what the slopes so far come to.
+        let mut stages = [*state; STAGES];
+        let (mut stage, mut end) = (*state, *state);
         // What follows the sections and is spread along the step, stage by stage.
         let line = loads.line(k);
         let mut pushes = [Vec3::ZERO; STAGES];
         let mut neighbour = neighbour;
         for i in 0..STAGES {
-            let stage = advance(state, &slopes[..i], &table.a[i], h);
             let (node, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
             let section = &node.section;
-            let (rotation, _, moment) = unpack(&stage);
-            let r = rotation.to_matrix();
+            // The norm of the quaternion is put right after the vectors are turned: each section waits
+            // for the one before, and all of a shot for this chain.
+            let [w, x, y, z, _, _, _, mx, my, mz] = stage;
+            let drifted = UnitQuaternion { w, v: Vec3::new(x, y, z) };
+            let moment = Vec3::new(mx, my, mz);
+            let (norm, beside) = (drifted.renormalization(), drifted.to_displacement());
+            let scale = norm * norm;
+            let to_body = |a: Vec3| a + scale * beside.transpose_mul(a);
+            let r = (beside * scale).plus_identity();
+            let rotation = drifted.scaled(norm);
             let mut force = aim.load * loads.force(k, NODE_OF_STAGE[i]) + *follower_force;
             if line.is_some() {
                 force -= h * combine(&pushes[..i], &table.a[i]);
             }
-            let wrench =
-                BodyWrench { linear: r.transpose_mul(force), angular: r.transpose_mul(moment) };
+            let wrench = BodyWrench { linear: to_body(force), angular: to_body(moment) };
             let fault = |kind| Fault { kind, arc_length: step.start + table.c[i] * h };
             let slot = &mut self.strains[STAGES * k + i];
             if let Some(neighbour) = neighbour {
@@ -221,13 +254,19 @@ impl Shot {
                 pushes[i] = aim.load * (r * line.follower_force(t));
                 moment_rate -= aim.load * (line.moment(t) + r * line.follower_moment(t));
             }
-            slopes[i] = pack(
-                rotation * UnitQuaternion { w: 0.0, v: strain.angular * 0.5 },
-                velocity,
-                moment_rate,
-            );
+            let [w, x, y, z] = rotation.rate(strain.angular);
+            let (p, m) = (velocity, moment_rate);
+            let slope = [w, x, y, z, p.x, p.y, p.z, m.x, m.y, m.z];
+            // The next stage takes the slope from where it is, not from memory: all waits for it.
+            if let Some(next) = stages.get(i + 1) {
+                stage = plus(next, h * table.a[i + 1][i], &slope);
+            }
+            for j in i + 2..STAGES {
+                stages[j] = plus(&stages[j], h * table.a[j][i], &slope);
+            }
+            end = plus(&end, h * table.b[i], &slope);
         }
-        *state = advance(state, &slopes, &table.b, h);
+        *state = end;
         if line.is_some() {
             *follower_force -= h * combine(&pushes, &table.b);
         }
@@ -259,12 +298,91 @@ pub(super) fn unpack(
 /// The state after the step `h` along the weighted slopes.
 #[inline]
 pub(super) fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> State {
-    let mut out = *start;
-    for (slope, &weight) in slopes.iter().zip(weights) {
-        let f = h * weight;
-        for (x, rate) in out.iter_mut().zip(slope) {
-            *x += f * rate;
+    let sum = |sum: State, (slope, weight): (&State, &f64)| plus(&sum, h * weight, slope);
+    slopes.iter().zip(weights).fold(*start, sum)
+}
+
+/// The state this far along a slope.
+#[inline(always)]
+fn plus(state: &State, f: f64, slope: &State) -> State {
+    core::array::from_fn(|i| state[i] + f * slope[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::Scalar;
+
+    use super::*;
+    use crate::cosserat::grid::Layout;
+    use crate::cosserat::{Accuracy, Cosserat, Options, Workspace};
+    use crate::{
+        Backbone, Cable, Case, Disks, Drive, Loads, Material, Robot, Routing, Section as Bar,
+    };
+
+    fn robot(cables: usize) -> Robot {
+        let backbone = Backbone {
+            section: Some(Bar::circle(0.003)),
+            material: Material {
+                young_modulus: Some(1.1e9),
+                poisson_ratio: Some(0.3),
+                shear_modulus: None,
+                density: Some(1040.0),
+            },
+            ..Backbone::new(0.18)
+        };
+        let helix = |i: usize| {
+            let routing = Routing::Helix { start_angle: 2.0 * i as f64, turns: 0.4, radius: 0.008 };
+            Cable::new(format!("{i}"), routing)
+        };
+        let disks = Disks::equally_spaced(0.18, 10, 0.008);
+        Robot::new(backbone, disks, (0..cables).map(helix).collect()).unwrap()
+    }
+
+    fn loads() -> Loads {
+        Loads {
+            gravity: Some(Vec3::new(0.0, 0.0, -9.80665)),
+            tip_force: Vec3::new(0.05, 0.0, 0.02),
+            tip_moment: Vec3::new(0.0, 1e-3, 5e-4),
+            ..Loads::default()
         }
     }
-    out
+
+    #[test]
+    fn a_shot_is_the_same_to_the_last_bit_with_any_instructions() {
+        for cables in [0, 1, 3] {
+            let (robot, loads) = (robot(cables), loads());
+            let grid = Grid::new(&robot, &Layout::new(&robot, Vec::new(), &loads), 12).unwrap();
+            let mut applied = AppliedLoads::default();
+            applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+            let aim = Aim {
+                tensions: &[3.9, 1.2, 0.4][..cables],
+                base_moment: Vec3::new(1e-3, 8e-3, 4e-4),
+                follower_force: Vec3::ZERO,
+                load: 1.0,
+                sample: true,
+            };
+            let (mut best, mut plain) = (Shot::default(), Shot::default());
+            best.fire(&grid, &applied, &aim).unwrap();
+            let (shot, loads) = (&mut plain, &applied);
+            Fire { shot, grid: &grid, loads, aim: &aim }.with_simd(Scalar).unwrap();
+            assert_eq!(best.poses, plain.poses);
+            assert_eq!(best.strains, plain.strains);
+            assert_eq!(best.excess, plain.excess);
+        }
+    }
+
+    #[test]
+    fn one_newton_step_suffices_from_a_rod_that_has_yielded_once() {
+        let options = Options {
+            accuracy: Accuracy::Steps(12),
+            drive: Drive::Tension,
+            stability: false,
+            residual: 1e-5,
+            ..Options::default()
+        };
+        let case = Case { loads: loads(), ..Case::with_tensions(&[3.9]) };
+        let model = Cosserat::new(&robot(1), &case.loads, &options).unwrap();
+        let solution = model.solve(&case, None, &mut Workspace::default()).unwrap();
+        assert_eq!(solution.diagnostics.iterations, 1);
+    }
 }

@@ -5,12 +5,13 @@
 //! cross-section for its strains; `unloaded` and `loaded` put the sections together on a `grid`,
 //! `sensitivity` differentiates the latter; `lengths` finds tensions for prescribed cable lengths, and `contradiction`
 //! those of which there are none;
-//! `statics` shoots at equilibrium under `loads` with the Newton step of `newton`, from the rod
-//! `without_load` or along the path of `continuation`, where `chain` shoots from many starts at once,
-//! with the linear algebra of `elimination` and `shared` on the points of `state`; `arc_length` follows
-//! the path where the load cannot be raised, `branches` collects what lies on it; `stability` says
-//! whether the equilibrium is one to stay in; `trace` records iterations; `model` is what the rest of
-//! the library sees.
+//! `statics` finds equilibrium under `loads`, by single `shooting` with the Newton step of `newton` from a
+//! `guess`, from the rod `without_load` or along the path of `continuation`, where `chain` shoots from many
+//! starts at once, with the linear algebra of `elimination` and `shared` on the points of `state`;
+//! `arc_length` follows the path where the load cannot be raised, `branches` collects what lies on it;
+//! `stability` says whether the equilibrium is one to stay in; `trace` records iterations; `refinement`
+//! halves the steps until the answer changes no more. `command` is what drives a cable, `outcome` how a
+//! solve on one grid ended, and `model` with its `options` what the rest of the library sees.
 
 mod arc_length;
 mod branches;
@@ -21,6 +22,7 @@ mod contradiction;
 pub mod derivatives;
 pub(crate) mod elimination;
 pub(crate) mod grid;
+mod guess;
 mod lanes;
 pub(crate) mod lengths;
 pub(crate) mod loaded;

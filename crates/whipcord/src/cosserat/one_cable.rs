@@ -16,7 +16,7 @@ use super::section::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Stiffn
 
 /// The answer, with what a quadrature needs of it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct OneCable {
+pub(crate) struct OneCable {
     pub strain: Strain,
     /// `λ = ‖p′‖`.
     pub stretch: f64,
@@ -27,12 +27,12 @@ pub(super) struct OneCable {
 /// Newton's method on `1/‖t‖` is all but linear; this many steps are never needed.
 pub(super) const MAX_ITERATIONS: usize = 30;
 
-/// Where `‖t‖` is this close to 1, one more step leaves an error of the order of its square.
-pub(super) const MET: f64 = 2e-8;
+/// Where `‖t‖` is this close to 1, a last step of order 3 leaves an error of the order of its cube.
+pub(super) const MET: f64 = 1e-5;
 
 /// Eq. (9) at one section: all of it that does not depend on the tension.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reduced {
+pub(crate) struct Reduced {
     /// `v` and `u` under the wrench alone.
     pub linear: Vec3,
     pub angular: Vec3,
@@ -42,10 +42,12 @@ pub(super) struct Reduced {
     /// `w` and the diagonal of `C` in the axes along `r`, around the backbone, and along it.
     pub w: Vec3,
     pub c: Vec3,
-    /// `‖w‖`, and mean and variance of `c` weighted by `w²`.
+    /// `‖w‖` and its inverse, and mean and central moments of order 2 and 3 of `c` weighted by `w²`.
     pub size: f64,
+    pub per_size: f64,
     pub mean: f64,
     pub spread: f64,
+    pub skew: f64,
     /// Of the section.
     pub soft: Stiffness,
 }
@@ -67,14 +69,11 @@ impl Reduced {
     #[inline(always)]
     pub fn of(section: &Section, crossing: &Crossing, wrench: BodyWrench) -> Self {
         let soft = section.compliance;
-        let r = crossing.offset;
+        let Crossing { offset: r, slope, radial } = *crossing;
         let linear = Vec3::Z + soft.shear.scale(wrench.linear);
         let angular = section.rest_curvature + soft.bending.scale(wrench.angular);
-        let free = linear + angular.cross(r) + crossing.slope;
+        let free = linear + angular.cross(r) + slope;
         let radius_squared = r.x * r.x + r.y * r.y;
-        let radius = radius_squared.sqrt();
-        let radial =
-            if radius > 0.0 { Vec3::new(r.x / radius, r.y / radius, 0.0) } else { Vec3::X };
         let w = Vec3::new(
             free.x * radial.x + free.y * radial.y,
             free.y * radial.x - free.x * radial.y,
@@ -85,9 +84,15 @@ impl Reduced {
             soft.shear.x + radius_squared * soft.bending.z,
             soft.shear.z + radius_squared * soft.bending.x,
         );
+        // Raw moments first: they wait for nothing but `w`, and the sections of a shot for one another.
         let squares = w.scale(w);
+        let c_squared = c.scale(c);
         let size_squared = squares.x + squares.y + squares.z;
-        let mean = squares.dot(c) / size_squared;
+        let (size, share) = (size_squared.sqrt(), 1.0 / size_squared);
+        let mean = squares.dot(c) * share;
+        let second = squares.dot(c_squared) * share;
+        let third = squares.dot(c_squared.scale(c)) * share;
+        let mean_squared = mean * mean;
         Self {
             linear,
             angular,
@@ -95,9 +100,11 @@ impl Reduced {
             radial,
             w,
             c,
-            size: size_squared.sqrt(),
+            size,
+            per_size: size * share,
             mean,
-            spread: squares.dot(c.scale(c)) / size_squared - mean * mean,
+            spread: second - mean_squared,
+            skew: third - mean * (3.0 * second - 2.0 * mean_squared),
             soft,
         }
     }
@@ -122,10 +129,11 @@ impl Reduced {
     /// `t`, `1/(λ + τ c)` and `λ`.
     #[inline(always)]
     fn root(&self, tension: f64) -> Result<(Vec3, Vec3, f64), SectionFault> {
-        let Self { w, c, size, mean, spread, .. } = *self;
-        // To second order in τ.
-        let second = 1.5 * tension * tension * spread / size;
-        let mut stretch = (size - tension * mean + second).max(FOLDED);
+        let Self { w, c, size, per_size, mean, spread, skew, .. } = *self;
+        // To third order in τ.
+        let relative = tension * per_size;
+        let higher = tension * relative * (1.5 * spread - 2.0 * relative * skew);
+        let mut stretch = (size - tension * mean + higher).max(FOLDED);
         for _ in 0..MAX_ITERATIONS {
             let inverse = Vec3::new(
                 1.0 / (stretch + tension * c.x),
@@ -133,15 +141,25 @@ impl Reduced {
                 1.0 / (stretch + tension * c.z),
             );
             let t = w.scale(inverse);
-            let squared = t.norm_squared();
-            let norm = squared.sqrt();
-            let error = norm - 1.0;
+            let squares = t.scale(t);
+            let squared = squares.x + squares.y + squares.z;
+            let error = squared.sqrt() - 1.0;
             if error < 0.0 && stretch <= FOLDED {
                 return Err(SectionFault::Folded { cable: 0 });
             }
-            let change = squared / t.scale(t).dot(inverse) * error;
+            // Moments of `1/(λ + τ c)` weighted by `t²`: the derivatives of `1/‖t‖`.
+            let firsts = squares.scale(inverse);
+            let first = firsts.x + firsts.y + firsts.z;
+            let per_first = 1.0 / first;
+            let change = squared * per_first * error;
             if error.abs() <= MET {
-                return Ok((t - t.scale(inverse) * change, inverse, stretch + change));
+                let bend = firsts.dot(inverse) * per_first - first;
+                let change = change + 1.5 * change * change * bend;
+                // `1/(1 + x)` to third order.
+                let factor = |x: f64| (1.0 - x) * (1.0 + x * x);
+                let x = inverse * change;
+                let factor = Vec3::new(factor(x.x), factor(x.y), factor(x.z));
+                return Ok((t.scale(factor), inverse.scale(factor), stretch + change));
             }
             if change.is_nan() {
                 return Err(SectionFault::Diverged);
@@ -172,7 +190,7 @@ mod tests {
             assert!(section.isotropic);
             for offset in [Vec3::new(0.006, -0.005, 0.0), Vec3::new(-0.008, 0.0, 0.0), Vec3::ZERO] {
                 for tension in [0.0, 0.1, 4.0, 40.0] {
-                    let crossing = Crossing { offset, slope: Vec3::new(0.1, 0.3, 0.0) };
+                    let crossing = Crossing::new(offset, Vec3::new(0.1, 0.3, 0.0));
                     let one = equilibrium(&section, &crossing, tension, wrench).unwrap();
                     let mut general = section.rest_strain();
                     newton_equilibrium(&section, &[crossing], &[tension], wrench, &mut general)
@@ -198,7 +216,7 @@ mod tests {
             },
             Vec3::ZERO,
         );
-        let crossing = Crossing { offset: Vec3::new(0.008, 0.0, 0.0), slope: Vec3::ZERO };
+        let crossing = Crossing::new(Vec3::new(0.008, 0.0, 0.0), Vec3::ZERO);
         // 1 − τ (1/EA + r²/EI) = 0.
         let limit = 1.0 / (1.0 / 8000.0 + 0.008_f64.powi(2) / 4.4e-3);
         let at = |t| equilibrium(&section, &crossing, t, BodyWrench::default());

@@ -13,8 +13,10 @@
 //! followers `f` that are spread give `δG′ = −R (η × f)`. The classical Runge–Kutta method takes it from
 //! start, middle and end of each step: to order 4, as fine as Newton's method needs it.
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+use pulp::{Arch, Simd, WithSimd};
+use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
+use super::derivatives::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
 use super::elimination::Change;
 use super::grid::Grid;
 use super::loaded::{SAMPLED_NODES, Sample};
@@ -44,10 +46,38 @@ pub(super) struct Column {
     load: f64,
 }
 
-impl Column {
+/// Several columns.
+#[derive(Clone, Copy, Debug, Default)]
+struct Columns {
+    turn: LaneVec,
+    moment: LaneVec,
+    follower_force: LaneVec,
+    load: Lane,
+}
+
+impl Columns {
+    fn of(columns: &[Column]) -> Self {
+        let mut out = Self::default();
+        for (i, column) in columns.iter().enumerate() {
+            out.turn.set(i, column.turn);
+            out.moment.set(i, column.moment);
+            out.follower_force.set(i, column.follower_force);
+            out.load.0[i] = column.load;
+        }
+        out
+    }
+
+    fn put(&self, columns: &mut [Column]) {
+        for (i, column) in columns.iter_mut().enumerate() {
+            column.turn = self.turn.get(i);
+            column.moment = self.moment.get(i);
+            column.follower_force = self.follower_force.get(i);
+        }
+    }
+
     /// `LINE`: whether the followers' force changes within a step.
-    #[inline]
-    fn plus<const LINE: bool>(self, f: f64, slope: Self) -> Self {
+    #[inline(always)]
+    fn plus<const LINE: bool>(self, f: f64, slope: &Self) -> Self {
         let (turn, moment) = (self.turn + f * slope.turn, self.moment + f * slope.moment);
         let mut follower_force = self.follower_force;
         if LINE {
@@ -68,13 +98,13 @@ struct Spread {
 
 impl Spread {
     /// What it adds to the rates of moment and followers' force.
-    #[inline]
-    fn change(&self, sample: &Sample, at: &Column, slope: &mut Column) {
-        let (load, follower) = (self.load, &self.follower);
-        slope.moment -=
-            load * self.dead_moment.cross(at.turn) + at.load * (self.dead_moment + follower.moment);
-        let pushed = load * at.turn.cross(follower.force) + at.load * follower.force;
-        slope.follower_force = -sample.rotation.rotate(pushed);
+    #[inline(always)]
+    fn change(&self, rotation: &Mat3, at: &Columns, slope: &mut Columns) {
+        let Self { dead_moment, follower, load } = *self;
+        let turned = cross(load * dead_moment, &at.turn);
+        slope.moment = slope.moment - turned - along(dead_moment + follower.moment, at.load);
+        let pushed = along(follower.force, at.load) - cross(load * follower.force, &at.turn);
+        slope.follower_force = -1.0 * times(rotation, &pushed);
     }
 }
 
@@ -102,6 +132,27 @@ impl Unknowns {
     /// Their number.
     pub fn count(&self) -> usize {
         6 + if self.follower_force { 3 } else { 0 } + usize::from(self.load) + self.tensions
+    }
+}
+
+/// [`Sensitivity::compute`] with the instructions that the processor has.
+struct Compute<'a> {
+    sensitivity: &'a mut Sensitivity,
+    grid: &'a Grid,
+    loads: &'a AppliedLoads,
+    load: f64,
+    samples: &'a [Sample],
+    poses: &'a [Pose],
+    tensions: usize,
+}
+
+impl WithSimd for Compute<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sensitivity, grid, loads, load, samples, poses, tensions } = self;
+        sensitivity.sweep(grid, loads, load, samples, poses, tensions);
     }
 }
 
@@ -140,6 +191,20 @@ impl Sensitivity {
 
     /// Differentiates a sampled shot by the unknowns at the base and the first `tensions` tensions.
     pub fn compute(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        load: f64,
+        samples: &[Sample],
+        poses: &[Pose],
+        tensions: usize,
+    ) {
+        let sensitivity = self;
+        Arch::new().dispatch(Compute { sensitivity, grid, loads, load, samples, poses, tensions });
+    }
+
+    #[inline(always)]
+    fn sweep(
         &mut self,
         grid: &Grid,
         loads: &AppliedLoads,
@@ -196,7 +261,7 @@ impl Sensitivity {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(
         &mut self,
         grid: &Grid,
@@ -224,6 +289,7 @@ impl Sensitivity {
         }
     }
 
+    #[inline(always)]
     fn step_of<const LINE: bool>(
         &mut self,
         grid: &Grid,
@@ -236,69 +302,70 @@ impl Sensitivity {
         let step = grid.steps[k];
         let unknowns = self.columns.len();
         let h = step.length;
-        for c in 0..unknowns {
-            let start = self.columns[c];
+        for first in (0..unknowns).step_by(LANES) {
+            let group = first..unknowns.min(first + LANES);
+            let start = Columns::of(&self.columns[group.clone()]);
+            let forces = LINE || start.follower_force != LaneVec::default();
+            let loads_too = start.load != Lane::default();
             let mut end = start;
-            let mut slope = Column::default();
+            let mut slope = Columns::default();
             for (q, reach, weight) in STAGES {
                 let sample = &samples[q];
-                let stage = start.plus::<LINE>(reach * h, slope);
-                let mut push = sample.force_change(&stage);
-                if start.load != 0.0 {
-                    let force = loads.force(k, SAMPLED_NODES[q]);
-                    push += start.load * sample.rotation.conjugate().rotate(force);
+                let stage = start.plus::<LINE>(reach * h, &slope);
+                // `δN`.
+                let mut push = cross(sample.wrench.linear, &stage.turn);
+                if forces || loads_too {
+                    let rotation = sample.rotation.to_matrix();
+                    let dead = along(loads.force(k, SAMPLED_NODES[q]), start.load);
+                    push += transpose_times(&rotation, &(stage.follower_force + dead));
                 }
-                let mut wrench = BodyWrench { linear: push, angular: stage.moment };
-                if tensions == 0 {
-                    slope = rate(sample, &stage, push, &sample.tangent.solve(wrench));
-                } else {
+                let (mut linear, mut angular) = (push, stage.moment);
+                if tensions > 0 {
                     let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
-                    if let Some(crossing) =
-                        c.checked_sub(unknowns - tensions).and_then(|j| crossings.get(j))
-                    {
-                        wrench = wrench - crossing.pull(&sample.strain).0;
+                    for (lane, c) in group.clone().enumerate() {
+                        if let Some(crossing) =
+                            c.checked_sub(unknowns - tensions).and_then(|j| crossings.get(j))
+                        {
+                            let pull = crossing.pull(&sample.strain).0;
+                            linear.set(lane, linear.get(lane) - pull.linear);
+                            angular.set(lane, angular.get(lane) - pull.angular);
+                        }
                     }
-                    let change = sample.tangent.solve(wrench);
-                    slope = rate(sample, &stage, push, &change);
+                }
+                let (dv, du) = sample.tangent.solve_lanes(&linear, &angular);
+                slope = rate(sample, &stage, &push, &dv, &du);
+                if tensions > 0 {
+                    let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
                     for (i, crossing) in crossings.iter().enumerate() {
                         let pull = crossing.pull(&sample.strain).0;
-                        self.lengths[i * unknowns + c] += weight * h * work(&pull, &change);
+                        let row = i * unknowns;
+                        let work = dv.dot(pull.linear) + du.dot(pull.angular);
+                        let sums = &mut self.lengths[row + group.start..row + group.end];
+                        for (sum, work) in sums.iter_mut().zip(work.0) {
+                            *sum += weight * h * work;
+                        }
                     }
                 }
                 if LINE {
-                    spread[q].change(sample, &stage, &mut slope);
+                    spread[q].change(&sample.rotation.to_matrix(), &stage, &mut slope);
                 }
-                end = end.plus::<LINE>(weight * h, slope);
+                end = end.plus::<LINE>(weight * h, &slope);
             }
-            self.columns[c] = end;
-        }
-    }
-}
-
-impl Sample {
-    /// `δN`.
-    #[inline]
-    fn force_change(&self, at: &Column) -> Vec3 {
-        let turned = self.wrench.linear.cross(at.turn);
-        if at.follower_force == Vec3::ZERO {
-            turned
-        } else {
-            turned + self.rotation.conjugate().rotate(at.follower_force)
+            end.put(&mut self.columns[group]);
         }
     }
 }
 
 /// Eq. (5), with `push` = `δN`.
-#[inline]
-fn rate(sample: &Sample, at: &Column, push: Vec3, change: &Strain) -> Column {
+#[inline(always)]
+fn rate(sample: &Sample, at: &Columns, push: &LaneVec, dv: &LaneVec, du: &LaneVec) -> Columns {
     let Sample { strain, wrench, .. } = sample;
     let (n, m) = (wrench.linear, wrench.angular);
     let (v, u) = (strain.linear, strain.angular);
-    Column {
-        turn: change.angular - u.cross(at.turn),
-        moment: m.cross(change.angular) - u.cross(at.moment) + n.cross(change.linear)
-            - v.cross(push),
-        ..Column::default()
+    Columns {
+        turn: *du - cross(u, &at.turn),
+        moment: cross(m, du) - cross(u, &at.moment) + cross(n, dv) - cross(v, push),
+        ..Columns::default()
     }
 }
 

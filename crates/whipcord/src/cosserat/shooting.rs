@@ -1,7 +1,5 @@
 //! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
 
-use whipcord_numerics::Vec3;
-
 use super::command::Command;
 use super::lengths::Effort;
 use super::loaded::{Aim, Shot};
@@ -20,32 +18,6 @@ const KEEP_RATIO: f64 = 0.1;
 const LEAST_FRACTION: f64 = 1.0 / 256.0;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e-9;
-
-/// Base wrench that would carry the load on the shape without load.
-pub(super) fn seed(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
-    let grid = problem.grid;
-    let Scratch { poses, applied, newton, .. } = scratch;
-    let (mut moment, mut follower_force) = (Vec3::ZERO, Vec3::ZERO);
-    for k in (0..grid.len()).rev() {
-        let (near, far) = (&poses[k], &poses[k + 1]);
-        let follower = applied.follower(k + 1);
-        follower_force += far.rotation.rotate(follower.force);
-        moment += applied.moment(k + 1) + far.rotation.rotate(follower.moment);
-        let mut force = applied.force(k, 2) + follower_force;
-        if let Some(line) = applied.line(k) {
-            let h = grid.steps[k].length;
-            let pushed = h * far.rotation.rotate(line.follower_force(0.5));
-            force += 0.5 * pushed;
-            follower_force += pushed;
-            moment += h * (line.moment(0.5) + far.rotation.rotate(line.follower_moment(0.5)));
-        }
-        moment += (far.position - near.position).cross(force);
-    }
-    newton.point.base_moment = moment * load;
-    newton.point.follower_force = follower_force * load;
-    newton.point.tensions.clone_from(&scratch.tensions);
-    scratch.shot.seed(grid, &scratch.unloaded.strains);
-}
 
 /// A Newton iteration that ended without an answer.
 pub(super) struct Failed {

@@ -18,12 +18,13 @@ use super::chain::{Chain, Task};
 use super::command::Command;
 use super::continuation::{Ended, close, raise_load, raise_load_at_tensions, refine_chain};
 use super::grid::Grid;
+use super::guess::{Guess, guess};
 use super::lengths::{self, Effort, LengthScratch};
 use super::loaded::Shot;
 use super::loads::AppliedLoads;
 use super::newton::{Newton, Point, Scales};
 use super::outcome::{Failure, Found};
-use super::shooting::{finish, finish_chain, sample, seed, shoot};
+use super::shooting::{finish, finish_chain, sample, shoot};
 use super::stability::Stability;
 use super::state::{Node, State};
 use super::trace::{Stage, Trace};
@@ -80,6 +81,7 @@ pub(super) struct Scratch {
     pub base_wrench: Wrench,
     pub(super) unloaded: Unloaded,
     pub(super) applied: AppliedLoads,
+    pub(super) guess: Guess,
     pub(super) shot: Shot,
     pub(super) newton: Newton,
     pub(super) chain: Chain,
@@ -222,7 +224,7 @@ fn from_no_load(
     if let Err(failure) = start_without_load(problem, scratch) {
         return from_loose_cables(problem, scratch).ok_or(failure);
     }
-    seed(problem, scratch, 1.0);
+    guess(problem, scratch, 1.0);
     scratch.trace.stage = Stage::Cold;
     let strong_followers = scratch.applied.any_follower()
         && scratch.newton.point.is_strong(&Scales::of(problem.grid, problem.length));
@@ -293,7 +295,7 @@ fn from_loose_cables(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Fou
     let Scratch { unloaded, tensions, .. } = scratch;
     unloaded.sweep(problem.grid, tensions, false, false).ok()?;
     scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
-    seed(problem, scratch, 1.0);
+    guess(problem, scratch, 1.0);
     let effort = shoot(problem, scratch, 1.0).ok()?;
     let found = finish(problem, scratch, effort);
     scratch.stable = is_trusted(problem, scratch);

@@ -4,10 +4,10 @@
 //! eqs. (1) and (2) of [`super::section`]: there is no boundary value problem. The frames come from
 //! one pass of a Magnus integrator of order 6, the cable lengths from Gauss quadrature.
 
+use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
 use super::grid::Grid;
-use super::one_cable;
 use super::section::{BodyWrench, SectionFault, Strain, Tangent, equilibrium};
 use super::sensitivity::work;
 
@@ -31,10 +31,69 @@ pub(crate) struct Unloaded {
     pulls: Vec<BodyWrench>,
 }
 
+/// [`Unloaded::sweep`] with the instructions that the processor has, to the same bits.
+struct Sweep<'a> {
+    unloaded: &'a mut Unloaded,
+    grid: &'a Grid,
+    tensions: &'a [f64],
+    warm: bool,
+    derivatives: bool,
+}
+
+impl WithSimd for Sweep<'_> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { unloaded, grid, tensions, warm, derivatives } = self;
+        unloaded.sweep_with(grid, tensions, warm, derivatives)
+    }
+}
+
+/// [`Unloaded::integrate`] likewise.
+struct Integrate<'a> {
+    grid: &'a Grid,
+    strains: &'a [Strain],
+    poses: &'a mut Vec<Pose>,
+}
+
+impl WithSimd for Integrate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { grid, strains, poses } = self;
+        poses.clear();
+        let mut pose = Pose::IDENTITY;
+        poses.push(pose);
+        for (step, strains) in grid.steps.iter().zip(strains.chunks_exact(3)) {
+            let h = step.length;
+            pose = pose * magnus_6(&[strains[0] * h, strains[1] * h, strains[2] * h]);
+            poses.push(pose);
+        }
+    }
+}
+
+/// The frames at the ends of all steps, from strains at the Gauss nodes.
+pub(super) fn integrate(grid: &Grid, strains: &[Strain], poses: &mut Vec<Pose>) {
+    Arch::new().dispatch(Integrate { grid, strains, poses });
+}
+
 impl Unloaded {
     /// Solves all sections for these tensions (N, in the order of the grid), starting from the
     /// strains of the last sweep when `warm`; their derivatives by the tensions when `derivatives`.
     pub fn sweep(
+        &mut self,
+        grid: &Grid,
+        tensions: &[f64],
+        warm: bool,
+        derivatives: bool,
+    ) -> Result<(), Fault> {
+        Arch::new().dispatch(Sweep { unloaded: self, grid, tensions, warm, derivatives })
+    }
+
+    #[inline(always)]
+    fn sweep_with(
         &mut self,
         grid: &Grid,
         tensions: &[f64],
@@ -64,9 +123,8 @@ impl Unloaded {
                 let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
                 let fault = |kind| Fault { kind, arc_length };
                 let none = BodyWrench::default();
-                let strain = if let ([crossing], true) = (crossings, section.isotropic) {
-                    let one = one_cable::equilibrium(section, crossing, active[0], none)
-                        .map_err(fault)?;
+                let strain = if let Some(reduced) = &grid.gauss.one_cable[3 * k + j] {
+                    let one = reduced.solve(active[0]).map_err(fault)?;
                     self.lengths[0] += weight * one.stretch;
                     self.length_by_tension[0] += weight * one.stretch_by_tension;
                     one.strain
@@ -141,14 +199,7 @@ impl Unloaded {
 
     /// The frames at the ends of all steps, from the strains of the last sweep.
     pub fn integrate(&self, grid: &Grid, poses: &mut Vec<Pose>) {
-        poses.clear();
-        let mut pose = Pose::IDENTITY;
-        poses.push(pose);
-        for (step, strains) in grid.steps.iter().zip(self.strains.chunks_exact(3)) {
-            let h = step.length;
-            pose = pose * magnus_6(&[strains[0] * h, strains[1] * h, strains[2] * h]);
-            poses.push(pose);
-        }
+        integrate(grid, &self.strains, poses);
     }
 }
 

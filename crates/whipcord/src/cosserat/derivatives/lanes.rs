@@ -6,16 +6,16 @@ use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 use whipcord_numerics::{Mat3, Vec3};
 
 /// Columns that are carried together.
-pub(super) const LANES: usize = 4;
+pub(crate) const LANES: usize = 4;
 
 /// One number of each column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(32))]
-pub(super) struct Lane(pub [f64; LANES]);
+pub(crate) struct Lane(pub [f64; LANES]);
 
 /// One vector of each column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct LaneVec {
+pub(crate) struct LaneVec {
     pub x: Lane,
     pub y: Lane,
     pub z: Lane,
@@ -177,19 +177,19 @@ impl Mul<LaneVec> for f64 {
 
 /// `a` by the number of each column.
 #[inline(always)]
-pub(super) fn along(a: Vec3, f: Lane) -> LaneVec {
+pub(crate) fn along(a: Vec3, f: Lane) -> LaneVec {
     LaneVec { x: a.x * f, y: a.y * f, z: a.z * f }
 }
 
 /// `m v` of each column.
 #[inline(always)]
-pub(super) fn times(m: &Mat3, v: &LaneVec) -> LaneVec {
+pub(crate) fn times(m: &Mat3, v: &LaneVec) -> LaneVec {
     LaneVec { x: v.dot(m.rows[0]), y: v.dot(m.rows[1]), z: v.dot(m.rows[2]) }
 }
 
 /// `mᵀ v` of each column.
 #[inline(always)]
-pub(super) fn transpose_times(m: &Mat3, v: &LaneVec) -> LaneVec {
+pub(crate) fn transpose_times(m: &Mat3, v: &LaneVec) -> LaneVec {
     let [a, b, c] = m.rows;
     LaneVec {
         x: a.x * v.x + b.x * v.y + c.x * v.z,
@@ -200,7 +200,7 @@ pub(super) fn transpose_times(m: &Mat3, v: &LaneVec) -> LaneVec {
 
 /// `a × v` of each column.
 #[inline(always)]
-pub(super) fn cross(a: Vec3, v: &LaneVec) -> LaneVec {
+pub(crate) fn cross(a: Vec3, v: &LaneVec) -> LaneVec {
     LaneVec { x: a.y * v.z - a.z * v.y, y: a.z * v.x - a.x * v.z, z: a.x * v.y - a.y * v.x }
 }
 

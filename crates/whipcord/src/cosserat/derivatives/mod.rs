@@ -22,7 +22,7 @@ mod columns;
 mod elimination;
 mod forward;
 mod holding;
-mod lanes;
+pub(super) mod lanes;
 mod linear;
 mod magnus;
 mod mass_change;

@@ -2,7 +2,6 @@ use whipcord_numerics::GAUSS_3;
 
 use super::super::grid::Grid;
 use super::super::one_cable::Reduced;
-use super::super::section::BodyWrench;
 use super::super::unloaded::extrapolation;
 use super::section::{Guess, Several};
 
@@ -47,9 +46,8 @@ impl LaneGrid {
             }
             for j in 0..3 {
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
-                let section = if let ([crossing], true) = (crossings, node.section.isotropic) {
-                    let none = BodyWrench::default();
-                    LaneSection::One(Reduced::of(&node.section, crossing, none))
+                let section = if let Some(reduced) = grid.gauss.one_cable[3 * k + j] {
+                    LaneSection::One(reduced)
                 } else {
                     let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
                     let guess = match before[..] {

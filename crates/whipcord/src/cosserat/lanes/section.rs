@@ -289,29 +289,40 @@ pub(super) fn one_cable<S: Simd>(
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (met, folded) = (Lanes::splat(simd, MET), Lanes::splat(simd, FOLDED));
     let size = Lanes::splat(simd, at.size);
-    let second = tension * 1.5 * tension * at.spread / size;
-    let mut stretch = (size - tension * at.mean + second).at_least(FOLDED);
+    let relative = tension * at.per_size;
+    let higher =
+        tension * relative * (Lanes::splat(simd, 1.5 * at.spread) - relative * 2.0 * at.skew);
+    let mut stretch = (size - tension * at.mean + higher).at_least(FOLDED);
     let mut iteration = 0;
-    let (t, inverse, change, solved) = loop {
+    let (t, change, solved) = loop {
         let inverse = LaneVec3::new(
             one / (stretch + tension * c.x),
             one / (stretch + tension * c.y),
             one / (stretch + tension * c.z),
         );
         let t = w.scale(inverse);
-        let squared = t.dot(t);
+        let squares = t.scale(t);
+        let squared = squares.x + squares.y + squares.z;
         let error = squared.sqrt() - 1.0;
-        let change = squared / t.scale(t).dot(inverse) * error;
+        let firsts = squares.scale(inverse);
+        let first = firsts.x + firsts.y + firsts.z;
+        let per_first = one / first;
+        let change = squared * per_first * error;
         let there = error.abs().at_most(met);
         iteration += 1;
         if !met.below(error.abs()).any() || iteration == one_cable::MAX_ITERATIONS {
+            let bend = firsts.dot(inverse) * per_first - first;
             // What folds has no tension left to pull the cable straight; a NaN is no answer.
-            break (t, inverse, change, there.and(folded.below(stretch).or(zero.at_most(error))));
+            let solved = there.and(folded.below(stretch).or(zero.at_most(error)));
+            let change = change + change * 1.5 * change * bend;
+            let factor = |x: Lanes<S>| (one - x) * (one + x * x);
+            let x = inverse * change;
+            let factors = LaneVec3::new(factor(x.x), factor(x.y), factor(x.z));
+            break (t.scale(factors), change, solved);
         }
         // Lanes that are there stay where they are.
         stretch = there.select(stretch, (stretch + change).at_least(FOLDED));
     };
-    let t = t - t.scale(inverse) * change;
     *length = *length + (stretch + change) * weight;
     let (radial, r) = (at.radial, at.offset);
     let pull = LaneVec3::new(t.x * radial.x - t.y * radial.y, t.x * radial.y + t.y * radial.x, t.z)

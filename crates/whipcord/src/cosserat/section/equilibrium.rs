@@ -14,7 +14,7 @@ pub(in crate::cosserat) const UNDAMPED: usize = 5;
 
 /// Finds the strain of a section, starting from `strain`; `tensions` and `crossings` belong to the
 /// same cables.
-#[inline]
+#[inline(always)]
 pub(crate) fn equilibrium(
     section: &Section,
     crossings: &[Crossing],
@@ -30,6 +30,7 @@ pub(crate) fn equilibrium(
 }
 
 /// [`equilibrium`] by Newton's method, for any number of cables and any stiffness.
+#[inline(always)]
 pub(crate) fn newton_equilibrium(
     section: &Section,
     crossings: &[Crossing],
@@ -63,7 +64,7 @@ pub(in crate::cosserat) fn reach(crossings: &[Crossing]) -> f64 {
 }
 
 /// The Newton step; `None` where the potential is not smooth.
-#[inline]
+#[inline(always)]
 fn newton_step(
     section: &Section,
     crossings: &[Crossing],

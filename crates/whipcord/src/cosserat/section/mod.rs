@@ -65,12 +65,14 @@ pub(crate) struct Section {
 }
 
 /// How a cable crosses a section.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
     /// `r` in m; its z component is zero.
     pub offset: Vec3,
     /// `r′`.
     pub slope: Vec3,
+    /// Unit vector along `r`; along x where there is none.
+    pub radial: Vec3,
 }
 
 /// Strains as a twist per unit of arc length: `linear` is `v`, `angular` is `u`.
@@ -180,7 +182,20 @@ impl Section {
     }
 }
 
+impl Default for Crossing {
+    fn default() -> Self {
+        Self::new(Vec3::ZERO, Vec3::ZERO)
+    }
+}
+
 impl Crossing {
+    /// From `r` and `r′`.
+    pub fn new(offset: Vec3, slope: Vec3) -> Self {
+        let radius = offset.norm();
+        let radial = if radius > 0.0 { offset * (1.0 / radius) } else { Vec3::X };
+        Self { offset, slope, radial }
+    }
+
     /// `p′` of eq. (3).
     #[inline]
     pub fn tangent(&self, strain: &Strain) -> Vec3 {

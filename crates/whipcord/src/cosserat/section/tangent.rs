@@ -3,6 +3,7 @@
 use whipcord_numerics::{Ldlt3, Mat3, Vec3};
 
 use super::{BodyWrench, Crossing, Section, SectionFault, Strain};
+use crate::cosserat::derivatives::lanes::{LaneVec, times, transpose_times};
 
 /// The Hessian of the potential, factored: `[A B; Bᵀ C]` by its Schur complement `S = C − BᵀA⁻¹B`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,7 +18,7 @@ pub(crate) struct Tangent {
 
 impl Tangent {
     /// The Hessian at a strain.
-    #[inline]
+    #[inline(always)]
     pub fn at(
         section: &Section,
         crossings: &[Crossing],
@@ -35,15 +36,26 @@ impl Tangent {
     }
 
     /// The change of strain under a change of wrench, `H⁻¹ w`.
-    #[inline]
+    #[inline(always)]
     pub fn solve(&self, wrench: BodyWrench) -> Strain {
         let angular =
             self.moment.solve(wrench.angular - self.coupling.transpose_mul(wrench.linear));
         Strain { linear: self.force.solve(wrench.linear) - self.coupling * angular, angular }
     }
 
+    /// [`Self::solve`] for several columns: `∂v` and `∂u`.
+    #[inline(always)]
+    pub fn solve_lanes(&self, linear: &LaneVec, angular: &LaneVec) -> (LaneVec, LaneVec) {
+        let solve = |factors: &Ldlt3, b: LaneVec| {
+            let [x, y, z] = factors.solve_each([b.x, b.y, b.z]);
+            LaneVec { x, y, z }
+        };
+        let du = solve(&self.moment, *angular - transpose_times(&self.coupling, linear));
+        (solve(&self.force, *linear) - times(&self.coupling, &du), du)
+    }
+
     /// `H⁻¹` as `∂v/∂N`, `∂v/∂M`, which is the transpose of `∂u/∂N`, and `∂u/∂M`.
-    #[inline]
+    #[inline(always)]
     pub fn compliance(&self) -> [Mat3; 3] {
         let turn = self.moment.solve_matrix(&Mat3::IDENTITY);
         let mixed = -(self.coupling * turn);
@@ -66,7 +78,7 @@ pub(super) struct Hessian {
 }
 
 impl Hessian {
-    #[inline]
+    #[inline(always)]
     pub fn of(section: &Section) -> Self {
         let mut hessian = Self {
             a: Mat3::diagonal(section.pivots()),
@@ -83,7 +95,7 @@ impl Hessian {
 
     /// Adds a cable with `k = τ/‖p′‖`: `k (I − ttᵀ)`, `−k (r̂ + t mᵀ)` and
     /// `k (|r|² I − rrᵀ − mmᵀ)`, where `m = r × t`.
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, r: Vec3, pull: &BodyWrench, k: f64) {
         let (t, m) = (pull.linear, pull.angular);
         let (kt, km, kr) = (k * t, k * m, k * r);
@@ -115,7 +127,7 @@ impl Hessian {
     }
 
     /// `None` where it is not positive definite to working precision.
-    #[inline]
+    #[inline(always)]
     pub fn factor(&self) -> Option<Tangent> {
         let force = self.a.ldlt()?;
         let coupling = force.solve_matrix(&self.b);

@@ -15,9 +15,9 @@ fn section() -> Section {
 
 fn crossings() -> [Crossing; 3] {
     [
-        Crossing { offset: Vec3::new(0.008, 0.0, 0.0), slope: Vec3::new(0.0, 0.2, 0.0) },
-        Crossing { offset: Vec3::new(-0.004, 0.006, 0.0), slope: Vec3::new(0.1, -0.1, 0.0) },
-        Crossing { offset: Vec3::ZERO, slope: Vec3::ZERO },
+        Crossing::new(Vec3::new(0.008, 0.0, 0.0), Vec3::new(0.0, 0.2, 0.0)),
+        Crossing::new(Vec3::new(-0.004, 0.006, 0.0), Vec3::new(0.1, -0.1, 0.0)),
+        Crossing::default(),
     ]
 }
 

@@ -1,0 +1,110 @@
+//! Where shooting starts: the rod without load is loaded, and yields once.
+//!
+//! The wrench that the loads exert on the shape without load changes its strains; on the shape that
+//! follows they exert a wrench that is nearer to the one in equilibrium, as long as the load bends
+//! the rod much less than would buckle it. One such pass costs a fraction of a shot.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::grid::Grid;
+use super::loads::AppliedLoads;
+use super::section::{BodyWrench, Strain, equilibrium};
+use super::statics::{Problem, Scratch};
+use super::unloaded::integrate;
+use crate::shape::Wrench;
+
+/// Memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Guess {
+    /// Wrench in the middle of each step, in its frame.
+    wrenches: Vec<BodyWrench>,
+    strains: Vec<Strain>,
+    poses: Vec<Pose>,
+}
+
+/// Of the base moment: a pass that changes it more is not going to converge soon.
+const MOST_CHANGE: f64 = 0.3;
+
+/// Sets the point that Newton's method starts from, and the strains of its first shot.
+pub(super) fn guess(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
+    let Problem { grid, .. } = *problem;
+    let Scratch { poses, applied, newton, tensions, unloaded, guess, shot, .. } = scratch;
+    guess.wrenches.resize(grid.len(), BodyWrench::default());
+    let mut at_base = carry(grid, applied, poses, load, |k, force, moment| {
+        // A step turns by little: its ends serve for its middle.
+        let [near, far] = [k, k + 1].map(|k: usize| poses[k].rotation.conjugate());
+        guess.wrenches[k] = BodyWrench {
+            linear: 0.5 * (near.rotate(force) + far.rotate(force)),
+            angular: 0.5 * (near.rotate(moment) + far.rotate(moment)),
+        };
+    });
+    let strains = &unloaded.strains;
+    let better = guess.relax(grid, tensions, strains).then(|| {
+        integrate(grid, &guess.strains, &mut guess.poses);
+        carry(grid, applied, &guess.poses, load, |_, _, _| ())
+    });
+    let change = |better: &Wrench| (better.moment - at_base.moment).norm();
+    if let Some(better) = better.filter(|b| change(b) <= MOST_CHANGE * at_base.moment.norm()) {
+        at_base = better;
+        shot.seed(grid, &guess.strains);
+    } else {
+        shot.seed(grid, strains);
+    }
+    newton.point.base_moment = at_base.moment;
+    newton.point.follower_force = at_base.force;
+    newton.point.tensions.clone_from(tensions);
+}
+
+impl Guess {
+    /// The strains of the rod whose sections yield to these wrenches, one for each step; `false` where
+    /// one does not bear it.
+    #[inline(always)]
+    fn relax(&mut self, grid: &Grid, tensions: &[f64], unloaded: &[Strain]) -> bool {
+        self.strains.clear();
+        for (k, step) in grid.steps.iter().enumerate() {
+            let (node, crossings) = grid.gauss.at(k, 1, step.active);
+            let rest = unloaded[3 * k + 1];
+            let mut strain = rest;
+            let active = &tensions[..step.active];
+            let wrench = self.wrenches[k];
+            if equilibrium(&node.section, crossings, active, wrench, &mut strain).is_err() {
+                return false;
+            }
+            let change = strain - rest;
+            self.strains.extend([0, 1, 2].map(|j| unloaded[3 * k + j] + change));
+        }
+        true
+    }
+}
+
+/// What the base would exert if the loads acted on this shape. `pass` is told, from the tip down, the
+/// force in the middle of each step and the moment there, in the base frame.
+#[inline]
+fn carry(
+    grid: &Grid,
+    loads: &AppliedLoads,
+    poses: &[Pose],
+    load: f64,
+    mut pass: impl FnMut(usize, Vec3, Vec3),
+) -> Wrench {
+    let (mut moment, mut follower_force) = (Vec3::ZERO, Vec3::ZERO);
+    for k in (0..grid.len()).rev() {
+        let (near, far) = (&poses[k], &poses[k + 1]);
+        let follower = loads.follower(k + 1);
+        follower_force += far.rotation.rotate(follower.force);
+        moment += loads.moment(k + 1) + far.rotation.rotate(follower.moment);
+        let mut force = loads.force(k, 2) + follower_force;
+        let mut spread = Vec3::ZERO;
+        if let Some(line) = loads.line(k) {
+            let h = grid.steps[k].length;
+            let pushed = h * far.rotation.rotate(line.follower_force(0.5));
+            force += 0.5 * pushed;
+            follower_force += pushed;
+            spread = h * (line.moment(0.5) + far.rotation.rotate(line.follower_moment(0.5)));
+        }
+        let along = (far.position - near.position).cross(force) + spread;
+        pass(k, load * force, load * (moment + 0.5 * along));
+        moment += along;
+    }
+    Wrench { moment: moment * load, force: follower_force * load }
+}
