@@ -121,6 +121,43 @@ fn locked_cables_keep_the_tip_upright() {
     assert!(sum.abs() < 1e-6 * change.tensions()[0].abs(), "{:?}", change.tensions());
 }
 
+/// Two straight cables of axial stiffness `EA_c` at `±r`, both at the same tension. Under a bending moment
+/// or a pull at the tip the tension changes nothing, as cables along the rod do not resist its
+/// shortening or its bend: `L/EI`, `L/EA`. Locked, they are springs beside the rod: `L/(EI + 2 EA_c r²)`,
+/// `L/(EA + 2 EA_c)`.
+#[test]
+fn locked_cables_are_springs_beside_the_rod() {
+    let (r, spring) = (0.008, 700.0);
+    let cable = |(i, routing): (usize, whipcord::Routing)| whipcord::Cable {
+        axial_stiffness: Some(spring),
+        ..whipcord::Cable::new(format!("{i}"), routing)
+    };
+    let cables = [0.0, 180.0].map(straight).into_iter().enumerate().map(cable).collect();
+    let robot = Robot::new(paper_backbone(), Disks::equally_spaced(L, 10, r), cables).unwrap();
+    let (_, ea, ei, _) = stiffness(&robot);
+    for (case, load) in
+        [(Case::with_tensions(&[1.5, 1.5]), false), (Case::with_tensions(&[0.4; 2]), true)]
+    {
+        let mut case = case;
+        // Under a load nothing is left of the route of the rod without load.
+        case.loads.tip_force = Vec3::Z * if load { 1e-9 } else { 0.0 };
+        let (_, derivatives) = differentiated(&robot, &case, &[]);
+        let free = derivatives.compliance(Place::Tip, Hold::Tensions).unwrap();
+        let locked = derivatives.compliance(Place::Tip, Hold::Lengths).unwrap();
+        close(free.at(4, 4), L / ei, 1e-8);
+        close(free.at(2, 2), L / ea, 1e-8);
+        close(locked.at(4, 4), L / (ei + 2.0 * spring * r * r), 1e-8);
+        close(locked.at(2, 2), L / (ea + 2.0 * spring), 1e-8);
+        // Across the plane of the cables a bend changes no length to first order.
+        close(locked.at(3, 3), free.at(3, 3), 1e-8);
+        // What the moment does to the tensions: half of it for each cable, less what the rod takes.
+        let change = derivatives.wrench(Place::Tip, 4, Hold::Lengths);
+        let expected = spring * r / (ei + 2.0 * spring * r * r);
+        close(change.tensions()[0].abs(), expected, 1e-8);
+        close(change.tensions()[1], -change.tensions()[0], 1e-8);
+    }
+}
+
 /// `(L − tanh(kL)/k)/T` with `k² = T/EI`: a stretched string that is clamped at one end, under 25 to
 /// 2500 times the load that would buckle it. A shot from its base is off by up to `exp(80)`.
 #[test]

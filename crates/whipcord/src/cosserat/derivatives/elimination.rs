@@ -26,12 +26,12 @@ pub(crate) struct Critical;
 /// The eliminated chain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Elimination {
+    maps: Vec<StepMap>,
     steps: Vec<Eliminated>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Eliminated {
-    map: StepMap,
     /// `P` at the start of the step and at its end.
     before: [Mat3; 2],
     after: [Mat3; 2],
@@ -98,16 +98,18 @@ impl Elimination {
         }
     }
 
-    /// Eliminates from the base; `poses` are the frames at the nodes.
+    /// Eliminates from the base; `poses` are the frames at the nodes. Keeps the maps of the steps.
     pub fn eliminate(
         &mut self,
-        maps: &Maps,
+        maps: &mut Maps,
         loads: &AppliedLoads,
         poses: impl Fn(usize) -> Pose,
     ) -> Result<(), Critical> {
+        self.maps = core::mem::take(&mut maps.steps);
         self.steps.clear();
+        self.steps.reserve(self.maps.len());
         let mut before = [Mat3::ZERO; 2];
-        for (k, map) in maps.steps.iter().enumerate() {
+        for (k, map) in self.maps.iter().enumerate() {
             let [a, b_moment, b_force] = map.turn;
             let [c, d_moment, d_force] = map.moment;
             let turn = [a * before[0] + b_moment, a * before[1] + b_force];
@@ -137,7 +139,7 @@ impl Elimination {
                 let gain = [[inverse, -(inverse * moment[1])], [Mat3::ZERO, Mat3::IDENTITY]];
                 (gain, [turn[0] * gain[0][0], turn[0] * gain[0][1] + turn[1]])
             };
-            self.steps.push(Eliminated { map: *map, before, after, gain, follower, coupled });
+            self.steps.push(Eliminated { before, after, gain, follower, coupled });
             before = after;
         }
         Ok(())
@@ -154,13 +156,13 @@ impl Elimination {
         nodes.clear();
         nodes.push(NodeChange::default());
         let mut free = Vec3::ZERO;
-        for (k, step) in self.steps.iter().enumerate() {
+        for (k, (step, map)) in self.steps.iter().zip(&self.maps).enumerate() {
             let Effect { turn, moment, force, .. } = effect(k);
-            let turn = step.map.turn[0] * free + turn;
+            let turn = map.turn[0] * free + turn;
             let Wrench { force: added_force, moment: added_moment } = added(k + 1);
-            let mut moment = step.map.moment[0] * free + moment - added_moment;
+            let mut moment = map.moment[0] * free + moment - added_moment;
             let mut force = force - added_force;
-            if let Some([by_turn, ..]) = &step.map.force {
+            if let Some([by_turn, ..]) = &map.force {
                 force += *by_turn * free;
             }
             if let Some([by_moment, by_force]) = &step.follower {
@@ -180,9 +182,9 @@ impl Elimination {
             nodes[k].turn += step.before[0] * moment + step.before[1] * force;
         }
         (nodes[0].moment, nodes[0].force) = (moment, force);
-        for (k, step) in self.steps.iter().enumerate() {
+        for (k, map) in self.maps.iter().enumerate() {
             let NodeChange { turn, moment, force, position } = nodes[k];
-            let [by_turn, by_moment, by_force] = &step.map.shift;
+            let [by_turn, by_moment, by_force] = &map.shift;
             let shift = *by_turn * turn + *by_moment * moment + *by_force * force + effect(k).shift;
             nodes[k + 1].position = position + shift;
         }
@@ -208,9 +210,9 @@ impl Elimination {
         // Backwards through the substitution: `offset` of each step in `added`, with its sign.
         let mut turns = Vec::with_capacity(n + 1);
         let (mut moment, mut force) = (Vec3::ZERO, Vec3::ZERO);
-        for (k, step) in self.steps.iter().enumerate() {
+        for (k, (step, map)) in self.steps.iter().zip(&self.maps).enumerate() {
             let shift = pulls[k].effect.shift;
-            let [by_turn, by_moment, by_force] = &step.map.shift;
+            let [by_turn, by_moment, by_force] = &map.shift;
             let [extra_turn, extra_moment, extra_force] = extra(k);
             let turn = cotangents[k].turn + by_turn.transpose_mul(shift) + extra_turn;
             moment += cotangents[k].moment + by_moment.transpose_mul(shift) + extra_moment;
@@ -231,7 +233,7 @@ impl Elimination {
         turns.push(cotangents[n].turn);
         // Backwards through the elimination.
         let mut free = turns[n];
-        for (k, step) in self.steps.iter().enumerate().rev() {
+        for (k, (step, map)) in self.steps.iter().zip(&self.maps).enumerate().rev() {
             let Wrench { mut moment, mut force } = pulls[k].added;
             moment -= step.after[0].transpose_mul(free);
             force -= step.after[1].transpose_mul(free);
@@ -243,10 +245,8 @@ impl Elimination {
             pulls[k].effect.moment = moment;
             pulls[k].effect.force = force;
             pulls[k].added = Wrench { moment: -moment, force: -force };
-            free = turns[k]
-                + step.map.turn[0].transpose_mul(turn)
-                + step.map.moment[0].transpose_mul(moment);
-            if let Some([by_turn, ..]) = &step.map.force {
+            free = turns[k] + map.turn[0].transpose_mul(turn) + map.moment[0].transpose_mul(moment);
+            if let Some([by_turn, ..]) = &map.force {
                 free += by_turn.transpose_mul(force);
             }
         }

@@ -126,6 +126,7 @@ impl Maps {
     pub fn prepare(&mut self, steps: usize, cables: usize, more: usize) {
         self.inputs = cables + more;
         self.steps.clear();
+        self.steps.reserve(steps);
         self.effects.clear();
         self.effects.resize(steps * self.inputs, Effect::default());
         self.length_by_state.clear();

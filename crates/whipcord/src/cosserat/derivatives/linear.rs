@@ -107,7 +107,7 @@ impl Linear {
 
     /// The maps of every step, see [`Maps::compute`].
     pub fn maps(
-        &self,
+        &mut self,
         steps: &[Step],
         cables: usize,
         more: usize,

@@ -171,7 +171,7 @@ pub(super) struct Solved<'a> {
 impl Derivatives {
     pub(super) fn of(solved: &Solved<'_>, parameters: &[Parameter]) -> Result<Self, NoDerivatives> {
         let Solved { robot, case, layout, grid, loads, tensions, .. } = *solved;
-        let linear = Linear::of(&Answer {
+        let mut linear = Linear::of(&Answer {
             grid,
             loads,
             tensions,
@@ -189,11 +189,11 @@ impl Derivatives {
             .map_err(NoDerivatives::Parameter)?;
         let cables = tensions.len();
         let per_step = linear.per_step();
-        let maps = linear.maps(&grid.steps, cables, partials.len(), &|k, i, p| {
+        let mut maps = linear.maps(&grid.steps, cables, partials.len(), &|k, i, p| {
             partials[p].forcing(per_step * k + i)
         });
         let mut elimination = Elimination::default();
-        elimination.eliminate(&maps, loads, |node| solved.poses[node])?;
+        elimination.eliminate(&mut maps, loads, |node| solved.poses[node])?;
         let mut place_of = vec![0; cables];
         for (place, &cable) in layout.order.iter().enumerate() {
             place_of[cable] = place;

@@ -60,7 +60,7 @@ pub(super) struct Quadrature {
     pub pulls: Vec<(BodyWrench, f64)>,
     /// From start to end of each step, base frame.
     shifts: Vec<Vec3>,
-    /// Maps of the steps.
+    /// Maps of the steps, until [`Self::compute`] hands them on.
     steps: Vec<StepMap>,
     /// Sections just behind each node, and at the tip in front of it.
     pub nodes: Vec<Stage>,
@@ -73,6 +73,7 @@ impl Quadrature {
         let Answer { grid, tensions, poses, strains, .. } = *answer;
         let cables = tensions.len();
         self.points.clear();
+        self.points.reserve(POINTS * grid.len());
         self.pulls.clear();
         self.pulls.resize(POINTS * grid.len() * cables, Default::default());
         for (k, step) in grid.steps.iter().enumerate() {
@@ -98,6 +99,7 @@ impl Quadrature {
         self.shifts.clear();
         self.shifts.extend(poses.windows(2).map(|pair| pair[1].position - pair[0].position));
         self.steps.clear();
+        self.steps.reserve(grid.len());
         Arch::new().dispatch(AllSteps { rod: self, steps: &grid.steps, poses });
         self.add_nodes(grid, tensions, poses)
     }
@@ -106,6 +108,7 @@ impl Quadrature {
     fn add_nodes(&mut self, grid: &Grid, tensions: &[f64], poses: &[Pose]) -> Result<(), Fault> {
         let cables = tensions.len();
         self.nodes.clear();
+        self.nodes.reserve(grid.len() + 1);
         self.node_pulls.clear();
         self.node_pulls.resize((grid.len() + 1) * cables, Default::default());
         for (node, pose) in poses.iter().enumerate() {
@@ -138,7 +141,7 @@ impl Quadrature {
 
     /// Maps of every step, see [`Maps::compute`].
     pub fn compute(
-        &self,
+        &mut self,
         maps: &mut Maps,
         steps: &[Step],
         cables: usize,
@@ -146,7 +149,7 @@ impl Quadrature {
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
     ) {
         maps.prepare(steps.len(), cables, more);
-        maps.steps.extend_from_slice(&self.steps);
+        maps.steps = core::mem::take(&mut self.steps);
         let inputs = cables + more;
         for (k, step) in steps.iter().enumerate() {
             let arm = self.shifts[k];
