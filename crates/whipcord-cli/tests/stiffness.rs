@@ -138,6 +138,33 @@ fn a_turned_base_is_said_to_be_so() {
     assert!(!succeed(&["stiffness", THREE]).contains("world"));
 }
 
+/// The picture shows what the numbers say: three ellipsoids, with their values in the legend.
+#[test]
+fn the_picture_shows_the_ellipsoids() {
+    let scratch = Scratch::new();
+    let path = scratch.file("yield.svg");
+    let text = succeed(&["stiffness", THREE, "--plot", &path]);
+    assert!(text.ends_with(&format!("picture: {path}\n")), "{text}");
+    let svg = std::fs::read_to_string(&path).unwrap();
+    for label in ["compliance, tensions held", "compliance, cables locked", "manipulability"] {
+        assert!(svg.contains(label), "{label}");
+    }
+    assert_eq!(svg.matches("class=\"ellipsoids\"").count(), 4);
+    // The softest direction, as the summary has it.
+    let object: Value = serde_json::from_str(&succeed(&["stiffness", THREE, "--json"])).unwrap();
+    let axes: Vec<f64> =
+        serde_json::from_value(object["tensions_held"]["translation"]["compliance"].clone())
+            .unwrap();
+    let softest = axes.into_iter().fold(0.0, f64::max) * 1e3;
+    let decimals = (2.0 - softest.log10().floor()).max(0.0) as usize;
+    let written = format!("{softest:.decimals$}");
+    let written = written.trim_end_matches('0').trim_end_matches('.');
+    assert!(svg.contains(&format!(">{written} mm/N<")), "{written}");
+    // What cannot be drawn is refused before anything is written.
+    let message = fail(2, &["stiffness", THREE, "--plot", "yield.pdf"]);
+    assert!(message.contains("must end in .svg or .png"), "{message}");
+}
+
 #[test]
 fn an_unstable_robot_is_said_to_be_so() {
     let scratch = Scratch::new();

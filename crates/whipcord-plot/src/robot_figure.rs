@@ -5,6 +5,7 @@ use whipcord::{ModelKind, Robot, Shape, Solution, Vec3};
 use crate::acting::Acting;
 use crate::body::{Body, Part};
 use crate::colour::{Colour, PALETTE};
+use crate::ellipsoid::{Ellipsoid, Ellipsoids};
 use crate::error::{PlotError, finite, not_empty};
 use crate::legend::{Entry, Legend, Swatch};
 use crate::load_marks::LoadMarks;
@@ -60,6 +61,8 @@ pub struct FigureOptions {
     pub measured: Vec<Vec3>,
     /// What acts on one of the shapes, by [`Acting::on`]; drawn over all of them.
     pub loads: Acting,
+    /// How places of it yield and move; drawn over the robot.
+    pub ellipsoids: Vec<Ellipsoid>,
     /// Direction from which the robot is seen in space, in rad from x towards y; `None` for one
     /// that shows the bending well.
     pub azimuth: Option<f64>,
@@ -75,6 +78,7 @@ impl Default for FigureOptions {
             title: String::new(),
             measured: Vec::new(),
             loads: Acting::default(),
+            ellipsoids: Vec::new(),
             azimuth: None,
             elevation: 22_f64.to_radians(),
             width: 980.0,
@@ -121,12 +125,13 @@ pub(crate) struct Drawn<'a> {
     pub bodies: Bodies,
     pub measured: &'a [Vec3],
     pub loads: LoadMarks,
+    pub ellipsoids: Ellipsoids,
     /// Points that span all of it.
     pub points: Vec<Vec3>,
 }
 
 impl<'a> Drawn<'a> {
-    fn new(bodies: Bodies, options: &'a FigureOptions) -> Self {
+    fn new(bodies: Bodies, options: &'a FigureOptions, colours: &Colours) -> Self {
         let mut points: Vec<Vec3> = bodies
             .iter()
             .flat_map(|(body, _)| body.outline())
@@ -136,14 +141,17 @@ impl<'a> Drawn<'a> {
             let [low, high] = range(&points, i);
             high - low
         };
-        let loads = LoadMarks::new(&options.loads, extent(0).max(extent(1)).max(extent(2)));
-        points.extend(loads.outline());
-        Self { bodies, measured: &options.measured, loads, points }
+        let extent = extent(0).max(extent(1)).max(extent(2));
+        let loads = LoadMarks::new(&options.loads, extent);
+        let ellipsoids = Ellipsoids::new(&options.ellipsoids, extent, colours.free);
+        points.extend(loads.outline().chain(ellipsoids.outline()));
+        Self { bodies, measured: &options.measured, loads, ellipsoids, points }
     }
 
     /// All in a view; measured positions of this radius in px.
     pub fn draw(&self, svg: &mut Svg, view: &Projection, radius: f64) {
         scene::draw(svg, &self.bodies, view);
+        self.ellipsoids.draw(svg, view);
         self.loads.draw(svg, view);
         let rim = Some(Stroke::new(MEASURED, 1.1));
         for &p in self.measured {
@@ -204,7 +212,7 @@ pub fn robot_figure(
     not_empty(|| "the list of views".to_owned(), views)?;
     check_options(options)?;
     let colours = Colours::new(robot, views);
-    let drawn = Drawn::new(bodies(robot, views, &colours)?, options);
+    let drawn = Drawn::new(bodies(robot, views, &colours)?, options, &colours);
 
     let title = Title::new(&options.title, options.width - 2.0 * MARGIN);
     let top = MARGIN + title.height();
@@ -236,6 +244,7 @@ fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
         }
     }
     options.loads.check()?;
+    options.ellipsoids.iter().try_for_each(Ellipsoid::check)?;
     finite(|| "the elevation".to_owned(), options.elevation)?;
     finite(|| "the azimuth".to_owned(), options.azimuth.unwrap_or(0.0))?;
     let width = options.width;
@@ -250,6 +259,8 @@ fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
 struct Colours {
     views: Vec<Colour>,
     cables: Vec<Colour>,
+    /// Number of the first colour that is left.
+    free: usize,
 }
 
 impl Colours {
@@ -268,7 +279,7 @@ impl Colours {
         // Cables take what the models leave, so that a line's colour says which it is.
         let free = PALETTE.len().saturating_sub(models).max(1);
         let cables = (0..robot.cables().len()).map(|i| Colour::nth(models + i % free)).collect();
-        Self { views, cables }
+        Self { views, free: models + robot.cables().len().min(free), cables }
     }
 
     fn legend(&self, robot: &Robot, views: &[RobotView], options: &FigureOptions) -> Vec<Entry> {
@@ -293,6 +304,7 @@ impl Colours {
             );
             entries.push(Entry { label: "measured".to_owned(), swatches: vec![marker] });
         }
+        entries.extend(Ellipsoids::legend(&options.ellipsoids, self.free));
         entries.extend(LoadMarks::legend(&options.loads));
         entries
     }

@@ -85,6 +85,7 @@ pub(crate) fn draw(
     floor.draw(svg, &view);
     draw_shadows(svg, &drawn.bodies, &floor, &view);
     drawn.draw(svg, &view, 3.4);
+    drawn.ellipsoids.draw_labels(svg, &view, (corner, [size[0], size[1] - STRIP]));
     svg.close();
     let bottom = corner[1] + size[1];
     draw_scale(svg, floor.step, &view, [corner[0], bottom]);

@@ -11,14 +11,15 @@ use common::{arm, before, catheter, prototype, towards, view};
 use proptest::prelude::*;
 use resvg::tiny_skia::Pixmap;
 use resvg::usvg::{Group, Node, Options, Rect, Tree, fontdb, roxmltree};
+use whipcord::kinematics::PrincipalAxes;
 use whipcord::{
     Backbone, Cable, Case, Disks, DistributedLoad, LoadFrame, Loads, PointLoad, PointMass, Pose,
     Profile, Robot, Routing, Section, UnitQuaternion, Vec3,
 };
 use whipcord_plot::{
-    AccuracySeries, Acting, AxisSpec, Chart, DistanceSeries, FigureOptions, Layer, PlotError,
-    RobotView, Scale, Series, TimingSeries, ViewStyle, accuracy_chart, distance_chart, png,
-    robot_figure, timing_chart,
+    AccuracySeries, Acting, AxisSpec, Chart, DistanceSeries, Ellipsoid, FigureOptions, Layer,
+    PlotError, Quantity, RobotView, Scale, Series, TimingSeries, ViewStyle, accuracy_chart,
+    distance_chart, png, robot_figure, timing_chart,
 };
 
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
@@ -205,6 +206,32 @@ fn loads_are_drawn_in_all_views_and_said_in_the_legend() {
     let idle = Acting::on(&Case::default(), &views[1].shape);
     let bare = robot_figure(&robot, &views, &FigureOptions { loads: idle, ..options }).unwrap();
     assert_eq!((count(&bare, "loads"), legend(&bare).len()), (0, 3));
+}
+
+#[test]
+fn ellipsoids_are_drawn_in_all_views_with_their_values() {
+    let (robot, [before, bent, _]) = case_three();
+    let at = bent.shape.tip().position;
+    let axes =
+        PrincipalAxes { values: [0.0, 2e-3, 12.34e-3], directions: [Vec3::Z, Vec3::Y, Vec3::X] };
+    let ellipsoid = |label: &str, quantity| Ellipsoid { label: label.into(), at, axes, quantity };
+    let options = FigureOptions {
+        ellipsoids: vec![
+            ellipsoid("compliance", Quantity::Compliance),
+            ellipsoid("manipulability", Quantity::ByShortening),
+        ],
+        ..Default::default()
+    };
+    let svg = robot_figure(&robot, &[before, bent], &options).unwrap();
+    check(&svg);
+    assert_eq!((count(&svg, "ellipsoids"), count(&svg, "values")), (4, 1));
+    assert_eq!(
+        legend(&svg)[3..],
+        ["compliance", "12.3, 2, 0 mm/N", "manipulability", "0.0123, 0.002, 0 mm/mm"]
+    );
+    let lost = Ellipsoid { at: Vec3::X * f64::NAN, ..options.ellipsoids[0].clone() };
+    let lost = FigureOptions { ellipsoids: vec![lost], ..options };
+    assert!(robot_figure(&robot, &[case_three().1[0].clone()], &lost).is_err());
 }
 
 /// A load in the frame of the world does not turn with the base; one in that of the base does, and one

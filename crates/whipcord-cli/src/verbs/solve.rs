@@ -90,7 +90,7 @@ fn stations_parser() -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(2..=MOST_STATIONS)
 }
 
-fn picture_path(text: &str) -> Result<PathBuf, String> {
+pub fn picture_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match extension.as_deref() {

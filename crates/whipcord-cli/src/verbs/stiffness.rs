@@ -1,15 +1,18 @@
 //! `whipcord stiffness`: how a place of the robot moves with its cables and yields to loads.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use whipcord::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, principal_axes};
+use whipcord::kinematics::{DrivenBy, Local, Matrix6, Means, PrincipalAxes, Yield, principal_axes};
 use whipcord::{
-    Differentiable as _, Model, ModelKind, Solution, Stations, Twist, UnitQuaternion, Vec3,
+    Differentiable as _, Model, ModelKind, Solution, Statics as _, Stations, Twist, UnitQuaternion,
+    Vec3,
 };
 use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json};
+use whipcord_plot::{Acting, Ellipsoid, FigureOptions, Quantity, RobotView, robot_figure};
 
-use super::solve::{Actuation, drive, model_parser};
+use super::solve::{Actuation, drive, model_parser, picture_path};
+use crate::comparison::figures::FINE_STATIONS;
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs::read_one;
@@ -40,6 +43,10 @@ pub struct StiffnessArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    /// Draw the robot with the ellipsoids of compliance and manipulability at the place; the name ends
+    /// in .svg or .png
+    #[arg(long, value_name = "OUT", value_parser = picture_path)]
+    plot: Option<PathBuf>,
 }
 
 /// Where the robot is looked at.
@@ -82,11 +89,87 @@ pub fn run(args: &StiffnessArgs, style: Style) -> Result<String, Failure> {
     let (solution, local) = model
         .solve_at(&file.robot, &file.case, at)
         .map_err(|error| Failure::from_solve(&file, &error))?;
-    if args.json {
+    let picture = match &args.plot {
+        Some(path) => Some((path, draw(path, &file, args, &solution, &local)?)),
+        None => None,
+    };
+    let text = if args.json {
         let json = stiffness_json(&file.title, &solution, &local);
-        return Ok(format!("{:#}\n", json.map_err(|error| files::no_result(&error))?));
+        format!("{:#}\n", json.map_err(|error| files::no_result(&error))?)
+    } else {
+        let mut text = summary(&file, args, at, &solution, &local, style);
+        if let Some(path) = &args.plot {
+            text += &format!("\npicture: {}\n", path.display());
+        }
+        text
+    };
+    // What can fail has been done: now the picture is written, or there is neither.
+    if let Some((path, bytes)) = picture {
+        files::write(path, &bytes)?;
     }
-    Ok(summary(&file, args, at, &solution, &local, style))
+    Ok(text)
+}
+
+/// The robot with what its place yields and how its cables move it.
+fn draw(
+    path: &Path,
+    file: &CaseFile,
+    args: &StiffnessArgs,
+    solution: &Solution,
+    local: &Local,
+) -> Result<Vec<u8>, Failure> {
+    // The same answer at stations that a picture is smooth with.
+    let model = Model::new(args.model, Stations::Equal(FINE_STATIONS), drive(args.actuation));
+    let fine =
+        model.solve(&file.robot, &file.case).map_err(|error| Failure::from_solve(file, &error))?;
+    let options = FigureOptions {
+        title: file.title.clone(),
+        loads: Acting::on(&file.case, &fine.shape),
+        ellipsoids: ellipsoids(solution, local, file.case.base.rotation),
+        ..FigureOptions::default()
+    };
+    let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
+    let view = RobotView::model(format!("{}{unstable}", solution.model), &fine);
+    let svg = robot_figure(&file.robot, &[view], &options)
+        .map_err(|error| files::plot_failure(path, &error))?;
+    files::picture(&svg, path)
+}
+
+/// Compliance with tensions held and with cables locked, and what unit commands do; `base` turns
+/// from the frame of the base to that of the shape.
+fn ellipsoids(solution: &Solution, local: &Local, base: UnitQuaternion) -> Vec<Ellipsoid> {
+    let at = solution.shape.tip().position;
+    let turned = |axes: PrincipalAxes| PrincipalAxes {
+        directions: axes.directions.map(|d| base.rotate(d)),
+        ..axes
+    };
+    let compliance = |label: &str, yielding: &Yield| Ellipsoid {
+        label: label.to_owned(),
+        at,
+        axes: turned(principal_axes(&yielding.compliance.blocks[0][0])),
+        quantity: Quantity::Compliance,
+    };
+    if local.actuation_jacobian.is_empty() {
+        return vec![compliance("compliance", &local.tensions_held)];
+    }
+    let dexterity = local.dexterity();
+    let all = |driven: DrivenBy| local.driven_by.iter().all(|by| *by == driven);
+    let quantity = match (all(DrivenBy::Tension), all(DrivenBy::Shortening)) {
+        (true, _) => Quantity::ByTension,
+        (_, true) => Quantity::ByShortening,
+        _ => Quantity::ByCommand,
+    };
+    // What rounding leaves of a direction in which nothing moves is nothing.
+    let value = |i: usize| if i < dexterity.directions { dexterity.singular[i].0 } else { 0.0 };
+    let moved = PrincipalAxes {
+        values: [value(0), value(1), value(2)],
+        directions: dexterity.singular.map(|(_, direction)| direction),
+    };
+    vec![
+        compliance("compliance, tensions held", &local.tensions_held),
+        compliance("compliance, cables locked", &local.lengths_held),
+        Ellipsoid { label: "manipulability".to_owned(), at, axes: turned(moved), quantity },
+    ]
 }
 
 fn summary(
