@@ -34,16 +34,17 @@ pub fn solve(model: &Model, file: &CaseFile, drive: Drive) -> Result<Vec<Step>, 
         .prepare(&file.robot, &file.case.loads)
         .map_err(|error| Failure::from_solve(file, &error))?;
     let count = file.case.before.len() + 1;
+    let drivers: Vec<String> =
+        file.case.steps().map(|case| driven_by(model.kind(), drive, &case)).collect();
     let mut steps: Vec<Step> = Vec::with_capacity(count);
-    for case in file.case.steps() {
-        let begun = Instant::now();
-        let solution = prepared
-            .solve(&case, steps.last().map(|step| &step.solution))
-            .map_err(|error| Failure::from_step(file, &error, steps.len() + 1, count))?;
+    let mut begun = Instant::now();
+    let solved = prepared.solve_steps(&file.case, |solution| {
         let time = begun.elapsed().as_secs_f64();
-        let driver = driven_by(model.kind(), drive, &case);
+        let driver = drivers[steps.len()].clone();
         steps.push(Step { driver, solution, time });
-    }
+        begun = Instant::now();
+    });
+    solved.map_err(|(step, error)| Failure::from_step(file, &error, step + 1, count))?;
     Ok(steps)
 }
 

@@ -49,21 +49,33 @@ fn unloaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
     measure(bencher, &options(steps, Drive::Tension), &Case::with_tensions(&[TENSION]));
 }
 
-#[divan::bench(args = STEPS)]
-fn loaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
-    let loads = Loads {
+fn loads() -> Loads {
+    Loads {
         gravity: Some(Vec3::new(0.0, 0.0, -9.80665)),
         tip_force: Vec3::new(0.05, 0.0, 0.02),
         tip_moment: Vec3::new(0.0, 1e-3, 5e-4),
         ..Loads::default()
-    };
-    let case = Case { loads, ..Case::with_tensions(&[TENSION]) };
+    }
+}
+
+fn by_length() -> Case {
+    Case::with_shortenings(&[Shortening::Fraction(0.057)])
+}
+
+#[divan::bench(args = STEPS)]
+fn loaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
+    let case = Case { loads: loads(), ..Case::with_tensions(&[TENSION]) };
     measure(bencher, &options(steps, Drive::Tension), &case);
 }
 
 #[divan::bench(args = STEPS)]
 fn by_length_cold(bencher: Bencher<'_, '_>, steps: usize) {
-    let case = Case::with_shortenings(&[Shortening::Fraction(0.057)]);
+    measure(bencher, &options(steps, Drive::Shortening), &by_length());
+}
+
+#[divan::bench(args = STEPS)]
+fn by_length_loaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
+    let case = Case { loads: loads(), ..by_length() };
     measure(bencher, &options(steps, Drive::Shortening), &case);
 }
 
@@ -71,4 +83,15 @@ fn by_length_cold(bencher: Bencher<'_, '_>, steps: usize) {
 #[divan::bench]
 fn unloaded_cold_to_tolerance(bencher: Bencher<'_, '_>) {
     measure(bencher, &Options::default(), &Case::with_tensions(&[TENSION]));
+}
+
+#[divan::bench]
+fn loaded_cold_to_tolerance(bencher: Bencher<'_, '_>) {
+    let case = Case { loads: loads(), ..Case::with_tensions(&[TENSION]) };
+    measure(bencher, &Options::default(), &case);
+}
+
+#[divan::bench]
+fn by_length_cold_to_tolerance(bencher: Bencher<'_, '_>) {
+    measure(bencher, &Options::default(), &by_length());
 }

@@ -218,6 +218,27 @@ impl Prepared {
             Self::FourBar(model, workspace) => model.solve(case, warm_start, workspace),
         }
     }
+
+    /// The answers to all steps of a case in order, each from where the one before left the robot:
+    /// those to each of [`Case::steps`]. `each` gets them as they come.
+    ///
+    /// # Errors
+    /// The number of the first step without an answer, from 0, and why it has none.
+    pub fn solve_steps(
+        &mut self,
+        case: &Case,
+        mut each: impl FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        if let Self::CosseratDisks(model, workspace) = self {
+            return model.solve_steps(case, workspace, each);
+        }
+        let mut last = None;
+        for (n, step) in case.steps().enumerate() {
+            let solution = self.solve(&step, last.as_ref()).map_err(|error| (n, error))?;
+            each(last.insert(solution).clone());
+        }
+        Ok(())
+    }
 }
 
 /// Solves one case of one robot from cold. To solve many cases of a robot, build the model once

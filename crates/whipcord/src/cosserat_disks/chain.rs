@@ -134,6 +134,18 @@ impl Chain {
         debug_assert_eq!(self.nodes.len(), frame.spans.len() + 1);
     }
 
+    /// Starts from a robot that is bent evenly, by this rotation in all; `unit` bends it by 1 rad.
+    pub fn start_bent(&mut self, frame: &Frame, bend: Vec3, unit: f64) {
+        let length = frame.rod.backbone().length;
+        let moment = unit * bend;
+        let wrench = BodyWrench { linear: Vec3::ZERO, angular: moment };
+        let turned = |s: f64| UnitQuaternion::exp(bend * (s / length));
+        let node = |s: f64| Node { rotation: turned(s), moment, wrench, ..Node::default() };
+        self.nodes.clear();
+        self.nodes.extend(frame.spans.iter().map(|span| node(span.start)));
+        self.nodes.push(Node { rotation: turned(length), ..Node::default() });
+    }
+
     /// Starts from disks that stand at these poses and what the base exerts on the robot there.
     pub fn start_from(&mut self, task: &Task<'_>, disks: &[Pose], base: Wrench) {
         let frame = task.frame;

@@ -102,18 +102,24 @@ pub(super) fn turns(frame: &Frame, holes: &Holes, spans: &[Pose], chords: &[Chor
 }
 
 /// Goes one step of actuation on from `history`, in parts where that is needed; the tensions of all
-/// passages end in `history`.
+/// passages end in `history`. The iteration starts from `guess`, or from the tensions before.
 pub(super) fn step(
     rod: &mut Rod<'_>,
     holes: &Holes,
     commands: &[Command],
     history: &mut History,
+    guess: Option<&[f64]>,
 ) -> Result<Found, Failure> {
     if history.beyond.is_empty() {
         history.beyond.clone_from(&holes.at_rest);
         history.tensions = vec![0.0; holes.at_rest.len()];
         history.base = vec![0.0; commands.len()];
         history.contacts = vec![Contact::Sticks; holes.at_rest.len()];
+    }
+    if let Some(guess) = guess
+        && let Ok(found) = newton(rod, holes, commands, history, guess)
+    {
+        return Ok(found);
     }
     let before = history.clone();
     let mut parts = 1;
@@ -122,7 +128,8 @@ pub(super) fn step(
         let gone = (1..=parts).try_fold(Found::default(), |found, part| {
             let fraction = part as f64 / parts as f64;
             let commands = between(&before, holes, commands, fraction);
-            let next = newton(rod, holes, &commands, history)?;
+            let start = history.tensions.clone();
+            let next = newton(rod, holes, &commands, history, &start)?;
             Ok(Found { iterations: found.iterations + next.iterations, ..next })
         });
         match gone {
@@ -147,17 +154,18 @@ fn between(before: &History, holes: &Holes, commands: &[Command], fraction: f64)
     commands.iter().enumerate().map(part).collect()
 }
 
-/// The semismooth Newton method on eq. (6).
+/// The semismooth Newton method on eq. (6); `history` moves on only where it converges.
 fn newton(
     rod: &mut Rod<'_>,
     holes: &Holes,
     commands: &[Command],
     history: &mut History,
+    start: &[f64],
 ) -> Result<Found, Failure> {
     let n = holes.at_rest.len();
     let length = rod.length();
     let kappa = rod.compliance_scale();
-    let mut tensions = history.tensions.clone();
+    let mut tensions = start.to_vec();
     // A first guess that slides everywhere: without tension no piece of cable could take any.
     for (cable, command) in commands.iter().enumerate() {
         if let Command::Tension(given) = *command {

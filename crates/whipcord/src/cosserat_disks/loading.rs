@@ -1,12 +1,15 @@
 //! The robot under loads: from a neighbour, from the robot without load, or with the load raised from
 //! nothing in steps that adapt.
 //!
-//! Where the robot without load has no answer near, or the way from it ends, the load and the commands
-//! are raised together from the robot at rest: another way, which can go round a fold or a snap.
+//! Where the way from there ends, or at an equilibrium that the robot leaves, the load is raised from
+//! one stable equilibrium to the next, then load and commands together from the robot at rest, and at
+//! last all of it acts on shapes bent every way.
 
-use super::chain::{Chain, Node, Open, Task};
+use whipcord_numerics::Vec3;
+
+use super::chain::{Chain, Node, Open, Scales, Task};
 use super::statics::{Problem, Rod, Scratch, Start, copy_out};
-use super::unloaded;
+use super::{stays, unloaded};
 use crate::cosserat::command::Command;
 use crate::cosserat::lengths::Effort;
 use crate::cosserat::outcome::{Failure, Found};
@@ -18,6 +21,10 @@ const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
 const FIRST_LOAD_STEP: f64 = 0.25;
 /// An iteration longer than this means that the path bends: the step is not lengthened.
 const SHORT_ITERATION: usize = 5;
+/// Shapes that are tried where the load leads to none that is stable: bent by so much in all, in rad,
+/// in so many directions.
+const FAR_BENDS: [f64; 3] = [1.0, 2.5, 5.0];
+const FAR_WAYS: usize = 8;
 pub(super) const PATH_ENDS: &str = "no equilibrium near it was found at more load, as at a snap-through: apply less load, or lead the robot there by other tensions first";
 
 /// The load on its way up, from a chain that is closed without it.
@@ -62,17 +69,59 @@ pub(super) fn solve(
         return Ok(finish(problem, scratch, effort));
     }
     let without = start_without_load(problem, scratch);
-    let mut ended = match raise.load(scratch) {
-        Ok(effort) => return Ok(finish(problem, scratch, effort)),
-        Err(ended) => ended,
-    };
+    let rest = Place::of(&scratch.chain);
+    let mut ended = None;
+    let mut unstable = None;
+    match raise.load(scratch) {
+        Ok(effort) if raise.stays(scratch) => return Ok(finish(problem, scratch, effort)),
+        Ok(effort) => unstable = Some((Place::of(&scratch.chain), effort)),
+        Err(end) => ended = Some(end),
+    }
+    let (mut lost_at, mut parts) = (None, false);
+    if unstable.is_some() {
+        rest.restore(scratch);
+        match raise.steadily(scratch) {
+            Ok(effort) => return Ok(finish(problem, scratch, effort)),
+            Err(end) => {
+                lost_at = Some(end.load);
+                // The path goes on past the place, as that of a straight column does: it is the answer,
+                // and which way the robot leaves it nothing says.
+                parts = end.residual <= problem.tolerance;
+            }
+        }
+    }
+    let with = |found: Found| Found { lost_at, ..found };
+    if let Some(first) = unstable.as_ref().filter(|_| parts)
+        && let Ok(effort) = raise.back_to(scratch, first)
+    {
+        return Ok(with(finish(problem, scratch, effort)));
+    }
     match raise.all(scratch) {
-        Ok(effort) => return Ok(finish(problem, scratch, effort)),
-        Err(Some(other)) if other.load > ended.load => ended = other,
+        Ok(effort) if raise.stays(scratch) => return Ok(with(finish(problem, scratch, effort))),
+        Ok(effort) => unstable = unstable.or_else(|| Some((Place::of(&scratch.chain), effort))),
+        Err(Some(end)) if ended.is_none_or(|before| end.load > before.load) => ended = Some(end),
         Err(_) => {}
     }
+    if problem.by_length() {
+        // Tension by tension, with the chain closed at each: slow, and undeterred where more cables
+        // are taut than lengths are independent.
+        let mut tensions = rest.tensions.clone();
+        if let Ok(effort) = Rod::new(problem, scratch).settle(&mut tensions)
+            && raise.stays(scratch)
+        {
+            return Ok(with(finish(problem, scratch, effort)));
+        }
+    }
+    if let Some(effort) = raise.afar(scratch, &rest.tensions) {
+        return Ok(with(finish(problem, scratch, effort)));
+    }
+    if let Some(first) = &unstable
+        && let Ok(effort) = raise.back_to(scratch, first)
+    {
+        return Ok(with(finish(problem, scratch, effort)));
+    }
     without?;
-    Err(ended.failure(scratch))
+    Err(ended.map_or_else(|| raise.not_found(), |end| end.failure(scratch)))
 }
 
 /// The chain at the equilibrium without load; where there is none, with the cables slack that are
@@ -171,6 +220,61 @@ impl Raise<'_> {
         raised.map_err(Some)
     }
 
+    /// Raises the load from one stable equilibrium to the next.
+    fn steadily(&self, scratch: &mut Scratch) -> Result<Effort, Ended> {
+        self.path(scratch, |scratch, load| {
+            let effort = self.close(scratch, load, false)?;
+            if self.stays(scratch) {
+                Ok(effort)
+            } else {
+                let Effort { iterations, residual: gap } = effort;
+                Err(Open { iterations, gap, fault: None })
+            }
+        })
+    }
+
+    /// Under all of the load from shapes bent every way: an equilibrium that the robot stays in.
+    fn afar(&self, scratch: &mut Scratch, tensions: &[f64]) -> Option<Effort> {
+        let Problem { frame, mesh, .. } = *self.problem;
+        let unit = Scales::of(frame, mesh).moment;
+        for size in FAR_BENDS {
+            for way in 0..FAR_WAYS {
+                let angle = core::f64::consts::TAU * way as f64 / FAR_WAYS as f64;
+                let bend = size * Vec3::new(angle.cos(), angle.sin(), 0.0);
+                let Scratch { chain, groups, .. } = &mut *scratch;
+                chain.pull(groups, tensions);
+                chain.start_bent(frame, bend, unit);
+                if let Ok(effort) = self.close(scratch, 1.0, false)
+                    && self.stays(scratch)
+                {
+                    return Some(effort);
+                }
+            }
+        }
+        None
+    }
+
+    /// Back to an equilibrium under all of the load that was left.
+    fn back_to(
+        &self,
+        scratch: &mut Scratch,
+        (place, effort): &(Place, Effort),
+    ) -> Result<Effort, Open> {
+        place.restore(scratch);
+        let last = self.close(scratch, 1.0, false)?;
+        Ok(Effort { iterations: effort.iterations + last.iterations, ..last })
+    }
+
+    /// Whether the robot stays in the equilibrium that the chain holds; loads that follow it have no
+    /// energy to tell.
+    fn stays(&self, scratch: &mut Scratch) -> bool {
+        scratch.applied.any_follower() || stays::is_stable(self.problem, scratch).unwrap_or(true)
+    }
+
+    fn not_found(&self) -> Failure {
+        Failure::NotConverged { iterations: 0, residual: 1.0, last_load: 0.0, advice: PATH_ENDS }
+    }
+
     /// Goes from nothing to all in steps that adapt, at first at once.
     fn path(
         &self,
@@ -202,9 +306,7 @@ impl Raise<'_> {
                         let fault = open.fault.unwrap_or(none);
                         return Err(Ended { load, residual, iterations, fault });
                     }
-                    let Scratch { chain, groups, .. } = &mut *scratch;
-                    chain.nodes.clone_from(&here.nodes);
-                    chain.pull(groups, &here.tensions);
+                    here.restore(scratch);
                 }
             }
         }
@@ -218,6 +320,12 @@ struct Place {
 }
 
 impl Place {
+    fn restore(&self, scratch: &mut Scratch) {
+        let Scratch { chain, groups, .. } = scratch;
+        chain.nodes.clone_from(&self.nodes);
+        chain.pull(groups, &self.tensions);
+    }
+
     fn of(chain: &Chain) -> Self {
         Self { nodes: chain.nodes.clone(), tensions: chain.tensions.clone() }
     }

@@ -5,9 +5,10 @@
 //! disks only the rod bears anything, so that a span is a rod under an end wrench. From the inside
 //! out: `layout` cuts the robot at its disks; `rod` integrates one span and differentiates it;
 //! `joint` puts the cables to it; `unloaded` solves span after span where nothing but the cables
-//! pulls, and `chain` all of them at once under loads; `statics` finds equilibria for tensions or
-//! lengths, `friction` for cables that rub; `stability` says
-//! whether the robot stays in them; `local` how it yields; `model` is what the rest of the library sees.
+//! pulls, and `chain` all of them at once under loads, by their `link`s and with the cables that are
+//! `held` at their lengths; `statics` finds equilibria for tensions or lengths, `loading` the way to
+//! them under loads, `friction` those of cables that rub; `stability` says whether the robot `stays` in
+//! them; `local` how it yields; `model` is what the rest of the library sees.
 
 mod chain;
 mod friction;

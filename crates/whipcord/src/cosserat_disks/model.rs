@@ -6,7 +6,7 @@ use super::friction::{History, Holes};
 use super::layout::{Frame, Mesh, of_this_model};
 use super::statics::{self, Problem, Scratch, Start};
 use super::stays;
-use crate::case::{Case, Loads};
+use crate::case::{CableCommand, Case, Loads};
 use crate::cosserat::command::Command;
 use crate::cosserat::outcome::{Failure, Found};
 use crate::cosserat::refinement::{Coarse, ERROR_RATIO};
@@ -73,6 +73,14 @@ pub struct Workspace {
     commands: Vec<Command>,
     coarse: Coarse,
     coarse_tensions: Vec<f64>,
+    walks: Vec<Walk>,
+}
+
+/// How far the steps of actuation have been walked on a mesh, and what the holes remember there.
+#[derive(Clone, Debug, Default)]
+struct Walk {
+    taken: usize,
+    history: History,
 }
 
 impl Workspace {
@@ -145,15 +153,43 @@ impl CosseratDisks {
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
         let start = warm_start.map_or(Start::Cold, start_from);
-        if self.holes.is_some() && !case.before.is_empty() {
-            // What holes remember depends on the mesh: the whole way is gone on each.
-            let steps: Vec<Case> = case.steps().collect();
-            return self.solve_last(&steps, start, workspace);
+        if self.holes.is_none() {
+            return self.solve_last(core::slice::from_ref(case), start, workspace);
         }
-        self.solve_last(core::slice::from_ref(case), start, workspace)
+        case.check(&self.robot)?;
+        let steps = one_by_one(case);
+        workspace.walks.clear();
+        self.solve_last(&steps, start, workspace)
     }
 
-    /// The answer to the last of several steps.
+    /// The answers to all steps of a case in order, each from where the one before left the robot:
+    /// those of [`CosseratDisks::solve`] to each of [`Case::steps`], in time that grows with their
+    /// number, not with its square. `each` gets them as they come.
+    ///
+    /// # Errors
+    /// The number of the first step without an answer, from 0, and why it has none.
+    pub fn solve_steps(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        mut each: impl FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        let steps = one_by_one(case);
+        workspace.walks.clear();
+        let mut start = Start::Cold;
+        for n in 0..steps.len() {
+            let first = if self.holes.is_some() { 0 } else { n };
+            let solution =
+                self.solve_last(&steps[first..=n], start, workspace).map_err(|error| (n, error))?;
+            start = if self.holes.is_some() { Start::Cold } else { start_from(&solution) };
+            each(solution);
+        }
+        Ok(())
+    }
+
+    /// The answer to the last of several steps; those before it that were walked on a mesh already are
+    /// not walked again.
     fn solve_last(
         &self,
         cases: &[Case],
@@ -172,7 +208,7 @@ impl CosseratDisks {
         match self.options.accuracy {
             Accuracy::Steps(_) => {
                 let mesh = &self.meshes[0];
-                let found = self.solve_on(mesh, cases, &start, workspace)?;
+                let found = self.solve_on(0, mesh, cases, &start, workspace)?;
                 Ok(self.solution(mesh, cases, workspace, found, None))
             }
             Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, cases, start, workspace),
@@ -190,13 +226,14 @@ impl CosseratDisks {
         let length = self.robot.backbone().length;
         let tolerance = tolerance * length;
         let (mut error, mut steps, mut iterations) = (f64::INFINITY, 0, 0);
+        let mut lost_at = None;
         let mut coarser = false;
         for level in 0..=MAX_REFINEMENTS {
             let mesh = match self.meshes.get(level) {
                 Some(mesh) => Cow::Borrowed(mesh),
                 None => Cow::Owned(self.frame.mesh(1, level)?),
             };
-            let found = match self.solve_on(&mesh, cases, &start, workspace) {
+            let found = match self.solve_on(level, &mesh, cases, &start, workspace) {
                 // Steps that are too coarse for a strong bend can keep Newton's method away.
                 Err(
                     SolveError::NotConverged { .. }
@@ -206,10 +243,11 @@ impl CosseratDisks {
                 other => other?,
             };
             iterations += found.iterations;
+            lost_at = lost_at.or(found.lost_at);
             if coarser {
                 error = workspace.change(&mesh, length) / ERROR_RATIO;
                 if error <= tolerance {
-                    let found = Found { iterations, ..found };
+                    let found = Found { iterations, lost_at, ..found };
                     return Ok(self.solution(&mesh, cases, workspace, found, Some(error)));
                 }
             }
@@ -220,23 +258,35 @@ impl CosseratDisks {
         Err(SolveError::StepsTooCoarse { error, tolerance, steps })
     }
 
+    /// The answer to the last step on one mesh. What holes remember depends on the mesh: the whole way
+    /// is gone on each.
     fn solve_on(
         &self,
+        level: usize,
         mesh: &Mesh,
         cases: &[Case],
         start: &Start,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let Workspace { scratch, commands, .. } = workspace;
-        scratch.history = History::default();
+        let Workspace { scratch, commands, walks, .. } = workspace;
+        if walks.len() <= level {
+            walks.resize(level + 1, Walk::default());
+        }
+        // Where a step fails the way starts anew.
+        let Walk { taken, history } = core::mem::take(&mut walks[level]);
+        let taken = if self.holes.is_some() { taken } else { 0 };
+        scratch.history = if taken > 0 { history } else { History::default() };
         let mut found = Found::default();
-        for case in cases {
+        for (n, case) in cases.iter().enumerate().skip(taken) {
             scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);
             self.commands(case, commands)?;
             let problem = self.problem(mesh, commands);
+            // What a coarser mesh found is that of the last step.
+            let start = if n + 1 == cases.len() { start } else { &Start::Cold };
             found = statics::solve(&problem, start, scratch)
                 .map_err(|failure| self.explain(failure, commands))?;
         }
+        walks[level] = Walk { taken: cases.len(), history: scratch.history.clone() };
         Ok(found)
     }
 
@@ -309,7 +359,7 @@ impl CosseratDisks {
                 stability,
                 discretization_error,
                 steps: mesh.grid.len(),
-                ..Diagnostics::default()
+                stability_lost_at: found.lost_at,
             },
         }
     }
@@ -327,6 +377,17 @@ impl CosseratDisks {
         let name = |cable: usize| self.robot.cables()[cable].name.clone();
         failure.explain(commands, &self.frame.rest_lengths, name)
     }
+}
+
+/// The steps of a case, each without those before it.
+fn one_by_one(case: &Case) -> Vec<Case> {
+    let step = |commands: &Vec<CableCommand>| Case {
+        commands: commands.clone(),
+        loads: case.loads.clone(),
+        base: case.base,
+        before: Vec::new(),
+    };
+    case.before.iter().chain([&case.commands]).map(step).collect()
 }
 
 fn start_from(solution: &Solution) -> Start {

@@ -29,6 +29,7 @@ use crate::cosserat::section::Tangent;
 use crate::cosserat::stability::{
     Element, SLOPES, WEIGHTS, bisect, element, falling_zero, negative_eigenvalues, pivot, symmetric,
 };
+use crate::shape::Diagnostics;
 
 /// Quadratic forms of the steps and spans, and memory.
 #[derive(Clone, Debug, Default)]
@@ -39,6 +40,20 @@ pub(super) struct Stability {
     locked: Locked,
     schur: Vec<f64>,
     carried: Vec<Vec3>,
+}
+
+/// What is asked whether it is stable.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Equilibrium<'a> {
+    pub frame: &'a Frame,
+    pub mesh: &'a Mesh,
+    /// Three to each step of the mesh.
+    pub samples: &'a [Sample],
+    /// Of all passages.
+    pub chords: &'a [Chord],
+    pub tensions: &'a [f64],
+    /// What 1 N shortens a cable by, in m, in order of magnitude.
+    pub scale: f64,
 }
 
 /// What is held at its length, as far as it is taut: whole cables, or pieces of them.
@@ -110,19 +125,30 @@ struct Form {
 }
 
 impl Stability {
-    /// The least eigenvalue at an equilibrium with these cables or pieces held; `None` where a section
-    /// of the rod has no stiffness. `scale` is what 1 N shortens a cable by, in m, in order of magnitude.
-    #[expect(clippy::too_many_arguments, reason = "an equilibrium, and what holds it")]
-    pub fn least_eigenvalue(
-        &mut self,
-        frame: &Frame,
-        mesh: &Mesh,
-        samples: &[Sample],
-        chords: &[Chord],
-        tensions: &[f64],
-        locked: Locked,
-        scale: f64,
-    ) -> Option<f64> {
+    /// The least eigenvalue with these cables or pieces held; `None` where a section of the rod has no
+    /// stiffness.
+    pub fn least_eigenvalue(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<f64> {
+        self.assemble(at, locked)?;
+        let spans = &at.mesh.spans;
+        let free = falling_zero(0.0, 1.0, |shift| self.least_of_base(spans, shift));
+        if self.locked.compliances.is_empty() {
+            return Some(free);
+        }
+        // What is held only raises it.
+        let margin = 1e-7 * (1.0 + free.abs());
+        let mut negative = |shift: f64| self.negative_directions(spans, shift) > 0;
+        Some(bisect(free - margin, free + 1.0, &mut negative))
+    }
+
+    /// Whether it is not negative.
+    pub fn is_stable(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<bool> {
+        self.assemble(at, locked)?;
+        Some(self.negative_directions(&at.mesh.spans, -Diagnostics::NEUTRAL) == 0)
+    }
+
+    /// The forms of steps and spans, and what is held.
+    fn assemble(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<()> {
+        let Equilibrium { frame, mesh, samples, chords, tensions, scale } = *at;
         self.steps.clear();
         for (k, triple) in samples.chunks_exact(3).enumerate() {
             self.steps.push(step(mesh, k, triple)?);
@@ -153,15 +179,7 @@ impl Stability {
         for compliance in &mut self.locked.compliances {
             *compliance += REGULARISATION * scale;
         }
-        let spans = &mesh.spans;
-        let free = falling_zero(0.0, 1.0, |shift| self.least_of_base(spans, shift));
-        if self.locked.compliances.is_empty() {
-            return Some(free);
-        }
-        // What is held only raises it.
-        let margin = 1e-7 * (1.0 + free.abs());
-        let mut negative = |shift: f64| self.negative_directions(spans, shift) > 0;
-        Some(bisect(free - margin, free + 1.0, &mut negative))
+        Some(())
     }
 
     /// The least eigenvalue of the last pivot, that of the first disk beyond the base, for `E″` less

@@ -64,6 +64,8 @@ pub(super) struct Scratch {
     pub base_wrench: Wrench,
     /// What the holes remember, where a cable rubs.
     pub(super) history: History,
+    /// Tensions of all passages of the last answer with friction, for a finer mesh.
+    coarse_tensions: Vec<f64>,
     pub(super) applied: AppliedLoads,
     pub(super) unloaded: Unloaded,
     pub(super) chain: Chain,
@@ -86,7 +88,7 @@ pub(super) fn solve(
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     if let Some(holes) = problem.holes {
-        return with_friction(problem, holes, scratch);
+        return with_friction(problem, holes, start, scratch);
     }
     let cables = problem.commands.len();
     if !matches!(start, Start::Coarser) {
@@ -122,18 +124,26 @@ pub(super) fn solve(
 fn with_friction(
     problem: &Problem<'_>,
     holes: &Holes,
+    start: &Start,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
+    let coarser = matches!(start, Start::Coarser);
+    let guess = coarser.then(|| core::mem::take(&mut scratch.coarse_tensions));
     scratch.groups.clear();
     scratch.groups.extend(0..problem.frame.passages);
     let mut history = core::mem::take(&mut scratch.history);
     let mut rod = Rod::new(problem, scratch);
-    let found = friction::step(&mut rod, holes, problem.commands, &mut history)?;
+    if coarser {
+        (rod.from, rod.closed) = (unloaded::From::Neighbour, true);
+    }
+    let commands = problem.commands;
+    let found = friction::step(&mut rod, holes, commands, &mut history, guess.as_deref())?;
     let lengths = rod.scratch.lengths.clone();
     let found = rod.finish(history.base.clone(), found);
     scratch.lengths.clear();
     let of_cable = |passages: &Vec<usize>| passages.iter().map(|&p| lengths[p]).sum::<f64>();
     scratch.lengths.extend(holes.of_cable.iter().map(of_cable));
+    scratch.coarse_tensions.clone_from(&history.tensions);
     scratch.history = history;
     Ok(found)
 }
@@ -154,7 +164,7 @@ pub(super) struct Rod<'a> {
 }
 
 impl<'a> Rod<'a> {
-    fn new(problem: &'a Problem<'a>, scratch: &'a mut Scratch) -> Self {
+    pub fn new(problem: &'a Problem<'a>, scratch: &'a mut Scratch) -> Self {
         let (last_load, residual) = (0.0, 0.0);
         let from = unloaded::From::Nothing;
         let loaded = scratch.applied.any();

@@ -6,7 +6,7 @@ use super::chain::Scales;
 use super::friction::{self, Holes};
 use super::joint::Chord;
 use super::rod::{self, InSpan};
-use super::stability::Locked;
+use super::stability::{Equilibrium, Locked};
 use super::statics::{Problem, Scratch};
 use crate::case::Case;
 use crate::cosserat::command::Command;
@@ -41,7 +41,25 @@ pub(super) fn least_eigenvalue(
     let locked = locked(problem, scratch, &turns.unwrap_or_default())?;
     let scale = compliance_scale(problem);
     let Scratch { stability, samples, pulled, .. } = scratch;
-    stability.least_eigenvalue(frame, mesh, samples, chords, pulled, locked, scale)
+    let at = Equilibrium { frame, mesh, samples, chords, tensions: pulled, scale };
+    stability.least_eigenvalue(&at, locked)
+}
+
+/// Whether the robot stays in the equilibrium that the chain holds under dead loads and without
+/// friction.
+pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<bool> {
+    let Problem { frame, mesh, .. } = *problem;
+    let Scratch { chain, stability, .. } = scratch;
+    let locked = held_lengths(problem, &chain.tensions);
+    let at = Equilibrium {
+        frame,
+        mesh,
+        samples: &chain.samples,
+        chords: &chain.chords,
+        tensions: &chain.pulled,
+        scale: compliance_scale(problem),
+    };
+    stability.is_stable(&at, locked)
 }
 
 /// What keeps its length however the robot moves a little: taut cables that are driven by it and do
@@ -49,23 +67,11 @@ pub(super) fn least_eigenvalue(
 /// where a hole is about to let the cable slide, if only one way: its tensions then change with the
 /// turns, and the way it slides with the motion.
 fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Locked> {
-    let mut locked = Locked::default();
-    locked.of_passage.resize(problem.frame.passages, None);
-    let mut of_cable = vec![None; problem.commands.len()];
     let rubs = |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
-    for (cable, (command, &tension)) in problem.commands.iter().zip(&scratch.tensions).enumerate() {
-        if let Command::Length { compliance, .. } = *command
-            && tension > 0.0
-            && !rubs(cable)
-        {
-            of_cable[cable] = Some(locked.compliances.len());
-            locked.compliances.push(compliance);
-        }
-    }
+    let mut locked = held_lengths(problem, &scratch.tensions);
     for span in &problem.frame.spans {
         for (i, passage) in span.passages.iter().enumerate() {
             let p = span.first + i;
-            locked.of_passage[p] = of_cable[passage.cable];
             if let Some(holes) = problem.holes.filter(|_| rubs(passage.cable))
                 && scratch.pulled[p] > 0.0
             {
@@ -88,6 +94,25 @@ fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Loc
         }
     }
     Some(locked)
+}
+
+/// The taut cables that are driven by their length and do not rub.
+fn held_lengths(problem: &Problem<'_>, tensions: &[f64]) -> Locked {
+    let mut locked = Locked::default();
+    let rubs = |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
+    let mut of_cable = vec![None; problem.commands.len()];
+    for (cable, (command, &tension)) in problem.commands.iter().zip(tensions).enumerate() {
+        if let Command::Length { compliance, .. } = *command
+            && tension > 0.0
+            && !rubs(cable)
+        {
+            of_cable[cable] = Some(locked.compliances.len());
+            locked.compliances.push(compliance);
+        }
+    }
+    let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);
+    locked.of_passage.extend(passages.map(|passage| of_cable[passage.cable]));
+    locked
 }
 
 /// `φ` at the near hole of every passage, from the poses at the ends of the steps of the mesh.

@@ -246,7 +246,7 @@ fn positions() -> impl Strategy<Value = Vec<f64>> {
 }
 
 /// A routing on a robot of unit length, and where it ends; `radius` is that of the hole circle.
-fn routing(disks: usize, radius: f64) -> impl Strategy<Value = (Routing, Option<f64>)> {
+pub fn routing(disks: usize, radius: f64) -> impl Strategy<Value = (Routing, Option<f64>)> {
     let ends = || prop_oneof![2 => Just(None), 1 => (0.25..1.0).prop_map(Some)];
     let near = move || (0.4 * radius..1.2 * radius, 0.0..TAU);
     let point = |(r, a): (f64, f64)| [r * a.cos(), r * a.sin()];

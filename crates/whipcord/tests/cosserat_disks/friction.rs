@@ -35,7 +35,43 @@ fn path(robot: &Robot, steps: &[Vec<CableCommand>], loads: &Loads) -> Vec<Soluti
         loads: loads.clone(),
         ..Case::default()
     };
-    case.steps().map(|step| solve(robot, &step)).collect()
+    let mut solutions = Vec::new();
+    let model = Model::CosseratDisks(Options::default());
+    let walked = model.prepare(robot, loads).unwrap().solve_steps(&case, |s| solutions.push(s));
+    walked.unwrap_or_else(|(step, error)| panic!("{step}: {error}\n{case:?}"));
+    solutions
+}
+
+/// Going on from a step gives what going all the way again does.
+#[test]
+fn steps_in_one_go_are_those_one_by_one() {
+    let mut cables = vec![rubbing(helix(20.0, 0.6), 0.3), rubbing(straight(200.0), 0.2)];
+    for rubs in [true, false] {
+        if !rubs {
+            cables.iter_mut().for_each(|cable| cable.friction = None);
+        }
+        let robot = robot(6, cables.clone());
+        let steps = pulls(&[&[3.0, 1.0], &[0.4, 1.5], &[2.5, 0.8], &[2.6, 0.7]]);
+        for loads in [Loads::default(), several_loads()] {
+            let (last, before) = steps.split_last().unwrap();
+            let case = Case {
+                commands: last.clone(),
+                before: before.to_vec(),
+                loads: loads.clone(),
+                ..Case::default()
+            };
+            let walked = path(&robot, &steps, &loads);
+            assert_eq!(walked.len(), 4);
+            for (walked, step) in walked.iter().zip(case.steps()) {
+                let alone = solve(&robot, &step);
+                assert!(apart(walked, &alone) < 1e-10, "{}", apart(walked, &alone));
+                for (a, b) in walked.cables.iter().zip(&alone.cables) {
+                    assert_eq!(a.contacts, b.contacts);
+                    assert!((a.tension.unwrap() - b.tension.unwrap()).abs() < 1e-9);
+                }
+            }
+        }
+    }
 }
 
 fn pulls(tensions: &[&[f64]]) -> Vec<Vec<CableCommand>> {

@@ -81,7 +81,7 @@ fn with_many_disks_it_is_that_of_the_continuous_model() {
             assert!(locked > 1.5 * free, "{locked} {free}");
             (locked - of(ModelKind::Cosserat)).abs()
         };
-        let (coarse, fine) = (difference(12), difference(24));
+        let (coarse, fine) = (difference(8), difference(16));
         assert!((3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine}");
     }
 }

@@ -1,0 +1,226 @@
+//! Random robots with cables straight from hole to hole, bent up to 180° under tip loads up to twice the
+//! buckling load of the bare rod, with gravity, driven by tensions and by lengths: how many converge,
+//! and whether the reasons of those that do not are true.
+//!
+//! The whole study, which prints its table:
+//! `cargo test --release -p whipcord --test cosserat_disks -- --ignored --nocapture study::`.
+
+use core::f64::consts::PI;
+
+use crate::common::{ball, bending_stiffness, lengths_of, routing, samples};
+use proptest::collection::vec;
+use proptest::prelude::*;
+use whipcord::cosserat::Accuracy;
+use whipcord::cosserat_disks::{CosseratDisks, Options, Workspace};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Drive, Loads, Material, Model, Robot, Section, Solution,
+    SolveError, Statics as _, Vec3, Wrench,
+};
+
+const LENGTH: f64 = 0.2;
+const RADIUS: f64 = 0.009;
+const CLASSES: usize = 6;
+
+/// One to six cables of any routing that the files know, anchored at a disk; six to fifteen sections.
+fn robots() -> impl Strategy<Value = (Robot, Case)> {
+    (7..=16_usize, 1..=6_usize)
+        .prop_flat_map(|(disks, cables)| {
+            (
+                Just(disks),
+                (prop_oneof![3 => Just(0.0), 1 => 0.3..0.8], 40.0..90.0),
+                prop_oneof![2 => Just(Vec3::ZERO), 1 => ball()],
+                vec((routing(disks, RADIUS), 0.1..1.0), cables),
+                (ball(), ball(), 0.0..1.0),
+            )
+        })
+        .prop_map(|(count, (bore, slender), bent, cables, (force, down, weight))| {
+            let diameter = LENGTH / slender;
+            let section = match bore {
+                0.0 => Section::circle(diameter),
+                bore => Section::tube(diameter, bore * diameter),
+            };
+            let material = Material {
+                young_modulus: Some(1.1e9),
+                poisson_ratio: Some(0.3),
+                density: Some(1000.0),
+                ..Material::default()
+            };
+            let backbone = Backbone {
+                section: Some(section),
+                material,
+                rest_curvature: (bent / LENGTH).into(),
+                ..Backbone::new(LENGTH)
+            };
+            let disks = Disks::equally_spaced(LENGTH, count, RADIUS).with_holes(12);
+            let at = disks.arc_lengths.clone();
+            let cable = |(i, ((routing, end), _)): (usize, &((_, Option<f64>), f64))| {
+                let on_disk = |end: f64| at[((end * (count - 1) as f64) as usize).max(1)];
+                let ends_at = end.map(on_disk);
+                Cable { ends_at, ..Cable::new(format!("cable {i}"), Clone::clone(routing)) }
+            };
+            let of: Vec<Cable> = cables.iter().enumerate().map(cable).collect();
+            let robot = Robot::new(backbone, disks, of).unwrap();
+            let stiffness = bending_stiffness(&robot);
+            let unit = stiffness / (LENGTH * LENGTH);
+            let area = robot.backbone().section_at(robot.disks(), 0.0).unwrap().area;
+            let loads = Loads {
+                tip_force: 0.5 * PI * PI * unit * force,
+                gravity: Some(down * (weight * unit / (1000.0 * area * LENGTH))),
+                ..Loads::default()
+            };
+            let tensions: Vec<f64> =
+                cables.iter().map(|(_, t)| t * stiffness / (LENGTH * RADIUS)).collect();
+            (robot, Case { loads, ..Case::with_tensions(&tensions) })
+        })
+}
+
+/// How far the backbone turns from disk to disk, summed up, in rad.
+fn turning(solution: &Solution) -> f64 {
+    let tangents: Vec<Vec3> =
+        solution.disks.poses.iter().map(|pose| pose.rotation.rotate(Vec3::Z)).collect();
+    tangents.windows(2).map(|t| t[0].cross(t[1]).norm().atan2(t[0].dot(t[1]))).sum()
+}
+
+/// The case with its tensions scaled so that the cables alone turn the backbone by about `target`;
+/// `None` where they fold it before.
+fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> {
+    let model = Model::CosseratDisks(Options { stability: false, ..Options::default() });
+    let mut scaled = Case { loads: Loads::default(), ..case.clone() };
+    let mut answer = None;
+    for _ in 0..6 {
+        let Ok(solution) = model.solve(robot, &scaled) else { break };
+        let factor = (target / turning(&solution).max(0.05)).clamp(0.3, 3.0);
+        answer = Some((Case { loads: case.loads.clone(), ..scaled.clone() }, solution));
+        for command in &mut scaled.commands {
+            command.tension = command.tension.map(|t| t * factor);
+        }
+    }
+    answer
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    stable: usize,
+    unstable: usize,
+    /// Unstable answers where another way finds a stable one.
+    missed: usize,
+    folds: usize,
+    unreachable: usize,
+    not_converged: usize,
+    other: usize,
+    unconfirmed: usize,
+}
+
+/// Whether a robot has no equilibrium that it stays in as far as another way finds: on a fine mesh, from
+/// many base wrenches.
+fn none_is_found(robot: &Robot, case: &Case, drive: Drive) -> bool {
+    let accuracy = Accuracy::Steps(6 * robot.disks().count());
+    let options = Options { accuracy, drive, ..Options::default() };
+    let model = CosseratDisks::new(robot, &case.loads, &options).unwrap();
+    let mut workspace = Workspace::default();
+    let unloaded = Case { loads: Loads::default(), ..case.clone() };
+    let Ok(start) = Model::CosseratDisks(options.clone()).solve(robot, &unloaded) else {
+        return Model::CosseratDisks(options).solve(robot, case).is_err();
+    };
+    let unit = bending_stiffness(robot) / LENGTH;
+    let wrenches = samples((ball(), ball()), 20);
+    !wrenches.into_iter().any(|(moment, force)| {
+        let wrench = Wrench { force: force * (5.0 * unit / LENGTH), moment: moment * (8.0 * unit) };
+        let near = Solution { base_wrench: Some(wrench), ..start.clone() };
+        model
+            .solve(case, Some(&near), &mut workspace)
+            .is_ok_and(|found| !found.diagnostics.is_unstable())
+    })
+}
+
+/// Solves so many robots and sorts what comes of it by how far the cables alone bend them.
+fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
+    let mut rows = [Row::default(); CLASSES];
+    for (n, (robot, case)) in samples(robots(), count).enumerate() {
+        // Every size of bending equally often.
+        let target = PI * ((n as f64 + 0.5) * 0.618_033_988_749_895).fract();
+        let Some((bent, alone)) = bent_by(&robot, &case, target) else { continue };
+        let asked = match drive {
+            Drive::Shortening => lengths_of(&alone, &bent.loads),
+            _ => bent,
+        };
+        let row = &mut rows[((turning(&alone) / PI * CLASSES as f64) as usize).min(CLASSES - 1)];
+        let options = Options { drive, ..Options::default() };
+        let outcome = Model::CosseratDisks(options).solve(&robot, &asked);
+        let reason = match outcome {
+            Ok(solution) if solution.diagnostics.is_unstable() => {
+                row.unstable += 1;
+                let missed = !none_is_found(&robot, &asked, drive);
+                println!("{n}: unstable{}", if missed { ", and need not be" } else { "" });
+                row.missed += usize::from(missed);
+                continue;
+            }
+            Ok(solution) => {
+                assert!(solution.disks.tip().position.is_finite());
+                row.stable += 1;
+                continue;
+            }
+            Err(reason) => reason,
+        };
+        *match reason {
+            SolveError::SectionFolds { .. } => &mut row.folds,
+            SolveError::UnreachableLength { .. } => &mut row.unreachable,
+            SolveError::NotConverged { .. } => &mut row.not_converged,
+            _ => &mut row.other,
+        } += 1;
+        let confirmed = none_is_found(&robot, &asked, drive);
+        println!("{n}: {reason} — {}", if confirmed { "confirmed" } else { "NOT CONFIRMED" });
+        row.unconfirmed += usize::from(!confirmed);
+    }
+    rows
+}
+
+fn print(title: &str, rows: &[Row]) {
+    println!("\n{title}");
+    println!(
+        "bending      stable  unstable (missed)  folds  unreachable  not conv.  other  unconfirmed"
+    );
+    for (i, r) in rows.iter().enumerate() {
+        println!(
+            "{:3}° – {:3}°  {:6}  {:8} ({:6})  {:5}  {:11}  {:9}  {:5}  {:11}",
+            30 * i,
+            30 * (i + 1),
+            r.stable,
+            r.unstable,
+            r.missed,
+            r.folds,
+            r.unreachable,
+            r.not_converged,
+            r.other,
+            r.unconfirmed
+        );
+    }
+}
+
+fn check(rows: &[Row], count: usize) {
+    let sum = |f: fn(&Row) -> usize| rows.iter().map(f).sum::<usize>();
+    assert_eq!(sum(|r| r.unconfirmed + r.other), 0, "a reason is not true");
+    assert!(sum(|r| r.stable) * 100 >= 98 * count, "{rows:?}");
+    // A stable equilibrium that no way from the robot at rest leads to may be missed.
+    assert!(sum(|r| r.missed) * 500 <= count, "{rows:?}");
+}
+
+#[test]
+fn random_robots_converge_or_say_why_not() {
+    let count = if cfg!(debug_assertions) { 8 } else { 50 };
+    for drive in [Drive::Tension, Drive::Shortening] {
+        let rows = study(count, drive);
+        print(&format!("{drive:?}"), &rows);
+        check(&rows, count);
+    }
+}
+
+#[test]
+#[ignore = "takes minutes: the whole study"]
+fn two_thousand_random_robots() {
+    for drive in [Drive::Tension, Drive::Shortening] {
+        let rows = study(2000, drive);
+        print(&format!("2000 random robots, driven by {drive:?}"), &rows);
+        check(&rows, 2000);
+    }
+}
