@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use whipcord::{Drive, Model, Solution, Vec3};
+use whipcord::{Drive, Model, Solution};
 use whipcord_io::CaseFile;
 
 use crate::failure::Failure;
@@ -62,8 +62,7 @@ pub fn table(steps: &[Step]) -> Table {
     for (i, step) in steps.iter().enumerate() {
         let tip = step.solution.disks.tip();
         let [x, y, z] = tip.position.to_array().map(|c| fixed_millimetres(c, 3));
-        let tangent = tip.rotation.rotate(Vec3::Z);
-        let bend = tangent.x.hypot(tangent.y).atan2(tangent.z);
+        let (bend, _) = step.solution.disks.bend();
         table.row(vec![(i + 1).to_string(), step.driver.clone(), x, y, z, degrees(bend)]);
     }
     table

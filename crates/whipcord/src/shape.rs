@@ -161,6 +161,16 @@ impl Shape {
         self.poses.last().copied().unwrap_or_default()
     }
 
+    /// How the tangent at the last station leans from that at the first, seen from the first: the
+    /// angle in rad from 0 to π, and the direction in rad from x towards y. For the disks that is the
+    /// bend of the robot as its base sees it.
+    #[must_use]
+    pub fn bend(&self) -> (f64, f64) {
+        let first = self.poses.first().copied().unwrap_or_default().rotation;
+        let tangent = first.conjugate().rotate(self.tip().rotation.rotate(Vec3::Z));
+        (tangent.x.hypot(tangent.y).atan2(tangent.z), tangent.y.atan2(tangent.x))
+    }
+
     /// Distance between corresponding stations of two shapes in m.
     pub fn distances<'a>(&'a self, other: &'a Self) -> impl ExactSizeIterator<Item = f64> + 'a {
         self.poses.iter().zip(&other.poses).map(|(a, b)| (a.position - b.position).norm())

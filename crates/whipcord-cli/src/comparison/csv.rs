@@ -4,7 +4,6 @@ use whipcord::{Shape, Vec3};
 use whipcord_io::{Cell, CsvTable};
 
 use super::study::{Commands, Solved, Study};
-use super::tables::bend;
 
 /// One row for each run: what drove it, its tip, its distances and its time.
 pub fn summary(studies: &[Study]) -> CsvTable {
@@ -47,7 +46,7 @@ pub fn summary(studies: &[Study]) -> CsvTable {
                     let tip = solved.solution.disks.tip();
                     row.extend(tip.position.to_array().map(Cell::from));
                     row.extend(tip.rotation.wxyz().map(Cell::from));
-                    row.push(Cell::from(bend(solved)));
+                    row.push(Cell::from(solved.solution.disks.bend().0));
                     row.push(Cell::from(study.distance_to_reference(run, solved)));
                     row.push(Cell::from(study.distance_to_measured(solved)));
                     row.push(Cell::from(solved.solve.median));

@@ -1,8 +1,8 @@
 //! What the models say, in tables for people.
 
-use whipcord::{ModelKind, Vec3};
+use whipcord::ModelKind;
 
-use super::study::{Commands, Run, Solved, Study};
+use super::study::{Commands, Run, Study};
 use crate::quantity::{fixed, fixed_millimetres};
 use crate::table::{Align, Table};
 use crate::timing::duration;
@@ -69,7 +69,7 @@ fn answer_cells(study: &Study, run: &Run, measured: bool) -> Vec<String> {
     let tip = solved.solution.disks.tip();
     let mut cells: Vec<String> =
         tip.position.to_array().map(|x| fixed_millimetres(x, 2)).into_iter().collect();
-    cells.push(format!("{}°", fixed(bend(solved).to_degrees(), 1)));
+    cells.push(format!("{}°", fixed(solved.solution.disks.bend().0.to_degrees(), 1)));
     let distance = study.distance_to_reference(run, solved);
     cells.push(distance.map_or_else(|| String::from("–"), |d| fixed_millimetres(d, 2)));
     if measured {
@@ -96,14 +96,6 @@ fn published_cells(study: &Study, run: &Run) -> [String; 2] {
         rms.map_or_else(String::new, |d| fixed_millimetres(d, 2)),
         time.map_or_else(String::new, duration),
     ]
-}
-
-/// Angle in rad between the tangents at tip and base.
-pub fn bend(solved: &Solved) -> f64 {
-    let disks = &solved.solution.disks;
-    let base = disks.poses.first().copied().unwrap_or_default().rotation;
-    let tangent = base.conjugate().rotate(disks.tip().rotation.rotate(Vec3::Z));
-    tangent.x.hypot(tangent.y).atan2(tangent.z)
 }
 
 /// What the columns mean, and what must not be read into them.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _};
 use clap::{Args, ValueEnum};
-use whipcord::{Drive, Loads, Model, ModelKind, Robot, Shape, Solution, Stations, Vec3};
+use whipcord::{Drive, Loads, Model, ModelKind, Robot, Shape, Solution, Stations};
 use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
 use whipcord_plot::{Acting, FigureOptions, RobotView, robot_figure};
 
@@ -214,10 +214,9 @@ fn summary(
     let TimedSolution { solution, solve, build } = timed;
     let tip = solution.disks.tip();
     let [x, y, z] = tip.position.to_array().map(|c| fixed_millimetres(c, 3));
-    let tangent = file.case.base.rotation.conjugate().rotate(tip.rotation.rotate(Vec3::Z));
-    let bend = tangent.x.hypot(tangent.y).atan2(tangent.z);
+    let (bend, direction) = solution.disks.bend();
     let towards = if bend > 1e-9 {
-        format!(", towards {}", degrees(tangent.y.atan2(tangent.x)))
+        format!(", towards {}", degrees(direction))
     } else {
         String::new()
     };

@@ -25,8 +25,10 @@ pub struct Dexterity {
     pub singular: [(f64, Vec3); 3],
 }
 
-/// Below this part of the greatest singular value a direction does not count as one of motion.
-const NO_MOTION: f64 = 1e-9;
+/// Below this part of the greatest singular value a direction does not count as one of motion. The
+/// singular values are roots of the eigenvalues of J Jᵀ, whose rounding leaves a few times 1e-8 where
+/// there is no motion at all.
+const NO_MOTION: f64 = 1e-6;
 
 /// Principal axes of the symmetric part of a matrix, such as a translational compliance.
 #[must_use]
@@ -92,5 +94,23 @@ mod tests {
         let flat = dexterity(&[columns[0], columns[1], column(1.0, 1.0, 0.0)]);
         assert_eq!((flat.manipulability, flat.directions), (0.0, 2));
         assert_eq!(dexterity(&[]).condition, None);
+    }
+
+    #[test]
+    fn rounding_is_no_direction_of_motion() {
+        for degree in 0..360 {
+            let (sin, cos) = f64::from(degree).to_radians().sin_cos();
+            let column = |along: f64, z: f64| Twist {
+                linear: Vec3::new(along * cos, along * sin, z),
+                angular: Vec3::ZERO,
+            };
+            let flat = dexterity(&[column(0.31, 0.07), column(-0.17, 0.05), column(-0.14, 0.11)]);
+            assert_eq!((flat.directions, flat.manipulability), (2, 0.0), "turned by {degree}°");
+            // In the plane: 0.31·0.05 + 0.17·0.07 and so on, squared, by Cauchy and Binet.
+            let areas: [f64; 3] = [0.0274, 0.0439, -0.0117];
+            let area = areas.iter().map(|a| a * a).sum::<f64>().sqrt();
+            let product = flat.singular[0].0 * flat.singular[1].0;
+            assert!((product / area - 1.0).abs() < 1e-12, "turned by {degree}°: {product}");
+        }
     }
 }
