@@ -35,7 +35,8 @@ fn cosserat(model: &Model, file: &CaseFile, flag: &str) -> Result<Cosserat, Fail
     let Model::Cosserat(options) = model else {
         let kind = model.kind();
         return Err(Failure::Input(format!(
-            "error: {flag} is for the cosserat model: {kind} follows no path of loads"
+            "error: {flag} is for the model cosserat; {kind} does not have it: leave out {flag}, or \
+             choose --model cosserat"
         )));
     };
     let built: Result<Cosserat, SolveError> = Cosserat::new(&file.robot, &file.case.loads, options);

@@ -76,9 +76,7 @@ fn there_is_no_colour_in_a_pipe() {
 
 #[test]
 fn help_and_version_are_no_failures() {
-    for args in [["--help"], ["--version"]] {
-        assert!(succeed(&args).contains("whipcord") || args == ["--help"]);
-    }
+    assert!(succeed(&["--help"]).contains("Usage: whipcord"));
     assert_eq!(succeed(&["--version"]), format!("whipcord {}\n", env!("CARGO_PKG_VERSION")));
     for verb in ["solve", "compare", "bench", "check", "schema"] {
         assert!(succeed(&[verb, "--help"]).contains("Usage: whipcord"));

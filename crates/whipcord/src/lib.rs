@@ -1,9 +1,10 @@
 //! Mechanics of cable-driven continuum robots whose cables are routed in any way.
 //!
 //! A [`Robot`] says what the robot is, a [`Case`] what is asked of it, and a model
-//! ([`cosserat::Cosserat`], [`four_bar::FourBar`]) answers with a [`Solution`] or with a
-//! [`SolveError`] that says why there is none. SI units throughout; the base frame has its origin at the base of the backbone and z along the
-//! backbone's tangent there.
+//! ([`cosserat::Cosserat`], [`cosserat_disks::CosseratDisks`], [`four_bar::FourBar`]) answers with a
+//! [`Solution`] or with a [`SolveError`] that says why there is none. SI units throughout; the base frame
+//! has its origin at the base of the backbone and z along the backbone's tangent there. Shapes are in the
+//! world frame, in which [`Case::base`] says where the base is; without it the two are the same.
 //!
 //! This crate opens no files and reads no clocks. It starts threads only with the feature `parallel`, and
 //! only for a [`batch`].

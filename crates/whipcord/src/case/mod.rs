@@ -19,8 +19,9 @@ pub struct Case {
     /// returns is in the world frame.
     pub base: Pose,
     /// Steps of actuation that came before [`Self::commands`], in order, each with one command for
-    /// each cable. Only friction remembers them: a model without it gives the same shape whatever
-    /// came before.
+    /// each cable. A solve from cold of a model without friction does not ask for them; one with
+    /// friction goes through them. Without friction, too, the way can matter where a robot has
+    /// several equilibria: [`Prepared::solve_steps`](crate::Prepared::solve_steps) goes it.
     pub before: Vec<Vec<CableCommand>>,
 }
 

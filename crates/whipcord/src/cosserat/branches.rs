@@ -65,7 +65,7 @@ pub struct CriticalPoint {
     pub load: f64,
     /// What happens there.
     pub kind: CriticalKind,
-    /// Where the tip is, in the base frame in m.
+    /// Where the tip is in m, in the frame that shapes are in.
     pub tip: Vec3,
 }
 
@@ -190,6 +190,7 @@ impl Cosserat {
                         }
                     };
                     let tip = statics::tip_of(&problem, scratch, &mark.state);
+                    let tip = case.base.transform(tip);
                     let load = mark.state.load;
                     found.critical_points.push(CriticalPoint { branch, load, kind, tip });
                 }

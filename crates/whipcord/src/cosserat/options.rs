@@ -13,7 +13,9 @@ pub struct Options {
     /// How finely it integrates. Where cables run straight between the disks, these are the model:
     /// they stay as many as the robot has, and only the spans between them are divided.
     pub accuracy: Accuracy,
-    /// Whether the stability of the answer is computed.
+    /// Whether the stability of the answer is computed. It also decides which equilibrium under load is
+    /// the answer: with it a solve from cold goes on from an unstable one to a stable one where there is
+    /// any; without it the first that is found is kept.
     pub stability: bool,
     /// Residual at which equilibrium under load counts as met, relative to the scales of moment (EI/L,
     /// and what acts there), force (EI/L²), turn (1 rad) and length. It is about the relative error of
