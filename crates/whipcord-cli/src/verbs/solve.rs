@@ -215,11 +215,8 @@ fn summary(
     let tip = solution.disks.tip();
     let [x, y, z] = tip.position.to_array().map(|c| fixed_millimetres(c, 3));
     let (bend, direction) = solution.disks.bend();
-    let towards = if bend > 1e-9 {
-        format!(", towards {}", degrees(direction))
-    } else {
-        String::new()
-    };
+    let towards =
+        if bend > 1e-9 { format!(", towards {}", degrees(direction)) } else { String::new() };
     let quaternion = tip.rotation.wxyz().map(|c| fixed(c, 6)).join(", ");
     let driver = driven_by(solution.model, drive, &file.case);
 

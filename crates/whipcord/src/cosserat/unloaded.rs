@@ -219,7 +219,7 @@ impl Guess {
             0 => None,
             1 | 2 => Some(c),
             _ => Some(match extrapolation(self.at, arc_length) {
-                Some([wa, wb, wc]) => a * wa + b * wb + c * wc,
+                Some([wa, wb]) => c + (a - c) * wa + (b - c) * wb,
                 None => c,
             }),
         }
@@ -239,16 +239,14 @@ impl Guess {
     }
 }
 
-/// Weights of what is known at three places in what a parabola through it has at another; `None` where
-/// that is farther off than they are from one another.
+/// Weights of what is known at the first two of three places, less what is known at the third, in what a
+/// parabola through all three has at another place, less the same: a strain that is held, and that no
+/// iteration corrects, is so kept to the last bit. `None` where that place is farther off than the three
+/// are from one another.
 #[inline]
-pub(super) fn extrapolation([a, b, c]: [f64; 3], at: f64) -> Option<[f64; 3]> {
+pub(super) fn extrapolation([a, b, c]: [f64; 3], at: f64) -> Option<[f64; 2]> {
     (at - c <= c - a).then(|| {
-        [
-            (at - b) * (at - c) / ((a - b) * (a - c)),
-            (at - a) * (at - c) / ((b - a) * (b - c)),
-            (at - a) * (at - b) / ((c - a) * (c - b)),
-        ]
+        [(at - b) * (at - c) / ((a - b) * (a - c)), (at - a) * (at - c) / ((b - a) * (b - c))]
     })
 }
 

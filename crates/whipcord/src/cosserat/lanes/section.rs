@@ -27,8 +27,8 @@ pub(super) enum Guess {
     Rest,
     /// At the strain of the section before.
     Last,
-    /// Beyond the three before, which have these weights.
-    Beyond([f64; 3]),
+    /// Beyond the three before, of which the first two have these weights, see [`super::super::unloaded::extrapolation`].
+    Beyond([f64; 2]),
 }
 
 /// [`super::super::section::Tangent`] in each lane.
@@ -118,7 +118,7 @@ impl Several {
                 angular: LaneVec3::splat(simd, self.rest_curvature),
             },
             Guess::Last => c,
-            Guess::Beyond([wa, wb, wc]) => a * wa + b * wb + c * wc,
+            Guess::Beyond([wa, wb]) => c + (a - c) * wa + (b - c) * wb,
         };
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let tolerance = Lanes::splat(simd, STEP_TOLERANCE);
