@@ -42,14 +42,14 @@ impl Failure {
         Self::Input(format!("error: cannot {what} {}: {error}", path.display()))
     }
 
-    /// What a model said about step number `step` of the case in `file`, from 1.
-    pub fn from_step(file: &CaseFile, error: &SolveError, step: usize, of: usize) -> Self {
-        match Self::from_solve(file, error) {
-            Self::Solve(_) => {
-                let path = file.path.display();
+    /// What a model said about step number `step` of the case in `file`, from 0.
+    pub fn from_step(file: &CaseFile, error: &SolveError, step: usize) -> Self {
+        match (Self::from_solve(file, error), file.case.before.len() + 1) {
+            (Self::Solve(_), of) if of > 1 => {
+                let (path, step) = (file.path.display(), step + 1);
                 Self::Solve(format!("error: {path}: step {step} of {of}: {error}"))
             }
-            refused => refused,
+            (failure, _) => failure,
         }
     }
 

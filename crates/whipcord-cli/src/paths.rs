@@ -10,14 +10,21 @@ use crate::failure::Failure;
 use crate::quantity::{fixed_millimetres, number};
 use crate::style::Style;
 use crate::table::{Align, Table};
+use crate::timing;
 
-/// The iterations of one cold solve, whether it finds an answer or not.
+/// The iterations of one solve, whether it finds an answer or not: from cold, or for the last of several
+/// steps from where the one before left the robot.
 ///
 /// # Errors
-/// [`Failure`] where the model has no such iterations or does not take the robot.
+/// [`Failure`] where the model has no such iterations or does not take the robot, or where a step before
+/// has no answer.
 pub fn trace(model: &Model, file: &CaseFile) -> Result<Vec<TraceEvent>, Failure> {
-    let model = cosserat(model, file, "--trace")?;
-    Ok(model.solve_traced(&file.case, None, &mut Workspace::default()).1)
+    let cosserat = cosserat(model, file, "--trace")?;
+    let CaseFile { robot, case, .. } = file;
+    let one_before = case.before.len().checked_sub(1).and_then(|step| case.steps().nth(step));
+    let left = one_before.map(|case| timing::solve_once(model, robot, &case)).transpose();
+    let left = left.map_err(|(step, error)| Failure::from_step(file, &error, step))?;
+    Ok(cosserat.solve_traced(case, left.as_ref(), &mut Workspace::default()).1)
 }
 
 /// All equilibria on the path from no load and on the branches off it.

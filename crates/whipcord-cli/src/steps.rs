@@ -1,55 +1,13 @@
-//! The steps of actuation of a case, solved in order.
+//! The steps of actuation of a case in words.
 
-use std::time::Instant;
+use whipcord::{Case, Drive, Solution};
 
-use whipcord::{Drive, Model, Solution};
-use whipcord_io::CaseFile;
-
-use crate::failure::Failure;
 use crate::quantity::{degrees, fixed_millimetres};
 use crate::table::{Align, Table};
 use crate::words::driven_by;
 
-/// One step of several.
-#[derive(Clone, Debug)]
-pub struct Step {
-    /// What drives the cables, in words.
-    pub driver: String,
-    /// The answer.
-    pub solution: Solution,
-    /// Time of this one solve in s.
-    pub time: f64,
-}
-
-/// Solves all steps of the case, each from where the one before left the robot; none where the case
-/// is a single step.
-///
-/// # Errors
-/// [`Failure`] with the number of the step that has no answer.
-pub fn solve(model: &Model, file: &CaseFile, drive: Drive) -> Result<Vec<Step>, Failure> {
-    if file.case.before.is_empty() {
-        return Ok(Vec::new());
-    }
-    let mut prepared = model
-        .prepare(&file.robot, &file.case.loads)
-        .map_err(|error| Failure::from_solve(file, &error))?;
-    let count = file.case.before.len() + 1;
-    let drivers: Vec<String> =
-        file.case.steps().map(|case| driven_by(model.kind(), drive, &case)).collect();
-    let mut steps: Vec<Step> = Vec::with_capacity(count);
-    let mut begun = Instant::now();
-    let solved = prepared.solve_steps(&file.case, |solution| {
-        let time = begun.elapsed().as_secs_f64();
-        let driver = drivers[steps.len()].clone();
-        steps.push(Step { driver, solution, time });
-        begun = Instant::now();
-    });
-    solved.map_err(|(step, error)| Failure::from_step(file, &error, step + 1, count))?;
-    Ok(steps)
-}
-
 /// Where each step takes the tip, in mm.
-pub fn table(steps: &[Step]) -> Table {
+pub fn table(case: &Case, drive: Drive, steps: &[(Solution, f64)]) -> Table {
     let mut table = Table::new([
         ("step", Align::Right),
         ("driven by", Align::Left),
@@ -57,13 +15,27 @@ pub fn table(steps: &[Step]) -> Table {
         ("y", Align::Right),
         ("z", Align::Right),
         ("bend", Align::Right),
+        ("", Align::Left),
     ]);
     table.group();
-    for (i, step) in steps.iter().enumerate() {
-        let tip = step.solution.disks.tip();
-        let [x, y, z] = tip.position.to_array().map(|c| fixed_millimetres(c, 3));
-        let (bend, _) = step.solution.disks.bend();
-        table.row(vec![(i + 1).to_string(), step.driver.clone(), x, y, z, degrees(bend)]);
+    for (i, ((solution, _), step)) in steps.iter().zip(case.steps()).enumerate() {
+        let [x, y, z] = solution.disks.tip().position.to_array().map(|c| fixed_millimetres(c, 3));
+        let (bend, _) = solution.disks.bend();
+        let remark =
+            match (solution.diagnostics.is_unstable(), solution.diagnostics.stability_lost_at) {
+                (true, _) => "unstable",
+                (false, Some(_)) => "snapped through",
+                (false, None) => "",
+            };
+        table.row(vec![
+            (i + 1).to_string(),
+            driven_by(solution.model, drive, &step),
+            x,
+            y,
+            z,
+            degrees(bend),
+            remark.to_owned(),
+        ]);
     }
     table
 }

@@ -18,12 +18,15 @@ pub struct Timing {
 /// A case solved, and how long it took.
 #[derive(Clone, Debug)]
 pub struct TimedSolution {
-    /// The answer.
+    /// The answer, after the last step where there are several.
     pub solution: Solution,
-    /// One cold solve by the model, which is built.
+    /// One cold solve by the model, which is built; of several steps the last one.
     pub solve: Timing,
     /// Building the model for the robot, once.
     pub build: Timing,
+    /// The answers to all steps, the last one included, and how long each took in s; none where the
+    /// case is a single step.
+    pub steps: Vec<(Solution, f64)>,
 }
 
 /// A solve is repeated this often,
@@ -31,15 +34,51 @@ const REPEATS: usize = 101;
 /// unless that takes longer.
 const BUDGET: Duration = Duration::from_millis(10);
 
-/// Solves a case from cold, several times for its time's sake.
+/// Solves a case: a single step from cold, several times for its time's sake; several steps once, each
+/// from where the one before left the robot.
 ///
 /// # Errors
-/// [`SolveError`] when the model cannot take the robot or the case, or finds no answer.
-pub fn solve(model: &Model, robot: &Robot, case: &Case) -> Result<TimedSolution, SolveError> {
+/// [`SolveError`] when the model cannot take the robot or the case, or finds no answer, and the number of
+/// the step, from 0.
+pub fn solve(
+    model: &Model,
+    robot: &Robot,
+    case: &Case,
+) -> Result<TimedSolution, (usize, SolveError)> {
     let (prepared, build) = measure(BUDGET, REPEATS, || model.prepare(robot, &case.loads));
-    let mut prepared = prepared?;
+    let mut prepared = prepared.map_err(|error| (0, error))?;
+    let mut steps = Vec::new();
+    if !case.before.is_empty() {
+        let mut begun = Instant::now();
+        prepared.solve_steps(case, |solution| {
+            steps.push((solution, begun.elapsed().as_secs_f64()));
+            begun = Instant::now();
+        })?;
+    }
+    if let Some((solution, time)) = steps.last() {
+        let solve = Timing { median: *time, repeats: 1 };
+        return Ok(TimedSolution { solution: solution.clone(), solve, build, steps });
+    }
     let (solution, solve) = measure(BUDGET, REPEATS, || prepared.solve(case, None));
-    Ok(TimedSolution { solution: solution?, solve, build })
+    let solution = solution.map_err(|error| (0, error))?;
+    Ok(TimedSolution { solution, solve, build, steps })
+}
+
+/// The shape that a case ends in.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_once(
+    model: &Model,
+    robot: &Robot,
+    case: &Case,
+) -> Result<Solution, (usize, SolveError)> {
+    let mut prepared = model.prepare(robot, &case.loads).map_err(|error| (0, error))?;
+    let mut last = None;
+    if !case.before.is_empty() {
+        prepared.solve_steps(case, |solution| last = Some(solution))?;
+    }
+    last.map_or_else(|| prepared.solve(case, None).map_err(|error| (0, error)), Ok)
 }
 
 /// Runs `work` and measures it. It is repeated up to `most` times, as long as `budget` lasts: a slow

@@ -136,7 +136,7 @@ fn branches_are_listed() {
     // Euler's load of the rod is about two thirds of what pushes it.
     assert!((points[0]["load"].as_f64().unwrap() - 0.666).abs() < 1e-3);
     let message = fail(2, &["solve", CASE_3, "--model", "four-bar", "--branches"]);
-    assert!(message.contains("--branches is for the cosserat model"), "{message}");
+    assert!(message.contains("--branches is for the model cosserat"), "{message}");
 }
 
 #[test]
@@ -344,4 +344,44 @@ fn friction_shows_at_every_step() {
     assert!(!text.contains("rubbing"), "{text}");
     let json = succeed(&["solve", &free, "--model", "cosserat-disks", "--json"]);
     assert!(!json.contains("span_tensions") && !json.contains("contacts"), "{json}");
+}
+
+/// A rod that a force along it buckles, and antagonists that turn it over to either side.
+fn led_astray(lines: &str) -> String {
+    let antagonists = "[[cables]]\nname = \"back\"\nholes = [10, 10, 10, 10, 10, 10, 10, 10, 10, 10]\n[[steps]]\ntension = [1, 0]\n[[steps]]\ntension = [0, 0]\n[loads]\ntip_force = [0, 0, -1]\n";
+    robot(&format!("{antagonists}{lines}"))
+}
+
+#[test]
+fn all_verbs_go_the_steps() {
+    let folder = Scratch::new();
+    let file = folder.write("steps.toml", &led_astray(""));
+    let object: Value = serde_json::from_str(&succeed(&["solve", &file, "--json"])).unwrap();
+    let tip = |object: &Value| object["disks"][9]["position"][1].as_f64().unwrap();
+    assert!(tip(&object) > 0.05, "{object}");
+    assert!(object["diagnostics"]["stability"].as_f64().unwrap() > 0.0);
+    let text = succeed(&["solve", &file]);
+    assert!(text.contains("the last of 2 steps") && !text.contains("unstable"), "{text}");
+
+    let report = folder.file("report");
+    let table = succeed(&["compare", &file, "--out", &report]);
+    let row = table.lines().find(|line| line.contains("cosserat ")).unwrap();
+    assert!(row.contains(&format!("{:.2}", 1e3 * tip(&object))), "{row}");
+    let stiffness = succeed(&["stiffness", &file]);
+    assert!(!stiffness.contains("unstable"), "{stiffness}");
+}
+
+#[test]
+fn steps_bend_as_the_base_sees_it() {
+    let folder = Scratch::new();
+    let turned = led_astray("[base]\norientation = [0.7071067811865476, 0.7071067811865476, 0, 0]");
+    let (level, turned) =
+        (folder.write("level.toml", &led_astray("")), folder.write("turned.toml", &turned));
+    let bends = |file: &str| -> Vec<String> {
+        let text = succeed(&["solve", file]);
+        let rows = text.lines().filter(|line| line.trim_start().starts_with(['1', '2']));
+        rows.map(|row| row.split_whitespace().last().unwrap().to_owned()).collect()
+    };
+    assert_eq!(bends(&level).len(), 2);
+    assert_eq!(bends(&level), bends(&turned));
 }

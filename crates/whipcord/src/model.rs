@@ -261,7 +261,8 @@ impl Statics for Model {
 /// [`Local::means`] says, by differences. Of other quantities [`crate::differences`] differentiates any
 /// [`Statics`].
 pub trait Differentiable: Statics {
-    /// The answer, and its derivatives at an arc length in m.
+    /// The answer, and its derivatives at an arc length in m. A case in several steps
+    /// ([`Case::before`]) is followed through them by the model that has exact derivatives.
     ///
     /// # Errors
     /// As [`Statics::solve`]; [`SolveError::Invalid`] for a place that is not on the backbone,
@@ -301,8 +302,12 @@ impl Differentiable for Model {
             cosserat::Options { stations: Stations::At(vec![arc_length]), ..options.clone() };
         let model = cosserat::Cosserat::new(robot, &case.loads, &options)?;
         let mut workspace = cosserat::Workspace::default();
+        let mut left = None;
+        for step in case.steps().take(case.before.len()) {
+            left = Some(model.solve(&step, left.as_ref(), &mut workspace)?);
+        }
         let (solution, derivatives) =
-            model.solve_with_derivatives(case, None, &[], &mut workspace)?;
+            model.solve_with_derivatives(case, left.as_ref(), &[], &mut workspace)?;
         let local = derivatives.at(cosserat::Place::Station(0))?;
         Ok((solution, local))
     }

@@ -2,7 +2,7 @@
 
 use whipcord::{
     CableCommand, Case, Drive, Model, ModelKind, Robot, Shape, Shortening, Solution, SolveError,
-    Statics, Stations, Vec3,
+    Stations, Vec3,
 };
 
 use super::figures::FINE_STATIONS;
@@ -125,11 +125,12 @@ impl Study {
 fn run(kind: ModelKind, robot: &Robot, case: &Case, commands: Commands) -> Run {
     let model = Model::new(kind, Stations::Disks, Drive::Natural);
     let outcome = timing::solve(&model, robot, case).and_then(|timed| {
-        let TimedSolution { solution, solve, build } = timed;
+        let TimedSolution { solution, solve, build, .. } = timed;
         let fine = Model::new(kind, Stations::Equal(FINE_STATIONS), Drive::Natural);
-        let fine = fine.solve(robot, case)?.shape;
+        let fine = timing::solve_once(&fine, robot, case)?.shape;
         Ok(Solved { solution, fine, solve, build })
     });
+    let outcome = outcome.map_err(|(_, error)| error);
     Run { model: kind, commands, driven_by: driven_by(kind, Drive::Natural, case), outcome }
 }
 

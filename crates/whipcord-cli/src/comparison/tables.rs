@@ -101,7 +101,7 @@ fn published_cells(study: &Study, run: &Run) -> [String; 2] {
 /// What the columns mean, and what must not be read into them.
 pub fn notes(studies: &[Study]) -> Vec<String> {
     let mut notes = vec![String::from(
-        "Lengths in mm. RMS: distance over the disks, without the base, to the first model of the case. Time: median of repeated cold solves by a model that is built; cases.csv has the time of building it.",
+        "Lengths in mm. RMS: distance over the disks, without the base, to the first model of the case. Time: median of repeated cold solves by a model that is built, of a case in steps the last step from the one before; cases.csv has the time of building it.",
     )];
     let like_for_like = |run: &Run| run.commands == Commands::CosseratShape;
     if studies.iter().any(|s| s.runs.iter().any(like_for_like)) {

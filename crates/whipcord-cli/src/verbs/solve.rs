@@ -16,7 +16,7 @@ use crate::inputs::read_one;
 use crate::paths;
 use crate::quantity::{degrees, fixed, fixed_millimetres, newtons, number, percent};
 use crate::rubbing;
-use crate::steps::{self, Step};
+use crate::steps;
 use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
@@ -114,18 +114,14 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         // A closed standard error is no reason not to solve.
         let _ = io::stderr().lock().write_all(text.as_bytes());
     }
-    let mut steps = steps::solve(&model, &file, drive)?;
     let mut timed = timing::solve(&model, &file.robot, &file.case)
-        .map_err(|error| Failure::from_solve(&file, &error))?;
-    if let Some(last) = steps.last() {
-        timed.solution = last.solution.clone();
-    }
+        .map_err(|(step, error)| Failure::from_step(&file, &error, step))?;
     let picture = match &args.plot {
-        Some(path) => Some((path, draw(path, &file, &timed.solution, &steps)?)),
+        Some(path) => Some((path, draw(path, &file, &timed)?)),
         None => None,
     };
     if picture.is_some() {
-        let of_steps = steps.iter_mut().map(|step| &mut step.solution);
+        let of_steps = timed.steps.iter_mut().map(|(solution, _)| solution);
         for solution in of_steps.chain([&mut timed.solution]) {
             solution.shape = asked_for(&file.robot, solution, args.stations);
         }
@@ -133,20 +129,20 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     let branches = if args.branches { Some(paths::branches(&model, &file)?) } else { None };
     let solution = &timed.solution;
     let text = if args.json {
-        let answers: Vec<_> = steps.iter().map(|step| (&step.solution, step.time)).collect();
+        let answers: Vec<_> = timed.steps.iter().map(|(step, time)| (step, *time)).collect();
         let beside =
             Beside { steps: &answers, branches: branches.as_ref(), trace: trace.as_deref() };
         let json = answer_json(&file.title, solution, timed.solve.median, &beside);
         format!("{}\n", json.map_err(|error| files::no_result(&error))?)
     } else if args.csv {
-        let csv = match steps.as_slice() {
+        let csv = match timed.steps.as_slice() {
             [] => shape_csv(&solution.shape),
-            steps => steps_csv(steps.iter().map(|step| &step.solution.shape)),
+            steps => steps_csv(steps.iter().map(|(step, _)| &step.shape)),
         };
         csv.map_err(|error| files::no_result(&error))?
     } else {
         let branches = branches.as_ref().map(|b| paths::branches_text(b, style));
-        let summary = summary(&file, &timed, drive, &steps, args.plot.as_deref(), style);
+        let summary = summary(&file, &timed, drive, args.plot.as_deref(), style);
         branches.map_or_else(|| summary.clone(), |branches| format!("{summary}\n{branches}"))
     };
     // What can fail has been done: now the picture is written, or there is neither.
@@ -174,12 +170,8 @@ fn asked_for(robot: &Robot, solution: &Solution, stations: Option<usize>) -> Sha
     }
 }
 
-fn draw(
-    path: &Path,
-    file: &CaseFile,
-    solution: &Solution,
-    steps: &[Step],
-) -> Result<Vec<u8>, Failure> {
+fn draw(path: &Path, file: &CaseFile, timed: &TimedSolution) -> Result<Vec<u8>, Failure> {
+    let TimedSolution { solution, steps, .. } = timed;
     let view = |name: String, solution: &Solution| {
         let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
         RobotView::model(format!("{name}{unstable}"), solution)
@@ -189,7 +181,7 @@ fn draw(
         views.push(view(solution.model.to_string(), solution));
     } else {
         let named = steps.iter().enumerate();
-        views.extend(named.map(|(i, step)| view(format!("step {}", i + 1), &step.solution)));
+        views.extend(named.map(|(i, (step, _))| view(format!("step {}", i + 1), step)));
     }
     let measured = file.measured.as_ref();
     let options = FigureOptions {
@@ -207,11 +199,10 @@ fn summary(
     file: &CaseFile,
     timed: &TimedSolution,
     drive: Drive,
-    steps: &[Step],
     plot: Option<&Path>,
     style: Style,
 ) -> String {
-    let TimedSolution { solution, solve, build } = timed;
+    let TimedSolution { solution, solve, build, steps } = timed;
     let tip = solution.disks.tip();
     let [x, y, z] = tip.position.to_array().map(|c| fixed_millimetres(c, 3));
     let (bend, direction) = solution.disks.bend();
@@ -224,7 +215,7 @@ fn summary(
     if steps.is_empty() {
         text += &format!("{}, driven by {driver}\n\n", solution.model);
     } else {
-        let all = steps::table(steps).text(style);
+        let all = steps::table(&file.case, drive, steps).text(style);
         text += &format!("{}, driven in steps\n\n{all}\nafter the last step:\n", solution.model);
     }
     let mut line = |name: &str, value: String| {
@@ -239,7 +230,7 @@ fn summary(
     let rubbing = if steps.is_empty() {
         rubbing::table(std::iter::once(solution))
     } else {
-        rubbing::table(steps.iter().map(|step| &step.solution))
+        rubbing::table(steps.iter().map(|(step, _)| step))
     };
     if let Some(table) = rubbing {
         text += &format!("\n{}", table.text(style));
@@ -249,9 +240,10 @@ fn summary(
         text += &format!("{}\n", style.heading(words));
     }
     text += &format!("{}\n", diagnostics(solution, &file.case.loads));
-    let repeats = match solve.repeats {
-        1 => String::from("one cold solve"),
-        n => format!("median of {n} cold solves"),
+    let repeats = match (solve.repeats, steps.len()) {
+        (1, 0) => String::from("one cold solve"),
+        (n, 0) => format!("median of {n} cold solves"),
+        (_, n) => format!("the last of {n} steps"),
     };
     let stations = if plot.is_some() { " with the stations of the picture" } else { "" };
     text += &format!(
