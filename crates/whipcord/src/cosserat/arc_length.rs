@@ -8,6 +8,7 @@ use whipcord_numerics::Vec3;
 
 use super::chain::{Chain, Step, Task};
 use super::continuation::close;
+use super::kink;
 use super::lengths::Effort;
 use super::newton::Scales;
 use super::outcome::Found;
@@ -62,7 +63,7 @@ const HALVINGS: usize = 24;
 /// How far along the null vector another branch is looked for.
 const SWITCH: [f64; 3] = [0.1, 0.02, 0.3];
 /// Steps after which [`next_stable`] gives up.
-const MOST_STEPS: usize = 200;
+const MOST_STEPS: usize = 100;
 /// How far beyond the given load it looks for where the path turns back to it.
 const BEYOND: f64 = 1.5;
 
@@ -94,8 +95,9 @@ impl Walk {
         let scales = Scales::of(problem.grid, problem.length);
         loop {
             let taken = self.step;
-            if let Some((next, iterations)) = step(problem, scratch, &self.here, taken) {
+            if let Some((mut next, iterations)) = step(problem, scratch, &self.here, taken) {
                 self.iterations += iterations;
+                kink::face_on(problem, scratch, &self.here, &mut next);
                 let cosine = next.tangent.dot(&self.here.tangent, problem.grid, &scales);
                 let kink = taken <= KINK_STEP && next.changes_cables(&self.here);
                 if cosine > LEAST_COSINE || kink {
@@ -106,6 +108,12 @@ impl Walk {
                 }
             }
             self.step *= 0.5;
+            if self.step < KINK_STEP
+                && let Some((next, taken)) = kink::turn(problem, scratch, &self.here, KINK_STEP)
+            {
+                self.step = KINK_STEP;
+                return Some((core::mem::replace(&mut self.here, next), taken));
+            }
             if self.step < SHORTEST_STEP {
                 return None;
             }
@@ -237,7 +245,11 @@ fn step(
 }
 
 /// The mark at the closed chain.
-fn mark(problem: &Problem<'_>, scratch: &mut Scratch, along: &Direction) -> Option<Mark> {
+pub(super) fn mark(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    along: &Direction,
+) -> Option<Mark> {
     let Scratch { chain, shot, applied, stability, .. } = scratch;
     let task = Task::of(problem, applied);
     let scales = Scales::of(problem.grid, problem.length);

@@ -3,12 +3,13 @@
 //! The total internal wrench of rod and cables is carried along the backbone instead of the
 //! paper's state `(p, R, v, u)`. From the inside out: `section` (and `one_cable`) solves one
 //! cross-section for its strains; `unloaded` and `loaded` put the sections together on a `grid`,
-//! `sensitivity` differentiates the latter; `lengths` finds tensions for prescribed cable lengths, and `contradiction`
-//! those of which there are none;
+//! `sensitivity` differentiates the latter; `lengths` finds tensions for prescribed cable lengths, and
+//! `contradiction` those of which there are none;
 //! `statics` finds equilibrium under `loads`, by single `shooting` with the Newton step of `newton` from a
 //! `guess`, from the rod `without_load` or along the path of `continuation`, where `chain` shoots from many
 //! starts at once, with the linear algebra of `elimination` and `shared` on the points of `state`;
-//! `arc_length` follows the path where the load cannot be raised, `branches` collects what lies on it;
+//! `arc_length` follows the path where the load cannot be raised, `kink` round the
+//! corners where cables go slack or taut, `search` looks for what no path leads to, `branches` collects what lies on it;
 //! `stability` says whether the equilibrium is one to stay in; `trace` records iterations; `refinement`
 //! halves the steps until the answer changes no more. `command` is what drives a cable, `outcome` how a
 //! solve on one grid ended, and `model` with its `options` what the rest of the library sees.
@@ -23,6 +24,7 @@ pub mod derivatives;
 pub(crate) mod elimination;
 pub(crate) mod grid;
 mod guess;
+mod kink;
 mod lanes;
 pub(crate) mod lengths;
 pub(crate) mod loaded;
@@ -33,6 +35,7 @@ mod one_cable;
 mod options;
 pub(crate) mod outcome;
 pub(crate) mod refinement;
+mod search;
 pub(crate) mod section;
 mod sensitivity;
 mod shared;

@@ -24,6 +24,7 @@ use super::loaded::Shot;
 use super::loads::AppliedLoads;
 use super::newton::{Newton, Point, Scales};
 use super::outcome::{Failure, Found};
+use super::search;
 use super::shooting::{finish, finish_chain, sample, shoot};
 use super::stability::Stability;
 use super::state::{Node, State};
@@ -282,6 +283,11 @@ fn from_no_load(
             return Ok(Found { lost_at, ..finish(problem, scratch, effort) });
         }
     }
+    if let Some(found) = search::stable_equilibrium(problem, scratch) {
+        scratch.stable = true;
+        let iterations = beyond.iterations + found.iterations;
+        return Ok(Found { iterations, lost_at, ..found });
+    }
     Err(match lost_at {
         Some(lost_at) => Failure::Buckled { lost_at, iterations: beyond.iterations },
         None => failure,
@@ -303,7 +309,7 @@ fn from_loose_cables(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Fou
 }
 
 /// Whether the answer in `scratch` is stable, where that is asked for and defined.
-fn is_trusted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
+pub(super) fn is_trusted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     if !problem.stability || scratch.applied.any_follower() {
         return true;
     }

@@ -110,27 +110,34 @@ fn is_confirmed(robot: &Robot, case: &Case, drive: Drive, reason: &SolveError) -
     }
 }
 
-/// So many robots whose cables alone bend them by every size of bending equally often, with loads; those
-/// whose cables fold them before are left out.
-fn robots(count: usize) -> impl Iterator<Item = (usize, Robot, Case, Solution)> {
-    let drawn = samples((robot(WILD), common::ball(), 0.0..1.0_f64), 2 * count).enumerate();
-    let bent = drawn.filter_map(|(n, ((robot, mut case), direction, share))| {
-        case.loads.points.clear();
-        if n % SPREAD_EVERY == 0 {
-            case.loads.distributed.push(spread(&robot, direction, share));
-        }
-        let target = PI * ((n as f64 + 0.5) * 0.618_033_988_749_895).fract();
-        let (bent, alone) = bent_by(&robot, &case, target)?;
-        Some((n, robot, bent, alone))
-    });
-    bent.take(count)
+/// What is drawn for a robot: itself with a case, and the direction and the beginning of a spread load.
+type Drawn = ((Robot, Case), Vec3, f64);
+
+fn drawn(count: usize) -> impl Iterator<Item = Drawn> {
+    samples((robot(WILD), common::ball(), 0.0..1.0_f64), count)
+}
+
+/// Robot number `n` with its loads, and its shape without them; `None` where its cables alone fold it
+/// before they bend it as far as they are to. Every size of bending comes equally often.
+fn bent(n: usize, ((robot, mut case), direction, share): Drawn) -> Option<(Robot, Case, Solution)> {
+    case.loads.points.clear();
+    if n.is_multiple_of(SPREAD_EVERY) {
+        case.loads.distributed.push(spread(&robot, direction, share));
+    }
+    let target = PI * ((n as f64 + 0.5) * 0.618_033_988_749_895).fract();
+    let (bent, alone) = bent_by(&robot, &case, target)?;
+    Some((robot, bent, alone))
 }
 
 /// Solves so many robots and sorts what comes of it by how far the cables alone bend them.
 fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
     let mut rows = [Row::default(); CLASSES];
     let (mut times, mut failure_times) = (Vec::new(), Vec::new());
-    for (n, robot, bent, alone) in robots(count) {
+    let robots = drawn(2 * count)
+        .enumerate()
+        .filter_map(|(n, drawn)| Some((n, bent(n, drawn)?)))
+        .take(count);
+    for (n, (robot, bent, alone)) in robots {
         let asked = match drive {
             Drive::Shortening => lengths_of(&alone, &bent.loads),
             _ => bent,
@@ -226,6 +233,42 @@ fn random_robots_converge_or_say_why_not() {
         let rows = study(count, drive);
         print(&format!("{drive:?}"), &rows);
         check(&rows, count);
+    }
+}
+
+/// The same loads, so many times as strong.
+fn times(case: &Case, factor: f64) -> Case {
+    let mut case = case.clone();
+    case.loads.tip_force *= factor;
+    case.loads.gravity = case.loads.gravity.map(|g| g * factor);
+    for load in &mut case.loads.distributed {
+        if let Profile::Constant { force, .. } = &mut load.profile {
+            *force *= factor;
+        }
+    }
+    case
+}
+
+/// Robots that keep their shape only as long as a cable is taut: where it goes slack the load path turns
+/// sharply back, and the robot snaps. Up to that load it does not, from there on it does.
+#[test]
+fn a_cable_that_goes_slack_lets_the_robot_snap() {
+    let options = Options { drive: Drive::Shortening, ..Options::default() };
+    let model = whipcord::Model::Cosserat(options);
+    let numbers: &[usize] = if cfg!(debug_assertions) { &[333] } else { &[333, 707] };
+    for (n, drawn) in drawn(708).enumerate().filter(|(n, _)| numbers.contains(n)) {
+        let (robot, case, alone) = bent(n, drawn).unwrap();
+        let case = lengths_of(&alone, &case.loads);
+        let solve = |factor: f64| model.solve(&robot, &times(&case, factor)).unwrap();
+        let at_once = solve(1.0);
+        assert!(!at_once.diagnostics.is_unstable(), "{n}");
+        let snaps_at = at_once.diagnostics.stability_lost_at.unwrap();
+        let before = solve((1.0 - 1e-3) * snaps_at);
+        assert_eq!(before.diagnostics.stability_lost_at, None, "{n}");
+        let after = solve((1.0 + 1e-3) * snaps_at);
+        assert!(after.diagnostics.stability_lost_at.is_some(), "{n}");
+        let jump = common::distance(&before, &after) / robot.backbone().length;
+        assert!(jump > 0.1, "{n}: {jump}");
     }
 }
 
