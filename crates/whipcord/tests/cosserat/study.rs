@@ -75,7 +75,8 @@ struct Row {
 }
 
 /// Whether a reason is true, by a different way: from many base wrenches at once on a fine grid no
-/// equilibrium is found that the robot could stay in; a section that folds does so on fine steps.
+/// equilibrium is found that the robot could stay in; a section that folds does so on fine steps, and lengths
+/// that cannot be had are refused there for the same reason.
 fn is_confirmed(robot: &Robot, case: &Case, drive: Drive, reason: &SolveError) -> bool {
     let fine = |accuracy| Options { accuracy, drive, ..Options::default() };
     match reason {
@@ -83,7 +84,8 @@ fn is_confirmed(robot: &Robot, case: &Case, drive: Drive, reason: &SolveError) -
         | SolveError::UnreachableLength { .. }
         | SolveError::ContradictoryLengths { .. } => {
             let model = whipcord::Model::Cosserat(fine(Accuracy::Steps(300)));
-            model.solve(robot, case).is_err()
+            let of = core::mem::discriminant::<SolveError>;
+            model.solve(robot, case).is_err_and(|found| of(&found) == of(reason))
         }
         _ => {
             let accuracy = Accuracy::Steps(96);
