@@ -78,6 +78,9 @@ struct Border {
 /// decides what counts as zero where more is taut than lengths are independent.
 const REGULARISATION: f64 = 1e-9;
 
+/// Below this part of the greatest a compliance is none.
+const NO_COMPLIANCE: f64 = 1e-12;
+
 /// One step: the rod's form on (start, middle, end), and its borders by `ν`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Step {
@@ -101,8 +104,8 @@ struct Tie {
     borders: core::ops::Range<usize>,
 }
 
-/// A span with its chords, `ν` and `δd` eliminated: what is left on (η near, η far), how `δd` was coupled to
-/// them, the inverse of its pivot, and how many directions were negative.
+/// A span with its chords, `ν` and `δd` eliminated: what is left on (η near, η far), what a load on `δd`
+/// becomes on them, the block of `δd` in the inverse, and how many directions were negative.
 struct Tied {
     near: Mat3,
     far: Mat3,
@@ -254,7 +257,7 @@ impl Stability {
                 for b in of_span {
                     schur[a.lock * held + b.lock] -= at_way.dot(b.way);
                 }
-                carried[a.lock] += a.far - tied.far_way * at_way;
+                carried[a.lock] += a.far - tied.far_way * a.way;
             }
             for i in 0..held {
                 let at_end = end * carried[i];
@@ -266,7 +269,7 @@ impl Stability {
                 *carried = -(tied.near_far * (end * *carried));
             }
             for a in of_span {
-                carried[a.lock] += a.near - tied.near_way * (tied.way * a.way);
+                carried[a.lock] += a.near - tied.near_way * a.way;
             }
         }
         (negative, last)
@@ -343,29 +346,45 @@ impl Form {
         (form, below)
     }
 
-    /// With the chords put to it, and `ν` and `δd` eliminated.
+    /// With the chords put to it, and `ν` and `δd` eliminated together: their block is
+    ///
+    /// ```text
+    /// | F  I |   F = force ≤ 0, of rank two where a span is one step of a rod that neither stretches
+    /// | I  W |   nor shears;  W = way ≥ 0, zero across a span without cables
+    /// ```
+    ///
+    /// so that neither can be eliminated before the other, and `I − F W` can always be inverted where
+    /// the signs are these.
     fn with_chords(&self, tie: &Tie) -> Tied {
-        // An axis that neither stretches nor bends has no compliance: its force is all reaction.
-        let size = self.force.rows.iter().map(|row| row.max_abs()).fold(0.0, f64::max);
-        let least = 1e-12 * size.max(f64::MIN_POSITIVE);
-        let (force, below) = pivot(symmetric(self.force - Mat3::IDENTITY * least));
-        let (near, far) = (self.near_force * force, self.here_force * force);
-        let (near_way, far_way) = (tie.near_way - near, tie.far_way - far);
-        let (way, below_way) = pivot(symmetric(tie.way - force));
-        let (near_by, far_by) = (near_way * way, far_way * way);
+        let (force, way) = (symmetric(self.force), symmetric(tie.way));
+        let size = |block: &Mat3| block.rows.iter().map(|row| row.max_abs()).fold(0.0, f64::max);
+        // A force without compliance is all reaction: it counts among the three of `ν`.
+        let reaction = NO_COMPLIANCE * size(&force).max(f64::MIN_POSITIVE);
+        let below = negative_eigenvalues(&(force - Mat3::IDENTITY * reaction));
+        let (solved, _) = pivot(Mat3::IDENTITY - force * way);
+        let by_force = -(way * solved);
+        let across = Mat3::IDENTITY + way * solved * force;
+        let by_way = symmetric(-(solved * force));
+        // The inverse of what is left of W has its signs.
+        let rounding = NO_COMPLIANCE * size(&by_way);
+        let below_way = negative_eigenvalues(&(by_way + Mat3::IDENTITY * rounding));
+        let near_force = self.near_force * by_force + tie.near_way * solved;
+        let far_force = self.here_force * by_force + tie.far_way * solved;
+        let near_way = self.near_force * across + tie.near_way * by_way;
+        let far_way = self.here_force * across + tie.far_way * by_way;
         Tied {
             near: self.near + tie.near
-                - near * self.near_force.transpose()
-                - near_by * near_way.transpose(),
+                - near_force * self.near_force.transpose()
+                - near_way * tie.near_way.transpose(),
             far: self.here + tie.far
-                - far * self.here_force.transpose()
-                - far_by * far_way.transpose(),
+                - far_force * self.here_force.transpose()
+                - far_way * tie.far_way.transpose(),
             near_far: self.near_here + tie.near_far
-                - near * self.here_force.transpose()
-                - near_by * far_way.transpose(),
+                - near_force * self.here_force.transpose()
+                - near_way * tie.far_way.transpose(),
             near_way,
             far_way,
-            way,
+            way: by_way,
             negative: below + below_way,
         }
     }
