@@ -53,7 +53,10 @@ fn cosserat(model: &Model, file: &CaseFile, flag: &str) -> Result<Cosserat, Fail
 /// The iterations for people, one to a line.
 pub fn trace_text(events: &[TraceEvent], style: Style) -> String {
     if events.is_empty() {
-        return String::from("no iterations: without load every section stands for itself\n");
+        return String::from(
+            "no iterations under load: without load every section stands for itself, and how the tensions \
+             are found that given lengths take is not traced\n",
+        );
     }
     let mut table = Table::new([
         ("stage", Align::Left),

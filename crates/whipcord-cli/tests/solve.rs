@@ -171,7 +171,11 @@ fn iterations_are_shown_on_standard_error() {
         settings.bind(|| insta::assert_snapshot!("trace", text.stderr));
     });
     let unloaded = run(&["solve", CASE_3, "--trace"]);
-    assert!(unloaded.stderr.contains("no iterations: without load"), "{}", unloaded.stderr);
+    assert!(
+        unloaded.stderr.contains("no iterations under load: without load"),
+        "{}",
+        unloaded.stderr
+    );
 
     // What leads to no answer is shown, too.
     let far = robot("tension = \"1000 kN\"\n[loads]\ntip_force = [0.1, 0, 0]");

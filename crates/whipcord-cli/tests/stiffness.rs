@@ -34,7 +34,6 @@ fn json_is_one_object_in_si() {
         "model",
         "status",
         "place",
-        "frame",
         "derivatives",
         "cables",
         "actuation_jacobian",
@@ -68,6 +67,23 @@ fn json_is_one_object_in_si() {
     let trace = free[0][0] + free[1][1] + free[2][2];
     assert!((axes.iter().sum::<f64>() - trace).abs() < 1e-12);
     assert_eq!(object["cables"][0]["driven_by"], "tension");
+    // Singular values and directions: Σ σ² d dᵀ = J Jᵀ.
+    let dexterity = object["dexterity"].as_array().unwrap();
+    assert_eq!((dexterity.len(), &dexterity[0]["driven_by"]), (1, &"tension".into()));
+    let motion: Vec<f64> =
+        serde_json::from_value(dexterity[0]["translation"]["motion"].clone()).unwrap();
+    let along = matrix(&dexterity[0]["translation"]["directions"]);
+    assert_eq!((motion.len(), along.len()), (3, 3));
+    for i in 0..3 {
+        for j in 0..3 {
+            let gram: f64 = jacobian[i].iter().zip(&jacobian[j]).map(|(a, b)| a * b).sum();
+            let sum: f64 = motion.iter().zip(&along).map(|(s, d)| s * s * d[i] * d[j]).sum();
+            assert!((gram - sum).abs() < 1e-12 * motion[0] * motion[0], "{i} {j}");
+        }
+    }
+    let product: f64 = motion.iter().product();
+    let manipulability = dexterity[0]["manipulability"].as_f64().unwrap();
+    assert!((manipulability / product - 1.0).abs() < 1e-12);
     // The tip is where `solve` has it.
     let solved: Value = serde_json::from_str(&succeed(&["solve", THREE, "--json"])).unwrap();
     let tip = solved["disks"].as_array().unwrap().last().unwrap()["position"].clone();
@@ -134,8 +150,41 @@ fn a_turned_base_is_said_to_be_so() {
     assert!(text.contains("mm, in the world\n"), "{text}");
     assert!(text.contains("along the axes of the base, not of the world"), "{text}");
     let object: Value = serde_json::from_str(&succeed(&["stiffness", WALL, "--json"])).unwrap();
-    assert_eq!(object["frame"], "base");
+    assert_eq!(object["place"]["frame"], "world");
+    assert_eq!(object["derivatives"]["frame"], "base");
     assert!(!succeed(&["stiffness", THREE]).contains("world"));
+}
+
+/// Newtons and metres of command have no common measure: each kind of cable has its own.
+#[test]
+fn tensions_and_lengths_are_not_mixed() {
+    let scratch = Scratch::new();
+    let two = |first: &str, second: &str| {
+        robot(&format!(
+            "{first}\n[[cables]]\nname = \"b\"\nrouting = {{ kind = \"straight\", angle = \"0 deg\", \
+             radius = \"8 mm\" }}\n{second}"
+        ))
+    };
+    let mixed = scratch.write("mixed.toml", &two("tension = 1", "shortening = \"2 mm\""));
+    let text = succeed(&["stiffness", &mixed]);
+    assert!(text.contains("by tension, translates in 1 of 3 directions, condition 1"), "{text}");
+    assert!(text.contains("by shortening, translates in 1 of 3 directions, condition 1"), "{text}");
+    let object: Value = serde_json::from_str(&succeed(&["stiffness", &mixed, "--json"])).unwrap();
+    let jacobian = matrix(&object["actuation_jacobian"]);
+    let kinds = object["dexterity"].as_array().unwrap();
+    assert_eq!(kinds.len(), 2);
+    for (cable, (kind, driven_by)) in kinds.iter().zip(["tension", "shortening"]).enumerate() {
+        assert_eq!(kind["driven_by"], driven_by);
+        // One cable covers a length: that of its column.
+        let column = (0..3).map(|i| jacobian[i][cable].powi(2)).sum::<f64>().sqrt();
+        let manipulability = kind["manipulability"].as_f64().unwrap();
+        assert!((manipulability / column - 1.0).abs() < 1e-9, "{manipulability} {column}");
+    }
+    let path = scratch.file("mixed.svg");
+    succeed(&["stiffness", &mixed, "--plot", &path]);
+    let svg = std::fs::read_to_string(&path).unwrap();
+    assert!(svg.contains("manipulability by tension"), "{svg}");
+    assert!(svg.contains("manipulability by shortening"), "{svg}");
 }
 
 /// The picture shows what the numbers say: three ellipsoids, with their values in the legend.

@@ -1,11 +1,12 @@
 //! Asks the library whether the robot and the case can be, and finds the place of what cannot.
 
+use whipcord::robot::limits::Range;
 use whipcord::{
     Backbone, Cable, CableCommand, Case, Disks, Loads, Pose, Problem, Robot, RobotError, SolveError,
 };
 
 use crate::error::{Diagnostic, FileProblem, Problems};
-use crate::node::Node;
+use crate::node::{Node, Value};
 use crate::schema::ROOT;
 
 /// The parts of a robot and of a case as the file gives them.
@@ -123,7 +124,28 @@ fn report(error: &RobotError, numbers: &Numbering, document: &Node, problems: &m
         "disks.positions".clone_into(&mut path);
     }
     let place = document.locate(&path);
+    if matches!(&place.value, Value::Text(text) if text.trim_end().ends_with('%')) {
+        problem = in_percent(problem);
+    }
     problems.push_related(place.span, related, || FileProblem::Physical { path, problem });
+}
+
+/// The same problem of a plain number that the file gives in per cent.
+fn in_percent(problem: Problem) -> Problem {
+    // Without the last digits, in which the file's number has been rounded.
+    let percent = |ratio: f64| (ratio * 1e14).round() / 1e12;
+    match problem {
+        Problem::OutOfRange { value, range } if range.unit.is_empty() => Problem::OutOfRange {
+            value: percent(value),
+            range: Range {
+                least: percent(range.least),
+                greatest: percent(range.greatest),
+                unit: "%",
+                ..range
+            },
+        },
+        other => other,
+    }
 }
 
 /// What a model that refuses the robot or the case says, and where that is: at the value, or, where

@@ -33,9 +33,6 @@ pub enum Quantity {
     ByTension,
     /// Motion with a shortening, in m/m.
     ByShortening,
-    /// Motion with a unit of the command of each cable, some of which are tensions and some are
-    /// shortenings.
-    ByCommand,
 }
 
 /// Length of the longest half axis relative to the extent of the robot.
@@ -57,7 +54,6 @@ impl Quantity {
                 (format!("{name}/N"), factor)
             }
             Self::ByShortening => ("mm/mm".to_owned(), 1.0),
-            Self::ByCommand => ("in SI".to_owned(), 1.0),
         }
     }
 }

@@ -13,7 +13,8 @@ use crate::shape::{Shape, Solution, Wrench};
 /// How a solution changes with one number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Velocity and angular velocity of each station, base frame.
+    /// Velocity and angular velocity of each station, in the world, as the poses of a [`Solution`] are:
+    /// where the base is turned ([`Case::base`]) that is not the frame of the base.
     pub stations: Vec<Twist>,
     /// The same of each disk.
     pub disks: Vec<Twist>,
@@ -21,7 +22,7 @@ pub struct Difference {
     pub lengths: Vec<f64>,
     /// Rates of their tensions in N; zero from a model that knows no forces.
     pub tensions: Vec<f64>,
-    /// Rate of the wrench at the base; zero from a model that knows no forces.
+    /// Rate of the wrench at the base, in the frame of the base; zero from a model that knows no forces.
     pub base_wrench: Wrench,
 }
 

@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use whipcord::kinematics::{DrivenBy, Local, Matrix6, Means, PrincipalAxes, Yield, principal_axes};
+use whipcord::kinematics::{
+    Dexterity, DrivenBy, Local, Matrix6, Means, PrincipalAxes, Yield, principal_axes,
+};
 use whipcord::{
     Differentiable as _, Model, ModelKind, Solution, Statics as _, Stations, Twist, UnitQuaternion,
     Vec3,
@@ -152,24 +154,32 @@ fn ellipsoids(solution: &Solution, local: &Local, base: UnitQuaternion) -> Vec<E
     if local.actuation_jacobian.is_empty() {
         return vec![compliance("compliance", &local.tensions_held)];
     }
-    let dexterity = local.dexterity();
-    let all = |driven: DrivenBy| local.driven_by.iter().all(|by| *by == driven);
-    let quantity = match (all(DrivenBy::Tension), all(DrivenBy::Shortening)) {
-        (true, _) => Quantity::ByTension,
-        (_, true) => Quantity::ByShortening,
-        _ => Quantity::ByCommand,
-    };
-    // What rounding leaves of a direction in which nothing moves is nothing.
-    let value = |i: usize| if i < dexterity.directions { dexterity.singular[i].0 } else { 0.0 };
-    let moved = PrincipalAxes {
-        values: [value(0), value(1), value(2)],
-        directions: dexterity.singular.map(|(_, direction)| direction),
-    };
-    vec![
+    let mut ellipsoids = vec![
         compliance("compliance, tensions held", &local.tensions_held),
         compliance("compliance, cables locked", &local.lengths_held),
-        Ellipsoid { label: "manipulability".to_owned(), at, axes: turned(moved), quantity },
-    ]
+    ];
+    let kinds = local.dexterity();
+    for (driven_by, dexterity) in &kinds {
+        let (by, quantity) = match driven_by {
+            DrivenBy::Tension => ("tension", Quantity::ByTension),
+            DrivenBy::Shortening => ("shortening", Quantity::ByShortening),
+        };
+        // What rounding leaves of a direction in which nothing moves is nothing.
+        let mut values = [0.0; 3];
+        for (value, (moved, _)) in values.iter_mut().zip(dexterity.motions()) {
+            *value = moved;
+        }
+        let moved = PrincipalAxes {
+            values,
+            directions: dexterity.singular.map(|(_, direction)| direction),
+        };
+        let label = match kinds.len() {
+            1 => String::from("manipulability"),
+            _ => format!("manipulability by {by}"),
+        };
+        ellipsoids.push(Ellipsoid { label, at, axes: turned(moved), quantity });
+    }
+    ellipsoids
 }
 
 fn summary(
@@ -250,17 +260,45 @@ fn actuation(solution: &Solution, local: &Local, style: Style) -> String {
         }
         table.row(cells);
     }
-    let dexterity = local.dexterity();
     let mut text = table.text(style);
+    let kinds = local.dexterity();
+    for (driven_by, dexterity) in &kinds {
+        let by = match (kinds.len(), driven_by) {
+            (1, _) => "",
+            (_, DrivenBy::Tension) => "by tension, ",
+            (_, DrivenBy::Shortening) => "by shortening, ",
+        };
+        let cables = local.driven_by.iter().filter(|kind| *kind == driven_by).count();
+        text += &format!("{by}{}", dexterous(*driven_by, dexterity, cables));
+    }
+    text
+}
+
+/// How well cables of one kind move the place, and along which directions.
+fn dexterous(driven_by: DrivenBy, dexterity: &Dexterity, cables: usize) -> String {
     let condition = match dexterity.condition {
         Some(condition) => format!(", condition {}", number(condition, 4)),
         None => String::new(),
     };
-    text += &format!(
-        "translates in {} of 3 directions{condition}, manipulability {} in SI\n",
+    // A volume, an area or a length for each unit of command; by shortening that is a plain number.
+    let unit = match (driven_by, cables) {
+        (DrivenBy::Tension, 1) => " m/N",
+        (DrivenBy::Tension, 2) => " m²/N²",
+        (DrivenBy::Tension, _) => " m³/N³",
+        (DrivenBy::Shortening, _) => "",
+    };
+    let mut text = format!(
+        "translates in {} of 3 directions{condition}, manipulability {}{unit}\n",
         dexterity.directions,
         number(dexterity.manipulability, 4)
     );
+    for (moved, direction) in dexterity.motions() {
+        let moved = match driven_by {
+            DrivenBy::Tension => format!("{} mm/N", number(moved * 1e3, 4)),
+            DrivenBy::Shortening => format!("{} mm/mm", number(moved, 4)),
+        };
+        text += &format!("along {}  {moved}\n", components(direction));
+    }
     text
 }
 
@@ -329,18 +367,33 @@ fn matrix(
     table
 }
 
-/// Along which directions the place yields least and most to a force.
+/// Along which directions the place yields least and most to a force, and about which to a moment.
 fn axes(compliance: &Matrix6) -> String {
-    let axes = principal_axes(&compliance.blocks[0][0]);
     let mut text = String::new();
-    for (value, direction) in axes.values.iter().zip(axes.directions) {
-        let [x, y, z] = direction.to_array().map(|c| crate::quantity::fixed(c, 3));
-        let stiffness = if *value > 0.0 {
-            format!(", {} N/mm", number(1e-3 / value, 4))
-        } else {
-            String::new()
-        };
-        text += &format!("along ({x}, {y}, {z})  {} mm/N{stiffness}\n", number(value * 1e3, 4));
+    let kinds = [
+        // Millimetres for each newton, degrees for each newton-millimetre.
+        ("along", 0, 1e3, "mm/N", "N/mm"),
+        ("about", 1, 1e-3 * 180.0 / core::f64::consts::PI, "°/N·mm", "N·mm/°"),
+    ];
+    for (way, block, shown, per_load, per_motion) in kinds {
+        let axes = principal_axes(&compliance.blocks[block][block]);
+        for (value, direction) in axes.values.iter().zip(axes.directions) {
+            let yields = value * shown;
+            // What rounding leaves of a direction that does not yield is nothing.
+            let least = 1e-9 * axes.values[2] * shown;
+            let (yields, stiffness) = if yields > least {
+                (yields, format!(", {} {per_motion}", number(1.0 / yields, 4)))
+            } else {
+                (0.0, String::new())
+            };
+            let direction = components(direction);
+            text += &format!("{way} {direction}  {} {per_load}{stiffness}\n", number(yields, 4));
+        }
     }
     text
+}
+
+fn components(direction: Vec3) -> String {
+    let [x, y, z] = direction.to_array().map(|c| crate::quantity::fixed(c, 3));
+    format!("({x}, {y}, {z})")
 }

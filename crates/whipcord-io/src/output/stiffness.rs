@@ -1,6 +1,6 @@
 use serde_json::{Value, json};
-use whipcord::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, principal_axes};
-use whipcord::{Mat3, Solution};
+use whipcord::kinematics::{Dexterity, DrivenBy, Local, Matrix6, Means, Yield, principal_axes};
+use whipcord::{Mat3, Solution, Vec3};
 
 use super::NonFinite;
 use super::json::{number, numbers, optional, quaternion, vector};
@@ -28,10 +28,7 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
             let path = |name: &str| format!("cables[{i}].{name}");
             Ok(json!({
                 "name": cable.name,
-                "driven_by": match driven_by {
-                    DrivenBy::Tension => "tension",
-                    DrivenBy::Shortening => "shortening",
-                },
+                "driven_by": command(*driven_by),
                 "tension": optional(|| path("tension"), cable.tension)?,
                 "length": number(|| path("length"), cable.length)?,
                 "slack": cable.slack,
@@ -48,7 +45,9 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
             numbers(&format!("actuation_jacobian[{row}]"), &entries)
         })
         .collect::<Result<_, _>>()?;
-    let dexterity = local.dexterity();
+    let dexterity: Vec<Value> = (local.dexterity().iter().enumerate())
+        .map(|(i, (driven_by, dexterity))| moved(&format!("dexterity[{i}]"), *driven_by, dexterity))
+        .collect::<Result<_, _>>()?;
     let stability = solution.diagnostics.stability;
     Ok(json!({
         "title": title,
@@ -58,27 +57,51 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
             "arc_length": number(|| place("arc_length"), arc_length)?,
             "position": vector(|| place("position"), pose.position)?,
             "orientation": quaternion(|| place("orientation"), &pose)?,
+            "frame": "world",
         },
-        "frame": "base",
         "derivatives": match local.means {
-            Means::Exact => json!({ "by": "exact", "estimated_error": null }),
+            Means::Exact => json!({ "frame": "base", "by": "exact", "estimated_error": null }),
             Means::Differences { error } => json!({
+                "frame": "base",
                 "by": "differences",
                 "estimated_error": number(|| "derivatives.estimated_error".to_owned(), error)?,
             }),
         },
         "cables": cables,
         "actuation_jacobian": jacobian,
-        "dexterity": {
-            "manipulability": number(|| "dexterity.manipulability".to_owned(), dexterity.manipulability)?,
-            "directions": dexterity.directions,
-            "condition": optional(|| "dexterity.condition".to_owned(), dexterity.condition)?,
-        },
+        "dexterity": dexterity,
         "tensions_held": yielding("tensions_held", &local.tensions_held)?,
         "lengths_held": yielding("lengths_held", &local.lengths_held)?,
         "stability": optional(|| "stability".to_owned(), stability)?,
         "version": env!("CARGO_PKG_VERSION"),
     }))
+}
+
+const fn command(driven_by: DrivenBy) -> &'static str {
+    match driven_by {
+        DrivenBy::Tension => "tension",
+        DrivenBy::Shortening => "shortening",
+    }
+}
+
+/// How well the cables of one kind move the place, with the directions of motion, most first.
+fn moved(path: &str, driven_by: DrivenBy, dexterity: &Dexterity) -> Result<Value, NonFinite> {
+    let (motion, along): (Vec<f64>, Vec<Vec3>) = dexterity.motions().unzip();
+    Ok(json!({
+        "driven_by": command(driven_by),
+        "manipulability": number(|| format!("{path}.manipulability"), dexterity.manipulability)?,
+        "directions": dexterity.directions,
+        "condition": optional(|| format!("{path}.condition"), dexterity.condition)?,
+        "translation": {
+            "motion": numbers(&format!("{path}.translation.motion"), &motion)?,
+            "directions": directions(&format!("{path}.translation"), &along)?,
+        },
+    }))
+}
+
+fn directions(path: &str, directions: &[Vec3]) -> Result<Vec<Value>, NonFinite> {
+    let along = directions.iter().enumerate();
+    along.map(|(i, d)| vector(|| format!("{path}.directions[{i}]"), *d)).collect()
 }
 
 fn yielding(path: &str, yielding: &Yield) -> Result<Value, NonFinite> {
@@ -97,15 +120,9 @@ fn yielding(path: &str, yielding: &Yield) -> Result<Value, NonFinite> {
 /// Principal compliances, ascending, and their directions.
 fn axes(path: &str, block: &Mat3) -> Result<Value, NonFinite> {
     let axes = principal_axes(block);
-    let directions: Vec<Value> = axes
-        .directions
-        .iter()
-        .enumerate()
-        .map(|(i, direction)| vector(|| format!("{path}.directions[{i}]"), *direction))
-        .collect::<Result<_, _>>()?;
     Ok(json!({
         "compliance": numbers(&format!("{path}.compliance"), &axes.values)?,
-        "directions": directions,
+        "directions": directions(path, &axes.directions)?,
     }))
 }
 

@@ -150,14 +150,14 @@ static CABLE: Table = Table {
             "axial_stiffness",
             force(limits::AXIAL_STIFFNESS),
             r#""2 kN""#,
-            "Axial stiffness, Young's modulus times area; inextensible by default. A commanded length is then that of the unstretched cable: the part inside the robot, of unstretched length l0, is longer by tension * l0 / axial_stiffness.",
+            "Axial stiffness, Young's modulus times area; inextensible by default. With `shortening` the part inside the robot is then longer than commanded by tension * initial length / axial_stiffness.",
         ),
         key("tension", TENSION, r#""400 gf""#, "Tension, for models driven by force."),
         key(
             "shortening",
             SHORTENING,
             r#""5.7 %""#,
-            "By how much its part inside the robot is shortened, for models driven by length: a length, or `%` of its own initial length. Negative is paid out. With `axial_stiffness` it is the unstretched cable that is shortened.",
+            "By how much its part inside the robot is shortened, for models driven by length: a length, or `%` of its own initial length. Negative is paid out. With `axial_stiffness` the part is longer than that by its stretch.",
         ),
     ],
     rules: &[

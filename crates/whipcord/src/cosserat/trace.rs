@@ -50,7 +50,8 @@ pub(super) struct Trace {
 
 impl Cosserat {
     /// [`Cosserat::solve`], with a record of the iterations under load, whether they lead to an answer
-    /// or not. Without load there is nothing to record: every section stands for itself.
+    /// or not. Without load every section stands for itself and there is nothing to record; the search
+    /// for the tensions that given lengths then take, eq. (6) of the theory, is not recorded either.
     pub fn solve_traced(
         &self,
         case: &Case,

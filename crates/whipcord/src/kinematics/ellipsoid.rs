@@ -21,8 +21,17 @@ pub struct Dexterity {
     /// Greatest over least singular value of J among those directions; 1 where all are alike, `None`
     /// where nothing moves.
     pub condition: Option<f64>,
-    /// Singular values, descending, and directions of motion; as many as count.
+    /// Singular values, descending, and directions of motion. Beyond [`Dexterity::directions`] they
+    /// are what rounding leaves.
     pub singular: [(f64, Vec3); 3],
+}
+
+impl Dexterity {
+    /// The directions in which the place can be moved, with how far a command of unit size moves it,
+    /// most first.
+    pub fn motions(&self) -> impl Iterator<Item = (f64, Vec3)> {
+        self.singular.into_iter().take(self.directions)
+    }
 }
 
 /// Below this part of the greatest singular value a direction does not count as one of motion. The

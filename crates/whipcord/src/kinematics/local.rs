@@ -52,9 +52,21 @@ pub enum Means {
 }
 
 impl Local {
-    /// How well the commands move the place.
+    /// How well the commands move the place: by the cables that are driven by tension, and by those
+    /// driven by shortening, the others held. A newton and a metre of command have no common measure,
+    /// and so neither have directions by both.
     #[must_use]
-    pub fn dexterity(&self) -> Dexterity {
-        dexterity(&self.actuation_jacobian)
+    pub fn dexterity(&self) -> Vec<(DrivenBy, Dexterity)> {
+        [DrivenBy::Tension, DrivenBy::Shortening]
+            .into_iter()
+            .filter(|kind| self.driven_by.contains(kind))
+            .map(|kind| {
+                let columns: Vec<Twist> = (self.driven_by.iter().zip(&self.actuation_jacobian))
+                    .filter(|(driven_by, _)| **driven_by == kind)
+                    .map(|(_, column)| *column)
+                    .collect();
+                (kind, dexterity(&columns))
+            })
+            .collect()
     }
 }

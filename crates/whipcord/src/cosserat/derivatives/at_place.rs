@@ -10,6 +10,9 @@ use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield};
 impl Derivatives {
     /// The actuation Jacobian of a place: for the command of each cable ([`Self::command`]) the
     /// velocity of the place's point and its angular velocity, base frame.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
     #[must_use]
     pub fn actuation_jacobian(&self, at: Place) -> Vec<Twist> {
         let node = self.places.node(at);
@@ -32,6 +35,9 @@ impl Derivatives {
     }
 
     /// The Jacobian of a place by the tensions of all cables in N, whatever drives them.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
     #[must_use]
     pub fn tension_jacobian(&self, at: Place) -> Vec<Twist> {
         let node = self.places.node(at);
@@ -55,6 +61,9 @@ impl Derivatives {
     /// # Errors
     /// [`crate::SolveError::NoDerivatives`] where the robot is so near to buckling that it is not
     /// finite.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
     pub fn compliance(&self, at: Place, hold: Hold) -> Result<Matrix6, crate::SolveError> {
         let node = self.places.node(at);
         let mut columns = [Twist::default(); 6];
@@ -76,6 +85,9 @@ impl Derivatives {
     ///
     /// # Errors
     /// As [`Self::compliance`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
     pub fn stiffness(&self, at: Place, hold: Hold) -> Result<Option<Matrix6>, crate::SolveError> {
         Ok(self.compliance(at, hold)?.inverse(self.length))
     }
@@ -84,6 +96,9 @@ impl Derivatives {
     ///
     /// # Errors
     /// As [`Self::compliance`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
     pub fn at(&self, place: Place) -> Result<Local, crate::SolveError> {
         let yielding = |hold: Hold| -> Result<Yield, crate::SolveError> {
             let compliance = self.compliance(place, hold)?;

@@ -12,7 +12,7 @@ use crate::shape::Wrench;
 /// zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cotangent {
-    /// To translation and rotation of places, base frame, as [`Change::twist`] has them.
+    /// To translation and rotation of places, base frame, as [`super::Change::twist`] has them.
     pub places: Vec<(Place, Twist)>,
     /// To the length of each cable of the robot; shorter lists leave the others at zero.
     pub lengths: Vec<f64>,
@@ -38,6 +38,9 @@ impl Derivatives {
     /// The gradient of a scalar by every command, parameter and dead wrench, from its sensitivity to
     /// the answer: one sweep, whatever the number of parameters. `hold` is what is held when a
     /// parameter or a wrench changes.
+    ///
+    /// # Panics
+    /// When the cotangent names a station or disk that there is not.
     #[must_use]
     pub fn pull_back(&self, cotangent: &Cotangent, hold: Hold) -> Gradient {
         let cables = self.place_of.len();
@@ -118,6 +121,9 @@ impl Derivatives {
 
 impl Gradient {
     /// To a dead force and moment at a place, base frame.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
     #[must_use]
     pub fn wrench(&self, at: Place) -> Wrench {
         self.nodes[self.places.node(at)]

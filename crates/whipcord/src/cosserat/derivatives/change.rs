@@ -38,6 +38,9 @@ impl Change {
 
     /// Rates of the strains `v` and `u` at a place, body frame: just behind it, and at the tip just
     /// in front of it.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
     #[must_use]
     pub fn strain(&self, at: Place) -> Twist {
         self.strains[self.places.node(at)]

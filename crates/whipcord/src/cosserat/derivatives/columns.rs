@@ -159,6 +159,9 @@ impl Derivatives {
 
     /// How the answer changes with the command of a cable: its tension in N where that drives it,
     /// else its shortening in m. All other commands are held. A cable that is slack moves nothing.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
     #[must_use]
     pub fn command(&self, cable: usize) -> Change {
         let place = self.place_of[cable];
@@ -175,6 +178,9 @@ impl Derivatives {
     }
 
     /// How the answer changes with the tension of a cable in N, all other tensions held.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
     #[must_use]
     pub fn tension(&self, cable: usize) -> Change {
         self.completed(Source::Tension(self.place_of[cable]), Hold::Tensions, &[])
@@ -211,8 +217,12 @@ impl Derivatives {
 
     /// How the answer changes with a component of a dead wrench at a place, base frame: force in N
     /// along x, y, z, then moment in N·m about x, y, z.
+    ///
+    /// # Panics
+    /// When there is no such station or disk, or the component is none of 0 to 5.
     #[must_use]
     pub fn wrench(&self, at: Place, component: usize, hold: Hold) -> Change {
+        assert!(component < 6, "a wrench has six components, none of which is {component}");
         let node = self.places.node(at);
         self.completed(Source::Wrench { node, component }, hold, &[])
     }
