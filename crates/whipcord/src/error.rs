@@ -50,7 +50,8 @@ pub enum SolveError {
         /// Tension of that cable in N.
         tension: f64,
         /// Fraction of what was given up to which equilibrium was found, from 0 to 1: of the
-        /// tensions when those alone fold the section, else of the loads.
+        /// tensions when those alone fold the section, of the step of actuation where cables rub, else
+        /// of the loads.
         last_load: f64,
     },
 
@@ -149,7 +150,8 @@ pub enum SolveError {
         iterations: usize,
         /// What is left of the equations, relative to their scale.
         residual: f64,
-        /// Fraction of the given load up to which equilibrium was found, from 0 to 1.
+        /// Fraction of the given load up to which equilibrium was found, from 0 to 1; where cables rub,
+        /// of the step of actuation.
         last_load: f64,
         /// What to do.
         advice: &'static str,

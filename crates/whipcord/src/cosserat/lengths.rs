@@ -131,6 +131,7 @@ fn limit(
         Command::Length { target, .. } => (loose[i] - target).max(0.0),
         Command::Tension(_) => 0.0,
     };
+    let by_length = |&i: &usize| matches!(commands[i], Command::Length { .. });
     let scaled = |fraction: f64| -> Vec<Command> {
         let of_cable = |(i, command): (usize, &Command)| match *command {
             Command::Length { compliance, .. } if lack(i) > 0.0 => {
@@ -157,6 +158,10 @@ fn limit(
             }
             Err(_) => missed = middle,
         }
+    }
+    // Where next to nothing can be had, it is no cable's own limit but all of them together.
+    if reached < LIMIT_TOLERANCE && (0..commands.len()).filter(by_length).count() > 1 {
+        return LengthFault::Stalled { residual: 1.0 };
     }
     let relative = |i: usize| lack(i) / loose[i];
     match (0..commands.len()).max_by(|&a, &b| relative(a).total_cmp(&relative(b))) {

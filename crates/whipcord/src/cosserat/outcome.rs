@@ -56,6 +56,19 @@ impl Found {
 }
 
 impl Failure {
+    /// With the fraction of the step up to which there were answers.
+    pub fn reached(self, fraction: f64) -> Self {
+        match self {
+            Self::Folds { cable, arc_length, tension, .. } => {
+                Self::Folds { cable, arc_length, tension, last_load: fraction }
+            }
+            Self::NotConverged { iterations, residual, advice, .. } => {
+                Self::NotConverged { iterations, residual, last_load: fraction, advice }
+            }
+            other => other,
+        }
+    }
+
     /// In the words of the robot: cables by their name and their length in m at rest, in the order
     /// of the commands.
     pub fn explain(

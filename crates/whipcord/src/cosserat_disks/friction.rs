@@ -58,6 +58,8 @@ pub(super) struct Holes {
 const MAX_ITERATIONS: usize = 120;
 /// A step that gains nothing is shortened to no less than this.
 const LEAST_FRACTION: f64 = 1.0 / 16.0;
+/// A step that leads to no equilibrium is shortened to no less than this.
+const LEAST_STEP: f64 = 1.0 / 1024.0;
 /// Of the backbone's length: slips and tensions, in terms of κ, are met to this.
 const TOLERANCE: f64 = 1e-13;
 /// Of the backbone's length: less is no sliding.
@@ -129,12 +131,17 @@ pub(super) fn step(
             let fraction = part as f64 / parts as f64;
             let commands = between(&before, holes, commands, fraction);
             let start = history.tensions.clone();
-            let next = newton(rod, holes, &commands, history, &start)?;
+            let next = newton(rod, holes, &commands, history, &start)
+                .map_err(|failure| failure.reached((part - 1) as f64 / parts as f64))?;
             Ok(Found { iterations: found.iterations + next.iterations, ..next })
         });
         match gone {
             Err(_) if parts < MOST_PARTS => parts *= 4,
-            done => return done,
+            Ok(found) => {
+                history.compare(&before, SLIDES * rod.length());
+                return Ok(found);
+            }
+            Err(failure) => return Err(failure),
         }
     }
 }
@@ -182,7 +189,17 @@ fn newton(
     let (mut kept, mut change) = (tensions.clone(), vec![0.0; n]);
     let (mut fraction, mut size) = (1.0, f64::INFINITY);
     for iteration in 0..MAX_ITERATIONS {
-        rod.respond(&tensions, true).map_err(|fault| rod.failure(fault, &tensions))?;
+        if let Err(fault) = rod.respond(&tensions, true) {
+            // An iterate that the robot does not bear says nothing of the answer: back towards the last
+            // one that it did. Under loads each attempt costs a path of loads, and smaller steps of
+            // actuation cost less.
+            fraction *= 0.5;
+            if iteration == 0 || fraction < LEAST_STEP || rod.is_loaded() {
+                return Err(rod.failure(fault, &tensions));
+            }
+            advance(&mut tensions, &kept, &change, fraction);
+            continue;
+        }
         let turns = rod.turns(holes);
         holes.beyond(rod.lengths(), &tensions, &mut beyond);
         matrix.fill(0.0);
@@ -277,9 +294,7 @@ fn newton(
             kept.clone_from(&tensions);
             (fraction, size) = (1.0, now);
         }
-        for ((tension, start), d) in tensions.iter_mut().zip(&kept).zip(&change) {
-            *tension = (start + fraction * d).max(0.0);
-        }
+        advance(&mut tensions, &kept, &change, fraction);
     }
     Err(Failure::NotConverged {
         iterations: MAX_ITERATIONS,
@@ -287,6 +302,13 @@ fn newton(
         last_load: 0.0,
         advice: STUCK,
     })
+}
+
+/// A part of a Newton step, to tensions that pull.
+fn advance(tensions: &mut [f64], from: &[f64], change: &[f64], fraction: f64) {
+    for ((tension, start), d) in tensions.iter_mut().zip(from).zip(change) {
+        *tension = (start + fraction * d).max(0.0);
+    }
 }
 
 /// `∂Dᵢ/∂T` into a row.
@@ -297,6 +319,16 @@ fn by_material(rod: &Rod<'_>, holes: &Holes, passages: &[usize], row: &mut [f64]
             *entry += rod.length_by_tension()[k * n + j];
         }
         row[k] -= holes.yielding[k];
+    }
+}
+
+impl History {
+    /// What the holes did since `before`.
+    fn compare(&mut self, before: &Self, least: f64) {
+        let beyond = before.beyond.iter().zip(&self.beyond);
+        for (contact, (before, now)) in self.contacts.iter_mut().zip(beyond) {
+            *contact = Contact::after(before - now, least);
+        }
     }
 }
 

@@ -330,7 +330,7 @@ impl CosseratDisks {
         let base = case.map_or(Pose::IDENTITY, |case| case.base);
         let stability = case.filter(|_| self.options.stability).and_then(|case| {
             let problem = self.problem(self.mesh_for_stability(), &workspace.commands);
-            stays::least_eigenvalue(&problem, case, &mut workspace.scratch)
+            stays::least_eigenvalue(&problem, mesh, case, &mut workspace.scratch)
         });
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| {

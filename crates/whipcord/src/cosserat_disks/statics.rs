@@ -177,6 +177,11 @@ impl<'a> Rod<'a> {
         Self { loaded: false, ..Self::new(problem, scratch) }
     }
 
+    /// Whether the loads count.
+    pub const fn is_loaded(&self) -> bool {
+        self.loaded
+    }
+
     /// Of the backbone, in m.
     pub fn length(&self) -> f64 {
         self.problem.frame.rod.backbone().length
@@ -243,6 +248,9 @@ impl<'a> Rod<'a> {
             use unloaded::From;
             let from = if warm || self.from == From::Coarser { self.from } else { From::Nothing };
             let swept = unloaded.sweep(frame, mesh, pulled, from, derivatives);
+            if swept.is_err() {
+                self.last_load = unloaded.reached;
+            }
             if swept.is_err() || self.from == From::Nothing {
                 self.from = From::Neighbour;
             }

@@ -5,19 +5,23 @@ use whipcord_numerics::Pose;
 use super::chain::Scales;
 use super::friction::{self, Holes};
 use super::joint::Chord;
+use super::layout::Mesh;
 use super::rod::{self, InSpan};
 use super::stability::{Equilibrium, Locked};
 use super::statics::{Problem, Scratch};
 use crate::case::Case;
 use crate::cosserat::command::Command;
+use crate::shape::Contact;
 
 /// A hole that is so near to letting the cable slide, of its grip, counts as sliding.
 const SLIPS: f64 = 1e-6;
 
-/// Stability of the answer in `scratch`, sampled on a mesh that may be coarser than its own: `None`
-/// under loads that follow the body, which have no energy, and where a cable slides that rubs.
+/// Stability of the answer in `scratch`, which is on the mesh `answered`, sampled on that of the problem,
+/// which may be coarser: `None` under loads that follow the body, which have no energy, and where a cable
+/// slides that rubs.
 pub(super) fn least_eigenvalue(
     problem: &Problem<'_>,
+    answered: &Mesh,
     case: &Case,
     scratch: &mut Scratch,
 ) -> Option<f64> {
@@ -36,10 +40,19 @@ pub(super) fn least_eigenvalue(
     } else {
         rod::sample(mesh, |k| unloaded.wrenches[k], |_| None, samples, sampled);
     }
-    let chords = if loaded { &scratch.chain.chords } else { &scratch.unloaded.chords };
-    let turns = problem.holes.map(|holes| turns(problem, holes, &scratch.sampled, chords));
-    let locked = locked(problem, scratch, &turns.unwrap_or_default())?;
+    // The tensions obey eq. (5) with the turns of the answer's own mesh.
+    let own = Problem { mesh: answered, ..*problem };
+    let turned = problem.holes.map_or_else(Vec::new, |holes| {
+        let Scratch { chain, unloaded, .. } = &*scratch;
+        if loaded {
+            turns(&own, holes, &chain.poses, &chain.chords)
+        } else {
+            turns(&own, holes, &unloaded.poses, &unloaded.chords)
+        }
+    });
+    let locked = locked(problem, scratch, &turned)?;
     let scale = compliance_scale(problem);
+    let chords = if loaded { &scratch.chain.chords } else { &scratch.unloaded.chords };
     let Scratch { stability, samples, pulled, .. } = scratch;
     let at = Equilibrium { frame, mesh, samples, chords, tensions: pulled, scale };
     stability.least_eigenvalue(&at, locked)
@@ -64,7 +77,7 @@ pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<
 
 /// What keeps its length however the robot moves a little: taut cables that are driven by it and do
 /// not rub, and the pieces of those that rub and stick in all their holes, well within eq. (5). `None`
-/// where a hole is about to let the cable slide, if only one way: its tensions then change with the
+/// where a cable slid in a hole, and where a hole is about to let the cable slide, if only one way: its tensions then change with the
 /// turns, and the way it slides with the motion.
 fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Locked> {
     let rubs = |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
@@ -85,7 +98,9 @@ fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Loc
                 };
                 let grip = holes.coefficients[cable] * turns[p];
                 let held = matches!((place, problem.commands[cable]), (0, Command::Length { .. }));
-                if !held && (scratch.pulled[p] / incoming).ln().abs() >= (1.0 - SLIPS) * grip {
+                let slid = scratch.history.contacts[p] != Contact::Sticks;
+                let slips = (scratch.pulled[p] / incoming).ln().abs() >= (1.0 - SLIPS) * grip;
+                if !held && (slid || slips) {
                     return None;
                 }
                 locked.of_passage[p] = Some(locked.compliances.len());

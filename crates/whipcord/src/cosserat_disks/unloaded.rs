@@ -34,6 +34,8 @@ pub(super) struct Unloaded {
     samples: Vec<Sample>,
     /// Newton iterations of all spans.
     pub iterations: usize,
+    /// Of the tensions: what the span bore that was last led there from none.
+    pub reached: f64,
 }
 
 /// What a sweep starts from.
@@ -181,6 +183,7 @@ impl Unloaded {
                 Err(stop) => {
                     step *= 0.5;
                     if step < LEAST_STEP {
+                        self.reached = reached;
                         return Err(stop);
                     }
                 }

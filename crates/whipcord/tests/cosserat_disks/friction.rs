@@ -2,10 +2,11 @@
 
 use crate::common;
 use crate::common::{helix, paper_backbone, straight};
+use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::Options;
 use whipcord::{
     Cable, CableCommand, CableState, Case, Contact, Disks, Loads, Model, Robot, Routing,
-    Shortening, Solution, Statics, Vec3,
+    Shortening, Solution, SolveError, Statics, Vec3,
 };
 
 fn solve(robot: &Robot, case: &Case) -> Solution {
@@ -395,4 +396,21 @@ fn elastic_cables_are_longer_by_their_stretch() {
             }
         }
     }
+}
+
+/// Tensions on the way to the answer that the robot would not bear are passed by; where there is no
+/// answer the error says how far the step went.
+#[test]
+fn a_strong_pull_is_answered_or_said_how_far_it_goes() {
+    let robot = one_rubbing(9, 0.3);
+    let pull = |shortening: f64, steps: usize| {
+        let options = Options { accuracy: Accuracy::Steps(steps), ..Options::default() };
+        let case = Case::with_shortenings(&[Shortening::Length(shortening)]);
+        Model::CosseratDisks(options).solve(&robot, &case)
+    };
+    obeys(&robot, &robot_at_rest(&robot), &pull(0.07, 72).unwrap());
+    let SolveError::SectionFolds { last_load, .. } = pull(0.12, 9).unwrap_err() else {
+        panic!("a cable that is two thirds as short")
+    };
+    assert!((0.5..0.7).contains(&last_load), "{last_load}");
 }

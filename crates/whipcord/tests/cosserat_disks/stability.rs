@@ -145,3 +145,15 @@ fn cables_that_stick_are_held() {
     let wound = stability(ModelKind::CosseratDisks, &rubs, &held);
     assert!((wound - expected).abs() < 1e-5 * expected, "{wound} {expected}");
 }
+
+/// However strong the bend: a cable that was pulled through its holes holds nothing there.
+#[test]
+fn a_cable_that_slid_leaves_nothing_to_say() {
+    let cable = Cable { friction: Some(0.3), ..Cable::new("a", straight(0.0)) };
+    let robot = robot(9, vec![cable]);
+    for shortening in [0.02, 0.04, 0.06] {
+        let case = Case::with_shortenings(&[Shortening::Length(shortening)]);
+        let solution = solve(ModelKind::CosseratDisks, &robot, &case);
+        assert_eq!(solution.diagnostics.stability, None, "{shortening}");
+    }
+}
