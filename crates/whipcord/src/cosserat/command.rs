@@ -24,6 +24,15 @@ impl Command {
         }
     }
 
+    /// What a tension in cable `j` adds to how much cable `i` is too long, by stretching the cable: in m/N,
+    /// minus the compliance where they are the same.
+    pub fn stretch(commands: &[Self], i: usize, j: usize) -> f64 {
+        match commands[i] {
+            Self::Length { compliance, .. } if i == j => -compliance,
+            _ => 0.0,
+        }
+    }
+
     /// Of a cable of the robot that has this length in m at rest.
     ///
     /// # Errors

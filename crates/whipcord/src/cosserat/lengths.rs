@@ -16,6 +16,7 @@ use whipcord_numerics::{BoundedQuadratic, DenseLu};
 
 use super::command::Command;
 use super::contradiction;
+use super::independent::Independent;
 use super::unloaded::Fault;
 
 /// A rod that answers tensions with the lengths of its cables.
@@ -54,6 +55,7 @@ pub(crate) struct LengthScratch {
     gradient: Vec<f64>,
     least: Vec<f64>,
     quadratic: BoundedQuadratic,
+    independent: Independent,
     lu: DenseLu,
 }
 
@@ -77,6 +79,8 @@ pub(crate) struct Effort {
 
 /// Lengths are met to this fraction of the backbone's length.
 const LENGTH_TOLERANCE: f64 = 2e-14;
+/// What rounding may leave where no step improves any more.
+const ROUNDING: f64 = 1e3 * LENGTH_TOLERANCE;
 pub(crate) const MAX_ITERATIONS: usize = 100;
 /// What to do where no tensions were found and no cause is known.
 pub(crate) const STALLED: &str = "no tensions were found that give all of these cable lengths: shorten the cables less, or drive one of them by its tension";
@@ -203,8 +207,9 @@ pub(super) fn attempt(
     let mut blocked = 0;
     let mut damping = 0.0_f64;
     for iteration in 0..MAX_ITERATIONS {
+        let before = residual;
         residual = residual_of(commands, tensions, rod.lengths()) / length;
-        if residual <= LENGTH_TOLERANCE {
+        if residual <= LENGTH_TOLERANCE || before <= residual && residual <= ROUNDING {
             return Ok(Effort { iterations: iteration, residual });
         }
         if let Some(cable) = rigid_and_long(given, tensions, rod) {
@@ -271,8 +276,7 @@ pub(super) fn attempt(
             return Err(unreachable(commands, scratch));
         }
     }
-    // Rounding may keep the last digits from settling.
-    if residual <= 1e3 * LENGTH_TOLERANCE {
+    if residual <= ROUNDING {
         return Ok(Effort { iterations: MAX_ITERATIONS, residual });
     }
     Err(LengthFault::Stalled { residual })
@@ -333,6 +337,11 @@ fn newton_step(
     }));
     scratch.trial.clear();
     scratch.trial.extend_from_slice(tensions);
+    let LengthScratch { free, independent, .. } = &mut *scratch;
+    let effect = |i: usize, j: usize| {
+        rod.length_by_tension()[i * cables + j] + Command::stretch(commands, i, j)
+    };
+    independent.retain(free, REGULARISATION, |j| tensions[j], cables, effect);
     // A cable without tension whose Newton step would pull it below zero only holds the others
     // back: it stays slack, and the step is made again without it.
     loop {

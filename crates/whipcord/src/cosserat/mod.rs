@@ -4,7 +4,7 @@
 //! paper's state `(p, R, v, u)`. From the inside out: `section` (and `one_cable`) solves one
 //! cross-section for its strains; `unloaded` and `loaded` put the sections together on a `grid`,
 //! `sensitivity` differentiates the latter; `lengths` finds tensions for prescribed cable lengths, and
-//! `contradiction` those of which there are none;
+//! `contradiction` those of which there are none, `independent` which cables leave their tensions open;
 //! `statics` finds equilibrium under `loads`, by single `shooting` with the Newton step of `newton` from a
 //! `guess`, from the rod `without_load` or along the path of `continuation`, where `chain` shoots from many
 //! starts at once, with the linear algebra of `elimination` and `shared` on the points of `state`;
@@ -24,6 +24,7 @@ pub mod derivatives;
 pub(crate) mod elimination;
 pub(crate) mod grid;
 mod guess;
+mod independent;
 mod kink;
 mod lanes;
 pub(crate) mod lengths;

@@ -8,8 +8,8 @@ use crate::common::{
 use proptest::prelude::*;
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
-    CableCommand, Case, Drive, Interpolation, Robot, Routing, Shortening, Solution, SolveError,
-    Stations, Vec3,
+    Backbone, Cable, CableCommand, Case, Drive, Interpolation, Robot, Routing, Shortening,
+    Solution, SolveError, Stations, Vec3,
 };
 
 const CASES: u32 = if cfg!(debug_assertions) { 24 } else { 96 };
@@ -230,4 +230,25 @@ fn a_fraction_is_of_the_cables_own_initial_length() {
     assert!((cable.length / cable.initial_length - 0.943).abs() < 1e-12);
     let length = at(Shortening::Length(0.057 * cable.initial_length));
     assert!(distance(&fraction, &length) < 1e-13);
+}
+
+/// Two straight cables opposite one another on a rod that does not stretch, at lengths that fit exactly:
+/// their common tension does nothing. The one pulls alone, as if the other were not there.
+#[test]
+fn a_pair_that_fits_exactly_pulls_no_more_than_it_must() {
+    let robot = |angles: &[f64]| {
+        let backbone = Backbone { extensible: false, ..common::paper_backbone() };
+        let cable = |&angle: &f64| Cable::new(format!("at {angle}°"), straight(angle));
+        Robot::new(backbone, common::paper_disks(), angles.iter().map(cable).collect()).unwrap()
+    };
+    let (pair, alone) = (robot(&[0.0, 180.0]), robot(&[0.0]));
+    for shortening in [1e-3, 0.013_37] {
+        let lengths = [shortening, -shortening].map(Shortening::Length);
+        let both = solve_lengths(&pair, &Case::with_shortenings(&lengths)).unwrap();
+        let one = solve_lengths(&alone, &Case::with_shortenings(&lengths[..1])).unwrap();
+        assert!(both.diagnostics.iterations <= 4, "{:?}", both.diagnostics);
+        assert_eq!(tensions(&both)[1], 0.0);
+        assert!((tensions(&both)[0] / tensions(&one)[0] - 1.0).abs() < 1e-9);
+        assert!(distance(&both, &one) < 1e-9 * pair.backbone().length);
+    }
 }
