@@ -5,6 +5,7 @@
 
 use whipcord_numerics::Vec3;
 
+use super::guess::guess;
 use super::newton::Scales;
 use super::outcome::Found;
 use super::shooting::{finish, shoot};
@@ -26,6 +27,11 @@ pub(super) fn stable_equilibrium(problem: &Problem<'_>, scratch: &mut Scratch) -
     start_without_load(problem, scratch).ok()?;
     let tensions = scratch.tensions.clone();
     let unit = REACH * Scales::of(problem.grid, problem.length).moment;
+    guess(problem, scratch, 1.0);
+    // Of stronger loads no start is in reach.
+    if scratch.newton.point.base_moment.norm() > unit {
+        return None;
+    }
     for n in 1..=STARTS {
         let along = |i: usize| 2.0 * (f64::from(n) * SPREAD[i]).fract() - 1.0;
         let moment = Vec3::new(along(0), along(1), along(2));
