@@ -14,6 +14,7 @@ use super::grid::Grid;
 use super::loaded::{Aim, Shot};
 use super::loads::AppliedLoads;
 use super::newton::Scales;
+use super::outcome::Open;
 use super::sensitivity::{Column, Sensitivity, Unknowns};
 use super::shared::Shared;
 use super::state::{Direction, State};
@@ -88,14 +89,6 @@ impl Step<'_> {
     pub const fn frees_load(&self) -> bool {
         matches!(self, Self::Across(_) | Self::Along(_))
     }
-}
-
-/// Why the gaps did not close.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Open {
-    pub iterations: usize,
-    pub gap: f64,
-    pub fault: Option<Fault>,
 }
 
 const MAX_ITERATIONS: usize = 40;
@@ -239,12 +232,8 @@ impl Chain {
         if by_length {
             shot.measure(task.grid);
             for (i, command) in task.commands.iter().enumerate() {
-                if matches!(command, Command::Length { .. }) {
-                    let tension = state.tensions[i];
-                    let slack = command.slackness(tension, shot.lengths[i]) / scales.length;
-                    let left = (tension / scales.tension).min(slack).abs();
-                    greatest = if left.is_nan() { f64::INFINITY } else { greatest.max(left) };
-                }
+                let left = command.lack(i, &state.tensions, &shot.lengths, scales.of_cables());
+                greatest = if left.is_nan() { f64::INFINITY } else { greatest.max(left) };
             }
         }
         Ok(greatest)

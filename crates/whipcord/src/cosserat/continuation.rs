@@ -1,9 +1,9 @@
 //! Raising the load from nothing, in steps that adapt, by multiple shooting.
 
-use super::chain::{Chain, Open, Task};
+use super::chain::{Chain, Task};
 use super::command::Command;
 use super::lengths::Effort;
-use super::outcome::{Failure, Found};
+use super::outcome::{Failure, Found, Open};
 use super::section::SectionFault;
 use super::shooting::finish_chain;
 use super::state::State;
@@ -13,11 +13,12 @@ use super::unloaded::Fault;
 use super::without_load::{section_failure, start_without_load};
 
 /// The load is raised by at least this fraction, or the path is given up.
-const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
-const FIRST_LOAD_STEP: f64 = 0.25;
+pub(crate) const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
+pub(crate) const FIRST_LOAD_STEP: f64 = 0.25;
 /// An iteration longer than this means that the path bends: the step is not lengthened.
-const SHORT_ITERATION: usize = 5;
-const PATH_ENDS: &str = "no equilibrium near it was found at more load, as at a snap-through: apply less load, or lead the robot there by other tensions first";
+pub(crate) const SHORT_ITERATION: usize = 5;
+/// What to do where the path ends.
+pub(crate) const PATH_ENDS: &str = "no equilibrium near it was found at more load, as at a snap-through: apply less load, or lead the robot there by other tensions first";
 
 /// Where the load could not be raised any more, or not without losing stability.
 pub(super) struct Ended {

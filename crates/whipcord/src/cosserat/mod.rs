@@ -18,7 +18,7 @@ mod arc_length;
 mod branches;
 mod chain;
 pub(crate) mod command;
-mod continuation;
+pub(crate) mod continuation;
 mod contradiction;
 pub mod derivatives;
 pub(crate) mod elimination;

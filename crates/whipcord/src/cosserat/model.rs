@@ -313,8 +313,7 @@ impl Cosserat {
 }
 
 fn refuse_friction(robot: &Robot) -> Result<(), SolveError> {
-    let rubs = |cable: &Cable| cable.friction.is_some_and(|coefficient| coefficient > 0.0);
-    match robot.cables().iter().position(rubs) {
+    match robot.cables().iter().position(Cable::rubs) {
         None => Ok(()),
         Some(cable) => Err(SolveError::Unsupported {
             model: ModelKind::Cosserat,

@@ -51,6 +51,11 @@ impl Scales {
         let moment = stiffness / length;
         Self { moment, tension: moment / length, length }
     }
+
+    /// Units of a cable's tension and of its slackness, in N and m.
+    pub fn of_cables(&self) -> [f64; 2] {
+        [self.tension, self.length]
+    }
 }
 
 impl Point {
@@ -66,10 +71,8 @@ pub(super) fn residual(commands: &[Command], point: &Point, shot: &Shot, scales:
     let force = shot.excess.force.norm() / (scales.tension + point.follower_force.norm());
     let mut worst = moment.max(force);
     for (i, command) in commands.iter().enumerate() {
-        if matches!(command, Command::Length { .. }) {
-            let slack = command.slackness(point.tensions[i], shot.lengths[i]) / scales.length;
-            worst = worst.max((point.tensions[i] / scales.tension).min(slack).abs());
-        }
+        let units = scales.of_cables();
+        worst = worst.max(command.lack(i, &point.tensions, &shot.lengths, units));
     }
     // A NaN must not pass for a small residual.
     if worst.is_finite() && (moment + force).is_finite() { worst } else { f64::INFINITY }
@@ -85,11 +88,8 @@ impl Newton {
         let point = &self.point;
         self.free.clear();
         for (i, command) in commands.iter().enumerate() {
-            if matches!(command, Command::Length { .. }) {
-                let slack = command.slackness(point.tensions[i], shot.lengths[i]) / scales.length;
-                if point.tensions[i] / scales.tension > slack {
-                    self.free.push(i);
-                }
+            if command.is_led(i, &point.tensions, &shot.lengths, scales.of_cables()) {
+                self.free.push(i);
             }
         }
         // Unknowns at the base: the moment, and the followers' force where there is one.

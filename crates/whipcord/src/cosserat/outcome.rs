@@ -2,6 +2,7 @@
 
 use super::command::Command;
 use super::lengths::Effort;
+use super::unloaded::Fault;
 use crate::error::{LengthMiss, SolveError};
 
 /// How an answer was found.
@@ -40,6 +41,14 @@ pub(crate) enum Failure {
         last_load: f64,
         advice: &'static str,
     },
+}
+
+/// Why the gaps of a chain of shots did not close.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Open {
+    pub iterations: usize,
+    pub gap: f64,
+    pub fault: Option<Fault>,
 }
 
 impl Found {

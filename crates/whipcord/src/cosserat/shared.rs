@@ -80,13 +80,10 @@ impl Shared {
         self.theta.resize(load + cables, 0.0);
         self.free.clear();
         for (i, command) in task.commands.iter().enumerate().take(cables) {
-            let Command::Length { .. } = command else { continue };
-            let tension = state.tensions[i];
-            let slack = command.slackness(tension, shot.lengths[i]) / scales.length;
-            if tension / scales.tension > slack {
+            if command.is_led(i, &state.tensions, &shot.lengths, scales.of_cables()) {
                 self.free.push(load + i);
-            } else if moves {
-                self.theta[load + i] = -tension;
+            } else if moves && matches!(command, Command::Length { .. }) {
+                self.theta[load + i] = -state.tensions[i];
             }
         }
         let unit = |j: usize| if j < load { 1.0 } else { scales.tension };

@@ -22,6 +22,7 @@ use super::rod::{self, InSpan, Sample};
 use crate::cosserat::command::Command;
 use crate::cosserat::elimination::{Change, Elimination, Size};
 use crate::cosserat::loads::AppliedLoads;
+use crate::cosserat::outcome::Open;
 use crate::cosserat::section::BodyWrench;
 use crate::cosserat::section::SectionFault;
 use crate::cosserat::unloaded::Fault;
@@ -86,14 +87,6 @@ pub(super) struct Chain {
     columns: Vec<Change>,
     elimination: Elimination,
     held: Held,
-}
-
-/// Why the chain did not close.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Open {
-    pub iterations: usize,
-    pub gap: f64,
-    pub fault: Option<Fault>,
 }
 
 const MAX_ITERATIONS: usize = 40;

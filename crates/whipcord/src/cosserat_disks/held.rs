@@ -42,14 +42,8 @@ pub(super) fn greatest_lack(
     lengths: &[f64],
     scales: &Scales,
 ) -> f64 {
-    let backbone = task.frame.rod.backbone().length;
-    let lack = |(i, command): (usize, &Command)| match command {
-        Command::Tension(_) => 0.0,
-        Command::Length { .. } => {
-            let slack = command.slackness(tensions[i], lengths[i]) / backbone;
-            (tensions[i] / scales.force).min(slack).abs()
-        }
-    };
+    let units = [scales.force, task.frame.rod.backbone().length];
+    let lack = |(i, command): (usize, &Command)| command.lack(i, tensions, lengths, units);
     let lacks = task.commands.iter().enumerate().map(lack);
     lacks.fold(0.0, |worst: f64, lack| if lack.is_nan() { f64::INFINITY } else { worst.max(lack) })
 }
@@ -80,8 +74,7 @@ impl Held {
         change.resize(cables.len(), 0.0);
         taut.clear();
         for (row, &i) in cables.iter().enumerate() {
-            let slack = task.commands[i].slackness(tensions[i], lengths[i]) / backbone;
-            if tensions[i] / scales.force > slack {
+            if task.commands[i].is_led(i, tensions, lengths, [scales.force, backbone]) {
                 taut.push(row);
             } else {
                 change[row] = -tensions[i];

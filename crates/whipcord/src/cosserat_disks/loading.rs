@@ -7,25 +7,20 @@
 
 use whipcord_numerics::Vec3;
 
-use super::chain::{Chain, Node, Open, Scales, Task};
+use super::chain::{Chain, Node, Scales, Task};
 use super::statics::{Problem, Rod, Scratch, Start, copy_out};
 use super::{stays, unloaded};
 use crate::cosserat::command::Command;
+use crate::cosserat::continuation::{FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS, SHORT_ITERATION};
 use crate::cosserat::lengths::Effort;
-use crate::cosserat::outcome::{Failure, Found};
+use crate::cosserat::outcome::{Failure, Found, Open};
 use crate::cosserat::section::SectionFault;
 use crate::cosserat::unloaded::Fault;
 
-/// The load is raised by at least this fraction, or the path is given up.
-const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
-const FIRST_LOAD_STEP: f64 = 0.25;
-/// An iteration longer than this means that the path bends: the step is not lengthened.
-const SHORT_ITERATION: usize = 5;
 /// Shapes that are tried where the load leads to none that is stable: bent by so much in all, in rad,
 /// in so many directions.
 const FAR_BENDS: [f64; 3] = [1.0, 2.5, 5.0];
 const FAR_WAYS: usize = 8;
-pub(super) const PATH_ENDS: &str = "no equilibrium near it was found at more load, as at a snap-through: apply less load, or lead the robot there by other tensions first";
 
 /// The load on its way up, from a chain that is closed without it.
 pub(super) struct Raise<'a> {

@@ -14,7 +14,7 @@ use crate::differences::{Difference, ahead, differentiate};
 use crate::error::SolveError;
 use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield};
 use crate::model::{ModelKind, Stations};
-use crate::robot::Robot;
+use crate::robot::{Cable, Robot};
 use crate::shape::Solution;
 
 /// Share of what would bend the robot by about a radian that differences take at first: their error
@@ -227,8 +227,7 @@ fn driven_by(case: &Case, drive: Drive) -> Vec<DrivenBy> {
 }
 
 fn refuse_friction(robot: &Robot) -> Result<(), SolveError> {
-    let rubs = robot.cables().iter().position(|c| c.friction.is_some_and(|mu| mu > 0.0));
-    match rubs {
+    match robot.cables().iter().position(Cable::rubs) {
         None => Ok(()),
         Some(cable) => Err(SolveError::Unsupported {
             model: ModelKind::CosseratDisks,

@@ -13,7 +13,7 @@ use crate::cosserat::refinement::{Coarse, ERROR_RATIO};
 use crate::cosserat::{Accuracy, Options, loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
-use crate::robot::{Problem as Mistake, Robot, RobotError};
+use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, Shape, Solution};
 
 /// Meshes that are made beforehand.
@@ -116,7 +116,7 @@ impl CosseratDisks {
                 (0..READY_MESHES).map(|level| frame.mesh(1, level)).collect::<Result<_, _>>()?
             }
         };
-        let rubs = robot.cables().iter().any(|cable| cable.friction.is_some_and(|mu| mu > 0.0));
+        let rubs = robot.cables().iter().any(Cable::rubs);
         let holes = rubs.then(|| frame.holes(robot));
         Ok(Self { robot: robot.clone(), frame, holes, options: options.clone(), meshes })
     }

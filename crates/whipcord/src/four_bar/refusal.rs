@@ -38,7 +38,7 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
             let path = format!("cables[{i}].axial_stiffness");
             return Err(unsupported(path, "an elastic cable", GEOMETRIC));
         }
-        if options.lengths == LengthRule::Free && cable.friction.is_some_and(|f| f > 0.0) {
+        if options.lengths == LengthRule::Free && cable.rubs() {
             return Err(unsupported(
                 format!("cables[{i}].friction"),
                 "friction on a cable that slides freely",

@@ -84,4 +84,10 @@ impl Cable {
     pub fn new(name: impl Into<String>, routing: Routing) -> Self {
         Self { name: name.into(), routing, ends_at: None, friction: None, axial_stiffness: None }
     }
+
+    /// Whether it rubs in its holes.
+    #[must_use]
+    pub fn rubs(&self) -> bool {
+        self.friction.is_some_and(|coefficient| coefficient > 0.0)
+    }
 }
