@@ -5,11 +5,12 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark fails by panicking")]
 
+mod case_3;
+
+use case_3::TENSION;
 use divan::Bencher;
 use whipcord::cosserat::{Accuracy, Cosserat, Hold, Options, Place, Workspace};
-use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Loads, Material, Robot, Routing, Section, Shortening, Vec3,
-};
+use whipcord::{Case, Drive, Robot, Shortening};
 
 fn main() {
     print_errors();
@@ -19,8 +20,8 @@ fn main() {
 fn print_errors() {
     let tension = Case::with_tensions(&[TENSION]);
     let length = Case::with_shortenings(&[Shortening::Fraction(0.057)]);
-    let loaded = Case { loads: wrench(), ..tension.clone() };
-    let robot = case_3();
+    let loaded = Case { loads: case_3::loads(), ..tension.clone() };
+    let robot = case_3::robot();
     println!("steps  error: unloaded   loaded  by length");
     for steps in STEPS {
         let error = |case: &Case, drive: Drive| {
@@ -41,24 +42,6 @@ fn print_errors() {
     }
 }
 
-const TENSION: f64 = 0.4 * 9.80665;
-
-fn case_3() -> Robot {
-    let backbone = Backbone {
-        section: Some(Section::circle(0.003)),
-        material: Material {
-            young_modulus: Some(1.1e9),
-            poisson_ratio: Some(0.3),
-            shear_modulus: None,
-            density: Some(1040.0),
-        },
-        ..Backbone::new(0.18)
-    };
-    let disks = Disks::equally_spaced(0.18, 10, 0.008).with_holes(12);
-    let cable = Cable::new("pull", Routing::holes(vec![1, 2, 3, 4, 4, 4, 4, 3, 2, 1]));
-    Robot::new(backbone, disks, vec![cable]).unwrap()
-}
-
 /// A prescribed number of steps, and a residual in keeping with an error of 1e-6.
 fn options(steps: usize, drive: Drive) -> Options {
     Options {
@@ -70,21 +53,12 @@ fn options(steps: usize, drive: Drive) -> Options {
     }
 }
 
-fn wrench() -> Loads {
-    Loads {
-        gravity: Some(Vec3::new(0.0, 0.0, -9.80665)),
-        tip_force: Vec3::new(0.05, 0.0, 0.02),
-        tip_moment: Vec3::new(0.0, 1e-3, 5e-4),
-        ..Loads::default()
-    }
-}
-
 /// Steps from base to tip; with 12 of them the error is below 1e-6 of the length.
 const STEPS: [usize; 4] = [12, 24, 48, 96];
 
 #[divan::bench(args = STEPS)]
 fn unloaded_cold(bencher: Bencher, steps: usize) {
-    let (robot, case) = (case_3(), Case::with_tensions(&[TENSION]));
+    let (robot, case) = (case_3::robot(), Case::with_tensions(&[TENSION]));
     let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
@@ -92,7 +66,8 @@ fn unloaded_cold(bencher: Bencher, steps: usize) {
 
 #[divan::bench(args = STEPS)]
 fn loaded_cold(bencher: Bencher, steps: usize) {
-    let (robot, case) = (case_3(), Case { loads: wrench(), ..Case::with_tensions(&[TENSION]) });
+    let (robot, case) =
+        (case_3::robot(), Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) });
     let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
@@ -101,13 +76,14 @@ fn loaded_cold(bencher: Bencher, steps: usize) {
 /// The same with the Jacobian of the tip by the tension and the compliance of the tip.
 #[divan::bench(args = STEPS)]
 fn loaded_cold_with_derivatives(bencher: Bencher, steps: usize) {
-    let (robot, case) = (case_3(), Case { loads: wrench(), ..Case::with_tensions(&[TENSION]) });
+    let (robot, case) =
+        (case_3::robot(), Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) });
     derivatives(bencher, &robot, &case, steps);
 }
 
 #[divan::bench(args = STEPS)]
 fn unloaded_cold_with_derivatives(bencher: Bencher, steps: usize) {
-    derivatives(bencher, &case_3(), &Case::with_tensions(&[TENSION]), steps);
+    derivatives(bencher, &case_3::robot(), &Case::with_tensions(&[TENSION]), steps);
 }
 
 fn derivatives(bencher: Bencher, robot: &Robot, case: &Case, steps: usize) {
@@ -124,8 +100,9 @@ fn derivatives(bencher: Bencher, robot: &Robot, case: &Case, steps: usize) {
 /// From a neighbour whose tension is 1 % lower.
 #[divan::bench(args = STEPS)]
 fn loaded_warm(bencher: Bencher, steps: usize) {
-    let (robot, case) = (case_3(), Case { loads: wrench(), ..Case::with_tensions(&[TENSION]) });
-    let neighbour = Case { loads: wrench(), ..Case::with_tensions(&[0.99 * TENSION]) };
+    let (robot, case) =
+        (case_3::robot(), Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) });
+    let neighbour = Case { loads: case_3::loads(), ..Case::with_tensions(&[0.99 * TENSION]) };
     let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
     let mut workspace = Workspace::default();
     let before = model.solve(&neighbour, None, &mut workspace).unwrap();
@@ -134,7 +111,7 @@ fn loaded_warm(bencher: Bencher, steps: usize) {
 
 #[divan::bench(args = STEPS)]
 fn by_length_cold(bencher: Bencher, steps: usize) {
-    let (robot, case) = (case_3(), Case::with_shortenings(&[Shortening::Fraction(0.057)]));
+    let (robot, case) = (case_3::robot(), Case::with_shortenings(&[Shortening::Fraction(0.057)]));
     let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Shortening)).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
@@ -143,7 +120,7 @@ fn by_length_cold(bencher: Bencher, steps: usize) {
 /// From a neighbour whose shortening is 1 % smaller.
 #[divan::bench(args = STEPS)]
 fn by_length_warm(bencher: Bencher, steps: usize) {
-    let (robot, case) = (case_3(), Case::with_shortenings(&[Shortening::Fraction(0.057)]));
+    let (robot, case) = (case_3::robot(), Case::with_shortenings(&[Shortening::Fraction(0.057)]));
     let neighbour = Case::with_shortenings(&[Shortening::Fraction(0.99 * 0.057)]);
     let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Shortening)).unwrap();
     let mut workspace = Workspace::default();
@@ -154,7 +131,7 @@ fn by_length_warm(bencher: Bencher, steps: usize) {
 /// To the default tolerance of 1e-9 of the length, with the estimate of the error.
 #[divan::bench]
 fn unloaded_cold_to_tolerance(bencher: Bencher) {
-    let (robot, case) = (case_3(), Case::with_tensions(&[TENSION]));
+    let (robot, case) = (case_3::robot(), Case::with_tensions(&[TENSION]));
     let model = Cosserat::new(&robot, &case.loads, &Options::default()).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
@@ -162,7 +139,8 @@ fn unloaded_cold_to_tolerance(bencher: Bencher) {
 
 #[divan::bench]
 fn loaded_cold_to_tolerance(bencher: Bencher) {
-    let (robot, case) = (case_3(), Case { loads: wrench(), ..Case::with_tensions(&[TENSION]) });
+    let (robot, case) =
+        (case_3::robot(), Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) });
     let model = Cosserat::new(&robot, &case.loads, &Options::default()).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());

@@ -1,6 +1,7 @@
 //! Random robots and cases. Their scales are chosen without dimension: a tension of 1 would bend
 //! the rod by about 1 rad over its length, a force of 1 is `EI/L²`, a moment of 1 is `EI/L`.
 
+pub mod bending;
 pub mod burden;
 pub mod symmetry;
 

@@ -9,17 +9,16 @@ use crate::common;
 use core::f64::consts::PI;
 use std::time::Instant;
 
+use crate::common::bending::{self, CLASSES};
 use crate::common::{Wildness, bending_stiffness, lengths_of, robot, samples};
-use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
     Case, DistributedLoad, Drive, Loads, Profile, Robot, Solution, SolveError, Statics, Vec3,
-    Wrench,
 };
 
 /// Euler's load of the bare rod is π²/4 EI/L²; the tip force is up to twice that.
 const WILD: Wildness =
     Wildness { cables: 6, tension: 1.0, force: 0.5 * PI * PI, moment: 0.0, weight: 1.0 };
-const CLASSES: usize = 6;
 
 /// One robot in so many has a load spread along a part of it.
 const SPREAD_EVERY: usize = 3;
@@ -34,16 +33,6 @@ fn spread(robot: &Robot, direction: Vec3, share: f64) -> DistributedLoad {
     DistributedLoad { profile, follower: false }
 }
 
-/// How far the backbone turns from disk to disk, summed up, in rad.
-fn turning(solution: &Solution) -> f64 {
-    let tangent = |i: usize| solution.disks.poses[i].rotation.rotate(Vec3::Z);
-    let angle = |i: usize| {
-        let (a, b) = (tangent(i - 1), tangent(i));
-        a.cross(b).norm().atan2(a.dot(b))
-    };
-    (1..solution.disks.poses.len()).map(angle).sum()
-}
-
 /// The case with its tensions scaled so that the cables alone turn the backbone by about `target`;
 /// `None` where they fold it before.
 fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> {
@@ -52,7 +41,7 @@ fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> 
     let mut answer = None;
     for _ in 0..6 {
         let solution = model.solve(robot, &scaled).ok()?;
-        let factor = (target / turning(&solution).max(0.05)).clamp(0.3, 3.0);
+        let factor = bending::towards(target, &solution);
         answer = Some((Case { loads: case.loads.clone(), ..scaled.clone() }, solution));
         for command in &mut scaled.commands {
             command.tension = command.tension.map(|t| t * factor);
@@ -88,26 +77,10 @@ fn is_confirmed(robot: &Robot, case: &Case, drive: Drive, reason: &SolveError) -
             model.solve(robot, case).is_err_and(|found| of(&found) == of(reason))
         }
         _ => {
-            let accuracy = Accuracy::Steps(96);
-            let model = Cosserat::new(robot, &case.loads, &fine(accuracy)).unwrap();
-            let mut workspace = Workspace::default();
+            let model = whipcord::Model::Cosserat(fine(Accuracy::Steps(96)));
             let unloaded = Case { loads: Loads::default(), ..case.clone() };
-            let Ok(start) = whipcord::Model::Cosserat(fine(accuracy)).solve(robot, &unloaded)
-            else {
-                return false;
-            };
-            let unit = bending_stiffness(robot) / robot.backbone().length;
-            let wrenches = samples((common::ball(), common::ball()), 40);
-            !wrenches.into_iter().any(|(moment, force)| {
-                let wrench = Wrench {
-                    force: force * (5.0 * unit / robot.backbone().length),
-                    moment: moment * (8.0 * unit),
-                };
-                let near = Solution { base_wrench: Some(wrench), ..start.clone() };
-                model
-                    .solve(case, Some(&near), &mut workspace)
-                    .is_ok_and(|found| !found.diagnostics.is_unstable())
-            })
+            let start = model.solve(robot, &unloaded);
+            start.is_ok_and(|start| !bending::stable_from_afar(&model, robot, case, &start, 40))
         }
     }
 }
@@ -120,14 +93,13 @@ fn drawn(count: usize) -> impl Iterator<Item = Drawn> {
 }
 
 /// Robot number `n` with its loads, and its shape without them; `None` where its cables alone fold it
-/// before they bend it as far as they are to. Every size of bending comes equally often.
+/// before they bend it as far as they are to.
 fn bent(n: usize, ((robot, mut case), direction, share): Drawn) -> Option<(Robot, Case, Solution)> {
     case.loads.points.clear();
     if n.is_multiple_of(SPREAD_EVERY) {
         case.loads.distributed.push(spread(&robot, direction, share));
     }
-    let target = PI * ((n as f64 + 0.5) * 0.618_033_988_749_895).fract();
-    let (bent, alone) = bent_by(&robot, &case, target)?;
+    let (bent, alone) = bent_by(&robot, &case, bending::target(n))?;
     Some((robot, bent, alone))
 }
 
@@ -144,7 +116,7 @@ fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
             Drive::Shortening => lengths_of(&alone, &bent.loads),
             _ => bent,
         };
-        let row = &mut rows[((turning(&alone) / PI * CLASSES as f64) as usize).min(CLASSES - 1)];
+        let row = &mut rows[bending::class(&alone)];
         let begun = Instant::now();
         let options = Options { drive, ..Options::default() };
         let outcome = whipcord::Model::Cosserat(options).solve(&robot, &asked);

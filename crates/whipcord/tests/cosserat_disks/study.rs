@@ -7,19 +7,19 @@
 
 use core::f64::consts::PI;
 
+use crate::common::bending::{self, CLASSES};
 use crate::common::{ball, bending_stiffness, lengths_of, routing, samples};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use whipcord::cosserat::Accuracy;
-use whipcord::cosserat_disks::{CosseratDisks, Options, Workspace};
+use whipcord::cosserat_disks::Options;
 use whipcord::{
     Backbone, Cable, Case, Disks, Drive, Loads, Material, Model, Robot, Section, Solution,
-    SolveError, Statics as _, Vec3, Wrench,
+    SolveError, Statics as _, Vec3,
 };
 
 const LENGTH: f64 = 0.2;
 const RADIUS: f64 = 0.009;
-const CLASSES: usize = 6;
 
 /// One to six cables of any routing that the files know, anchored at a disk; six to fifteen sections.
 fn robots() -> impl Strategy<Value = (Robot, Case)> {
@@ -74,13 +74,6 @@ fn robots() -> impl Strategy<Value = (Robot, Case)> {
         })
 }
 
-/// How far the backbone turns from disk to disk, summed up, in rad.
-fn turning(solution: &Solution) -> f64 {
-    let tangents: Vec<Vec3> =
-        solution.disks.poses.iter().map(|pose| pose.rotation.rotate(Vec3::Z)).collect();
-    tangents.windows(2).map(|t| t[0].cross(t[1]).norm().atan2(t[0].dot(t[1]))).sum()
-}
-
 /// The case with its tensions scaled so that the cables alone turn the backbone by about `target`;
 /// `None` where they fold it before.
 fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> {
@@ -89,7 +82,7 @@ fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> 
     let mut answer = None;
     for _ in 0..6 {
         let Ok(solution) = model.solve(robot, &scaled) else { break };
-        let factor = (target / turning(&solution).max(0.05)).clamp(0.3, 3.0);
+        let factor = bending::towards(target, &solution);
         answer = Some((Case { loads: case.loads.clone(), ..scaled.clone() }, solution));
         for command in &mut scaled.commands {
             command.tension = command.tension.map(|t| t * factor);
@@ -116,35 +109,24 @@ struct Row {
 fn none_is_found(robot: &Robot, case: &Case, drive: Drive) -> bool {
     let accuracy = Accuracy::Steps(6 * robot.disks().count());
     let options = Options { accuracy, drive, ..Options::default() };
-    let model = CosseratDisks::new(robot, &case.loads, &options).unwrap();
-    let mut workspace = Workspace::default();
+    let model = Model::CosseratDisks(options);
     let unloaded = Case { loads: Loads::default(), ..case.clone() };
-    let Ok(start) = Model::CosseratDisks(options.clone()).solve(robot, &unloaded) else {
-        return Model::CosseratDisks(options).solve(robot, case).is_err();
-    };
-    let unit = bending_stiffness(robot) / LENGTH;
-    let wrenches = samples((ball(), ball()), 20);
-    !wrenches.into_iter().any(|(moment, force)| {
-        let wrench = Wrench { force: force * (5.0 * unit / LENGTH), moment: moment * (8.0 * unit) };
-        let near = Solution { base_wrench: Some(wrench), ..start.clone() };
-        model
-            .solve(case, Some(&near), &mut workspace)
-            .is_ok_and(|found| !found.diagnostics.is_unstable())
-    })
+    match model.solve(robot, &unloaded) {
+        Ok(start) => !bending::stable_from_afar(&model, robot, case, &start, 20),
+        Err(_) => model.solve(robot, case).is_err(),
+    }
 }
 
 /// Solves so many robots and sorts what comes of it by how far the cables alone bend them.
 fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
     let mut rows = [Row::default(); CLASSES];
     for (n, (robot, case)) in samples(robots(), count).enumerate() {
-        // Every size of bending equally often.
-        let target = PI * ((n as f64 + 0.5) * 0.618_033_988_749_895).fract();
-        let Some((bent, alone)) = bent_by(&robot, &case, target) else { continue };
+        let Some((bent, alone)) = bent_by(&robot, &case, bending::target(n)) else { continue };
         let asked = match drive {
             Drive::Shortening => lengths_of(&alone, &bent.loads),
             _ => bent,
         };
-        let row = &mut rows[((turning(&alone) / PI * CLASSES as f64) as usize).min(CLASSES - 1)];
+        let row = &mut rows[bending::class(&alone)];
         let options = Options { drive, ..Options::default() };
         let outcome = Model::CosseratDisks(options).solve(&robot, &asked);
         let reason = match outcome {
