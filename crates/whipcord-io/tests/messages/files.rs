@@ -1,0 +1,176 @@
+//! Files that extend others, that cannot be read, and that name what is measured.
+
+use std::fs;
+use std::path::Path;
+
+use whipcord_io::load;
+
+use crate::common::folder;
+use crate::{BACKBONE, DISKS, with_backbone};
+
+/// Messages about files on the disk, with the folder's own path taken out.
+fn loaded(folder: &Path, file: &str) -> String {
+    let error = load(folder.join(file)).unwrap_err();
+    let text = error.to_string().replace(&format!("{}/", folder.display()), "");
+    text.lines().map(|line| format!("{line}\n")).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn files_that_extend_others() {
+    let extends = |name: &str| format!("extends = \"{name}\"\n");
+    let folder = folder(&[
+        ("a.toml", extends("b.toml").as_bytes()),
+        ("b.toml", extends("c.toml").as_bytes()),
+        ("c.toml", format!("title = \"x\"\n{}", extends("./a.toml")).as_bytes()),
+        ("self.toml", extends("self.toml").as_bytes()),
+        ("gone.toml", extends("none/base.toml").as_bytes()),
+        ("folder.toml", extends(".").as_bytes()),
+        ("number.toml", b"extends = 3\n"),
+        ("bad.toml", with_backbone("length = \"180 mmm\"").as_bytes()),
+        ("of-bad.toml", extends("bad.toml").as_bytes()),
+        ("broken.toml", b"[backbone\n"),
+        ("of-broken.toml", extends("broken.toml").as_bytes()),
+        ("base.toml", format!("{BACKBONE}{DISKS}").as_bytes()),
+        (
+            "shorter.toml",
+            format!(
+                "{}[disks]\ncount = 3\n[[cables]]\nholes = [1, 1, 1, 1]\n",
+                extends("base.toml")
+            )
+            .as_bytes(),
+        ),
+        (
+            "inherited.toml",
+            format!("{}[disks]\nhole_circle_radius = [0.008]\n", extends("base.toml")).as_bytes(),
+        ),
+        (
+            "in-parent.toml",
+            format!("{}[backbone]\ninner_diameter = \"4 mm\"\n", extends("base.toml")).as_bytes(),
+        ),
+        (
+            "both.toml",
+            format!(
+                "{}[backbone]\ndiameter = \"4 mm\"\ndiameters = [1, 2]\n",
+                extends("base.toml")
+            )
+            .as_bytes(),
+        ),
+    ]);
+    for i in 0..20 {
+        let text = extends(&format!("chain-{}.toml", i + 1));
+        fs::write(folder.path().join(format!("chain-{i}.toml")), text).unwrap();
+    }
+    let cases = [
+        "a.toml",
+        "self.toml",
+        "gone.toml",
+        "folder.toml",
+        "number.toml",
+        "of-bad.toml",
+        "of-broken.toml",
+        "shorter.toml",
+        "inherited.toml",
+        "in-parent.toml",
+        "both.toml",
+        "chain-0.toml",
+    ];
+    let all: Vec<String> = cases
+        .iter()
+        .map(|name| format!("{name}\n{}\n{}", "=".repeat(name.len()), loaded(folder.path(), name)))
+        .collect();
+    let text = all.join("\n");
+    insta::assert_snapshot!(text);
+}
+
+#[cfg(unix)]
+#[test]
+fn files_that_cannot_be_read() {
+    let garbage: Vec<u8> =
+        (0..10_000_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    let folder = folder(&[
+        ("garbage.toml", garbage.as_slice()),
+        ("binary.toml", &garbage[..5000]),
+        ("latin.toml", b"title = \"K\xf6rper\"\n"),
+        ("letters.toml", "x = \u{e9}\n".repeat(20_000).as_bytes()),
+        ("equals.toml", "=\n".repeat(50_000).as_bytes()),
+        ("keys.toml", (0..50_000).map(|i| format!("key{i} = 1\n")).collect::<String>().as_bytes()),
+        (
+            "cables.toml",
+            format!("{BACKBONE}{DISKS}{}", "[[cables]]\nholes = [13, 1]\n".repeat(30_000))
+                .as_bytes(),
+        ),
+        ("folder/x", b""),
+    ]);
+    let cases = [
+        "none.toml",
+        "folder",
+        "garbage.toml",
+        "binary.toml",
+        "latin.toml",
+        "letters.toml",
+        "equals.toml",
+        "keys.toml",
+        "cables.toml",
+    ];
+    let mut all = Vec::new();
+    for name in cases {
+        let started = std::time::Instant::now();
+        let text = loaded(folder.path(), name);
+        assert!(started.elapsed().as_secs_f64() < 5.0, "{name} took {:?}", started.elapsed());
+        assert!(text.len() < 10_000, "{name}: {} bytes", text.len());
+        all.push(format!("{name}\n{}\n{text}", "=".repeat(name.len())));
+    }
+    let text = all.join("\n");
+    insta::assert_snapshot!(text);
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_at_once() {
+    let folder = folder(&[
+        ("of-pipe.toml", b"extends = \"pipe\"\n".as_slice()),
+        ("measured.toml", format!("{BACKBONE}{DISKS}[measured]\ndisks = \"pipe\"\n").as_bytes()),
+    ]);
+    let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
+    assert!(made.unwrap().success());
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("link")).unwrap();
+    let told = ["pipe", "link", "of-pipe.toml", "measured.toml"];
+    let told = told.map(|name| format!("{name}\n\n{}", loaded(folder.path(), name)));
+    insta::assert_snapshot!(told.join("\n"));
+}
+
+#[cfg(unix)]
+#[test]
+fn measured_positions() {
+    let tables: &[(&str, &str)] = &[
+        ("empty", ""),
+        ("only-a-header", "disk,x,y,z\n"),
+        ("no-header", "1,0,0,0\n2,0,0,0.02\n"),
+        ("other-columns", "disk,x,y\n1,0,0\n"),
+        ("twice-a-column", "disk,x,y,y\n1,0,0,0\n"),
+        ("too-few", "disk,x,y,z\n1,0,0,0\n2,0,0\n"),
+        ("words", "disk,x,y,z\n1,0,0,zero\n2,0,nan,1e999\n"),
+        ("disk-11", "disk,x,y,z\n# the tip\n11,0,0,0.18\n"),
+        ("disk-0", "disk,x,y,z\n0,0,0,0\n1.5,0,0,0\n"),
+        ("disk-twice", "disk,x,y,z\n2,0,0,0.02\n2,0,0,0.02\n"),
+        ("units", "disk,x,y,z\n2,0 mm,0 mm,20 mm\n"),
+        ("too-far", "disk,x,y,z\n2,0,0,1e300\n"),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let mut all = Vec::new();
+    let mut told = |name: &str| {
+        let robot = format!("{BACKBONE}{DISKS}[measured]\ndisks = \"{name}.csv\"\n");
+        let file = format!("{name}.toml");
+        fs::write(folder.path().join(&file), robot).unwrap();
+        let text = loaded(folder.path(), &file);
+        all.push(format!("{name}\n{}\n{text}", "=".repeat(name.len())));
+    };
+    for (name, text) in tables {
+        fs::write(folder.path().join(format!("{name}.csv")), text).unwrap();
+        told(name);
+    }
+    told("none");
+    let text = all.join("\n");
+    insta::assert_snapshot!(text);
+}

@@ -1,0 +1,371 @@
+//! The derivatives of the Cosserat model against differences of its own solutions on the same steps,
+//! on random robots: every parameter, command and load, both ways of holding cables, forward and
+//! backward.
+
+mod backward;
+mod commands_and_compliance;
+mod kinds_of_load;
+
+use crate::common;
+use crate::common::Wildness;
+use whipcord::cosserat::derivatives::Change;
+use whipcord::cosserat::{Accuracy, Cosserat, Derivatives, Hold, Options, Place, Workspace};
+use whipcord::differences::{Difference, differentiate};
+use whipcord::{
+    CableCommand, Case, DistributedLoad, Parameter, Profile, Robot, Routing, Shortening, Solution,
+    SolveError, Stations, Stiffness, Twist, Vec3,
+};
+
+fn bending_stiffness(robot: &Robot) -> f64 {
+    match &robot.backbone().stiffness {
+        Some(given) => given.at_end(robot.disks(), 0.0, 0.0)[3][3],
+        None => common::bending_stiffness(robot),
+    }
+}
+
+const FINE: usize = 192;
+
+const BARE: usize = 24;
+
+/// A prescribed number of steps, so that neighbouring cases are solved on the same ones.
+fn options(case: &Case) -> Options {
+    // One step between each two places of the robot, so that its measures do not move the steps.
+    // Without load it is the rod under no load that is differentiated, which is integrated otherwise:
+    // the two agree to the error of discretisation.
+    let steps = match case.commands.len() {
+        _ if case.loads.is_none() => FINE,
+        // Nothing of a bare rod moves the steps.
+        0 => BARE,
+        _ => 1,
+    };
+    Options {
+        stations: Stations::Equal(4),
+        accuracy: Accuracy::Steps(steps),
+        residual: 1e-14,
+        stability: false,
+        ..Options::default()
+    }
+}
+
+fn differentiated(robot: &Robot, case: &Case, parameters: &[Parameter]) -> (Solution, Derivatives) {
+    let model = Cosserat::new(robot, &case.loads, &options(case)).unwrap();
+    model
+        .solve_with_derivatives(case, None, parameters, &mut Workspace::default())
+        .unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
+}
+
+fn solve_near(robot: &Robot, case: &Case, at: &Solution) -> Result<Solution, SolveError> {
+    // On the steps of that answer.
+    let steps = match case.commands.len() {
+        _ if at.diagnostics.steps >= FINE => FINE,
+        0 => BARE,
+        _ => 1,
+    };
+    let accuracy = Accuracy::Steps(steps);
+    let model = Cosserat::new(robot, &case.loads, &Options { accuracy, ..options(case) })?;
+    model.solve(case, Some(at), &mut Workspace::default())
+}
+
+/// Everything that a robot and case can be differentiated by, with a step for differences.
+fn parameters(robot: &Robot, case: &Case) -> Vec<(Parameter, f64)> {
+    let length = robot.backbone().length;
+    let stiffness = bending_stiffness(robot);
+    let (force, moment) = (stiffness / length.powi(2), stiffness / length);
+    let mut all = vec![
+        Parameter::YoungModulus,
+        Parameter::ShearModulus,
+        Parameter::PoissonRatio,
+        Parameter::Density,
+        Parameter::Diameter,
+        Parameter::InnerDiameter,
+        Parameter::Width,
+        Parameter::Height,
+        Parameter::ShearCorrection,
+        Parameter::LinearDensity,
+        Parameter::Stiffness { row: 0, column: 0 },
+        Parameter::Stiffness { row: 3, column: 3 },
+        Parameter::Stiffness { row: 4, column: 4 },
+        Parameter::Stiffness { row: 5, column: 5 },
+        Parameter::Stiffness { row: 3, column: 5 },
+        Parameter::Stiffness { row: 2, column: 4 },
+        Parameter::DiskMass,
+        Parameter::HoleRadius,
+    ];
+    for disk in [0, 1, robot.disks().count() - 1] {
+        all.push(Parameter::DiameterAt { entry: disk });
+        // Monotone interpolation has kinks in the values at single disks.
+        let kinked = robot.cables().iter().any(|c| {
+            matches!(&c.routing, Routing::Holes { interpolation, .. }
+                if *interpolation == whipcord::Interpolation::Pchip)
+        });
+        if !kinked {
+            all.push(Parameter::HoleRadiusAt { disk });
+        }
+        all.push(Parameter::RestCurvatureAt { entry: disk, axis: 1 });
+    }
+    for axis in 0..3 {
+        all.push(Parameter::RestCurvature { axis });
+        all.push(Parameter::Gravity { axis });
+        all.push(Parameter::TipForce { axis });
+        all.push(Parameter::TipMoment { axis });
+        for load in 0..case.loads.points.len() {
+            all.push(Parameter::PointForce { load, axis });
+            all.push(Parameter::PointMoment { load, axis });
+        }
+    }
+    for load in 0..case.loads.distributed.len() {
+        for axis in 0..3 {
+            all.push(Parameter::LineForce { load, axis });
+            all.push(Parameter::LineMoment { load, axis });
+            for entry in 0..2 {
+                all.push(Parameter::LineForceAt { load, entry, axis });
+                all.push(Parameter::LineMomentAt { load, entry, axis });
+            }
+        }
+    }
+    all.extend((0..case.loads.masses.len()).map(|mass| Parameter::PointMass { mass }));
+    for cable in 0..robot.cables().len() {
+        all.push(Parameter::Angle { cable });
+        all.push(Parameter::Radius { cable });
+        all.push(Parameter::Turns { cable });
+        all.push(Parameter::AxialStiffness { cable });
+        for axis in 0..2 {
+            all.push(Parameter::Start { cable, axis });
+            all.push(Parameter::End { cable, axis });
+            for power in 0..4 {
+                all.push(Parameter::Coefficient { cable, axis, power });
+            }
+        }
+    }
+    let rod_mass = robot.backbone().linear_density_at(robot.disks(), 0.0).unwrap_or(0.01) * length;
+    all.into_iter()
+        .filter_map(|p| {
+            let value = p.value(robot, case).ok()?;
+            // Without density no weight is known.
+            if matches!(p, Parameter::Gravity { .. }) {
+                robot.backbone().linear_density_at(robot.disks(), 0.0)?;
+            }
+            let scale = match p {
+                Parameter::RestCurvature { .. } | Parameter::RestCurvatureAt { .. } => 1.0 / length,
+                Parameter::Gravity { .. } => 0.3 * force / rod_mass,
+                Parameter::TipForce { .. } | Parameter::PointForce { .. } => 0.3 * force,
+                Parameter::TipMoment { .. } | Parameter::PointMoment { .. } => 0.3 * moment,
+                Parameter::LineForce { .. } | Parameter::LineForceAt { .. } => 0.5 * force / length,
+                Parameter::LineMoment { .. } | Parameter::LineMomentAt { .. } => {
+                    0.5 * moment / length
+                }
+                Parameter::PointMass { .. } => 0.3 * rod_mass,
+                Parameter::Angle { .. } | Parameter::Turns { .. } => 1.0,
+                Parameter::PoissonRatio => 0.5,
+                Parameter::Coefficient { power, .. } => 0.05 * length.powi(1 - power as i32),
+                Parameter::Start { .. } | Parameter::End { .. } => 0.05 * length,
+                Parameter::DiskMass => rod_mass / robot.disks().count() as f64,
+                _ => value,
+            };
+            let step = if scale == 0.0 { 1e-3 * length } else { 2e-3 * scale };
+            // A mass cannot be negative.
+            let possible = p.moved(robot, case, 4.0 * step).is_ok()
+                && p.moved(robot, case, -4.0 * step).is_ok();
+            possible.then_some((p, step.abs()))
+        })
+        .collect()
+}
+
+/// Largest difference between a change and differences, relative to the largest part of them.
+fn off(change: &Change, difference: &Difference, robot: &Robot) -> f64 {
+    let length = robot.backbone().length;
+    let moment = bending_stiffness(robot) / length;
+    let (mut worst, mut size) = (0.0_f64, 0.0_f64);
+    let mut compare = |a: f64, b: f64, unit: f64| {
+        worst = worst.max((a - b).abs() / unit);
+        size = size.max(b.abs() / unit);
+    };
+    let mut twist = |a: Twist, b: &Twist| {
+        for i in 0..3 {
+            compare(a.linear[i], b.linear[i], length);
+            compare(a.angular[i], b.angular[i], 1.0);
+        }
+    };
+    for (i, expected) in difference.stations.iter().enumerate() {
+        twist(change.twist(Place::Station(i)), expected);
+    }
+    for (i, expected) in difference.disks.iter().enumerate() {
+        twist(change.twist(Place::Disk(i)), expected);
+    }
+    for (a, b) in change.lengths().iter().zip(&difference.lengths) {
+        compare(*a, *b, length);
+    }
+    for (a, b) in change.tensions().iter().zip(&difference.tensions) {
+        compare(*a, *b, moment / length);
+    }
+    let (a, b) = (change.base_wrench(), difference.base_wrench);
+    for i in 0..3 {
+        compare(a.force[i], b.force[i], moment / length);
+        compare(a.moment[i], b.moment[i], moment);
+    }
+    assert!(worst.is_finite() && size.is_finite());
+    if size == 0.0 { worst } else { worst / size }
+}
+
+/// Differences leave about this much, relative to the largest change.
+const TOLERANCE: f64 = 2e-7;
+
+fn check_parameters(robot: &Robot, case: &Case, failures: &mut String) -> usize {
+    check_parameters_to(TOLERANCE, robot, case, failures)
+}
+
+fn check_parameters_to(tolerance: f64, robot: &Robot, case: &Case, failures: &mut String) -> usize {
+    let all = parameters(robot, case);
+    let list: Vec<Parameter> = all.iter().map(|(p, _)| *p).collect();
+    let (solution, derivatives) = differentiated(robot, case, &list);
+    for (i, (parameter, step)) in all.iter().enumerate() {
+        let change = derivatives.parameter(i, Hold::Commands);
+        let off = |step: f64| {
+            let difference = differentiate(
+                |by| {
+                    let (robot, case) = parameter.moved(robot, case, by)?;
+                    solve_near(&robot, &case, &solution)
+                },
+                step,
+            );
+            let difference = difference.unwrap_or_else(|e| panic!("{parameter}: {e}\n{robot:?}"));
+            off(&change, &difference, robot)
+        };
+        // Shear, and twist where cables run straight, hardly count: little is left of differences.
+        let tolerance = match parameter {
+            Parameter::PoissonRatio | Parameter::ShearCorrection => 1e3 * tolerance,
+            _ => tolerance,
+        };
+        // Differences err by what they leave out or by what the solver leaves, at one step or another.
+        let off = [1.0, 4.0, 0.125]
+            .into_iter()
+            .map(|f| off(f * step))
+            .find(|off| *off <= tolerance)
+            .unwrap_or_else(|| off(*step));
+        if off.is_nan() || off > tolerance {
+            *failures += &format!("{parameter}: {off:.1e}\n");
+        }
+    }
+    all.len()
+}
+
+/// With distributed loads of nothing, which something can become.
+fn with_room(case: &Case, length: f64) -> Case {
+    let stretch = Profile::Constant {
+        from: 0.25 * length,
+        to: 0.75 * length,
+        force: Vec3::ZERO,
+        moment: Vec3::ZERO,
+    };
+    let none = vec![Vec3::ZERO; 2];
+    let linear = Profile::Linear { at: vec![0.0, length], force: none.clone(), moment: none };
+    let load = |profile: &Profile, follower| DistributedLoad { profile: profile.clone(), follower };
+    let mut case = case.clone();
+    case.loads.distributed = vec![load(&stretch, false), load(&linear, true)];
+    case
+}
+
+fn check_random(wild: Wildness, count: usize) {
+    let mut failures = String::new();
+    let mut checked = 0;
+    for (i, (robot, case)) in common::samples(common::robot(wild), count).enumerate() {
+        let case = with_room(&case, robot.backbone().length);
+        let before = failures.len();
+        checked += check_parameters(&robot, &case, &mut failures);
+        if failures.len() > before {
+            failures += &format!("  of robot {i}: {:?}\n", robot.cables());
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
+    println!("{checked} derivatives by parameters of {count} robots");
+}
+
+const ROBOTS: usize = if cfg!(debug_assertions) { 1 } else { 6 };
+
+#[test]
+fn parameters_under_loads() {
+    check_random(Wildness::LOADED, ROBOTS);
+}
+
+#[test]
+fn parameters_without_load() {
+    check_random(Wildness::UNLOADED, ROBOTS);
+}
+
+/// Stiffness that is given itself, with terms beside its diagonal, or along which strains are held.
+#[test]
+fn given_stiffness() {
+    let matrix = {
+        let mut k = [[0.0; 6]; 6];
+        for (i, value) in [3e3, 2.5e3, 8e3, 4e-3, 6e-3, 3e-3].into_iter().enumerate() {
+            k[i][i] = value;
+        }
+        for (i, j, value) in [(3, 5, 8e-4), (2, 4, 0.9), (0, 3, -0.4)] {
+            (k[i][j], k[j][i]) = (value, value);
+        }
+        Stiffness::Matrix(k.into())
+    };
+    let diagonal = Stiffness::diagonal([3e3, 2.5e3], 8e3, [4e-3, 6e-3], 3e-3);
+    let mut failures = String::new();
+    for (stiffness, extensible) in [(matrix.clone(), true), (matrix, false), (diagonal, true)] {
+        let backbone = whipcord::Backbone {
+            stiffness: Some(stiffness),
+            linear_density: Some(0.02.into()),
+            extensible,
+            shearable: extensible,
+            ..whipcord::Backbone::new(0.18)
+        };
+        let cables = [common::straight(20.0), common::helix(80.0, 0.5)];
+        let cables = cables.into_iter().enumerate();
+        let cables = cables.map(|(i, r)| whipcord::Cable::new(format!("{i}"), r)).collect();
+        let robot = Robot::new(backbone, common::paper_disks(), cables).unwrap();
+        let mut case = Case::with_tensions(&[2.0, 1.5]);
+        case.loads.tip_force = Vec3::new(0.05, 0.1, -0.05);
+        case.loads.gravity = Some(Vec3::new(0.0, 9.81, 0.0));
+        check_parameters(&robot, &case, &mut failures);
+    }
+    assert!(failures.is_empty(), "{failures}");
+}
+
+/// A case in which the cables are as long as they are now, but for every second one, which keeps its
+/// tension, and the robot with some of its cables elastic.
+fn by_length(robot: &Robot, case: &Case, all: bool) -> (Robot, Case) {
+    let elastic = |(i, cable): (usize, &whipcord::Cable)| whipcord::Cable {
+        axial_stiffness: (i % 3 == 1)
+            .then(|| 300.0 * bending_stiffness(robot) / robot.backbone().length.powi(2)),
+        ..cable.clone()
+    };
+    let cables = robot.cables().iter().enumerate().map(elastic).collect();
+    let robot = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap();
+    let model = Cosserat::new(&robot, &case.loads, &options(case)).unwrap();
+    let solution = model.solve(case, None, &mut Workspace::default()).unwrap();
+    let command = |(i, (state, given)): (usize, (&whipcord::CableState, &CableCommand))| {
+        if !all && i % 2 == 1 {
+            return *given;
+        }
+        let stiffness = robot.cables()[i].axial_stiffness;
+        let stretch = stiffness.map_or(0.0, |k| state.initial_length * state.tension.unwrap() / k);
+        let shortening = state.initial_length - state.length + stretch;
+        let shortening = if i % 4 == 0 {
+            Shortening::Length(shortening)
+        } else {
+            Shortening::Fraction(shortening / state.initial_length)
+        };
+        CableCommand { tension: None, shortening: Some(shortening) }
+    };
+    let commands = solution.cables.iter().zip(&case.commands).enumerate().map(command).collect();
+    (robot, Case { commands, ..case.clone() })
+}
+
+/// Random robots whose cables are all so taut that no difference lets one go slack, and so few that
+/// their lengths are independent.
+fn taut(wild: Wildness, count: usize) -> impl Iterator<Item = (Robot, Case)> {
+    let wild = Wildness { cables: 3, ..wild };
+    common::samples(common::robot(wild), 4 * count)
+        .filter(|(robot, case)| {
+            let length = robot.backbone().length;
+            let unit = bending_stiffness(robot) / length / (0.05 * length);
+            case.commands.iter().all(|c| c.tension.unwrap() > 0.05 * unit)
+        })
+        .take(count)
+}
