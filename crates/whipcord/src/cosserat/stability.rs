@@ -81,7 +81,7 @@ impl Stability {
         tensions: &[f64],
     ) -> f64 {
         self.assemble(grid, samples);
-        let free = bisect(-1.0, 2.0, |shift| self.is_indefinite(shift));
+        let free = falling_zero(0.0, 1.0, |shift| self.least_of_tip(shift));
         self.lock(grid, samples, commands, tensions);
         if self.locked.is_empty() {
             return free;
@@ -199,30 +199,45 @@ impl Stability {
         self.locked.iter().map(of_cable).fold(0.0, f64::max)
     }
 
-    /// Whether `energy − shift · metric` has a negative direction, by block elimination from the
-    /// tip to the clamped base.
+    /// Whether `energy − shift · metric` has a negative direction.
     fn is_indefinite(&self, shift: f64) -> bool {
-        // What the part beyond the step contributes at its end.
-        let mut beyond = Mat3::ZERO;
-        for element in self.elements.iter().rev() {
+        self.left_at_tip(shift).is_none_or(|tip| tip.ldlt().is_none())
+    }
+
+    /// The least eigenvalue of what is left at the tip. It falls with the shift and is concave: a Schur
+    /// complement, whose poles are those of the robot held at the tip too.
+    fn least_of_tip(&self, shift: f64) -> Option<f64> {
+        let [least, ..] = self.left_at_tip(shift)?.symmetric_eigenvalues();
+        Some(least)
+    }
+
+    /// What block elimination of `energy − shift · metric` from the clamped base to the tip leaves there;
+    /// `None` where anything before it is negative already.
+    fn left_at_tip(&self, shift: f64) -> Option<Mat3> {
+        // What the part before a step contributes at its start.
+        let mut before = Mat3::ZERO;
+        for (k, element) in self.elements.iter().enumerate() {
             let block = |i: usize, j: usize| element.energy[i][j] - element.metric[i][j] * shift;
-            let Some(middle) = block(1, 1).ldlt() else { return true };
-            let to_end = middle.solve_matrix(&block(1, 2));
-            let to_start = middle.solve_matrix(&block(1, 0));
-            let end = block(2, 2) + beyond - block(2, 1) * to_end;
-            let Some(end) = symmetric(end).ldlt() else { return true };
-            let coupling = block(2, 0) - block(2, 1) * to_start;
-            beyond = block(0, 0)
-                - block(0, 1) * to_start
-                - coupling.transpose() * end.solve_matrix(&coupling);
-            beyond = symmetric(beyond);
+            let (from_start, from_end) = (block(1, 0), block(1, 2));
+            let middle = block(1, 1).ldlt()?;
+            let to_end = middle.solve_matrix(&from_end);
+            let end = block(2, 2) - from_end.transpose() * to_end;
+            if k == 0 {
+                before = symmetric(end);
+                continue;
+            }
+            let to_start = middle.solve_matrix(&from_start);
+            let start = before + block(0, 0) - from_start.transpose() * to_start;
+            let coupling = block(0, 2) - from_start.transpose() * to_end;
+            let start = symmetric(start).ldlt()?;
+            before = symmetric(end - coupling.transpose() * start.solve_matrix(&coupling));
         }
-        false
+        Some(before)
     }
 
     /// The number of negative directions of `energy − shift · metric` among the fields that the
-    /// locked cables admit, eq. (11): the elimination of [`Self::is_indefinite`] through negative
-    /// pivots, with the borders carried along.
+    /// locked cables admit, eq. (11): by elimination from the tip to the base through negative pivots,
+    /// with the borders carried along.
     fn negative_directions(&mut self, shift: f64) -> usize {
         let p = self.locked.len();
         let Self { elements, borders, corner, schur, beyond: far, next, .. } = self;
@@ -389,46 +404,67 @@ pub(crate) const SLOPES: [[f64; 3]; 3] = [[-3.0, 4.0, -1.0], [-1.0, 0.0, 1.0], [
 pub(crate) const WEIGHTS: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
 
 /// Simpson's rule on the quadratic shape functions of a step.
+///
+/// Each shape function is 1 at one sample and 0 at the two others: at sample `q` the energy is a form of
+/// `η′ = Σ σᵢ ηᵢ`, with `σᵢ` their slopes, and of `η = η_q`, with `δu = η′ + û η` and `δN = N̂ η`.
 pub(crate) fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Mat3) -> Element {
     let mut out = Element::default();
     for (q, sample) in samples.iter().enumerate() {
         let weight = WEIGHTS[q] * h;
         let turn = Mat3::skew(sample.strain.angular);
         let push = Mat3::skew(sample.wrench.linear);
-        let (v, moment) = (sample.strain.linear, sample.wrench.angular);
+        let moment = Mat3::skew(sample.wrench.angular);
         let (compliance, coupling) = sample.tangent.force_compliance();
-        let bending = bending(q);
-        // δu = B_i η_i and δN = C_i η_i of each shape function.
-        let strain = |i: usize| {
-            let own = if i == q { turn } else { Mat3::ZERO };
-            own + Mat3::IDENTITY * (SLOPES[q][i] / h)
-        };
-        let force = |i: usize| if i == q { push } else { Mat3::ZERO };
+        let bends = sample.tangent.reduced;
+        // −M·(η × δu) = ηᵀ M̂ δu with M̂ δu = M × δu, made symmetric.
+        let yields = coupling.transpose() * push;
+        let slope_turn = bends * turn - yields + moment.transpose() * 0.5;
+        let sheared = turn.transpose() * yields;
+        let twisted = moment * turn;
+        let turn_turn = turn.transpose() * (bends * turn)
+            - sheared
+            - sheared.transpose()
+            - push.transpose() * (compliance * push)
+            + symmetric(twisted)
+            + tilt(sample.strain.linear, sample.wrench.linear);
+        let energy = Turning { slope_slope: bends, slope_turn, turn_turn };
+        let metric = bending(q);
+        let bent = metric * turn;
+        let metric =
+            Turning { slope_slope: metric, slope_turn: bent, turn_turn: turn.transpose() * bent };
         for i in 0..3 {
             for j in 0..3 {
-                let (bi, bj) = (strain(i), strain(j));
-                let (ci, cj) = (force(i), force(j));
-                let mut energy = bi.transpose() * sample.tangent.reduced * bj
-                    - bi.transpose() * coupling.transpose() * cj
-                    - ci.transpose() * coupling * bj
-                    - ci.transpose() * compliance * cj;
-                // −M·(η × δu) = ηᵀ M̂ δu with M̂ δu = M × δu, made symmetric.
-                let cross = Mat3::skew(moment);
-                if i == q {
-                    energy += cross * bj * 0.5;
-                }
-                if j == q {
-                    energy += bi.transpose() * cross.transpose() * 0.5;
-                }
-                if i == q && j == q {
-                    energy += tilt(v, sample.wrench.linear);
-                }
-                out.energy[i][j] += energy * weight;
-                out.metric[i][j] += bi.transpose() * bending * bj * weight;
+                out.energy[i][j] += energy.block(q, i, j, h) * weight;
+                out.metric[i][j] += metric.block(q, i, j, h) * weight;
             }
         }
     }
     out
+}
+
+/// A symmetric form of `η′` and `η` at a place.
+struct Turning {
+    slope_slope: Mat3,
+    slope_turn: Mat3,
+    turn_turn: Mat3,
+}
+
+impl Turning {
+    /// The form of shape functions `i` and `j` of a step this long, at its sample `q`.
+    fn block(&self, q: usize, i: usize, j: usize, h: f64) -> Mat3 {
+        let (a, b) = (SLOPES[q][i] / h, SLOPES[q][j] / h);
+        let mut block = self.slope_slope * (a * b);
+        if j == q {
+            block += self.slope_turn * a;
+        }
+        if i == q {
+            block += self.slope_turn.transpose() * b;
+        }
+        if i == q && j == q {
+            block += self.turn_turn;
+        }
+        block
+    }
 }
 
 /// The symmetric matrix of `−v·(η × (η × N)) = (v·N)|η|² − (v·η)(N·η)`.
