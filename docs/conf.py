@@ -1,0 +1,42 @@
+"""The documentation site: `make docs` builds it into target/docs."""
+
+import sys
+from importlib.metadata import version as installed_version
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
+
+project = "Whipcord"
+author = "The Whipcord developers"
+copyright = author
+release = installed_version("whipcord")
+
+extensions = [
+    "robot_file_keys",
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.napoleon",
+]
+exclude_patterns = ["images", "_extensions"]
+source_suffix = {".md": "myst-nb"}
+
+# Tutorials are run whenever the site is built; what fails in one fails the build.
+nb_execution_mode = "auto"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_merge_streams = True
+
+myst_heading_anchors = 3
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+
+# The manners of NumPy: shapes and units stand in the docstrings, types in the signatures.
+napoleon_google_docstring = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+python_use_unqualified_type_names = True
+
+nitpicky = False
+html_theme = "furo"
+html_title = f"Whipcord {release}"
