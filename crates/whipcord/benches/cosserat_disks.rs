@@ -10,7 +10,7 @@ use case_3::TENSION;
 use divan::Bencher;
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::{CosseratDisks, Options, Workspace};
-use whipcord::{Case, Drive, Shortening};
+use whipcord::{Case, Drive, Robot, Shortening};
 
 fn main() {
     divan::main();
@@ -23,7 +23,11 @@ fn options(steps: usize, drive: Drive) -> Options {
 }
 
 fn measure(bencher: Bencher<'_, '_>, options: &Options, case: &Case) {
-    let model = CosseratDisks::new(&case_3::robot(), &case.loads, options).unwrap();
+    measure_of(&case_3::robot(), bencher, options, case);
+}
+
+fn measure_of(robot: &Robot, bencher: Bencher<'_, '_>, options: &Options, case: &Case) {
+    let model = CosseratDisks::new(robot, &case.loads, options).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(case, None, &mut workspace).unwrap());
 }
@@ -31,6 +35,13 @@ fn measure(bencher: Bencher<'_, '_>, options: &Options, case: &Case) {
 #[divan::bench(args = STEPS)]
 fn unloaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
     measure(bencher, &options(steps, Drive::Tension), &Case::with_tensions(&[TENSION]));
+}
+
+/// Of a robot no two spans of which are alike.
+#[divan::bench(args = STEPS)]
+fn unloaded_tapered_cold(bencher: Bencher<'_, '_>, steps: usize) {
+    let options = options(steps, Drive::Tension);
+    measure_of(&case_3::tapered(), bencher, &options, &Case::with_tensions(&[TENSION]));
 }
 
 fn by_length() -> Case {

@@ -1,6 +1,6 @@
 //! The paper's case III, and a load for it.
 
-use whipcord::{Backbone, Cable, Disks, Loads, Material, Robot, Routing, Section, Vec3};
+use whipcord::{Along, Backbone, Cable, Disks, Loads, Material, Robot, Routing, Section, Vec3};
 
 /// The weight of 400 g, in N.
 pub const TENSION: f64 = 0.4 * 9.80665;
@@ -20,6 +20,17 @@ pub fn robot() -> Robot {
     let disks = Disks::equally_spaced(0.18, 10, 0.008).with_holes(12);
     let cable = Cable::new("pull", Routing::holes(vec![1, 2, 3, 4, 4, 4, 4, 3, 2, 1]));
     Robot::new(backbone, disks, vec![cable]).unwrap()
+}
+
+/// The robot with a rod that gets thinner from disk to disk.
+#[allow(dead_code, reason = "not every benchmark needs it")]
+pub fn tapered() -> Robot {
+    let robot = robot();
+    let diameters = (0..10).map(|disk| 0.003 - 5e-5 * f64::from(disk)).collect();
+    let (outer, inner) = (Along::PerDisk(diameters), Along::Uniform(0.0));
+    let backbone =
+        Backbone { section: Some(Section::Round { outer, inner }), ..robot.backbone().clone() };
+    Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec()).unwrap()
 }
 
 /// Gravity, and a wrench at the tip.

@@ -12,6 +12,7 @@
 //! change of `wₖ` is eliminated span by span, the rest from base to tip by the elimination that the
 //! model with continuous cables uses too: like that it stays well conditioned under strong loads.
 
+use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::held::{self, Held};
@@ -111,6 +112,36 @@ impl Scales {
         let length = frame.rod.backbone().length;
         let moment = bending.x.min(bending.y).min(bending.z) / length;
         Self { moment, force: moment / length }
+    }
+}
+
+/// [`Chain::measure`] with the instructions that the processor has, to the same bits.
+struct Measure<'a> {
+    chain: &'a mut Chain,
+    task: &'a Task<'a>,
+}
+
+impl WithSimd for Measure<'_> {
+    type Output = Result<f64, Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.chain.measure_with(self.task)
+    }
+}
+
+/// [`Chain::linearise`] likewise.
+struct Linearise<'a> {
+    chain: &'a mut Chain,
+    task: &'a Task<'a>,
+}
+
+impl WithSimd for Linearise<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.chain.linearise_with(self.task)
     }
 }
 
@@ -270,6 +301,11 @@ impl Chain {
 
     /// Integrates all spans; the greatest gap.
     fn measure(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
+        Arch::new().dispatch(Measure { chain: self, task })
+    }
+
+    #[inline(always)]
+    fn measure_with(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
         let Task { frame, mesh, loads, load, .. } = *task;
         let scales = Scales::of(frame, mesh);
         let count = frame.spans.len();
@@ -288,8 +324,7 @@ impl Chain {
             let samples = &mut self.samples[3 * steps.start..3 * steps.end];
             let poses = &mut self.poses[steps.clone()];
             let grid = &mesh.grid;
-            let end =
-                rod::integrate(grid, steps.clone(), node.wrench, Some(&inside), poses, samples);
+            let end = rod::integrate(grid, steps.clone(), node.wrench, &inside, poses, samples);
             let chords = &mut self.chords[span.first..span.first + cables];
             joint::draw(span, &end.pose, chords).map_err(|gone| folded(gone, span))?;
             for (chord, &group) in chords.iter().zip(&task.groups[span.first..]) {
@@ -308,6 +343,11 @@ impl Chain {
 
     /// Linearises all spans where they were last measured; `false` where one is singular.
     fn linearise(&mut self, task: &Task<'_>) -> bool {
+        Arch::new().dispatch(Linearise { chain: self, task })
+    }
+
+    #[inline(always)]
+    fn linearise_with(&mut self, task: &Task<'_>) -> bool {
         let frame = task.frame;
         self.links.resize(frame.spans.len(), Link::default());
         self.rows.resize(9 * frame.passages, 0.0);

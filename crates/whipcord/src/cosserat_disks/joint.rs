@@ -37,6 +37,7 @@ pub(super) struct Vanished {
 const LEAST_CHORD: f64 = 1e-3;
 
 /// The chords of a span whose far disk stands at `pose`.
+#[inline(always)]
 pub(super) fn draw(span: &Span, pose: &Pose, chords: &mut [Chord]) -> Result<(), Vanished> {
     for (passage, chord) in span.passages.iter().zip(chords) {
         let way = pose.transform(passage.far) - passage.near;
@@ -51,7 +52,7 @@ pub(super) fn draw(span: &Span, pose: &Pose, chords: &mut [Chord]) -> Result<(),
 }
 
 /// `Σ τᵢ (tᵢ, h₀ᵢ × tᵢ)`.
-#[inline]
+#[inline(always)]
 pub(super) fn pull(span: &Span, chords: &[Chord], tensions: &[f64]) -> BodyWrench {
     let mut sum = BodyWrench::default();
     for ((passage, chord), &tension) in span.passages.iter().zip(chords).zip(tensions) {
@@ -61,9 +62,9 @@ pub(super) fn pull(span: &Span, chords: &[Chord], tensions: &[f64]) -> BodyWrenc
 }
 
 /// What a unit tension exerts at the near disk.
-#[inline]
+#[inline(always)]
 pub(super) fn unit_pull(near: Vec3, chord: &Chord) -> BodyWrench {
-    BodyWrench { linear: chord.along, angular: near.cross(chord.along) }
+    along_cable(near, chord.along)
 }
 
 /// What rod and cables exert together on the far disk's near side, as a moment in its frame.
@@ -90,7 +91,7 @@ pub(super) struct Answer {
 }
 
 /// The answer to a variation of the rod; `lengths` takes the changes of the chords.
-#[inline]
+#[inline(always)]
 pub(super) fn answer(
     span: &Span,
     pose: &Pose,
@@ -134,6 +135,7 @@ pub(super) struct Factors {
 
 impl Factors {
     /// From the answers to the three forces and three moments; `None` where it is singular.
+    #[inline(always)]
     pub fn new(by: &[Answer]) -> Option<Self> {
         let linear = |c: usize| by[c].pull.linear;
         let angular = |c: usize| by[c].pull.angular;
@@ -152,4 +154,34 @@ impl Factors {
         let angular = self.moment * (right.angular - self.lower * first);
         BodyWrench { linear: first - self.force * (self.upper * angular), angular }
     }
+}
+
+/// Eq. (3) of a span without load, linearised and factored.
+///
+/// Where one cable crosses the span the rod bears what that takes, a force `n` along its line:
+/// `w = (n, h₀ × n)`, and three equations are left.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Tangent {
+    OneCable {
+        /// Inverse of `I + ∂(τ t)/∂n`.
+        force: Mat3,
+        near: Vec3,
+    },
+    Cables(Factors),
+}
+
+impl Tangent {
+    #[inline(always)]
+    pub fn solve(&self, right: BodyWrench) -> BodyWrench {
+        match self {
+            Self::OneCable { force, near } => along_cable(*near, *force * right.linear),
+            Self::Cables(factors) => factors.solve(right),
+        }
+    }
+}
+
+/// The wrench of a force that acts at a hole.
+#[inline(always)]
+pub(super) fn along_cable(near: Vec3, force: Vec3) -> BodyWrench {
+    BodyWrench { linear: force, angular: near.cross(force) }
 }

@@ -5,6 +5,8 @@ use core::ops::Range;
 use whipcord_numerics::{Pose, Vec3, magnus_6};
 
 use super::friction::Holes;
+use super::joint::Chord;
+use super::twins::{self, Twin};
 use crate::case::Loads;
 use crate::cosserat::grid::{Grid, Layout};
 use crate::error::SolveError;
@@ -41,8 +43,8 @@ pub(super) struct Frame {
     pub spans: Vec<Span>,
     /// Hole to hole on the rod at rest, in m, by cable.
     pub rest_lengths: Vec<f64>,
-    /// The same, passage by passage.
-    rest_chords: Vec<f64>,
+    /// Of all passages on the rod at rest.
+    pub rest_chords: Vec<Chord>,
     /// Passages of all spans.
     pub passages: usize,
 }
@@ -52,6 +54,8 @@ pub(super) struct Frame {
 pub(super) struct Mesh {
     pub grid: Grid,
     pub spans: Vec<Range<usize>>,
+    /// For each span an earlier one that it is like.
+    pub twins: Vec<Option<Twin>>,
 }
 
 impl Frame {
@@ -89,7 +93,7 @@ impl Frame {
         frame.rest_chords = frame.chords_at_rest()?;
         let passing = frame.spans.iter().flat_map(|span| &span.passages);
         for (passage, chord) in passing.zip(&frame.rest_chords) {
-            frame.rest_lengths[passage.cable] += chord;
+            frame.rest_lengths[passage.cable] += chord.length;
         }
         Ok(frame)
     }
@@ -98,8 +102,9 @@ impl Frame {
     pub fn mesh(&self, steps: usize, halvings: usize) -> Result<Mesh, SolveError> {
         let grid =
             Grid::refined(&self.rod, &self.layout, steps, halvings).map_err(of_this_model)?;
-        let spans = grid.disks.windows(2).map(|pair| pair[0]..pair[1]).collect();
-        Ok(Mesh { grid, spans })
+        let spans: Vec<_> = grid.disks.windows(2).map(|pair| pair[0]..pair[1]).collect();
+        let twins = twins::find(&self.spans, &grid, &spans);
+        Ok(Mesh { grid, spans, twins })
     }
 
     /// What cables rub in, and how much.
@@ -110,11 +115,11 @@ impl Frame {
                 of_cable[passage.cable].push(span.first + i);
             }
         }
-        let mut at_rest = self.rest_chords.clone();
+        let mut at_rest = vec![0.0; self.passages];
         for passages in &of_cable {
             let mut beyond = 0.0;
             for &p in passages.iter().rev() {
-                beyond += self.rest_chords[p];
+                beyond += self.rest_chords[p].length;
                 at_rest[p] = beyond;
             }
         }
@@ -123,7 +128,7 @@ impl Frame {
         for (passages, cable) in of_cable.iter().zip(cables) {
             let compliance = cable.axial_stiffness.map_or(0.0, f64::recip);
             for &p in passages {
-                yielding[p] = compliance * self.rest_chords[p];
+                yielding[p] = compliance * self.rest_chords[p].length;
             }
         }
         Holes {
@@ -134,11 +139,11 @@ impl Frame {
         }
     }
 
-    /// Lengths of the chords of all passages on the rod at rest.
-    fn chords_at_rest(&self) -> Result<Vec<f64>, SolveError> {
+    /// The chords of all passages on the rod at rest.
+    fn chords_at_rest(&self) -> Result<Vec<Chord>, SolveError> {
         const HALVINGS: usize = 3;
         let mesh = self.mesh(1, HALVINGS)?;
-        let mut lengths = Vec::with_capacity(self.passages);
+        let mut chords = Vec::with_capacity(self.passages);
         for (span, steps) in self.spans.iter().zip(&mesh.spans) {
             let pose = steps.clone().fold(Pose::IDENTITY, |pose, k| {
                 let h = mesh.grid.steps[k].length;
@@ -146,11 +151,12 @@ impl Frame {
                 pose * magnus_6(&[at(0), at(1), at(2)])
             });
             for passage in &span.passages {
-                let chord = pose.transform(passage.far) - passage.near;
-                lengths.push(chord.norm());
+                let way = pose.transform(passage.far) - passage.near;
+                let length = way.norm();
+                chords.push(Chord { along: way * (1.0 / length), length });
             }
         }
-        Ok(lengths)
+        Ok(chords)
     }
 }
 

@@ -2,9 +2,10 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
+use super::bare;
 use super::chain::{Node, Scales, Task};
 use super::joint::{self, Answer, Chord, Factors};
-use super::rod::{self, By, End, InSpan, Sample};
+use super::rod::{self, By, End, InSpan, Sample, Variation};
 use crate::cosserat::elimination::Change;
 use crate::cosserat::section::BodyWrench;
 
@@ -138,6 +139,7 @@ impl Gap {
 
 impl Link {
     /// Linearises span `k`; `rows` takes the changes of the chords. `None` where eq. (3) is singular.
+    #[inline(always)]
     pub fn new(
         task: &Task<'_>,
         k: usize,
@@ -183,6 +185,7 @@ impl Link {
 }
 
 /// The answers to the six components of `w` and to the direction of the dead loads.
+#[inline(always)]
 fn answers(
     task: &Task<'_>,
     k: usize,
@@ -191,32 +194,36 @@ fn answers(
     rows: &mut [f64],
 ) -> [Answer; 9] {
     let Taut { samples, ref pose, chords, tensions } = *taut;
-    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let span = &task.frame.spans[k];
     let cables = span.passages.len();
-    let steps = &task.mesh.spans[k];
-    let loaded = samples.iter().any(|sample| sample.dead != Vec3::ZERO)
-        || (steps.start + 1..steps.end).any(|place| task.loads.moment(place) != Vec3::ZERO)
-        || steps.clone().any(|k| task.loads.line(k).is_some());
-    core::array::from_fn(|c| {
+    let (grid, steps) = (&task.mesh.grid, &task.mesh.spans[k]);
+    let units = bare::units();
+    let mut out = [Answer::default(); 9];
+    let mut answer = |c: usize, out: &mut Answer, variation: &Variation| {
         let row = &mut rows[c * cables..(c + 1) * cables];
-        let by = match c {
-            0..3 => {
-                // A change of the force reaches into the followers' share, not only the rod's own.
-                By::Force(axes[c])
-            }
-            3..6 => By::Moment(axes[c - 3]),
-            _ if !loaded => {
-                row.fill(0.0);
-                return Answer::default();
-            }
-            _ => By::Turn(axes[c - 6]),
-        };
-        let mut variation =
-            rod::linearise(&task.mesh.grid, steps.clone(), samples, Some(inside), by);
-        if let By::Force(force) = by {
-            variation.force -= force;
+        *out = joint::answer(span, pose, chords, tensions, variation, row);
+    };
+    if inside.acts(steps.clone()) {
+        for (c, out) in out.iter_mut().enumerate() {
+            let mut variation = match units.get(c) {
+                Some(unit) => {
+                    rod::linearise(grid, steps.clone(), samples, inside, By::Wrench(*unit))
+                }
+                None => {
+                    let axis = [Vec3::X, Vec3::Y, Vec3::Z][c - 6];
+                    rod::linearise(grid, steps.clone(), samples, inside, By::Turn(axis))
+                }
+            };
+            // What a change of the force adds beside itself are the followers.
+            variation.force -= units.get(c).map_or(Vec3::ZERO, |unit| unit.linear);
+            answer(c, out, &variation);
         }
-        joint::answer(span, pose, chords, tensions, &variation, row)
-    })
+    } else {
+        let variations = bare::linearise(grid, steps.clone(), samples, &units);
+        for (c, (out, variation)) in out.iter_mut().zip(&variations).enumerate() {
+            answer(c, out, &Variation { force: Vec3::ZERO, ..*variation });
+        }
+        rows[6 * cables..].fill(0.0);
+    }
+    out
 }

@@ -10,6 +10,7 @@
 //! them under loads, `friction` those of cables that rub; `stability` says whether the robot `stays` in
 //! them; `local` how it yields; `model` is what the rest of the library sees.
 
+mod bare;
 mod chain;
 mod friction;
 mod held;
@@ -23,6 +24,7 @@ mod rod;
 mod stability;
 mod statics;
 mod stays;
+mod twins;
 mod unloaded;
 
 pub use crate::cosserat::Options;

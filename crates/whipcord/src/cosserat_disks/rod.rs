@@ -22,13 +22,17 @@
 
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
+use super::bare;
 use super::layout::Mesh;
 use crate::cosserat::grid::Grid;
 use crate::cosserat::loaded::combine;
 use crate::cosserat::loads::AppliedLoads;
 use crate::cosserat::section::{BodyWrench, Strain};
+use crate::shape::Wrench;
 
 const STAGES: usize = 6;
+/// How many of the grid's nodes lie in a step, its ends included.
+const NODES: usize = 5;
 /// Which of the grid's shooting nodes each stage uses.
 const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
 
@@ -60,6 +64,8 @@ pub(super) struct Sample {
     pub strain: Strain,
     pub wrench: BodyWrench,
     pub rotation: UnitQuaternion,
+    /// In the frame of the disk.
+    pub position: Vec3,
     /// Dead load between the start of the span and here, in the frame of the disk.
     pub dead: Vec3,
 }
@@ -76,18 +82,18 @@ pub(super) struct Variation {
 /// Quaternion, position and moment, or their derivatives.
 type State = [f64; 10];
 
-#[inline]
+#[inline(always)]
 fn pack(q: UnitQuaternion, p: Vec3, m: Vec3) -> State {
     [q.w, q.v.x, q.v.y, q.v.z, p.x, p.y, p.z, m.x, m.y, m.z]
 }
 
-#[inline]
+#[inline(always)]
 fn unpack(&[w, x, y, z, px, py, pz, mx, my, mz]: &State) -> (UnitQuaternion, Vec3, Vec3) {
     let rotation = UnitQuaternion { w, v: Vec3::new(x, y, z) }.renormalized();
     (rotation, Vec3::new(px, py, pz), Vec3::new(mx, my, mz))
 }
 
-#[inline]
+#[inline(always)]
 fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> State {
     let mut out = *start;
     for (slope, &weight) in slopes.iter().zip(weights) {
@@ -103,14 +109,20 @@ fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> 
 
 /// Integrates eqs. (1) over the steps of a span from the wrench at its start. `poses` takes the
 /// poses at the ends of the steps, `samples` three of them to each step.
+#[inline(always)]
 pub(super) fn integrate(
     grid: &Grid,
     steps: core::ops::Range<usize>,
     wrench: BodyWrench,
-    loads: Option<&InSpan<'_>>,
+    span: &InSpan<'_>,
     poses: &mut [Pose],
     samples: &mut [Sample],
 ) -> End {
+    if !span.acts(steps.clone()) {
+        let pose = bare::integrate(grid, steps, wrench, poses, samples);
+        let moment = wrench.angular - pose.position.cross(wrench.linear);
+        return End { pose, moment, followers: Vec3::ZERO };
+    }
     let table = &BUTCHER_5;
     let (first, last) = (steps.start, steps.end);
     let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, wrench.angular);
@@ -118,13 +130,13 @@ pub(super) fn integrate(
     for k in steps {
         let h = grid.steps[k].length;
         let mut slopes = [[0.0; 10]; STAGES];
-        let line = loads.and_then(|span| span.applied.line(k).map(|line| (span, line)));
+        let line = span.applied.line(k);
         let mut pushes = [Vec3::ZERO; STAGES];
         for i in 0..STAGES {
             let at = advance(&state, &slopes[..i], &table.a[i], h);
-            let (rotation, _, moment) = unpack(&at);
+            let (rotation, position, moment) = unpack(&at);
             let (node, _) = grid.shooting.at(k, NODE_OF_STAGE[i], 0);
-            let dead = loads.map_or(Vec3::ZERO, |span| span.dead(k, NODE_OF_STAGE[i]));
+            let dead = span.dead(k, NODE_OF_STAGE[i]);
             let mut force = wrench.linear + dead - followers;
             if line.is_some() {
                 force -= h * combine(&pushes[..i], &table.a[i]);
@@ -140,11 +152,11 @@ pub(super) fn integrate(
                 _ => None,
             };
             if let Some(sample) = slot.and_then(|j| samples.get_mut(3 * (k - first) + j)) {
-                *sample = Sample { strain, wrench: local, rotation, dead };
+                *sample = Sample { strain, wrench: local, rotation, position, dead };
             }
             let velocity = rotation.rotate(strain.linear);
             let mut moment_rate = force.cross(velocity);
-            if let Some((span, line)) = line {
+            if let Some(line) = line {
                 let t = table.c[i];
                 pushes[i] = span.load * rotation.rotate(line.follower_force(t));
                 let turned = rotation.rotate(line.follower_moment(t));
@@ -160,7 +172,7 @@ pub(super) fn integrate(
             followers += h * combine(&pushes, &table.b);
         }
         let (rotation, position, mut moment) = unpack(&advance(&state, &slopes, &table.b, h));
-        if let (Some(span), true) = (loads, k + 1 < last) {
+        if k + 1 < last {
             let follower = span.applied.follower(k + 1);
             followers += span.load * rotation.rotate(follower.force);
             moment -= span.load
@@ -189,8 +201,14 @@ pub(super) fn sample<'a>(
     for (k, steps) in mesh.spans.iter().enumerate() {
         let slots = &mut samples[3 * steps.start..3 * steps.end];
         let poses = &mut poses[steps.clone()];
-        let inside = inside(k);
-        integrate(&mesh.grid, steps.clone(), wrench(k), inside.as_ref(), poses, slots);
+        match inside(k) {
+            Some(loads) => {
+                integrate(&mesh.grid, steps.clone(), wrench(k), &loads, poses, slots);
+            }
+            None => {
+                bare::integrate(&mesh.grid, steps.clone(), wrench(k), poses, slots);
+            }
+        }
     }
 }
 
@@ -198,6 +216,17 @@ impl<'a> InSpan<'a> {
     /// Of the span that starts with step `first` from a disk turned so.
     pub fn at(applied: &'a AppliedLoads, load: f64, disk: UnitQuaternion, first: usize) -> Self {
         Self { applied, load, to_disk: disk.conjugate(), at_start: applied.force(first, 0) }
+    }
+
+    /// Whether any load acts between the ends of these steps.
+    #[inline]
+    pub fn acts(&self, steps: core::ops::Range<usize>) -> bool {
+        let Self { applied, at_start, .. } = *self;
+        let within = steps.start + 1..steps.end;
+        steps.clone().any(|k| applied.line(k).is_some())
+            || steps.clone().any(|k| (0..NODES).any(|node| applied.force(k, node) != at_start))
+            || within.clone().any(|place| applied.moment(place) != Vec3::ZERO)
+            || within.clone().any(|place| *applied.follower(place) != Wrench::default())
     }
 
     /// Dead load between the start of the span and a node, in the frame of the disk, negative: what
@@ -211,46 +240,42 @@ impl<'a> InSpan<'a> {
 /// What [`linearise`] varies.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum By {
-    /// The force at the start, along an axis of the disk.
-    Force(Vec3),
-    /// The moment there.
-    Moment(Vec3),
+    /// The wrench at the start.
+    Wrench(BodyWrench),
     /// The direction of the dead loads, as when the disk turns about this axis under them.
     Turn(Vec3),
 }
 
 /// Eqs. (2) over a span: the variation at its end.
+#[inline(always)]
 pub(super) fn linearise(
     grid: &Grid,
     steps: core::ops::Range<usize>,
     samples: &[Sample],
-    loads: Option<&InSpan<'_>>,
+    span: &InSpan<'_>,
     by: By,
 ) -> Variation {
     const STAGES: [(usize, f64, f64); 4] =
         [(0, 0.0, 1.0 / 6.0), (1, 0.5, 1.0 / 3.0), (1, 0.5, 1.0 / 3.0), (2, 1.0, 1.0 / 6.0)];
-    let axis = match by {
-        By::Turn(axis) => axis,
-        _ => Vec3::ZERO,
+    let (axis, start) = match by {
+        By::Turn(axis) => (axis, BodyWrench::default()),
+        By::Wrench(wrench) => (Vec3::ZERO, wrench),
     };
-    let mut at = match by {
-        By::Force(force) => Variation { force, ..Variation::default() },
-        By::Moment(moment) => Variation { moment, ..Variation::default() },
-        By::Turn(_) => Variation::default(),
-    };
+    let (force, moment) = (start.linear, start.angular);
+    let mut at = Variation { force, moment, ..Variation::default() };
     let (first, last) = (steps.start, steps.end);
     for k in steps {
         let h = grid.steps[k].length;
         let triple = &samples[3 * (k - first)..3 * (k - first) + 3];
-        let line = loads.and_then(|span| span.applied.line(k).map(|line| (span, line)));
+        let line = span.applied.line(k);
         let start = at;
         let mut slope = Variation::default();
         for (q, reach, weight) in STAGES {
             let (node, _) = grid.shooting.at(k, 2 * q, 0);
             let sample = &triple[q];
             let stage = start.plus(reach * h, &slope);
-            let Sample { strain: Twist { linear: v, angular: u }, wrench, rotation, dead } =
-                *sample;
+            let Sample { strain, wrench, rotation, dead, .. } = *sample;
+            let Twist { linear: v, angular: u } = strain;
             let (n, m) = (wrench.linear, wrench.angular);
             let turned = if axis == Vec3::ZERO { Vec3::ZERO } else { dead.cross(axis) };
             let push = n.cross(stage.turn) + rotation.conjugate().rotate(stage.force + turned);
@@ -262,7 +287,7 @@ pub(super) fn linearise(
                 moment: m.cross(du) - u.cross(stage.moment) + n.cross(dv) - v.cross(push),
                 force: Vec3::ZERO,
             };
-            if let Some((span, line)) = line {
+            if let Some(line) = line {
                 let follower = span.load * line.follower_force(reach);
                 slope.force -= rotation.rotate(stage.turn.cross(follower));
                 let dead = span.to_disk.rotate(span.load * line.moment(reach));
@@ -272,7 +297,7 @@ pub(super) fn linearise(
             }
             at = at.plus(weight * h, &slope);
         }
-        if let (Some(span), true) = (loads, k + 1 < last) {
+        if k + 1 < last {
             let rotation = triple[2].rotation;
             let dead = span.to_disk.rotate(span.load * span.applied.moment(k + 1));
             let to_body = rotation.conjugate();
@@ -285,7 +310,7 @@ pub(super) fn linearise(
 }
 
 impl Variation {
-    #[inline]
+    #[inline(always)]
     fn plus(&self, f: f64, slope: &Self) -> Self {
         Self {
             turn: self.turn + f * slope.turn,

@@ -1,17 +1,20 @@
 //! Robots on which nothing but their cables pulls: one span after the other.
 //!
 //! Then the total wrench is zero at every cut, and eq. (3) of [`super::joint`] holds for each span by
-//! itself: Newton's method finds its `w`, from the span before it or from nothing. Where it does not
-//! converge the tensions are raised from nothing in steps that adapt.
+//! itself: Newton's method finds its `w`, from what the span before it says of it, and spans that are
+//! alike are solved once. Where it does not converge the tensions are raised from nothing in steps that
+//! adapt.
 
-use whipcord_numerics::Pose;
+use pulp::{Arch, Simd, WithSimd};
+use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
-use super::joint::{self, Answer, Chord, Factors, Vanished};
-use super::layout::{Frame, Mesh, Span};
-use super::rod::{self, By, Sample};
+use super::bare;
+use super::joint::{self, Answer, Chord, Factors, Tangent, Vanished};
+use super::layout::{Frame, Mesh, Passage, Span};
+use super::rod::Sample;
+use super::twins::Twin;
 use crate::cosserat::section::{BodyWrench, SectionFault};
 use crate::cosserat::unloaded::Fault;
-use whipcord_numerics::Vec3;
 
 /// The answer, and memory.
 #[derive(Clone, Debug, Default)]
@@ -24,9 +27,11 @@ pub(super) struct Unloaded {
     pub chords: Vec<Chord>,
     /// `∂ℓᵢ/∂τⱼ` of the passages of each span by rows, span after span.
     pub length_by_tension: Vec<f64>,
-    /// What eq. (3) of each span was last factored to.
-    tangents: Vec<Factors>,
-    /// Changes of the chords by the six components of `w`, span after span.
+    /// Where those of each span begin.
+    blocks: Vec<usize>,
+    /// What eq. (3) of each span was last factored to; nothing of a span that follows its twin.
+    tangents: Vec<Option<Tangent>>,
+    /// Changes of the chords by the unknowns of their span, of which there are up to six, span after span.
     rows: Vec<f64>,
     /// Tensions of the last sweep, and `∂w/∂τ` of each passage from the last sweep with derivatives.
     tensions: Vec<f64>,
@@ -52,7 +57,7 @@ pub(super) enum From {
 /// How a span is solved.
 #[derive(Clone, Copy)]
 struct Guess {
-    wrench: Option<BodyWrench>,
+    wrench: BodyWrench,
     /// Whether the linearisation that is kept of the span is near enough.
     linearised: bool,
 }
@@ -66,6 +71,10 @@ const NEAR: f64 = 1e-2;
 const NEAR_FOR_DERIVATIVES: f64 = 1e-3;
 /// A kept linearisation that leaves more than this of the step before is made anew.
 const SLOW: f64 = 0.3;
+/// A span whose cables have so many times the lever of those before it is not told by it.
+const MOST_STRETCH: f64 = 3.0;
+/// A step of `w` so small leaves the span as it was last integrated.
+const NO_STEP: f64 = 1e-13;
 /// The tensions are raised by at least this fraction, or the span folds.
 const LEAST_STEP: f64 = 1.0 / 1024.0;
 
@@ -80,9 +89,41 @@ impl core::convert::From<Vanished> for Stop {
     }
 }
 
+/// [`Unloaded::sweep`] with the instructions that the processor has, to the same bits.
+struct Sweep<'a> {
+    unloaded: &'a mut Unloaded,
+    frame: &'a Frame,
+    mesh: &'a Mesh,
+    tensions: &'a [f64],
+    from: From,
+    derivatives: bool,
+}
+
+impl WithSimd for Sweep<'_> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { unloaded, frame, mesh, tensions, from, derivatives } = self;
+        unloaded.sweep_with(frame, mesh, tensions, from, derivatives)
+    }
+}
+
 impl Unloaded {
     /// Solves all spans for the tensions of all passages.
     pub fn sweep(
+        &mut self,
+        frame: &Frame,
+        mesh: &Mesh,
+        tensions: &[f64],
+        from: From,
+        derivatives: bool,
+    ) -> Result<(), Fault> {
+        Arch::new().dispatch(Sweep { unloaded: self, frame, mesh, tensions, from, derivatives })
+    }
+
+    #[inline(always)]
+    fn sweep_with(
         &mut self,
         frame: &Frame,
         mesh: &Mesh,
@@ -96,26 +137,28 @@ impl Unloaded {
             self.foresee(frame, tensions);
         }
         self.wrenches.resize(count, BodyWrench::default());
-        self.tangents.resize(count, Factors::default());
+        self.tangents.resize(count, None);
         self.poses.resize(mesh.grid.len(), Pose::IDENTITY);
         self.chords.resize(frame.passages, Chord::default());
         self.rows.resize(6 * frame.passages, 0.0);
         self.by_tension.clear();
         self.length_by_tension.clear();
+        self.blocks.clear();
         self.iterations = 0;
-        let mut neighbour: Option<(BodyWrench, usize)> = None;
         for (k, span) in frame.spans.iter().enumerate() {
-            let pulled = &tensions[span.first..span.first + span.passages.len()];
-            let guess = match neighbour {
-                _ if from != From::Nothing => {
-                    let linearised = from == From::Coarser;
-                    Guess { wrench: Some(self.wrenches[k]), linearised }
-                }
-                // A neighbour with the same cables is a good guess.
-                Some((wrench, cables)) if cables == span.passages.len() => {
-                    Guess { wrench: Some(wrench), linearised: false }
-                }
-                _ => Guess { wrench: None, linearised: false },
+            let pulls = |span: &Span| &tensions[span.first..span.first + span.passages.len()];
+            let pulled = pulls(span);
+            self.blocks.push(self.length_by_tension.len());
+            if let Some(twin) = &mesh.twins[k]
+                && pulls(&frame.spans[twin.of]) == pulled
+            {
+                self.follow(frame, mesh, k, twin, derivatives);
+                continue;
+            }
+            let guess = if from == From::Nothing {
+                Guess { wrench: self.foretell(frame, k, tensions), linearised: false }
+            } else {
+                Guess { wrench: self.wrenches[k], linearised: from == From::Coarser }
             };
             let solved = self.solve(frame, mesh, k, pulled, guess, derivatives);
             let solved = match solved {
@@ -130,11 +173,71 @@ impl Unloaded {
                 };
                 return Err(Fault { kind, arc_length: span.start });
             }
-            neighbour = Some((self.wrenches[k], span.passages.len()));
         }
         self.tensions.clear();
         self.tensions.extend_from_slice(tensions);
         Ok(())
+    }
+
+    /// The answer of a span that is an earlier one, turned, under the same tensions.
+    #[inline(always)]
+    fn follow(&mut self, frame: &Frame, mesh: &Mesh, k: usize, twin: &Twin, derivatives: bool) {
+        let Twin { of, turn } = *twin;
+        let (span, first) = (&frame.spans[k], &frame.spans[of]);
+        let matrix = turn.to_matrix();
+        let turned =
+            |w: BodyWrench| BodyWrench { linear: matrix * w.linear, angular: matrix * w.angular };
+        self.wrenches[k] = turned(self.wrenches[of]);
+        self.tangents[k] = None;
+        for (from, to) in mesh.spans[of].clone().zip(mesh.spans[k].clone()) {
+            let Pose { position, rotation } = self.poses[from];
+            let rotation = UnitQuaternion { w: rotation.w, v: matrix * rotation.v };
+            self.poses[to] = Pose { position: matrix * position, rotation };
+        }
+        let cables = span.passages.len();
+        for i in 0..cables {
+            let Chord { along, length } = self.chords[first.first + i];
+            self.chords[span.first + i] = Chord { along: matrix * along, length };
+            if derivatives {
+                self.by_tension.push(turned(self.by_tension[first.first + i]));
+            }
+        }
+        if derivatives {
+            let block = self.blocks[of];
+            self.length_by_tension.extend_from_within(block..block + cables * cables);
+        }
+    }
+
+    /// The wrench in a span as that before it has it: what the cables exert on the rod at rest, and
+    /// what it differs from that turned and stretched as the moment of the cables does.
+    #[inline(always)]
+    fn foretell(&self, frame: &Frame, k: usize, tensions: &[f64]) -> BodyWrench {
+        let at_rest = |k: usize| {
+            let span = &frame.spans[k];
+            let (mut pull, mut lever) = (BodyWrench::default(), Vec3::ZERO);
+            for (i, passage) in span.passages.iter().enumerate() {
+                let (chord, tension) =
+                    (&frame.rest_chords[span.first + i], tensions[span.first + i]);
+                pull = pull + joint::unit_pull(passage.near, chord) * -tension;
+                lever += tension * (passage.near + passage.far);
+            }
+            (pull, lever)
+        };
+        let (pull, lever) = at_rest(k);
+        let Some(before) = k.checked_sub(1) else { return pull };
+        let (pull_before, lever_before) = at_rest(before);
+        let change = self.wrenches[before] + pull_before * -1.0;
+        // The turn and stretch that take one lever to the other.
+        let size = lever_before.x * lever_before.x + lever_before.y * lever_before.y;
+        let along = lever_before.x * lever.x + lever_before.y * lever.y;
+        let across = lever_before.x * lever.y - lever_before.y * lever.x;
+        let stretch = (along * along + across * across).sqrt();
+        if size == 0.0 || stretch > MOST_STRETCH * size {
+            return pull;
+        }
+        let (cos, sin, scale) = (along / size, across / size, stretch / size);
+        let turned = |a: Vec3| Vec3::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y, scale * a.z);
+        pull + BodyWrench { linear: turned(change.linear), angular: turned(change.angular) }
     }
 
     /// Moves the wrenches along with the tensions.
@@ -172,7 +275,7 @@ impl Unloaded {
         loop {
             let next = f64::min(reached + step, 1.0);
             let part: Vec<f64> = tensions.iter().map(|t| t * next).collect();
-            let guess = Guess { wrench: Some(here), linearised: false };
+            let guess = Guess { wrench: here, linearised: false };
             match self.solve(frame, mesh, k, &part, guess, derivatives && next >= 1.0) {
                 Ok(()) if next >= 1.0 => return Ok(()),
                 Ok(()) => {
@@ -192,6 +295,7 @@ impl Unloaded {
     }
 
     /// Newton's method on one span.
+    #[inline(always)]
     fn solve(
         &mut self,
         frame: &Frame,
@@ -206,6 +310,7 @@ impl Unloaded {
         let cables = span.passages.len();
         self.samples.resize(3 * steps.len(), Sample::default());
         let rows = &mut self.rows[6 * span.first..6 * (span.first + cables)];
+        let samples = &mut self.samples;
         let chords = &mut self.chords[span.first..span.first + cables];
         let poses = &mut self.poses[steps.clone()];
         let (node, _) = mesh.grid.shooting.at(steps.start, 0, 0);
@@ -216,29 +321,23 @@ impl Unloaded {
         let relative = |w: &BodyWrench| {
             (w.linear.max_abs() / force_scale).max(w.angular.max_abs() / moment_scale)
         };
-        let mut wrench = guess.wrench.unwrap_or_default();
-        if guess.wrench.is_none() && tensions.iter().any(|&t| t > 0.0) {
-            rod::integrate(&mesh.grid, steps.clone(), wrench, None, poses, &mut []);
-            joint::draw(span, &poses[poses.len() - 1], chords)?;
-            wrench = joint::pull(span, chords, tensions) * -1.0;
+        let mut wrench = guess.wrench;
+        if let [passage] = &span.passages[..] {
+            wrench = joint::along_cable(passage.near, wrench.linear);
         }
-        let mut factors = guess.linearised.then(|| self.tangents[k]);
+        let mut kept = if guess.linearised { self.tangents[k] } else { None };
         let near = if derivatives { NEAR_FOR_DERIVATIVES } else { NEAR };
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             self.iterations += 1;
-            let fresh = factors.is_none();
-            let samples: &mut [Sample] = if fresh { &mut self.samples } else { &mut [] };
-            let end = rod::integrate(&mesh.grid, steps.clone(), wrench, None, poses, samples);
-            joint::draw(span, &end.pose, chords)?;
+            let pose = bare::integrate(&mesh.grid, steps.clone(), wrench, poses, samples);
+            joint::draw(span, &pose, chords)?;
             let residual = wrench + joint::pull(span, chords, tensions);
-            let tangent = match factors {
-                Some(kept) => kept,
-                None => {
-                    let by =
-                        answers(mesh, k, span, &self.samples, chords, tensions, &end.pose, rows);
-                    Factors::new(&by).ok_or(Stop::Diverged)?
-                }
+            let fresh = kept.is_none();
+            let tangent = match kept {
+                Some(tangent) => tangent,
+                None => linearise(mesh, k, span, samples, chords, tensions, &pose, rows)
+                    .ok_or(Stop::Diverged)?,
             };
             let change = tangent.solve(residual * -1.0);
             let size = relative(&change) / (1.0 + relative(&wrench));
@@ -249,18 +348,20 @@ impl Unloaded {
             let fraction = if size > 1.0 { 1.0 / size } else { 1.0 };
             wrench = wrench + change * fraction;
             // Kept factors contract by the size of the step before.
-            factors = (size < near).then_some(tangent);
+            kept = (size < near).then_some(tangent);
             if size <= STEP_TOLERANCE {
-                (self.wrenches[k], self.tangents[k]) = (wrench, tangent);
-                rod::integrate(&mesh.grid, steps.clone(), wrench, None, poses, &mut []);
-                joint::draw(span, &poses[poses.len() - 1], chords)?;
+                (self.wrenches[k], self.tangents[k]) = (wrench, Some(tangent));
+                if size > NO_STEP {
+                    let pose = bare::integrate(&mesh.grid, steps.clone(), wrench, poses, &mut []);
+                    joint::draw(span, &pose, chords)?;
+                }
                 if derivatives {
                     self.differentiate(span, &tangent);
                 }
                 return Ok(());
             }
             if !fresh && size > SLOW * last {
-                factors = None;
+                kept = None;
             }
             last = size;
         }
@@ -268,7 +369,8 @@ impl Unloaded {
     }
 
     /// `∂ℓᵢ/∂τⱼ = (∂ℓᵢ/∂w) ∂w/∂τⱼ` of one span.
-    fn differentiate(&mut self, span: &Span, tangent: &Factors) {
+    #[inline(always)]
+    fn differentiate(&mut self, span: &Span, tangent: &Tangent) {
         let cables = span.passages.len();
         let first = self.length_by_tension.len();
         self.length_by_tension.resize(first + cables * cables, 0.0);
@@ -278,17 +380,21 @@ impl Unloaded {
             self.by_tension.push(change);
             for i in 0..cables {
                 let by = |c: usize| self.rows[6 * span.first + c * cables + i];
-                let along: f64 =
-                    (0..3).map(|c| by(c) * change.linear[c] + by(3 + c) * change.angular[c]).sum();
+                let mut along: f64 = (0..3).map(|c| by(c) * change.linear[c]).sum();
+                if matches!(tangent, Tangent::Cables(_)) {
+                    along += (0..3).map(|c| by(3 + c) * change.angular[c]).sum::<f64>();
+                }
                 self.length_by_tension[first + i * cables + j] = along;
             }
         }
     }
 }
 
-/// The answers to the six components of `w`; `rows` takes those of the chords' lengths.
+/// Eq. (3) linearised where the span was last integrated; `rows` takes the changes of the chords by its
+/// unknowns. `None` where it is singular.
 #[expect(clippy::too_many_arguments, reason = "a span, its state, and where the rows go")]
-fn answers(
+#[inline(always)]
+fn linearise(
     mesh: &Mesh,
     k: usize,
     span: &Span,
@@ -297,13 +403,23 @@ fn answers(
     tensions: &[f64],
     pose: &Pose,
     rows: &mut [f64],
-) -> [Answer; 6] {
-    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
-    let cables = span.passages.len();
-    core::array::from_fn(|c| {
-        let by = if c < 3 { By::Force(axes[c]) } else { By::Moment(axes[c - 3]) };
-        let variation = rod::linearise(&mesh.grid, mesh.spans[k].clone(), samples, None, by);
+) -> Option<Tangent> {
+    let (grid, steps, cables) = (&mesh.grid, mesh.spans[k].clone(), span.passages.len());
+    let mut answers = [Answer::default(); 6];
+    if let [Passage { near, .. }] = span.passages[..] {
+        let units = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| joint::along_cable(near, axis));
+        let by = bare::linearise(grid, steps, samples, &units);
+        for ((answer, by), row) in answers.iter_mut().zip(&by).zip(rows.chunks_exact_mut(1)) {
+            *answer = joint::answer(span, pose, chords, tensions, by, row);
+        }
+        let [x, y, z, ..] = answers.map(|answer| answer.pull.linear);
+        let force = Mat3::from_columns(x, y, z).plus_identity().inverse()?;
+        return Some(Tangent::OneCable { force, near });
+    }
+    let by = bare::linearise(grid, steps, samples, &bare::units());
+    for (c, (answer, by)) in answers.iter_mut().zip(&by).enumerate() {
         let row = &mut rows[c * cables..(c + 1) * cables];
-        joint::answer(span, pose, chords, tensions, &variation, row)
-    })
+        *answer = joint::answer(span, pose, chords, tensions, by, row);
+    }
+    Factors::new(&answers).map(Tangent::Cables)
 }

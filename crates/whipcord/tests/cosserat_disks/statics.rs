@@ -4,8 +4,8 @@ use crate::common::{helix, paper_backbone, paper_disks, paper_robot, straight};
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::Options;
 use whipcord::{
-    Backbone, Cable, Case, Disks, Loads, Material, Model, ModelKind, PointLoad, Robot, Routing,
-    Shortening, Solution, SolveError, Statics, Vec3,
+    Along, Backbone, Cable, Case, Disks, Loads, Material, Model, ModelKind, PointLoad, Robot,
+    Routing, Section, Shortening, Solution, SolveError, Statics, Vec3,
 };
 
 fn solve(robot: &Robot, case: &Case) -> Solution {
@@ -253,4 +253,29 @@ fn no_cable_is_blamed_for_lengths_that_contradict() {
     let refused =
         Model::CosseratDisks(options).solve(&robot, &Case::with_shortenings(&shorter)).unwrap_err();
     assert!(!matches!(refused, SolveError::UnreachableLength { .. }), "{refused}");
+}
+
+/// Spans that are like another one are solved with it; a rod that tapers by a billionth has none.
+#[test]
+fn spans_that_are_alike_are_answered_as_any_are() {
+    let uniform = paper_robot(vec![
+        Routing::holes(vec![1, 2, 3, 4, 4, 4, 4, 3, 2, 1]),
+        Routing::holes(vec![6, 7, 8, 9, 9, 9, 9, 8, 7, 6]),
+    ]);
+    let diameters = (0..10).map(|disk| 0.003 * (1.0 - 1e-10 * f64::from(disk))).collect();
+    let (outer, inner) = (Along::PerDisk(diameters), Along::Uniform(0.0));
+    let section = Some(Section::Round { outer, inner });
+    let backbone = Backbone { section, ..uniform.backbone().clone() };
+    let tapered = Robot::new(backbone, uniform.disks().clone(), uniform.cables().to_vec()).unwrap();
+    let by_length = [0.04, 0.02].map(Shortening::Fraction);
+    for case in [Case::with_tensions(&[4.0, 1.5]), Case::with_shortenings(&by_length)] {
+        let [one, other] = [&uniform, &tapered].map(|robot| solve(robot, &case));
+        for (a, b) in one.shape.poses.iter().zip(&other.shape.poses) {
+            assert!((a.position - b.position).norm() < 1e-9, "{a:?} {b:?}");
+        }
+        for (a, b) in one.cables.iter().zip(&other.cables) {
+            assert!((a.length - b.length).abs() < 1e-9);
+            assert!((a.tension.unwrap() - b.tension.unwrap()).abs() < 1e-6);
+        }
+    }
 }

@@ -158,17 +158,16 @@ impl Section {
     }
 
     /// Strain of the rod alone, without cables, under a wrench.
-    #[inline]
+    #[inline(always)]
     pub fn bare_strain(&self, wrench: BodyWrench) -> Strain {
         self.rest_strain() + self.yielding(wrench)
     }
 
     /// What the rod alone adds to its strain under an additional wrench, `K⁻¹ w`.
-    #[inline]
+    #[inline(always)]
     pub fn yielding(&self, wrench: BodyWrench) -> Strain {
         if self.coupling.is_some() {
-            // A stiffness that a robot may have is positive definite.
-            return Hessian::of(self).factor().map_or_else(Strain::default, |h| h.solve(wrench));
+            return self.yielding_coupled(wrench);
         }
         Strain {
             linear: self.compliance.shear.scale(wrench.linear),
@@ -176,7 +175,14 @@ impl Section {
         }
     }
 
+    #[cold]
+    fn yielding_coupled(&self, wrench: BodyWrench) -> Strain {
+        // A stiffness that a robot may have is positive definite.
+        Hessian::of(self).factor().map_or_else(Strain::default, |h| h.solve(wrench))
+    }
+
     /// Strain of the section at rest.
+    #[inline]
     pub fn rest_strain(&self) -> Strain {
         Strain { linear: Vec3::Z, angular: self.rest_curvature }
     }
