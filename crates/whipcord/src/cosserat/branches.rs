@@ -132,6 +132,8 @@ impl Cosserat {
             other => Some(other?),
         };
         self.accept(case, workspace)?;
+        // The options say how far to go.
+        workspace.scratch.shot.steps_left = usize::MAX;
         let level = match self.options.accuracy {
             Accuracy::Steps(_) => 0,
             Accuracy::Tolerance(_) => FOLLOW_LEVEL,

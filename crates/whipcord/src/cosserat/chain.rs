@@ -97,7 +97,7 @@ const LEAST_FRACTION: f64 = 1.0 / 64.0;
 const ROUNDING: f64 = 1e-9;
 impl Chain {
     /// Newton's method from `self.state`, where it also ends: at its load, or across a direction.
-    /// Returns the iterations and the greatest gap left. The shot ends with the strains and samples
+    /// Returns the iterations and the greatest gap left. Gives up when the shot has no steps left. The shot ends with the strains and samples
     /// of the answer.
     pub fn close(
         &mut self,
@@ -114,6 +114,9 @@ impl Chain {
         for iteration in 0..MAX_ITERATIONS {
             if gap <= task.tolerance {
                 return Ok((iteration, gap));
+            }
+            if shot.steps_left == 0 {
+                break;
             }
             if !self.solve_step(task, by, shot) {
                 return Err(failed(iteration, gap, None));

@@ -8,13 +8,17 @@ use super::section::SectionFault;
 use super::shooting::finish_chain;
 use super::state::State;
 use super::statics::{Problem, Scratch};
+use super::strength::Strength;
 use super::trace::Stage;
 use super::unloaded::Fault;
 use super::without_load::{section_failure, start_without_load};
 
 /// The load is raised by at least this fraction, or the path is given up.
-pub(crate) const LEAST_LOAD_STEP: f64 = 1.0 / 4096.0;
+pub(crate) const LEAST_LOAD_STEP: f64 = LEAST_OF_FIRST * FIRST_LOAD_STEP;
+/// The load is raised by no more than this at first.
 pub(crate) const FIRST_LOAD_STEP: f64 = 0.25;
+/// The least step over the first.
+const LEAST_OF_FIRST: f64 = 1.0 / 1024.0;
 /// An iteration longer than this means that the path bends: the step is not lengthened.
 pub(crate) const SHORT_ITERATION: usize = 5;
 /// What to do where the path ends.
@@ -39,7 +43,8 @@ pub(super) fn raise_load(
     }
     scratch.trace.stage = Stage::LoadSteps;
     let mut here = State::unloaded(&scratch.poses, &scratch.tensions);
-    let (mut step, mut iterations) = (FIRST_LOAD_STEP, spent);
+    let first = Strength::of(&scratch.applied, problem.grid, problem.length).first_load_step();
+    let (mut step, mut iterations) = (first, spent);
     loop {
         scratch.chain.state.clone_from(&here);
         scratch.chain.state.load = (here.load + step).min(1.0);
@@ -67,7 +72,7 @@ pub(super) fn raise_load(
             }
         };
         step *= 0.5;
-        if step < LEAST_LOAD_STEP {
+        if step < LEAST_OF_FIRST * first || scratch.shot.steps_left == 0 {
             let failure = match fault {
                 Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
                     section_failure(fault, &here.tensions, here.load)
@@ -127,7 +132,7 @@ pub(super) fn raise_load_at_tensions(
             Err(open) => {
                 iterations += open.iterations;
                 step *= 0.5;
-                if step < LEAST_LOAD_STEP {
+                if step < LEAST_LOAD_STEP || scratch.shot.steps_left == 0 {
                     return None;
                 }
             }

@@ -55,6 +55,8 @@ pub(super) struct Shot {
     pub samples: Vec<Sample>,
     /// Of all stages of the last shot: where the sections of the next one start from.
     strains: Vec<Strain>,
+    /// Integration steps that the solve may still make, see [`super::strength`].
+    pub steps_left: usize,
 }
 
 /// Quaternion (w, x, y, z), position and moment in the base frame; or their derivatives.
@@ -121,6 +123,7 @@ impl Shot {
 
     #[inline(always)]
     fn integrate(&mut self, grid: &Grid, loads: &AppliedLoads, aim: &Aim<'_>) -> Result<(), Fault> {
+        self.steps_left = self.steps_left.saturating_sub(grid.len());
         self.poses.clear();
         self.samples.clear();
         let slots = STAGES * grid.len();
@@ -165,6 +168,7 @@ impl Shot {
         moment: Vec3,
     ) -> Result<(Pose, Wrench), Fault> {
         debug_assert_eq!(self.strains.len(), STAGES * grid.len());
+        self.steps_left = self.steps_left.saturating_sub(1);
         let mut state = pack(rotation, Vec3::ZERO, moment);
         let mut force = aim.follower_force;
         self.step(grid, loads, aim, k, &mut force, &mut state, None)?;

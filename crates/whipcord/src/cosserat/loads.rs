@@ -206,6 +206,22 @@ impl AppliedLoads {
         self.force(0, 0)
     }
 
+    /// The greatest force anywhere in the rod in N, and the sum of the moments that are applied in N·m:
+    /// not less than what acts in equilibrium, but for the arms of the forces.
+    pub fn greatest(&self, grid: &Grid) -> [f64; 2] {
+        let dead = self.forces.iter().map(|force| force.norm()).fold(0.0, f64::max);
+        let [mut force, mut moment] = [dead, 0.0];
+        for (at, follower) in self.moments.iter().zip(&self.followers) {
+            force += follower.force.norm();
+            moment += at.norm() + follower.moment.norm();
+        }
+        for (line, step) in self.lines.iter().zip(&grid.steps) {
+            force += step.length * line.follower_force(0.5).norm();
+            moment += step.length * (line.moment(0.5).norm() + line.follower_moment(0.5).norm());
+        }
+        [force, moment]
+    }
+
     /// What followers contribute to this force at the base.
     pub fn follower_share(&self, base_force: Vec3) -> Vec3 {
         if self.any_follower_force { base_force - self.base_force() } else { Vec3::ZERO }

@@ -11,7 +11,7 @@
 //! `arc_length` follows the path where the load cannot be raised, `kink` round the
 //! corners where cables go slack or taut, `search` looks for what no path leads to, `branches` collects what lies on it;
 //! `stability` says whether the equilibrium is one to stay in; `trace` records iterations; `refinement`
-//! halves the steps until the answer changes no more. `command` is what drives a cable, `outcome` how a
+//! halves the steps until the answer changes no more, from as many on as the `strength` of the load asks for. `command` is what drives a cable, `outcome` how a
 //! solve on one grid ended, and `model` with its `options` what the rest of the library sees.
 
 mod arc_length;
@@ -44,6 +44,7 @@ mod shooting;
 pub(crate) mod stability;
 mod state;
 mod statics;
+mod strength;
 mod trace;
 pub(crate) mod unloaded;
 mod without_load;

@@ -10,6 +10,7 @@ use super::options::{Accuracy, Options};
 use super::outcome::{Failure, Found};
 use super::refinement::{COARSE_STEPS, Coarse, FINER_GRIDS, FOLD_LEVEL, READY_GRIDS};
 use super::statics::{self, Scratch, Start};
+use super::strength::Strength;
 use super::without_load::section_failure;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
@@ -200,6 +201,8 @@ impl Cosserat {
         };
         match self.options.accuracy {
             Accuracy::Steps(_) => {
+                let allowance = Strength::default().allowance(&self.grids[0]);
+                workspace.scratch.shot.steps_left = allowance;
                 let found = self.solve_on(&self.grids[0], case, &start, FOLD_LEVEL, workspace)?;
                 let grid = &self.grids[0];
                 let solution = self.solution(grid, case, workspace, found, None)?;

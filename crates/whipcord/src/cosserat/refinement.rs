@@ -8,8 +8,9 @@ use whipcord_numerics::Pose;
 use super::command::Command;
 use super::grid::Grid;
 use super::model::{Cosserat, Workspace};
-use super::outcome::Found;
+use super::outcome::{Failure, Found};
 use super::statics::{self, Scratch, Start};
+use super::strength::{GAVE_UP, Strength};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::Solution;
@@ -114,13 +115,16 @@ impl Cosserat {
         let cold = start.clone();
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
-        for level in 0..=MAX_REFINEMENTS {
+        let strength = self.strength(case, workspace);
+        let first = strength.first_level();
+        workspace.scratch.shot.steps_left = strength.allowance(self.grid(first)?.as_ref());
+        for level in first..=MAX_REFINEMENTS {
             let grid = self.grid(level)?;
             let mut found = match self.solve_on(&grid, case, &start, level, workspace) {
                 // Steps that are too coarse for a strong bend can keep Newton's method away, and near a
                 // buckling load one grid may lose the stability that a coarser one still had.
                 Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. })
-                    if level < GIVE_UP_LEVEL =>
+                    if level < GIVE_UP_LEVEL && workspace.scratch.shot.steps_left > 0 =>
                 {
                     coarser = None;
                     start = cold.clone();
@@ -155,10 +159,22 @@ impl Cosserat {
             }
             workspace.keep_coarse(&grid);
             start = workspace.scratch.as_start();
+            workspace.scratch.shot.steps_left = strength.allowance(&grid);
             steps = grid.len();
             coarser = Some((found, grid));
         }
         Err(SolveError::StepsTooCoarse { error, tolerance, steps })
+    }
+
+    /// How strong the loads of a case are.
+    fn strength(&self, case: &Case, workspace: &mut Workspace) -> Strength {
+        if case.loads.is_none() {
+            return Strength::default();
+        }
+        let grid = &self.grids[0];
+        let loads = &mut workspace.scratch.applied;
+        loads.gather(grid, &case.loads, case.base.rotation);
+        Strength::of(loads, grid, self.robot.backbone().length)
     }
 
     /// The estimated error that the answer in the workspace would have if its tensions had been
@@ -178,6 +194,7 @@ impl Cosserat {
             ..self.problem(coarse, case, &workspace.tensions)
         };
         let start = workspace.scratch.as_start();
+        workspace.at_tensions.shot.steps_left = workspace.scratch.shot.steps_left;
         statics::solve(&problem, &start, &mut workspace.at_tensions).ok()?;
         let Workspace { at_tensions, coarse: kept, .. } = &mut *workspace;
         kept.keep(coarse, &at_tensions.poses, &at_tensions.lengths);
@@ -197,7 +214,18 @@ impl Cosserat {
             bracket: level >= FOLD_LEVEL,
             ..self.problem(grid, case, &workspace.commands)
         };
-        statics::solve(&problem, start, &mut workspace.scratch)
-            .map_err(|failure| self.explain(failure, &workspace.commands))
+        statics::solve(&problem, start, &mut workspace.scratch).map_err(|failure| {
+            let Scratch { shot, applied, .. } = &workspace.scratch;
+            let strength = Strength::of(applied, grid, self.robot.backbone().length);
+            let failure = match failure {
+                Failure::NotConverged { iterations, residual, last_load, .. }
+                    if shot.steps_left == 0 && strength.is_out_of_proportion() =>
+                {
+                    Failure::NotConverged { iterations, residual, last_load, advice: GAVE_UP }
+                }
+                other => other,
+            };
+            self.explain(failure, &workspace.commands)
+        })
     }
 }

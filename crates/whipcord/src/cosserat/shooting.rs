@@ -55,6 +55,9 @@ pub(super) fn shoot(
         if effort.residual <= problem.tolerance {
             return Ok(effort);
         }
+        if shot.steps_left == 0 {
+            break;
+        }
         effort.iterations += 1;
         if fresh {
             newton.sensitivity.compute(

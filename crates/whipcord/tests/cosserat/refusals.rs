@@ -185,7 +185,7 @@ fn out_of_proportion() -> impl Strategy<Value = [f64; 9]> {
 }
 
 proptest! {
-    #![proptest_config(config(if cfg!(debug_assertions) { 8 } else { 96 }))]
+    #![proptest_config(config(if cfg!(debug_assertions) { 4 } else { 96 }))]
 
     #[test]
     fn whatever_is_asked_the_answer_is_finite_or_a_reason(

@@ -2,8 +2,8 @@
 
 use whipcord::cosserat::Options;
 use whipcord::{
-    Backbone, Cable, Case, Disks, Loads, Material, Model, Robot, Routing, Section, Solution,
-    Statics, Stations, Vec3,
+    Backbone, Cable, Case, Disks, DistributedLoad, Loads, Material, Model, Robot, Routing, Section,
+    Solution, SolveError, Statics, Stations, Vec3,
 };
 
 fn cantilever(length: f64, diameter: f64) -> Robot {
@@ -70,6 +70,61 @@ fn a_long_thread_hangs_down() {
     assert!(solution.diagnostics.stability.unwrap() > 0.0);
     let weight = 1040.0 * 9.81 * 3.0 * core::f64::consts::PI * 0.0005_f64.powi(2) / 4.0;
     assert!((solution.base_wrench.unwrap().force.x / weight - 1.0).abs() < 1e-12);
+}
+
+/// A rod under a uniform load across it hangs in the direction of the load but for a layer of the thickness
+/// `δ = √(EI/(qL))` at its base. There, with α the angle to the load, `α′ = −(2/δ) sin(α/2)` falls from a right
+/// angle, so that `∫ (1 − cos α) ds = 2δ (1 − cos π/4)` and `∫ sin α ds = 2δ sin π/4`; and as the force falls by
+/// q, `M₀²/(2 EI q) = L − ∫ (1 − cos α) ds`. All of them are off by δ²/L.
+#[test]
+fn a_strong_uniform_load_bends_a_layer_at_the_base() {
+    // So slender that stretch and shear do not count.
+    let robot = cantilever(0.18, 3e-6);
+    let stiffness = 1.1e9 * core::f64::consts::PI * 3e-6_f64.powi(4) / 64.0;
+    for strength in [1e3_f64, 1e4, 1e5] {
+        let load = strength * stiffness / 0.18_f64.powi(3);
+        let distributed = vec![DistributedLoad::uniform(0.18, load * Vec3::X)];
+        let solution = solve(&robot, Loads { distributed, ..Loads::default() });
+        let layer = 1.0 / strength.sqrt();
+        let half = core::f64::consts::FRAC_PI_4;
+        let short = 2.0 * layer * (1.0 - half.cos());
+        let tip = solution.disks.tip().position / 0.18;
+        let moment = solution.base_wrench.unwrap().moment.norm();
+        let borne = moment * moment / (2.0 * stiffness * load * 0.18);
+        for (found, expected) in
+            [(tip.x, 1.0 - short), (tip.z, 2.0 * layer * half.sin()), (borne, 1.0 - short)]
+        {
+            let missed = (found - expected).abs();
+            assert!(missed < 2.0 * layer * layer, "{strength}: {found} {expected}");
+        }
+        assert!(solution.diagnostics.stability.unwrap() > 0.0);
+    }
+}
+
+/// What is out of all proportion is refused, with what to do, after a bounded search.
+#[test]
+fn absurd_loads_are_refused_with_a_reason() {
+    let backbone = cantilever(0.18, 0.003).backbone().clone();
+    let helix = Routing::Helix { start_angle: 0.0, turns: 0.75, radius: 0.008 };
+    let disks = Disks::equally_spaced(0.18, 10, 0.008);
+    let robot = Robot::new(backbone, disks, vec![Cable::new("pull", helix)]).unwrap();
+    let force = |force| Loads { tip_force: force, ..Loads::default() };
+    let absurd = [
+        force(Vec3::X * 1e6),
+        force(Vec3::Z * -1e6),
+        force(Vec3::new(0.0, 0.3, 1.0) * 1e6),
+        Loads { tip_follower: true, ..force(Vec3::X * 1e4) },
+    ];
+    let tried = if cfg!(debug_assertions) { 1 } else { absurd.len() };
+    for loads in absurd.into_iter().take(tried) {
+        let case = Case { loads, ..Case::with_tensions(&[3.9]) };
+        let refused = Model::Cosserat(Options::default()).solve(&robot, &case);
+        let Err(SolveError::NotConverged { advice, iterations, .. }) = refused else {
+            panic!("{refused:?}")
+        };
+        assert!(advice.contains("units"), "{advice}");
+        assert!(iterations < 1000, "{iterations}");
+    }
 }
 
 /// A steel rod that its cable winds up by as much as one and a half turns: the base bears the weight
