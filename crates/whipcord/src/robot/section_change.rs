@@ -7,7 +7,7 @@ use whipcord_numerics::Vec3;
 use super::along::Along;
 use super::backbone::Backbone;
 use super::disks::Disks;
-use super::section::{Section, SectionProperties};
+use super::section::{Section, SectionProperties, torsion_series};
 use crate::parameter::Parameter;
 
 impl Backbone {
@@ -100,13 +100,7 @@ fn rectangle_change(width: f64, height: f64, d_width: f64, d_height: f64) -> Sec
 
 /// Of `J = a b³/3 − (64/π⁵) b⁴ Σ tanh(nπa/2b)/n⁵` for `a ≥ b`, over odd n.
 fn torsion_change(a: f64, b: f64, da: f64, db: f64) -> f64 {
-    let (mut sum, mut slope) = (0.0, 0.0);
-    for k in 0..200 {
-        let n = f64::from(2 * k + 1);
-        let tanh = (0.5 * n * PI * a / b).tanh();
-        sum += tanh / n.powi(5);
-        slope += 0.5 * PI * (1.0 - tanh * tanh) / n.powi(4);
-    }
+    let (sum, slope) = torsion_series(a / b);
     let c = 64.0 / PI.powi(5);
     let b3 = b.powi(3);
     (b3 / 3.0 - c * b3 * slope) * da + (a * b * b - 4.0 * c * b3 * sum + c * a * b * b * slope) * db
