@@ -6,6 +6,7 @@
 
 mod case_file;
 mod check;
+mod document;
 mod error;
 mod files;
 mod help;
@@ -22,6 +23,7 @@ mod units;
 mod validate;
 
 pub use case_file::{CaseFile, load, parse};
+pub use document::{Inexpressible, Item, Table, describe, table_in_si, toml};
 pub use error::{Diagnostic, FileError, FileProblem};
 pub use output::{
     Beside, Cell, CsvTable, NonFinite, answer_json, remove_unfinished, shape_csv, solution_json,

@@ -388,6 +388,19 @@ fn split_number(text: &str) -> Option<(&str, i64, &str)> {
     Some((&text[..end], exponent, &text[rest..]))
 }
 
+/// The text in per cent that is read as this share.
+pub(crate) fn percent(share: f64) -> String {
+    let text = format!("{share:e}");
+    let Some((digits, exponent)) = text.split_once('e') else { return format!("{text} %") };
+    let exponent = exponent.parse().unwrap_or(0_i64) + 2;
+    let plain = format!("{}", decimal(digits, exponent, 0));
+    if decimal(&plain, 0, -2) == share {
+        format!("{plain} %")
+    } else {
+        format!("{digits}e{exponent} %")
+    }
+}
+
 /// The nearest number to `digits · 10^(exponent + power)`.
 fn decimal(digits: &str, exponent: i64, power: i32) -> f64 {
     let exponent = exponent + i64::from(power);
@@ -398,6 +411,14 @@ fn decimal(digits: &str, exponent: i64, power: i32) -> f64 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_share_in_per_cent_is_the_same_share(share in -1e6..1e6_f64) {
+            let read = parse_quantity(&percent(share), &[Dimension::Ratio]);
+            prop_assert_eq!(read, Ok((share, Dimension::Ratio)));
+        }
+    }
 
     #[test]
     fn texts_are_the_same_numbers_as_their_si_literals() {

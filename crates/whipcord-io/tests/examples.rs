@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use whipcord::Routing;
-use whipcord_io::load;
+use whipcord_io::{Item, describe, load, parse, table_in_si, toml};
 
 fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
@@ -33,6 +33,33 @@ fn every_example_loads() {
             panic!("{error}");
         }
     }
+}
+
+#[test]
+fn what_was_read_is_written_and_read_again_to_the_last_bit() {
+    for path in all() {
+        let file = load(&path).unwrap();
+        let text = toml(&describe(Some(&file.title), &file.robot, &file.case).unwrap());
+        let again = parse(&text, "again.toml").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(again.title, file.title);
+        assert_eq!(again.robot.backbone(), file.robot.backbone(), "{text}");
+        assert_eq!(again.robot.disks(), file.robot.disks());
+        assert_eq!(again.robot.cables(), file.robot.cables());
+        assert_eq!(again.case, file.case, "{text}");
+    }
+}
+
+#[test]
+fn every_table_of_an_example_is_one_by_itself() {
+    let file = load(examples().join("tapered-arm.toml")).unwrap();
+    let all = describe(None, &file.robot, &file.case).unwrap();
+    let Some(Item::Table(backbone)) = all.get("backbone") else { panic!() };
+    assert_eq!(&table_in_si("backbone", backbone).unwrap(), backbone);
+    let mut wrong = backbone.clone();
+    wrong.insert("diametre", "3 kg");
+    let error = table_in_si("backbone", &wrong).unwrap_err();
+    assert_eq!(error.problems.len(), 1);
+    assert!(error.to_string().contains("`diameter`"), "{error}");
 }
 
 #[test]

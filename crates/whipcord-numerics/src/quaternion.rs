@@ -74,10 +74,14 @@ impl UnitQuaternion {
         Self { w: self.w * f, v: self.v * f }
     }
 
-    /// The unit quaternion along (w, x, y, z), or `None` when that is null or not finite.
+    /// The unit quaternion along (w, x, y, z), or `None` when that is null or not finite. One that is
+    /// a unit quaternion to rounding stays as it is.
     #[must_use]
     pub fn from_wxyz([w, x, y, z]: [f64; 4]) -> Option<Self> {
         let norm = (w * w + x * x + y * y + z * z).sqrt();
+        if (norm - 1.0).abs() <= 4.0 * f64::EPSILON {
+            return Some(Self { w, v: Vec3::new(x, y, z) });
+        }
         (norm > 0.0 && norm.is_finite()).then(|| Self { w: w / norm, v: Vec3::new(x, y, z) / norm })
     }
 

@@ -1,0 +1,118 @@
+//! One table of a robot file by itself.
+
+use std::path::Path;
+
+use super::{Item, Table, toml};
+use crate::check::{self, Data, Fields};
+use crate::error::{FileError, Problems};
+use crate::node::{self, Value};
+use crate::schema::{Kind, ROOT, Table as Declared};
+use crate::source::Sources;
+use crate::units::{Dimension, percent};
+
+/// A table such as `[backbone]` with all quantities in SI; of `[[cables]]`, `[[steps]]` and the tables
+/// of `[loads]` one entry: `name` is that of the key, with dots between nested ones. It checks names,
+/// types, units and what excludes what; what does not fit the rest of the robot shows when that is read.
+///
+/// ```
+/// use whipcord_io::{Item, Table, table_in_si};
+/// let mut backbone = Table::default();
+/// backbone.insert("length", "180 mm");
+/// let in_si = table_in_si("backbone", &backbone)?;
+/// assert_eq!(in_si.get("length"), Some(&Item::Number(0.18)));
+/// # Ok::<(), whipcord_io::FileError>(())
+/// ```
+///
+/// # Errors
+/// [`FileError`] with all that is wrong with it.
+pub fn table_in_si(name: &str, table: &Table) -> Result<Table, FileError> {
+    let text = toml(table);
+    let (mut sources, mut problems) = (Sources::default(), Problems::default());
+    let file = sources.add(Path::new(name), Some(text.clone()));
+    let mut in_si = Table::default();
+    if let Some(root) = node::parse(file, &text, &mut problems)
+        && let (Value::Table(entries), Some(declared)) = (&root.value, declared(name))
+    {
+        let fields = check::table(entries, root.span, declared, &mut problems);
+        in_si = plain(&fields, declared);
+    }
+    if problems.is_empty() { Ok(in_si) } else { Err(problems.into_error(sources)) }
+}
+
+/// What a file may say in the table of this name.
+fn declared(name: &str) -> Option<&'static Declared> {
+    let mut table = &ROOT;
+    for part in name.split('.') {
+        match table.key(part)?.kind {
+            Kind::Table(inner) | Kind::Tables(inner) => table = inner,
+            Kind::Either(kinds) => {
+                let inner = kinds.iter().find_map(|kind| match kind {
+                    Kind::Table(inner) => Some(*inner),
+                    _ => None,
+                });
+                table = inner?;
+            }
+            _ => return None,
+        }
+    }
+    Some(table)
+}
+
+/// The entries in the order in which they are declared.
+fn plain(fields: &Fields, declared: &Declared) -> Table {
+    let mut table = Table::default();
+    for key in declared.keys {
+        if let Some(data) = fields.data(key.name) {
+            table.insert(key.name, item(data, &key.kind));
+        }
+    }
+    table
+}
+
+fn item(data: &Data, kind: &Kind) -> Item {
+    match (data, kind) {
+        (Data::Text(text), _) => Item::Text(text.clone()),
+        (Data::Flag(flag), _) => Item::Flag(*flag),
+        (Data::Count(count), _) => (*count).into(),
+        // A share of something that is else a length stays one.
+        (Data::Number(share, Dimension::Ratio), Kind::Quantity(dimensions, _))
+            if dimensions.first() != Some(&Dimension::Ratio) =>
+        {
+            Item::Text(percent(*share))
+        }
+        (Data::Number(value, _), _) => Item::Number(*value),
+        (_, Kind::Either(kinds)) => match kinds.iter().find(|kind| fits(data, kind)) {
+            Some(kind) => item(data, kind),
+            None => Item::List(Vec::new()),
+        },
+        (Data::List(list), Kind::Vector(each, _) | Kind::List(each, _)) => {
+            Item::List(list.iter().map(|data| item(data, each)).collect())
+        }
+        (Data::Table(fields), Kind::Table(declared)) => plain(fields, declared).into(),
+        (Data::Tables(list), Kind::Tables(declared)) => {
+            list.iter().map(|fields| plain(fields, declared)).collect::<Vec<_>>().into()
+        }
+        (Data::Table(fields), Kind::Variants { tag, variants }) => {
+            let mut table = Table::default();
+            table.insert(tag.name, fields.variant);
+            let of_variant = variants.iter().find(|(word, _)| *word == fields.variant);
+            let rest = of_variant.map(|(_, declared)| plain(fields, declared)).unwrap_or_default();
+            table.entries.extend(rest.entries);
+            table.into()
+        }
+        // The check has let nothing through that its kind does not have.
+        _ => Item::List(Vec::new()),
+    }
+}
+
+/// Whether checked data are of this kind.
+fn fits(data: &Data, kind: &Kind) -> bool {
+    match (data, kind) {
+        (Data::Number(..), Kind::Quantity(..) | Kind::Number)
+        | (Data::Table(_), Kind::Table(_)) => true,
+        (Data::List(list), Kind::Vector(each, _) | Kind::List(each, _)) => {
+            list.iter().all(|data| fits(data, each))
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,368 @@
+//! A robot and a case as the tables of a file.
+
+use thiserror::Error;
+use whipcord::robot::StiffnessMatrix;
+use whipcord::{
+    Along, Backbone, Cable, CableCommand, Case, Disks, DistributedLoad, Interpolation, LoadFrame,
+    Loads, PointLoad, Pose, Profile, RestCurvature, Robot, Routing, Section, Shortening, Stiffness,
+    UnitQuaternion, Vec3,
+};
+
+use super::{Item, Table};
+use crate::units::percent;
+
+/// What a robot file has no words for; a robot that was read from one has nothing of the kind.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("a robot file cannot say {what}")]
+pub struct Inexpressible {
+    /// What.
+    pub what: &'static str,
+}
+
+/// The entries of a file that describes this robot and this case: read again, it gives the same robot
+/// and the same case to the last bit.
+///
+/// # Errors
+/// [`Inexpressible`] for what only a program can put together.
+pub fn describe(title: Option<&str>, robot: &Robot, case: &Case) -> Result<Table, Inexpressible> {
+    let mut file = Table::default();
+    file.insert_some("title", title);
+    file.insert("backbone", backbone(robot.backbone())?);
+    file.insert("disks", disks(robot.disks(), robot.backbone().length));
+    let in_steps = !case.before.is_empty();
+    let cables = robot.cables().iter().enumerate().map(|(i, cable)| {
+        let own = if in_steps { None } else { case.commands.get(i) };
+        self::cable(cable, own)
+    });
+    let cables: Vec<Table> = cables.collect();
+    if !cables.is_empty() {
+        file.insert("cables", cables);
+    }
+    if case.base != Pose::IDENTITY {
+        file.insert("base", base(&case.base));
+    }
+    if case.loads != Loads::default() {
+        file.insert("loads", loads(&case.loads)?);
+    }
+    if in_steps {
+        let steps = case.before.iter().chain([&case.commands]);
+        file.insert("steps", steps.map(|step| self::step(step)).collect::<Result<Vec<_>, _>>()?);
+    }
+    Ok(file)
+}
+
+/// One value, a list with one for each disk, or a table of both.
+fn along<T: Clone>(along: &Along<T>) -> Item
+where
+    Item: From<T>,
+{
+    match along {
+        Along::Uniform(value) => value.clone().into(),
+        Along::PerDisk(values) => values.clone().into(),
+        Along::At { arc_lengths, values } => {
+            let mut table = Table::default();
+            table.insert("at", arc_lengths.clone());
+            table.insert("values", values.clone());
+            table.into()
+        }
+    }
+}
+
+/// Quantities of one table that share their places, which stand in its `at`.
+struct Shared<'a> {
+    table: Table,
+    at: Option<&'a [f64]>,
+    has_lists: bool,
+}
+
+const MIXED: Inexpressible =
+    Inexpressible { what: "that quantities of one table are given at different places" };
+
+impl<'a> Shared<'a> {
+    fn new() -> Self {
+        Self { table: Table::default(), at: None, has_lists: false }
+    }
+
+    fn insert<T: Clone>(&mut self, key: &str, given: &'a Along<T>) -> Result<(), Inexpressible>
+    where
+        Item: From<T>,
+    {
+        match given {
+            Along::Uniform(value) => self.table.insert(key, value.clone()),
+            Along::PerDisk(values) => {
+                self.has_lists = true;
+                self.table.insert(key, values.clone());
+            }
+            Along::At { arc_lengths, values } => {
+                if self.at.is_some_and(|at| at != arc_lengths.as_slice()) {
+                    return Err(MIXED);
+                }
+                self.at = Some(arc_lengths);
+                self.table.insert(key, values.clone());
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Table, Inexpressible> {
+        match self.at {
+            Some(_) if self.has_lists => return Err(MIXED),
+            Some(at) => self.table.entries.insert(0, ("at".to_owned(), at.to_vec().into())),
+            None => {}
+        }
+        Ok(self.table)
+    }
+}
+
+fn backbone(backbone: &Backbone) -> Result<Table, Inexpressible> {
+    let mut table = Table::default();
+    table.insert("length", backbone.length);
+    match &backbone.section {
+        None => {}
+        Some(Section::Round { outer, inner }) => {
+            let key = if outer.is_uniform() { "diameter" } else { "diameters" };
+            table.insert(key, along(outer));
+            if *inner != Along::Uniform(0.0) {
+                table.insert("inner_diameter", along(inner));
+            }
+        }
+        Some(Section::Rectangle { width, height }) => {
+            let mut bar = Shared::new();
+            bar.insert("width", width)?;
+            bar.insert("height", height)?;
+            table.insert("section", bar.finish()?);
+        }
+    }
+    let material = &backbone.material;
+    table.insert_some("young_modulus", material.young_modulus);
+    table.insert_some("poisson_ratio", material.poisson_ratio);
+    table.insert_some("shear_modulus", material.shear_modulus);
+    if backbone.shear_correction != 1.0 {
+        table.insert("shear_correction", backbone.shear_correction);
+    }
+    if let Some(given) = &backbone.stiffness {
+        table.insert("stiffness", stiffness(given)?);
+    }
+    table.insert_some("density", material.density);
+    table.insert_some("linear_density", backbone.linear_density.as_ref().map(along));
+    if backbone.rest_curvature != RestCurvature::default() {
+        table.insert("rest_curvature", along(&backbone.rest_curvature));
+    }
+    for (key, free) in [("extensible", backbone.extensible), ("shearable", backbone.shearable)] {
+        if !free {
+            table.insert(key, false);
+        }
+    }
+    Ok(table)
+}
+
+fn stiffness(stiffness: &Stiffness) -> Result<Table, Inexpressible> {
+    let mut table = Shared::new();
+    match stiffness {
+        Stiffness::Matrix(matrix) => {
+            let rows = matrix.map(|k: &StiffnessMatrix| k.map(|row| row.to_vec()).to_vec());
+            let rows: &Along<Vec<Vec<f64>>> = &rows;
+            let mut own = Shared::new();
+            own.insert("matrix", rows)?;
+            return own.finish();
+        }
+        Stiffness::Diagonal { shear, axial, bending, torsion } => {
+            if let Some(shear) = shear {
+                table.insert("shear", shear)?;
+            }
+            if let Some(axial) = axial {
+                table.insert("axial", axial)?;
+            }
+            table.insert("bending", bending)?;
+            table.insert("torsion", torsion)?;
+        }
+    }
+    table.finish()
+}
+
+fn disks(disks: &Disks, length: f64) -> Table {
+    let mut table = Table::default();
+    let count = disks.count();
+    if disks.arc_lengths == Disks::equally_spaced(length, count, 0.0).arc_lengths {
+        table.insert("count", count);
+    } else {
+        table.insert("positions", disks.arc_lengths.clone());
+    }
+    match disks.hole_circle_radii.as_slice() {
+        [] => {}
+        [first, rest @ ..] if rest.iter().all(|radius| radius == first) => {
+            table.insert("hole_circle_radius", *first);
+        }
+        radii => table.insert("hole_circle_radius", radii.to_vec()),
+    }
+    table.insert_some("holes", disks.holes);
+    if disks.mass != 0.0 {
+        table.insert("mass", disks.mass);
+    }
+    table
+}
+
+fn cable(cable: &Cable, command: Option<&CableCommand>) -> Table {
+    let mut table = Table::default();
+    table.insert("name", cable.name.as_str());
+    match &cable.routing {
+        Routing::Holes { holes, interpolation } => {
+            table.insert("holes", holes.clone());
+            let name = match interpolation {
+                Interpolation::Spline => None,
+                Interpolation::Pchip => Some("pchip"),
+                Interpolation::Fourier => Some("fourier"),
+            };
+            table.insert_some("interpolation", name);
+        }
+        curve => table.insert("routing", routing(curve)),
+    }
+    table.insert_some("ends_at", cable.ends_at);
+    table.insert_some("friction", cable.friction);
+    table.insert_some("axial_stiffness", cable.axial_stiffness);
+    if let Some(command) = command {
+        table.insert_some("tension", command.tension);
+        table.insert_some("shortening", command.shortening.map(shortening));
+    }
+    table
+}
+
+fn routing(routing: &Routing) -> Table {
+    let mut table = Table::default();
+    match routing {
+        Routing::Holes { holes, .. } => table.insert("holes", holes.clone()),
+        Routing::Straight { angle, radius } => {
+            table.insert("kind", "straight");
+            table.insert("angle", *angle);
+            table.insert("radius", *radius);
+        }
+        Routing::Helix { start_angle, turns, radius } => {
+            table.insert("kind", "helix");
+            table.insert("start_angle", *start_angle);
+            table.insert("turns", *turns);
+            table.insert("radius", *radius);
+        }
+        Routing::Linear { start, end } => {
+            table.insert("kind", "linear");
+            table.insert("start", *start);
+            table.insert("end", *end);
+        }
+        Routing::Polynomial { x, y } => {
+            table.insert("kind", "polynomial");
+            table.insert("x", x.clone());
+            table.insert("y", y.clone());
+        }
+    }
+    table
+}
+
+fn shortening(shortening: Shortening) -> Item {
+    match shortening {
+        Shortening::Length(length) => Item::Number(length),
+        Shortening::Fraction(fraction) => Item::Text(percent(fraction)),
+    }
+}
+
+fn step(commands: &[CableCommand]) -> Result<Table, Inexpressible> {
+    /// Nothing of a kind for any cable, or something for each.
+    fn all<T>(values: Vec<Option<T>>) -> Result<Option<Vec<T>>, Inexpressible> {
+        if values.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let all: Option<Vec<T>> = values.into_iter().collect();
+        let what = "a step that drives some cables by their tension and others by their shortening";
+        all.map(Some).ok_or(Inexpressible { what })
+    }
+    let mut table = Table::default();
+    let tensions = commands.iter().map(|command| command.tension).collect();
+    let shortenings = commands.iter().map(|command| command.shortening.map(shortening)).collect();
+    table.insert_some("tension", all(tensions)?);
+    table.insert_some("shortening", all(shortenings)?);
+    Ok(table)
+}
+
+fn base(base: &Pose) -> Table {
+    let mut table = Table::default();
+    if base.position != Vec3::ZERO {
+        table.insert("position", base.position);
+    }
+    if base.rotation != UnitQuaternion::IDENTITY {
+        table.insert("orientation", base.rotation.wxyz());
+    }
+    table
+}
+
+fn loads(loads: &Loads) -> Result<Table, Inexpressible> {
+    let mut table = Table::default();
+    if loads.frame == LoadFrame::World {
+        table.insert("frame", "world");
+    }
+    table.insert_some("gravity", loads.gravity);
+    let some = |vector: Vec3| (vector != Vec3::ZERO).then_some(vector);
+    table.insert_some("tip_force", some(loads.tip_force));
+    table.insert_some("tip_moment", some(loads.tip_moment));
+    if loads.tip_follower {
+        table.insert("follower", true);
+    }
+    if !loads.points.is_empty() {
+        table.insert("point", loads.points.iter().map(point).collect::<Vec<_>>());
+    }
+    if !loads.distributed.is_empty() {
+        let spread = loads.distributed.iter().map(distributed);
+        table.insert("distributed", spread.collect::<Result<Vec<_>, _>>()?);
+    }
+    if !loads.masses.is_empty() {
+        let masses = loads.masses.iter().map(|mass| {
+            let mut table = Table::default();
+            table.insert("at", mass.at);
+            table.insert("mass", mass.mass);
+            table
+        });
+        table.insert("mass", masses.collect::<Vec<_>>());
+    }
+    Ok(table)
+}
+
+fn point(point: &PointLoad) -> Table {
+    let mut table = Table::default();
+    table.insert("at", point.at);
+    table.insert("force", point.force);
+    if point.moment != Vec3::ZERO {
+        table.insert("moment", point.moment);
+    }
+    if point.follower {
+        table.insert("follower", true);
+    }
+    table
+}
+
+fn distributed(load: &DistributedLoad) -> Result<Table, Inexpressible> {
+    let mut table = Table::default();
+    match &load.profile {
+        Profile::Constant { from, to, force, moment } => {
+            table.insert("from", *from);
+            table.insert("to", *to);
+            table.insert("force", *force);
+            if *moment != Vec3::ZERO {
+                table.insert("moment", *moment);
+            }
+        }
+        Profile::Linear { at, force, moment } => {
+            table.insert("at", at.clone());
+            for (key, values) in [("force", force), ("moment", moment)] {
+                if !values.is_empty() {
+                    table.insert(key, values.clone());
+                }
+            }
+            if force.is_empty() && moment.is_empty() {
+                return Err(Inexpressible {
+                    what: "a distributed load of neither force nor moment",
+                });
+            }
+        }
+    }
+    if load.follower {
+        table.insert("follower", true);
+    }
+    Ok(table)
+}
