@@ -29,7 +29,7 @@ pub use case::{
 };
 pub use error::{LengthMiss, SolveError};
 pub use model::{Differentiable, Model, ModelKind, Prepared, Statics, Stations};
-pub use parameter::{Parameter, StiffnessPart};
+pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use robot::{
     Along, Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot,
     RobotError, Routing, Section, Stiffness,

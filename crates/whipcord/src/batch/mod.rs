@@ -43,6 +43,7 @@
 
 mod arrays;
 mod error;
+mod gradients;
 mod piece;
 mod rows;
 mod run;
@@ -51,6 +52,7 @@ use core::num::NonZeroUsize;
 
 pub use arrays::{Arrays, Batch, Row, Solved};
 pub use error::BatchError;
+pub use gradients::{Gradients, Sensitivities, pull_back_batch};
 pub use rows::Rows;
 pub use whipcord_numerics::lanes::Width;
 

@@ -8,4 +8,5 @@ mod common;
 
 mod base_pose;
 mod batch;
+mod gradients;
 mod limits;

@@ -1,6 +1,8 @@
 //! Quantities of a robot and a case that an answer can be differentiated by.
 
-use core::fmt;
+mod path;
+
+pub use path::UnknownParameter;
 
 use whipcord_numerics::Vec3;
 
@@ -18,6 +20,7 @@ use crate::robot::{
 /// ```
 /// use whipcord::Parameter;
 /// assert_eq!(Parameter::Radius { cable: 1 }.to_string(), "cables[1].routing.radius");
+/// assert_eq!("cables[1].routing.radius".parse(), Ok(Parameter::Radius { cable: 1 }));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Parameter {
@@ -207,72 +210,6 @@ pub enum StiffnessPart {
     Bending,
     /// GJ, against twist.
     Torsion,
-}
-
-/// The path of the quantity in the terms of the robot file.
-impl fmt::Display for Parameter {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let plane = |axis: &usize| if *axis == 0 { "x" } else { "y" };
-        match self {
-            Self::YoungModulus => f.write_str("backbone.young_modulus"),
-            Self::ShearModulus => f.write_str("backbone.shear_modulus"),
-            Self::PoissonRatio => f.write_str("backbone.poisson_ratio"),
-            Self::Density => f.write_str("backbone.density"),
-            Self::StiffnessScale(part) => f.write_str(match part {
-                StiffnessPart::Shear => "factor on GA",
-                StiffnessPart::Extension => "factor on EA",
-                StiffnessPart::Bending => "factor on EI",
-                StiffnessPart::Torsion => "factor on GJ",
-            }),
-            Self::Diameter => f.write_str("backbone.diameter"),
-            Self::DiameterAt { entry } => write!(f, "backbone.diameters[{entry}]"),
-            Self::ShearCorrection => f.write_str("backbone.shear_correction"),
-            Self::Stiffness { row, column } => {
-                write!(f, "backbone.stiffness.matrix[{row}][{column}]")
-            }
-            Self::LinearDensity => f.write_str("backbone.linear_density"),
-            Self::InnerDiameter => f.write_str("backbone.inner_diameter"),
-            Self::Width => f.write_str("backbone.section.width"),
-            Self::Height => f.write_str("backbone.section.height"),
-            Self::RestCurvature { axis } => write!(f, "backbone.rest_curvature[{axis}]"),
-            Self::RestCurvatureAt { entry, axis } => {
-                write!(f, "backbone.rest_curvature[{entry}][{axis}]")
-            }
-            Self::DiskMass => f.write_str("disks.mass"),
-            Self::HoleRadius => f.write_str("disks.hole_circle_radius"),
-            Self::HoleRadiusAt { disk } => write!(f, "disks.hole_circle_radius[{disk}]"),
-            Self::HoleAngle { cable, disk } => {
-                write!(f, "angle of cables[{cable}].holes[{disk}]")
-            }
-            Self::Angle { cable } => write!(f, "cables[{cable}].routing.angle"),
-            Self::Radius { cable } => write!(f, "cables[{cable}].routing.radius"),
-            Self::Turns { cable } => write!(f, "cables[{cable}].routing.turns"),
-            Self::Start { cable, axis } => write!(f, "cables[{cable}].routing.start[{axis}]"),
-            Self::End { cable, axis } => write!(f, "cables[{cable}].routing.end[{axis}]"),
-            Self::Coefficient { cable, axis, power } => {
-                write!(f, "cables[{cable}].routing.{}[{power}]", plane(axis))
-            }
-            Self::AxialStiffness { cable } => write!(f, "cables[{cable}].axial_stiffness"),
-            Self::Gravity { axis } => write!(f, "loads.gravity[{axis}]"),
-            Self::TipForce { axis } => write!(f, "loads.tip_force[{axis}]"),
-            Self::TipMoment { axis } => write!(f, "loads.tip_moment[{axis}]"),
-            Self::PointForce { load, axis } => write!(f, "loads.point[{load}].force[{axis}]"),
-            Self::PointMoment { load, axis } => write!(f, "loads.point[{load}].moment[{axis}]"),
-            Self::PointMass { mass } => write!(f, "loads.mass[{mass}].mass"),
-            Self::LineForce { load, axis } => {
-                write!(f, "loads.distributed[{load}].force[{axis}]")
-            }
-            Self::LineMoment { load, axis } => {
-                write!(f, "loads.distributed[{load}].moment[{axis}]")
-            }
-            Self::LineForceAt { load, entry, axis } => {
-                write!(f, "loads.distributed[{load}].force[{entry}][{axis}]")
-            }
-            Self::LineMomentAt { load, entry, axis } => {
-                write!(f, "loads.distributed[{load}].moment[{entry}][{axis}]")
-            }
-        }
-    }
 }
 
 /// The numbers that a robot and a case are made of.

@@ -1,0 +1,154 @@
+//! Gradients of scalars by the commands of every row, and by parameters of the robot.
+
+use super::BatchOptions;
+use super::error::BatchError;
+use super::rows::Rows;
+use super::run::run;
+use crate::cosserat::derivatives::Cotangent;
+use crate::cosserat::{Cosserat, Hold, Options, Place, Workspace};
+use crate::error::SolveError;
+use crate::parameter::Parameter;
+use crate::robot::Robot;
+use whipcord_numerics::{Twist, Vec3};
+
+/// Rows that one thread takes at a time.
+const ROWS: usize = 16;
+
+/// The sensitivity of one scalar for each row to that row's answer. An empty list is one of zeros.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sensitivities<'a> {
+    /// Rows × stations × 3: to the positions, in the frame that shapes are in.
+    pub positions: &'a [f64],
+    /// Rows × stations × 3: to a turn `δR = φ̂ R` of the frames of the stations, in the frame that
+    /// shapes are in.
+    pub rotations: &'a [f64],
+    /// Rows × cables: to the tensions.
+    pub tensions: &'a [f64],
+    /// Rows × cables: to the lengths of the cables.
+    pub lengths: &'a [f64],
+}
+
+/// Where the gradients go, row after row. A row without an answer gets zeros.
+#[derive(Debug)]
+pub struct Gradients<'a> {
+    /// Rows × cables: by the commands.
+    pub commands: &'a mut [f64],
+    /// Rows × parameters.
+    pub parameters: &'a mut [f64],
+}
+
+/// Solves the rows by the Cosserat model and pulls the sensitivities of a scalar to each answer back
+/// to the commands of the row and to these parameters, exactly, in one sweep for all of them. When a
+/// parameter changes the commands are held.
+///
+/// # Errors
+/// As [`super::solve_batch_into`]. A row without an answer, or whose answer has no derivatives, is no
+/// error of the batch.
+pub fn pull_back_batch(
+    options: &Options,
+    robot: &Robot,
+    rows: Rows<'_>,
+    parameters: &[Parameter],
+    batch: &BatchOptions<'_>,
+    sensitivities: Sensitivities<'_>,
+    gradients: Gradients<'_>,
+) -> Result<Vec<Result<(), SolveError>>, BatchError> {
+    let model = Cosserat::new(robot, &rows.first_loads(), options)?;
+    let (stations, cables) = (model.stations().len(), robot.cables().len());
+    let count = rows.count(cables)?;
+    sensitivities.check(count, stations, cables)?;
+    size("commands", gradients.commands.len(), count * cables)?;
+    size("parameters", gradients.parameters.len(), count * parameters.len())?;
+    let mut outcomes = vec![Ok(()); count];
+    let mut jobs = Vec::with_capacity(count.div_ceil(ROWS));
+    let (mut by_commands, mut by_parameters) = (gradients.commands, gradients.parameters);
+    for (i, outcomes) in outcomes.chunks_mut(ROWS).enumerate() {
+        let (here, rest) = by_commands.split_at_mut(outcomes.len() * cables);
+        let (of_parameters, others) = by_parameters.split_at_mut(outcomes.len() * parameters.len());
+        (by_commands, by_parameters) = (rest, others);
+        jobs.push((i * ROWS, here, of_parameters, outcomes));
+    }
+    run(
+        jobs,
+        count,
+        batch,
+        || (model.clone(), Workspace::default(), rows.blank()),
+        |(first, by_commands, by_parameters, outcomes), (model, workspace, blank)| {
+            for (i, outcome) in outcomes.iter_mut().enumerate() {
+                let row = first + i;
+                let case = rows.case(row, cables, blank);
+                let to_base = case.base.rotation.conjugate();
+                let answer = if model.takes_places_of(&case.loads) {
+                    model.solve_with_derivatives(case, None, parameters, workspace)
+                } else {
+                    let built = Cosserat::new(robot, &case.loads, options);
+                    built.and_then(|built| {
+                        *model = built;
+                        model.solve_with_derivatives(case, None, parameters, workspace)
+                    })
+                };
+                *outcome = answer.map(|(_, derivatives)| {
+                    let cotangent =
+                        sensitivities.of_row(row, (stations, cables), |v| to_base.rotate(v));
+                    let gradient = derivatives.pull_back(&cotangent, Hold::Commands);
+                    by_commands[i * cables..(i + 1) * cables].copy_from_slice(&gradient.commands);
+                    let width = parameters.len();
+                    by_parameters[i * width..(i + 1) * width].copy_from_slice(&gradient.parameters);
+                });
+                if outcome.is_err() {
+                    by_commands[i * cables..(i + 1) * cables].fill(0.0);
+                    by_parameters[i * parameters.len()..(i + 1) * parameters.len()].fill(0.0);
+                }
+            }
+            outcomes.len()
+        },
+    )?;
+    Ok(outcomes)
+}
+
+fn size(name: &'static str, given: usize, needed: usize) -> Result<(), BatchError> {
+    if given == needed { Ok(()) } else { Err(BatchError::Size { name, given, needed }) }
+}
+
+impl Sensitivities<'_> {
+    fn check(&self, rows: usize, stations: usize, cables: usize) -> Result<(), BatchError> {
+        for (name, given, needed) in [
+            ("positions", self.positions.len(), rows * stations * 3),
+            ("rotations", self.rotations.len(), rows * stations * 3),
+            ("tensions", self.tensions.len(), rows * cables),
+            ("lengths", self.lengths.len(), rows * cables),
+        ] {
+            if given > 0 {
+                size(name, given, needed)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Those of one row, turned to the frame of the base.
+    fn of_row(
+        &self,
+        row: usize,
+        (stations, cables): (usize, usize),
+        to_base: impl Fn(Vec3) -> Vec3,
+    ) -> Cotangent {
+        let vector = |values: &[f64], station: usize| {
+            let at = 3 * (row * stations + station);
+            values.get(at..at + 3).map_or(Vec3::ZERO, |v| to_base(Vec3::new(v[0], v[1], v[2])))
+        };
+        let places = (0..stations).map(|station| {
+            let (linear, angular) =
+                (vector(self.positions, station), vector(self.rotations, station));
+            (Place::Station(station), Twist { linear, angular })
+        });
+        let of_cables = |values: &[f64]| {
+            values.get(row * cables..(row + 1) * cables).unwrap_or_default().to_vec()
+        };
+        Cotangent {
+            places: places.collect(),
+            lengths: of_cables(self.lengths),
+            tensions: of_cables(self.tensions),
+            ..Cotangent::default()
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Gradients of batches: those of single answers, in the frame of the shapes.
+
+use crate::common::{helix, paper_robot, straight};
+use whipcord::batch::{BatchError, BatchOptions, Gradients, Rows, Sensitivities, pull_back_batch};
+use whipcord::cosserat::Options;
+use whipcord::{
+    Case, Loads, Model, Parameter, Pose, Robot, SolveError, Statics, UnitQuaternion, Vec3,
+};
+
+/// On a base that is turned, under a load.
+fn case() -> Case {
+    let base = Pose {
+        position: Vec3::new(0.3, -1.2, 0.7),
+        rotation: UnitQuaternion::exp(Vec3::new(0.4, 2.1, -0.8)),
+    };
+    let loads = Loads { tip_force: Vec3::new(0.05, 0.02, -0.03), ..Loads::default() };
+    Case { base, loads, ..Case::default() }
+}
+
+/// A weight for every number of the positions, tensions and lengths.
+fn weight(i: usize) -> f64 {
+    (1.0 + i as f64 * 0.7).sin()
+}
+
+/// The scalar that is differentiated.
+fn scalar(robot: &Robot, tensions: &[f64]) -> f64 {
+    let case = Case { commands: Case::with_tensions(tensions).commands, ..case() };
+    let solution = Model::Cosserat(Options::default()).solve(robot, &case).unwrap();
+    let places = solution.shape.positions().flat_map(|p| p.to_array()).enumerate();
+    let places: f64 = places.map(|(i, x)| weight(i) * x).sum();
+    let lengths = solution.cables.iter().enumerate();
+    places + lengths.map(|(i, cable)| weight(i + 5) * cable.length).sum::<f64>()
+}
+
+#[test]
+fn they_are_those_of_differences() {
+    let robot = paper_robot(vec![straight(0.0), helix(90.0, 0.4)]);
+    let values = [2.0, 1.0, 1e6, 0.0, 0.5, 1.5];
+    let stations = robot.disks().count();
+    let positions: Vec<f64> = (0..3).flat_map(|_| (0..3 * stations).map(weight)).collect();
+    let lengths: Vec<f64> = (0..3).flat_map(|_| (0..2).map(|i| weight(i + 5))).collect();
+    let (mut commands, mut parameters) = ([f64::NAN; 6], [f64::NAN; 3]);
+    let outcomes = pull_back_batch(
+        &Options::default(),
+        &robot,
+        Rows::Tensions { values: &values, case: &case() },
+        &[Parameter::YoungModulus],
+        &BatchOptions::default(),
+        Sensitivities { positions: &positions, lengths: &lengths, ..Sensitivities::default() },
+        Gradients { commands: &mut commands, parameters: &mut parameters },
+    )
+    .unwrap();
+    assert!(matches!(outcomes[1], Err(SolveError::SectionFolds { .. })));
+    assert_eq!((&commands[2..4], parameters[1]), (&[0.0; 2][..], 0.0));
+    for row in [0, 2] {
+        assert_eq!(outcomes[row], Ok(()));
+        let given = [values[2 * row], values[2 * row + 1]];
+        for cable in 0..2 {
+            let at = |by: f64| {
+                let mut moved = given;
+                moved[cable] += by;
+                scalar(&robot, &moved)
+            };
+            let expected = (at(1e-4) - at(-1e-4)) / 2e-4;
+            let got = commands[2 * row + cable];
+            assert!((got - expected).abs() < 1e-6 * expected.abs().max(1e-3), "{got} {expected}");
+        }
+        let at = |by: f64| {
+            let moved = Parameter::YoungModulus.moved(&robot, &Case::with_tensions(&given), by);
+            scalar(&moved.unwrap().0, &given)
+        };
+        let expected = (at(1e5) - at(-1e5)) / 2e5;
+        let got = parameters[row];
+        assert!((got - expected).abs() < 1e-5 * expected.abs(), "{got} {expected}");
+    }
+}
+
+#[test]
+fn arrays_of_another_size_are_refused() {
+    let robot = paper_robot(vec![straight(0.0)]);
+    let refused = pull_back_batch(
+        &Options::default(),
+        &robot,
+        Rows::Tensions { values: &[1.0, 2.0], case: &case() },
+        &[],
+        &BatchOptions::default(),
+        Sensitivities { positions: &[1.0; 3], ..Sensitivities::default() },
+        Gradients { commands: &mut [0.0; 2], parameters: &mut [] },
+    );
+    let expected = BatchError::Size { name: "positions", given: 3, needed: 60 };
+    assert_eq!(refused, Err(expected));
+}
