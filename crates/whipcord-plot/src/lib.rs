@@ -43,5 +43,7 @@ pub use ellipsoid::{Ellipsoid, Quantity};
 pub use error::PlotError;
 pub use marker::Marker;
 pub use png::png;
-pub use robot_figure::{CableCourse, FigureOptions, RobotView, ViewStyle, robot_figure};
+pub use robot_figure::{
+    CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, robot_figure,
+};
 pub use timing::{TimingSeries, timing_chart};

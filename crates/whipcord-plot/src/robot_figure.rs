@@ -1,6 +1,8 @@
 //! A robot in space and in three orthogonal views.
 
-use whipcord::{ModelKind, Robot, Shape, Solution, Vec3};
+use whipcord::{
+    Case, Drive, Model, ModelKind, Pose, Robot, Shape, Solution, Statics as _, Stations, Vec3,
+};
 
 use crate::acting::Acting;
 use crate::body::{Body, Part};
@@ -86,6 +88,9 @@ impl Default for FigureOptions {
     }
 }
 
+/// Stations of shapes that are smooth in pictures.
+pub const FINE_STATIONS: usize = 181;
+
 impl CableCourse {
     /// Where a model takes the cables to run.
     #[must_use]
@@ -107,6 +112,30 @@ impl RobotView {
             disks: solution.disks.clone(),
             cables: CableCourse::of(solution.model),
             style: ViewStyle::Model,
+        }
+    }
+
+    /// The robot before its cables are pulled, on a base of this pose.
+    #[must_use]
+    pub fn at_rest(robot: &Robot, base: Pose) -> Self {
+        let stations = Stations::Equal(FINE_STATIONS);
+        let case = Case { base, ..Case::with_tensions(&vec![0.0; robot.cables().len()]) };
+        // Cables that rub are for the second one.
+        let rest = [ModelKind::Cosserat, ModelKind::CosseratDisks].into_iter().find_map(|kind| {
+            Model::new(kind, stations.clone(), Drive::Tension).solve(robot, &case).ok()
+        });
+        let label = "before actuation";
+        match rest {
+            Some(solution) => Self::model(label, &solution).before(),
+            // A robot without section or material is known to a geometric model only, for which the
+            // backbone is straight.
+            None => Self {
+                label: label.to_owned(),
+                shape: Shape::straight(&stations.arc_lengths(robot)).moved(base),
+                disks: Shape::straight(&robot.disks().arc_lengths).moved(base),
+                cables: CableCourse::Smooth,
+                style: ViewStyle::Before,
+            },
         }
     }
 

@@ -1,6 +1,5 @@
 //! The figures of a case.
 
-use whipcord::{Case, Drive, Model, ModelKind, Pose, Robot, Shape, Statics, Stations};
 use whipcord_plot::{
     Acting, CableCourse, Colour, DistanceSeries, FigureOptions, Marker, PlotError, RobotView,
     ViewStyle, distance_chart, robot_figure,
@@ -9,9 +8,6 @@ use whipcord_plot::{
 use super::study::Study;
 use crate::failure::Failure;
 use crate::files::plot_failure;
-
-/// Stations of the smooth shapes in figures.
-pub const FINE_STATIONS: usize = 181;
 
 /// A figure and what it shows.
 #[derive(Clone, Debug)]
@@ -33,7 +29,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
     let mut figures = Vec::new();
     let Some((_, reference)) = study.reference() else { return Ok(figures) };
     let fail = |error: PlotError| plot_failure(&study.file.path, &error);
-    let mut views = vec![before(&study.file.robot, study.file.case.base)];
+    let mut views = vec![RobotView::at_rest(&study.file.robot, study.file.case.base)];
     views.extend(study.solved().map(|(run, solved)| RobotView {
         label: if run.is_unstable() { format!("{}, unstable", run.label()) } else { run.label() },
         shape: solved.fine.clone(),
@@ -67,29 +63,6 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         });
     }
     Ok(figures)
-}
-
-/// The robot before its cables are pulled.
-pub fn before(robot: &Robot, base: Pose) -> RobotView {
-    let stations = Stations::Equal(FINE_STATIONS);
-    let case = Case { base, ..Case::with_tensions(&vec![0.0; robot.cables().len()]) };
-    // Cables that rub are for the second one.
-    let rest = [ModelKind::Cosserat, ModelKind::CosseratDisks].into_iter().find_map(|kind| {
-        Model::new(kind, stations.clone(), Drive::Tension).solve(robot, &case).ok()
-    });
-    let label = "before actuation";
-    match rest {
-        Some(solution) => RobotView::model(label, &solution).before(),
-        // A robot without section or material is known to a geometric model only, for which the
-        // backbone is straight.
-        None => RobotView {
-            label: label.to_owned(),
-            shape: Shape::straight(&stations.arc_lengths(robot)).moved(base),
-            disks: Shape::straight(&robot.disks().arc_lengths).moved(base),
-            cables: CableCourse::Smooth,
-            style: ViewStyle::Before,
-        },
-    }
 }
 
 fn distances(study: &Study) -> Vec<DistanceSeries> {

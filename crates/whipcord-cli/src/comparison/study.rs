@@ -5,11 +5,11 @@ use whipcord::{
     Stations, Vec3,
 };
 
-use super::figures::FINE_STATIONS;
 use crate::statistics::mean;
 use crate::timing::{self, TimedSolution, Timing};
 use crate::words::driven_by;
 use whipcord_io::CaseFile;
+use whipcord_plot::FINE_STATIONS;
 
 /// A case and what the models say of it.
 #[derive(Clone, Debug)]

@@ -7,9 +7,8 @@ use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser
 use clap::{Args, ValueEnum};
 use whipcord::{Drive, Loads, Model, ModelKind, Robot, Shape, Solution, Stations};
 use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
-use whipcord_plot::{Acting, FigureOptions, RobotView, robot_figure};
+use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, robot_figure};
 
-use crate::comparison::figures::{FINE_STATIONS, before};
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs::read_one;
@@ -176,7 +175,7 @@ fn draw(path: &Path, file: &CaseFile, timed: &TimedSolution) -> Result<Vec<u8>, 
         let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
         RobotView::model(format!("{name}{unstable}"), solution)
     };
-    let mut views = vec![before(&file.robot, file.case.base)];
+    let mut views = vec![RobotView::at_rest(&file.robot, file.case.base)];
     if steps.len() > MOST_STEPS_DRAWN || steps.is_empty() {
         views.push(view(solution.model.to_string(), solution));
     } else {

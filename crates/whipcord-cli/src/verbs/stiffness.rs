@@ -11,10 +11,11 @@ use whipcord::{
     Vec3,
 };
 use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json};
-use whipcord_plot::{Acting, Ellipsoid, FigureOptions, Quantity, RobotView, robot_figure};
+use whipcord_plot::{
+    Acting, Ellipsoid, FINE_STATIONS, FigureOptions, Quantity, RobotView, robot_figure,
+};
 
 use super::solve::{Actuation, drive, model_parser, picture_path};
-use crate::comparison::figures::FINE_STATIONS;
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs::read_one;

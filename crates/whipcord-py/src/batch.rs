@@ -1,0 +1,261 @@
+//! Many rows at once, with the interpreter free for others meanwhile.
+
+use core::num::NonZeroUsize;
+use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+use whipcord::batch::{
+    Arrays, BatchError, BatchOptions, Gradients, Progress, Rows, Sensitivities, Solved,
+    solve_batch_into,
+};
+use whipcord::{Diagnostics, SolveError};
+
+use crate::convert::array;
+use crate::errors;
+use crate::model::Model;
+use crate::setup::{Setup, parameter};
+
+/// How often signals such as Ctrl-C are looked for, and progress is reported.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// How each row was solved, or why it was not.
+#[pyclass(frozen, module = "whipcord._core")]
+pub struct Outcomes {
+    rows: Vec<Result<Solved, SolveError>>,
+}
+
+/// Positions, orientations, tensions and lengths, and how each row went.
+type Solutions<'py> = (
+    Bound<'py, PyArray3<f64>>,
+    Bound<'py, PyArray3<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Outcomes,
+);
+
+/// Gradients by commands and by parameters, and how each row went.
+type Pulled<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Outcomes);
+
+#[pymethods]
+impl Outcomes {
+    /// (N,) whether a row has an answer.
+    #[getter]
+    fn ok<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        array(py, self.rows.iter().map(Result::is_ok).collect(), [self.rows.len()])
+    }
+
+    /// Numbers of the rows without an answer, from 0.
+    #[getter]
+    fn failed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let failed = self.rows.iter().enumerate().filter(|(_, row)| row.is_err());
+        let numbers: Vec<i64> = failed.map(|(i, _)| i as i64).collect();
+        let count = numbers.len();
+        array(py, numbers, [count])
+    }
+
+    /// (N,) a diagnostic; NaN where a row has none.
+    fn diagnostic<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let of: fn(&Diagnostics) -> Option<f64> = match name {
+            "iterations" => |d| Some(d.iterations as f64),
+            "residual" => |d| Some(d.residual),
+            "stability" => |d| d.stability,
+            "discretization_error" => |d| d.discretization_error,
+            "steps" => |d| Some(d.steps as f64),
+            "stability_lost_at" => |d| d.stability_lost_at,
+            _ => {
+                let message = format!("there is no diagnostic `{name}`");
+                return Err(errors::input(py, "name", message));
+            }
+        };
+        let value = |row: &Result<Solved, SolveError>| {
+            row.as_ref().ok().and_then(|solved| of(&solved.diagnostics)).unwrap_or(f64::NAN)
+        };
+        array(py, self.rows.iter().map(value).collect(), [self.rows.len()])
+    }
+
+    /// Why a row has no answer, as an exception; None where it has one.
+    fn error(&self, py: Python<'_>, row: usize) -> Option<Py<PyAny>> {
+        let error = self.rows.get(row)?.as_ref().err()?;
+        Some(errors::solve(py, error).into_value(py).into_any())
+    }
+
+    fn __len__(&self) -> usize {
+        self.rows.len()
+    }
+}
+
+/// Solves rows of tensions in N or shortenings in m: (N, n, 3) positions, (N, n, 4) quaternions,
+/// (N, c) tensions and (N, c) lengths, and how each went.
+#[pyfunction]
+#[pyo3(signature = (setup, model, values, by_shortening, threads, path, progress))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub fn solve_batch<'py>(
+    py: Python<'py>,
+    setup: &Setup,
+    model: &Model,
+    values: PyReadonlyArray2<'py, f64>,
+    by_shortening: bool,
+    threads: Option<usize>,
+    path: bool,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Solutions<'py>> {
+    let count = setup.rows(py, &values)?;
+    let cables = setup.robot.cables().len();
+    let stations = setup.station_list(py, model)?.len();
+    let position = PyArray3::zeros(py, [count, stations, 3], false);
+    let orientation = PyArray3::zeros(py, [count, stations, 4], false);
+    let tension = PyArray2::zeros(py, [count, cables], false);
+    let length = PyArray2::zeros(py, [count, cables], false);
+    let rows = {
+        let (mut position, mut orientation) = (position.readwrite(), orientation.readwrite());
+        let (mut tension, mut length) = (tension.readwrite(), length.readwrite());
+        let arrays = Arrays {
+            positions: position.as_slice_mut()?,
+            orientations: orientation.as_slice_mut()?,
+            tensions: tension.as_slice_mut()?,
+            lengths: length.as_slice_mut()?,
+        };
+        let rows = commands(setup, values.as_slice()?, by_shortening);
+        supervise(py, progress, |progress| {
+            let options = BatchOptions { warm_path: path, ..shared(threads, progress) };
+            solve_batch_into(&model.inner, &setup.robot, rows, &options, arrays)
+        })?
+    };
+    Ok((position, orientation, tension, length, Outcomes { rows }))
+}
+
+/// Pulls sensitivities of one scalar for each row to its positions, turns, tensions and lengths back:
+/// (N, c) gradients by the commands, (N, p) by parameters, and which rows have one.
+#[pyfunction]
+#[pyo3(signature = (
+    setup, model, values, by_shortening, parameters, threads, progress, positions = None,
+    rotations = None, tensions = None, lengths = None
+))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub fn pull_back_batch<'py>(
+    py: Python<'py>,
+    setup: &Setup,
+    model: &Model,
+    values: PyReadonlyArray2<'py, f64>,
+    by_shortening: bool,
+    parameters: Vec<String>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'py, PyAny>>,
+    positions: Option<PyReadonlyArray3<'py, f64>>,
+    rotations: Option<PyReadonlyArray3<'py, f64>>,
+    tensions: Option<PyReadonlyArray2<'py, f64>>,
+    lengths: Option<PyReadonlyArray2<'py, f64>>,
+) -> PyResult<Pulled<'py>> {
+    let count = setup.rows(py, &values)?;
+    let whipcord::Model::Cosserat(model) = &model.inner else {
+        let kind = model.inner.kind();
+        let message = format!("gradients are known to the model cosserat, not to {kind}");
+        return Err(errors::input(py, "model", message));
+    };
+    let parameters: Vec<_> =
+        parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;
+    let by_commands = PyArray2::zeros(py, [count, setup.robot.cables().len()], false);
+    let by_parameters = PyArray2::zeros(py, [count, parameters.len()], false);
+    let rows = {
+        let (mut commands, mut others) = (by_commands.readwrite(), by_parameters.readwrite());
+        let gradients =
+            Gradients { commands: commands.as_slice_mut()?, parameters: others.as_slice_mut()? };
+        let sensitivities = Sensitivities {
+            positions: positions.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
+            rotations: rotations.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
+            tensions: tensions.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
+            lengths: lengths.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
+        };
+        let rows = commands(setup, values.as_slice()?, by_shortening);
+        supervise(py, progress, |progress| {
+            let options = shared(threads, progress);
+            let robot = &setup.robot;
+            whipcord::batch::pull_back_batch(
+                model,
+                robot,
+                rows,
+                &parameters,
+                &options,
+                sensitivities,
+                gradients,
+            )
+        })?
+    };
+    let rows = rows.into_iter().map(|row| row.map(|()| Solved::default())).collect();
+    Ok((by_commands, by_parameters, Outcomes { rows }))
+}
+
+/// The rows of a case.
+fn commands<'a>(setup: &'a Setup, values: &'a [f64], by_shortening: bool) -> Rows<'a> {
+    let case = &*setup.case;
+    if by_shortening { Rows::Shortenings { values, case } } else { Rows::Tensions { values, case } }
+}
+
+/// So many threads, or one for each processor.
+fn shared(threads: Option<usize>, progress: Progress<'_>) -> BatchOptions<'_> {
+    let threads = threads.and_then(NonZeroUsize::new);
+    BatchOptions { threads, progress: Some(progress), ..BatchOptions::default() }
+}
+
+impl Setup {
+    /// The number of rows.
+    fn rows(&self, py: Python<'_>, values: &PyReadonlyArray2<'_, f64>) -> PyResult<usize> {
+        let (array, cables) = (values.as_array(), self.robot.cables().len());
+        let [rows, columns] = [array.nrows(), array.ncols()];
+        if columns == cables {
+            return Ok(rows);
+        }
+        let message = format!(
+            "the rows must have the shape (N, {cables}), one column for each cable, but have ({rows}, {columns})"
+        );
+        Err(errors::input(py, "tensions", message))
+    }
+}
+
+/// Has a thread of its own do the work while this one, which Python delivers signals to, waits for them
+/// and reports progress.
+fn supervise<T: Send>(
+    py: Python<'_>,
+    report: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(Progress<'_>) -> Result<T, BatchError> + Send,
+) -> PyResult<T> {
+    let (done, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let progress = |rows: usize, _: usize| {
+        // Threads report in any order.
+        done.fetch_max(rows, Ordering::Relaxed);
+        !stopped.load(Ordering::Relaxed)
+    };
+    let finished = AtomicBool::new(false);
+    let here = thread::current();
+    let (result, interrupted) = thread::scope(|scope| {
+        let worker = scope.spawn(|| {
+            let result = work(&progress);
+            finished.store(true, Ordering::Release);
+            here.unpark();
+            result
+        });
+        let mut interrupted = None;
+        while !finished.load(Ordering::Acquire) && !worker.is_finished() {
+            py.detach(|| thread::park_timeout(PERIOD));
+            let told = match report {
+                Some(report) => report.call1((done.load(Ordering::Relaxed),)).map(drop),
+                None => Ok(()),
+            };
+            if let Err(error) = told.and_then(|()| py.check_signals()) {
+                stopped.store(true, Ordering::Relaxed);
+                interrupted = Some(error);
+                break;
+            }
+        }
+        (py.detach(|| worker.join()), interrupted)
+    });
+    match (interrupted, result) {
+        (Some(error), _) => Err(error),
+        (None, Ok(result)) => result.map_err(|error| errors::batch(py, &error)),
+        // PyO3 turns it into an exception, as any panic.
+        (None, Err(panic)) => std::panic::resume_unwind(panic),
+    }
+}

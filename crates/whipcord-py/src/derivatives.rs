@@ -1,0 +1,251 @@
+//! Exact derivatives of an answer of the Cosserat model.
+
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use whipcord::cosserat::derivatives::{Change, Cotangent};
+use whipcord::cosserat::{Hold, Place, Workspace};
+use whipcord::{Twist, UnitQuaternion, Vec3};
+
+use crate::convert::{array, matrix6, twist};
+use crate::errors;
+use crate::model::Model;
+use crate::setup::{Setup, parameter};
+use crate::solution::Solution;
+
+/// The derivatives of one answer. What says how stations move is in the frame of their positions,
+/// compliance and stiffness are in that of the base.
+#[pyclass(frozen, module = "whipcord._core")]
+pub struct Derivatives {
+    inner: whipcord::cosserat::Derivatives,
+    solution: Arc<whipcord::Solution>,
+    to_world: UnitQuaternion,
+    parameters: usize,
+}
+
+/// The answer with its derivatives by the commands, by loads, and by these parameters.
+#[pyfunction]
+#[pyo3(signature = (setup, model, parameters, tension = None, shortening = None, start = None))]
+pub fn derivatives(
+    py: Python<'_>,
+    setup: &Setup,
+    model: &Model,
+    parameters: Vec<String>,
+    tension: Option<&Bound<'_, PyAny>>,
+    shortening: Option<&Bound<'_, PyAny>>,
+    start: Option<&Solution>,
+) -> PyResult<(Solution, Derivatives)> {
+    let case = setup.commanded(tension, shortening)?;
+    let parameters: Vec<_> =
+        parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;
+    let model = setup.cosserat(py, model, "derivatives")?;
+    let start = start.map(|solution| &*solution.inner);
+    let answer = py.detach(|| {
+        let mut workspace = Workspace::default();
+        let mut left = None;
+        if start.is_none() {
+            for step in case.steps().take(case.before.len()) {
+                left = Some(model.solve(&step, left.as_ref(), &mut workspace)?);
+            }
+        }
+        let start = start.or(left.as_ref());
+        model.solve_with_derivatives(&case, start, &parameters, &mut workspace)
+    });
+    let (solution, inner) = answer.map_err(|error| errors::solve(py, &error))?;
+    let solution = Solution::new(solution, &case);
+    let derivatives = Derivatives {
+        inner,
+        solution: Arc::clone(&solution.inner),
+        to_world: case.base.rotation,
+        parameters: parameters.len(),
+    };
+    Ok((solution, derivatives))
+}
+
+#[pymethods]
+impl Derivatives {
+    /// (n, 6, c) motion of every station with the command of each cable.
+    fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        self.stations(py, self.solution.cables.len(), |at| self.inner.actuation_jacobian(at))
+    }
+
+    /// (n, 6, c) motion of every station with the tension of each cable.
+    fn tensions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        self.stations(py, self.solution.cables.len(), |at| self.inner.tension_jacobian(at))
+    }
+
+    /// (n, 6, p) motion of every station with each parameter.
+    fn parameters<'py>(&self, py: Python<'py>, hold: &str) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let hold = held(py, hold)?;
+        let changes = self.changes(hold);
+        self.stations(py, changes.len(), |at| changes.iter().map(|c| c.twist(at)).collect())
+    }
+
+    /// (c, p) rates of the cables' lengths and tensions with each parameter.
+    #[expect(clippy::type_complexity, reason = "a pair of arrays")]
+    fn cables_by_parameters<'py>(
+        &self,
+        py: Python<'py>,
+        hold: &str,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let changes = self.changes(held(py, hold)?);
+        let cables = self.solution.cables.len();
+        let table = |of: fn(&Change) -> &[f64]| {
+            let rows = (0..cables).flat_map(|i| changes.iter().map(move |change| of(change)[i]));
+            array(py, rows.collect(), [cables, changes.len()])
+        };
+        Ok((table(Change::lengths)?, table(Change::tensions)?))
+    }
+
+    /// (c, c) rates of the cables' lengths with their tensions.
+    fn length_by_tension<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let cables = self.solution.cables.len();
+        array(py, self.inner.length_by_tension().concat(), [cables, cables])
+    }
+
+    /// (6, 6) compliance of a station, or of the tip, in the frame of the base.
+    #[pyo3(signature = (station, hold))]
+    fn compliance<'py>(
+        &self,
+        py: Python<'py>,
+        station: Option<usize>,
+        hold: &str,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let compliance = self.inner.compliance(self.place(py, station)?, held(py, hold)?);
+        matrix6(py, &compliance.map_err(|error| errors::solve(py, &error))?)
+    }
+
+    /// (6, 6) stiffness of a station, or of the tip; None where it does not yield in every direction.
+    #[pyo3(signature = (station, hold))]
+    fn stiffness<'py>(
+        &self,
+        py: Python<'py>,
+        station: Option<usize>,
+        hold: &str,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let stiffness = self.inner.stiffness(self.place(py, station)?, held(py, hold)?);
+        let stiffness = stiffness.map_err(|error| errors::solve(py, &error))?;
+        stiffness.map(|matrix| matrix6(py, &matrix)).transpose()
+    }
+
+    /// Gradient of a scalar by commands, parameters, and dead wrenches at the stations, from its
+    /// sensitivities to positions, turns, tensions and lengths.
+    #[pyo3(signature = (hold, position = None, rotation = None, tension = None, length = None))]
+    fn pull_back<'py>(
+        &self,
+        py: Python<'py>,
+        hold: &str,
+        position: Option<PyReadonlyArray2<'py, f64>>,
+        rotation: Option<PyReadonlyArray2<'py, f64>>,
+        tension: Option<PyReadonlyArray1<'py, f64>>,
+        length: Option<PyReadonlyArray1<'py, f64>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let hold = held(py, hold)?;
+        let (stations, cables) = (self.solution.shape.poses.len(), self.solution.cables.len());
+        let mut places = vec![Twist::default(); stations];
+        let vectors = |array: Option<&PyReadonlyArray2<'py, f64>>, name: &str| {
+            let Some(array) = array else { return Ok(vec![Vec3::ZERO; stations]) };
+            let view = array.as_array();
+            if view.dim() != (stations, 3) {
+                let message =
+                    format!("{name} must have the shape ({stations}, 3), but has {:?}", view.dim());
+                return Err(errors::input(py, name, message));
+            }
+            let back = self.to_world.conjugate();
+            Ok(view
+                .rows()
+                .into_iter()
+                .map(|v| back.rotate(Vec3::new(v[0], v[1], v[2])))
+                .collect::<Vec<_>>())
+        };
+        let positions = vectors(position.as_ref(), "position")?;
+        let rotations = vectors(rotation.as_ref(), "rotation")?;
+        for ((place, linear), angular) in places.iter_mut().zip(positions).zip(rotations) {
+            *place = Twist { linear, angular };
+        }
+        let of_cables = |array: Option<&PyReadonlyArray1<'py, f64>>, name: &str| {
+            let Some(array) = array else { return Ok(Vec::new()) };
+            let values = array.as_array().to_vec();
+            if values.len() != cables {
+                let message =
+                    format!("{name} must have the shape ({cables},), but has ({},)", values.len());
+                return Err(errors::input(py, name, message));
+            }
+            Ok(values)
+        };
+        let cotangent = Cotangent {
+            places: places.into_iter().enumerate().map(|(i, t)| (Place::Station(i), t)).collect(),
+            lengths: of_cables(length.as_ref(), "length")?,
+            tensions: of_cables(tension.as_ref(), "tension")?,
+            ..Cotangent::default()
+        };
+        let gradient = self.inner.pull_back(&cotangent, hold);
+        let wrenches = (0..stations).flat_map(|station| {
+            let wrench = gradient.wrench(Place::Station(station));
+            self.in_world(Twist { linear: wrench.force, angular: wrench.moment })
+        });
+        let wrenches = array(py, wrenches.collect(), [stations, 6])?;
+        let vector = |values: Vec<f64>| -> PyResult<Bound<'py, PyArray1<f64>>> {
+            let count = values.len();
+            array(py, values, [count])
+        };
+        let values = PyDict::new(py);
+        values.set_item("commands", vector(gradient.commands)?)?;
+        values.set_item("parameters", vector(gradient.parameters)?)?;
+        values.set_item("wrenches", wrenches)?;
+        Ok(values)
+    }
+}
+
+impl Derivatives {
+    fn changes(&self, hold: Hold) -> Vec<Change> {
+        (0..self.parameters).map(|i| self.inner.parameter(i, hold)).collect()
+    }
+
+    fn in_world(&self, motion: Twist) -> [f64; 6] {
+        let linear = self.to_world.rotate(motion.linear);
+        twist(Twist { linear, angular: self.to_world.rotate(motion.angular) })
+    }
+
+    fn stations<'py>(
+        &self,
+        py: Python<'py>,
+        width: usize,
+        columns: impl Fn(Place) -> Vec<Twist>,
+    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let stations = self.solution.shape.poses.len();
+        let mut values = Vec::with_capacity(stations * 6 * width);
+        for station in 0..stations {
+            let columns = columns(Place::Station(station));
+            let columns: Vec<[f64; 6]> = columns.into_iter().map(|t| self.in_world(t)).collect();
+            values.extend((0..6).flat_map(|row| columns.iter().map(move |column| column[row])));
+        }
+        array(py, values, [stations, 6, width])
+    }
+
+    fn place(&self, py: Python<'_>, station: Option<usize>) -> PyResult<Place> {
+        let stations = self.solution.shape.poses.len();
+        match station {
+            None => Ok(Place::Tip),
+            Some(i) if i < stations => Ok(Place::Station(i)),
+            Some(i) => {
+                let message = format!("there is no station {i}: they are 0 to {}", stations - 1);
+                Err(errors::input(py, "at", message))
+            }
+        }
+    }
+}
+
+fn held(py: Python<'_>, hold: &str) -> PyResult<Hold> {
+    match hold {
+        "commands" => Ok(Hold::Commands),
+        "tensions" => Ok(Hold::Tensions),
+        "lengths" => Ok(Hold::Lengths),
+        other => {
+            let message = format!("nothing holds `{other}`: choose commands, tensions or lengths");
+            Err(errors::input(py, "hold", message))
+        }
+    }
+}

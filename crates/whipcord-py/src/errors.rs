@@ -1,0 +1,184 @@
+//! Exceptions of the errors of the library: those of the module `whipcord.errors`, with the numbers as
+//! attributes.
+
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict, PyList};
+use whipcord::batch::BatchError;
+use whipcord::{RobotError, SolveError};
+use whipcord_io::{FileError, FileProblem};
+
+/// An exception of this class of `whipcord.errors`, with these attributes.
+fn exception(
+    py: Python<'_>,
+    class: &str,
+    message: String,
+    attributes: impl FnOnce(&Bound<'_, PyDict>) -> PyResult<()>,
+) -> PyErr {
+    let make = || {
+        let values = PyDict::new(py);
+        attributes(&values)?;
+        let class = py.import("whipcord.errors")?.getattr(class)?;
+        class.call((message,), Some(&values))
+    };
+    make().map_or_else(|error| error, PyErr::from_value)
+}
+
+/// What a caller gave cannot be. `path` names the argument.
+pub fn input(py: Python<'_>, path: &str, message: String) -> PyErr {
+    exception(py, "InputError", message, |values| values.set_item("path", path))
+}
+
+/// A quantity of a robot or a case that cannot be.
+pub fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
+    input(py, &error.path, error.to_string())
+}
+
+/// A robot file that cannot be used.
+pub fn file(py: Python<'_>, error: &FileError, path: &str) -> PyErr {
+    let missing = error.problems.iter().any(|diagnostic| {
+        matches!(diagnostic.problem, FileProblem::Unreadable { missing: true, .. })
+    });
+    let class = if missing { "FileMissingError" } else { "FileError" };
+    exception(py, class, error.to_string().trim_end().to_owned(), |values| {
+        values.set_item("path", path)?;
+        values.set_item("problems", problems(py, error)?)
+    })
+}
+
+/// Arguments that a robot file with the same values would be refused for.
+pub fn arguments(py: Python<'_>, error: &FileError, of: &str) -> PyErr {
+    let sentences = error.problems.iter().map(|diagnostic| {
+        let (problem, help) = (&diagnostic.problem, diagnostic.problem.help());
+        if help.is_empty() { problem.to_string() } else { format!("{problem}; {help}") }
+    });
+    let message = sentences.collect::<Vec<_>>().join("\n");
+    exception(py, "InputError", message, |values| {
+        values.set_item("path", of)?;
+        values.set_item("problems", problems(py, error)?)
+    })
+}
+
+/// What is wrong, what to do, and where.
+fn problems<'py>(py: Python<'py>, error: &FileError) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for diagnostic in &error.problems {
+        let source = error.sources.get(diagnostic.span.file);
+        let position = source.map(|source| source.position(diagnostic.span.start));
+        let problem = PyDict::new(py);
+        problem.set_item("message", diagnostic.problem.to_string())?;
+        problem.set_item("help", diagnostic.problem.help())?;
+        problem.set_item("file", source.map(|source| source.name()))?;
+        problem.set_item("line", position.map(|at| at.line))?;
+        problem.set_item("column", position.map(|at| at.column))?;
+        list.append(problem)?;
+    }
+    Ok(list)
+}
+
+/// Why a batch as a whole was not solved.
+pub fn batch(py: Python<'_>, error: &BatchError) -> PyErr {
+    match error {
+        BatchError::Model(error) => solve(py, error),
+        other => input(py, "tensions", other.to_string()),
+    }
+}
+
+/// Why a model gives no answer.
+pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
+    use Value::{Count, Number, Text};
+    let message = error.to_string();
+    let raise = |class: &str, values: &[(&str, Value<'_>)]| {
+        exception(py, class, message.clone(), |dict| {
+            values.iter().try_for_each(|(name, value)| match value {
+                Text(text) => dict.set_item(name, text),
+                Number(number) => dict.set_item(name, number),
+                Count(count) => dict.set_item(name, count),
+            })
+        })
+    };
+    match error {
+        SolveError::Invalid(error) => robot(py, error),
+        SolveError::Missing { model, path, advice } => raise(
+            "ModelError",
+            &[("model", Text(model.name())), ("path", Text(path)), ("advice", Text(advice))],
+        ),
+        SolveError::Unsupported { model, path, what: _, advice } => raise(
+            "ModelError",
+            &[("model", Text(model.name())), ("path", Text(path)), ("advice", Text(advice))],
+        ),
+        SolveError::SectionFolds { cable, arc_length, tension, last_load } => raise(
+            "SectionFoldsError",
+            &[
+                ("cable", Text(cable)),
+                ("arc_length", Number(*arc_length)),
+                ("tension", Number(*tension)),
+                ("last_load", Number(*last_load)),
+            ],
+        ),
+        SolveError::UnreachableLength { cable, requested, reachable } => raise(
+            "UnreachableLengthError",
+            &[
+                ("cable", Text(cable)),
+                ("requested", Number(*requested)),
+                ("reachable", Number(*reachable)),
+            ],
+        ),
+        SolveError::ContradictoryLengths { misses } => {
+            exception(py, "ContradictoryLengthsError", message, |dict| {
+                let excess = misses.iter().map(|miss| (miss.cable.as_str(), miss.excess));
+                dict.set_item("excess", excess.into_py_dict(py)?)
+            })
+        }
+        SolveError::SectionOutOfReach { cable, disk, requested, shortest, longest } => raise(
+            "SectionOutOfReachError",
+            &[
+                ("cable", Text(cable)),
+                ("disk", Count(*disk)),
+                ("requested", Number(*requested)),
+                ("shortest", Number(*shortest)),
+                ("longest", Number(*longest)),
+            ],
+        ),
+        SolveError::CablesConflict { cable, first_disk, last_disk, excess } => raise(
+            "CablesConflictError",
+            &[
+                ("cable", Text(cable)),
+                ("first_disk", Count(*first_disk)),
+                ("last_disk", Count(*last_disk)),
+                ("excess", Number(*excess)),
+            ],
+        ),
+        SolveError::NoLever { cable, disk } => {
+            raise("NoLeverError", &[("cable", Text(cable)), ("disk", Count(*disk))])
+        }
+        SolveError::Buckled { load, iterations } => raise(
+            "BuckledError",
+            &[("last_load", Number(*load)), ("iterations", Count(*iterations))],
+        ),
+        SolveError::NotConverged { iterations, residual, last_load, advice } => raise(
+            "NotConvergedError",
+            &[
+                ("iterations", Count(*iterations)),
+                ("residual", Number(*residual)),
+                ("last_load", Number(*last_load)),
+                ("advice", Text(advice)),
+            ],
+        ),
+        SolveError::NoDerivatives => raise("NoDerivativesError", &[]),
+        SolveError::StepsTooCoarse { error, tolerance, steps } => raise(
+            "StepsTooCoarseError",
+            &[
+                ("error", Number(*error)),
+                ("tolerance", Number(*tolerance)),
+                ("steps", Count(*steps)),
+            ],
+        ),
+    }
+}
+
+/// A number of an error, or a name.
+enum Value<'a> {
+    Text(&'a str),
+    Number(f64),
+    Count(usize),
+}

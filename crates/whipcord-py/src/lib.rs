@@ -1,0 +1,47 @@
+//! The extension module `whipcord._core` of the Python package.
+//!
+//! It converts arguments, lets go of the interpreter's lock, calls the library, and makes exceptions
+//! of errors; what is pleasant to use from Python is written in Python, in `python/whipcord`.
+
+mod batch;
+mod convert;
+mod derivatives;
+mod errors;
+mod figure;
+mod model;
+mod setup;
+mod solution;
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+
+/// Runs the command line with these arguments, the first being its own name; returns its exit status.
+#[pyfunction]
+fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| whipcord_cli::run(arguments))
+}
+
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::batch::{Outcomes, pull_back_batch, solve_batch};
+    #[pymodule_export]
+    use super::convert::{parse_quantity, table_in_si, toml, write_file};
+    #[pymodule_export]
+    use super::derivatives::{Derivatives, derivatives};
+    #[pymodule_export]
+    use super::figure::svg;
+    #[pymodule_export]
+    use super::main;
+    #[pymodule_export]
+    use super::model::Model;
+    #[pymodule_export]
+    use super::setup::Setup;
+    #[pymodule_export]
+    use super::solution::Solution;
+
+    /// Version of the library.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

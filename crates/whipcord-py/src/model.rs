@@ -1,0 +1,150 @@
+//! A model with its options.
+
+use core::str::FromStr;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use whipcord::cosserat::{self, Accuracy};
+use whipcord::{Drive, ModelKind, Stations, four_bar};
+
+use crate::errors;
+
+/// A model, its options, and where it gives the shape.
+#[pyclass(frozen, module = "whipcord._core")]
+pub struct Model {
+    pub inner: whipcord::Model,
+    /// What it was made of.
+    arguments: Py<PyDict>,
+}
+
+#[pymethods]
+impl Model {
+    #[new]
+    #[pyo3(signature = (
+        kind, *, stations = None, actuation = None, tolerance = None, steps = None, stability = true,
+        residual = None, objective = None, chord = None, length_rule = None
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn new(
+        py: Python<'_>,
+        kind: &str,
+        stations: Option<&Bound<'_, PyAny>>,
+        actuation: Option<&str>,
+        tolerance: Option<f64>,
+        steps: Option<usize>,
+        stability: bool,
+        residual: Option<f64>,
+        objective: Option<&str>,
+        chord: Option<&str>,
+        length_rule: Option<&str>,
+    ) -> PyResult<Self> {
+        let arguments = PyDict::new(py);
+        arguments.set_item("kind", kind)?;
+        arguments.set_item("stations", stations)?;
+        arguments.set_item("actuation", actuation)?;
+        arguments.set_item("tolerance", tolerance)?;
+        arguments.set_item("steps", steps)?;
+        arguments.set_item("stability", stability)?;
+        arguments.set_item("residual", residual)?;
+        arguments.set_item("objective", objective)?;
+        arguments.set_item("chord", chord)?;
+        arguments.set_item("length_rule", length_rule)?;
+        let kind: ModelKind = named(py, "model", kind)?;
+        let stations = self::stations(stations)?;
+        let drive = match actuation {
+            None => Drive::Natural,
+            Some("tension") => Drive::Tension,
+            Some("shortening") => Drive::Shortening,
+            Some(other) => {
+                let message =
+                    format!("there is no actuation `{other}`: choose tension or shortening");
+                return Err(errors::input(py, "actuation", message));
+            }
+        };
+        let rod = || -> PyResult<cosserat::Options> {
+            let mut options = cosserat::Options {
+                stations: stations.clone(),
+                drive,
+                stability,
+                ..Default::default()
+            };
+            options.accuracy = match (tolerance, steps) {
+                (None, None) => options.accuracy,
+                (Some(tolerance), None) if tolerance > 0.0 => Accuracy::Tolerance(tolerance),
+                (None, Some(steps)) if steps > 0 => Accuracy::Steps(steps),
+                (Some(_), Some(_)) => {
+                    let message = "give either a tolerance or a number of steps".to_owned();
+                    return Err(errors::input(py, "steps", message));
+                }
+                _ => {
+                    let message = "tolerance and steps must be greater than zero".to_owned();
+                    return Err(errors::input(py, "tolerance", message));
+                }
+            };
+            match residual {
+                Some(residual) if residual > 0.0 => options.residual = residual,
+                None => {}
+                Some(residual) => {
+                    let message = format!("residual must be greater than zero, but is {residual}");
+                    return Err(errors::input(py, "residual", message));
+                }
+            }
+            Ok(options)
+        };
+        let inner = match kind {
+            ModelKind::Cosserat => whipcord::Model::Cosserat(rod()?),
+            ModelKind::CosseratDisks => whipcord::Model::CosseratDisks(rod()?),
+            ModelKind::FourBar => {
+                let mut options = four_bar::Options { stations, drive, ..Default::default() };
+                if let Some(name) = objective {
+                    options.objective = named(py, "objective", name)?;
+                }
+                if let Some(name) = chord {
+                    options.chord = named(py, "chord", name)?;
+                }
+                if let Some(name) = length_rule {
+                    options.lengths = named(py, "length_rule", name)?;
+                }
+                whipcord::Model::FourBar(options)
+            }
+        };
+        Ok(Self { inner, arguments: arguments.unbind() })
+    }
+
+    /// Name of the model.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.inner.kind().name()
+    }
+
+    /// The arguments that make the same model.
+    #[getter]
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.arguments.bind(py).copy()
+    }
+}
+
+fn named<T: FromStr<Err: ToString>>(py: Python<'_>, path: &str, name: &str) -> PyResult<T> {
+    name.parse().map_err(|error: T::Err| errors::input(py, path, error.to_string()))
+}
+
+fn stations(given: Option<&Bound<'_, PyAny>>) -> PyResult<Stations> {
+    /// More take minutes and gigabytes, and are a slip of the pen.
+    const MOST: usize = 1_000_000;
+    let Some(given) = given else { return Ok(Stations::Disks) };
+    if let Ok(count) = given.extract::<usize>() {
+        if (2..=MOST).contains(&count) {
+            return Ok(Stations::Equal(count));
+        }
+        let message = format!("stations must be a number from 2 to {MOST}, but is {count}");
+        return Err(errors::input(given.py(), "stations", message));
+    }
+    match given.extract::<Vec<f64>>() {
+        Ok(places) if !places.is_empty() => Ok(Stations::At(places)),
+        _ => {
+            let message =
+                "stations must be a number of equally spaced places, or a list of arc lengths in m";
+            Err(errors::input(given.py(), "stations", message.to_owned()))
+        }
+    }
+}

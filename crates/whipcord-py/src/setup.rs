@@ -1,0 +1,373 @@
+//! A robot and what is asked of it.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use whipcord::cosserat::{BranchOptions, Cosserat, CriticalKind, Workspace};
+use whipcord::kinematics::{DrivenBy, Means};
+use whipcord::{
+    Case, Differentiable, ModelKind, Parameter, Prepared, Robot, Shortening, SolveError, Statics,
+};
+use whipcord_io::{CaseFile, Measured, Reference};
+
+use crate::convert::{self, array, commands, flat};
+use crate::errors;
+use crate::model::Model;
+use crate::solution::Solution;
+
+/// A robot and what is asked of it, as one robot file describes them.
+#[pyclass(frozen, module = "whipcord._core")]
+pub struct Setup {
+    pub title: String,
+    pub robot: Robot,
+    pub case: Arc<Case>,
+    measured: Option<Measured>,
+    reference: Option<Reference>,
+    /// Models built for the robot, the last used one last. They hold nothing that an answer depends on.
+    prepared: Mutex<Vec<(whipcord::Model, Prepared)>>,
+}
+
+/// Models that are kept.
+const MOST_PREPARED: usize = 8;
+
+impl Setup {
+    fn new(title: String, robot: Robot, case: Arc<Case>) -> Self {
+        let prepared = Mutex::default();
+        Self { title, robot, case, measured: None, reference: None, prepared }
+    }
+
+    fn of_file(file: CaseFile) -> Self {
+        let CaseFile { title, robot, case, measured, reference, .. } = file;
+        Self { measured, reference, ..Self::new(title, robot, Arc::new(case)) }
+    }
+
+    /// Has a model work that was built before, or is built now. Several threads may do this at once.
+    fn with<T>(
+        &self,
+        model: &whipcord::Model,
+        work: impl FnOnce(&mut Prepared) -> Result<T, SolveError>,
+    ) -> Result<T, SolveError> {
+        let kept = {
+            // What panics elsewhere leaves the list whole.
+            let mut list = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+            list.iter().rposition(|(known, _)| known == model).map(|i| list.remove(i))
+        };
+        let (model, mut prepared) = match kept {
+            Some(kept) => kept,
+            None => (model.clone(), model.prepare(&self.robot, &self.case.loads)?),
+        };
+        let result = work(&mut prepared);
+        let mut list = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        if list.len() >= MOST_PREPARED {
+            list.remove(0);
+        }
+        list.push((model, prepared));
+        result
+    }
+
+    /// The case with other commands.
+    pub fn commanded(
+        &self,
+        tension: Option<&Bound<'_, PyAny>>,
+        shortening: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Arc<Case>> {
+        Ok(match commands(&self.robot, tension, shortening)? {
+            Some(commands) => Arc::new(Case { commands, ..(*self.case).clone() }),
+            None => Arc::clone(&self.case),
+        })
+    }
+
+    /// Arc lengths in m at which a model gives the shape.
+    pub fn station_list(&self, py: Python<'_>, model: &Model) -> PyResult<Vec<f64>> {
+        let stations = self.with(&model.inner, |prepared| Ok(prepared.stations().to_vec()));
+        stations.map_err(|error| errors::solve(py, &error))
+    }
+
+    /// The Cosserat model, for what only it knows.
+    pub fn cosserat(&self, py: Python<'_>, model: &Model, what: &str) -> PyResult<Cosserat> {
+        let whipcord::Model::Cosserat(options) = &model.inner else {
+            let kind = model.inner.kind();
+            let message = format!("{what} are known to the model cosserat, not to {kind}");
+            return Err(errors::input(py, "model", message));
+        };
+        let built = Cosserat::new(&self.robot, &self.case.loads, options);
+        built.map_err(|error| errors::solve(py, &error))
+    }
+}
+
+#[pymethods]
+impl Setup {
+    /// Reads a robot file.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let file = py.detach(|| whipcord_io::load(&path));
+        file.map(Self::of_file)
+            .map_err(|error| errors::file(py, &error, &path.display().to_string()))
+    }
+
+    /// Reads the text of a robot file; the files it names are looked for in the folder of `name`.
+    #[staticmethod]
+    fn parse(py: Python<'_>, text: &str, name: PathBuf) -> PyResult<Self> {
+        let file = whipcord_io::parse(text, &name);
+        file.map(Self::of_file)
+            .map_err(|error| errors::file(py, &error, &name.display().to_string()))
+    }
+
+    /// What a robot file with these tables describes.
+    #[staticmethod]
+    fn of_tables(py: Python<'_>, tables: &Bound<'_, PyDict>, of: &str) -> PyResult<Self> {
+        let text = whipcord_io::toml(&convert::to_table(tables, of)?);
+        let file = whipcord_io::parse(&text, of);
+        file.map(Self::of_file).map_err(|error| errors::arguments(py, &error, of))
+    }
+
+    /// The tables of a robot file that describes it, in SI.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let title = (!self.title.trim().is_empty()).then_some(self.title.as_str());
+        let table = whipcord_io::describe(title, &self.robot, &self.case);
+        convert::from_table(
+            py,
+            &table.map_err(|error| errors::input(py, "case", error.to_string()))?,
+        )
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Numbers of the measured disks, from 1, their (k, 3) positions in m, and the file they stand in.
+    #[getter]
+    #[expect(clippy::type_complexity, reason = "a row of a table")]
+    fn measured<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Option<(Vec<usize>, Bound<'py, PyArray2<f64>>, PathBuf)>> {
+        let Some(Measured { disks, path }) = &self.measured else { return Ok(None) };
+        let positions = flat(disks.iter().map(|disk| disk.position));
+        let positions = array(py, positions, [disks.len(), 3])?;
+        Ok(Some((disks.iter().map(|disk| disk.disk).collect(), positions, path.clone())))
+    }
+
+    /// What others have published for this case.
+    #[getter]
+    fn reference<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(reference) = &self.reference else { return Ok(None) };
+        let values = PyDict::new(py);
+        values.set_item("source", &reference.source)?;
+        values.set_item("rms_four_bar", reference.rms_four_bar)?;
+        values.set_item("rms_cosserat", reference.rms_cosserat)?;
+        values.set_item("time_four_bar", reference.time_four_bar)?;
+        values.set_item("time_cosserat", reference.time_cosserat)?;
+        Ok(Some(values))
+    }
+
+    /// Arc lengths in m at which a model gives the shape.
+    fn stations<'py>(&self, py: Python<'py>, model: &Model) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let stations = self.station_list(py, model)?;
+        let count = stations.len();
+        array(py, stations, [count])
+    }
+
+    /// The answer, after all steps of the case unless it starts from another answer.
+    #[pyo3(signature = (model, tension = None, shortening = None, start = None))]
+    fn solve(
+        &self,
+        py: Python<'_>,
+        model: &Model,
+        tension: Option<&Bound<'_, PyAny>>,
+        shortening: Option<&Bound<'_, PyAny>>,
+        start: Option<&Solution>,
+    ) -> PyResult<Solution> {
+        let case = self.commanded(tension, shortening)?;
+        let start = start.map(|solution| &*solution.inner);
+        let answer = py.detach(|| {
+            self.with(&model.inner, |prepared| {
+                if case.before.is_empty() || start.is_some() {
+                    return prepared.solve(&case, start);
+                }
+                let mut last = None;
+                prepared
+                    .solve_steps(&case, |solution| last = Some(solution))
+                    .map_err(|(_, e)| e)?;
+                last.map_or_else(|| prepared.solve(&case, None), Ok)
+            })
+        });
+        let answer = answer.map_err(|error| errors::solve(py, &error))?;
+        Ok(Solution::new(answer, &case))
+    }
+
+    /// The answers to all steps of the case.
+    #[pyo3(signature = (model, tension = None, shortening = None))]
+    fn solve_steps(
+        &self,
+        py: Python<'_>,
+        model: &Model,
+        tension: Option<&Bound<'_, PyAny>>,
+        shortening: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Vec<Solution>> {
+        let case = self.commanded(tension, shortening)?;
+        let answers = py.detach(|| {
+            self.with(&model.inner, |prepared| {
+                let mut all = Vec::new();
+                prepared.solve_steps(&case, |solution| all.push(solution)).map_err(|(_, e)| e)?;
+                Ok(all)
+            })
+        });
+        let answers = answers.map_err(|error| errors::solve(py, &error))?;
+        let steps = case.steps().map(Arc::new);
+        Ok(answers
+            .into_iter()
+            .zip(steps)
+            .map(|(answer, step)| Solution::new(answer, &step))
+            .collect())
+    }
+
+    /// Length in m of each cable inside the robot before anything pulls or loads it.
+    fn initial_lengths(&self, py: Python<'_>, model: &Model) -> PyResult<Vec<f64>> {
+        let count = self.robot.cables().len();
+        let slack = match model.inner.kind() {
+            ModelKind::FourBar => Case::with_shortenings(&vec![Shortening::Length(0.0); count]),
+            _ => Case::with_tensions(&vec![0.0; count]),
+        };
+        let kind = model.inner.kind();
+        let model = whipcord::Model::new(kind, Default::default(), Default::default());
+        let answer = model.solve(&self.robot, &slack).map_err(|error| errors::solve(py, &error))?;
+        Ok(answer.cables.iter().map(|cable| cable.initial_length).collect())
+    }
+
+    /// (m, 3) points of each cable over an answer.
+    fn cable_paths<'py>(
+        &self,
+        py: Python<'py>,
+        solution: &Solution,
+    ) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+        let paths = solution.cable_paths(&self.robot).into_iter();
+        paths
+            .map(|points| {
+                let count = points.len() / 3;
+                array(py, points, [count, 3])
+            })
+            .collect()
+    }
+
+    /// The robot with what was asked of it for an answer.
+    fn of_answer(&self, solution: &Solution) -> Self {
+        Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&solution.case))
+    }
+
+    /// The value of a parameter, by its path.
+    fn parameter(&self, py: Python<'_>, path: &str) -> PyResult<f64> {
+        let value = parameter(py, path)?.value(&self.robot, &self.case);
+        value.map_err(|error| errors::robot(py, &error))
+    }
+
+    /// The same with these parameters changed to these values.
+    fn with_parameters(&self, py: Python<'_>, values: Vec<(String, f64)>) -> PyResult<Self> {
+        let (mut robot, mut case) = (self.robot.clone(), (*self.case).clone());
+        for (path, value) in values {
+            let parameter = parameter(py, &path)?;
+            let moved = parameter
+                .value(&robot, &case)
+                .and_then(|now| parameter.moved(&robot, &case, value - now));
+            (robot, case) = moved.map_err(|error| errors::robot(py, &error))?;
+        }
+        Ok(Self::new(self.title.clone(), robot, Arc::new(case)))
+    }
+
+    /// How a place at this arc length in m moves and yields.
+    #[pyo3(signature = (model, arc_length, tension = None, shortening = None))]
+    fn local<'py>(
+        &self,
+        py: Python<'py>,
+        model: &Model,
+        arc_length: Option<f64>,
+        tension: Option<&Bound<'_, PyAny>>,
+        shortening: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(Solution, Bound<'py, PyDict>)> {
+        let case = self.commanded(tension, shortening)?;
+        let at = arc_length.unwrap_or(self.robot.backbone().length);
+        let answer = py.detach(|| model.inner.solve_at(&self.robot, &case, at));
+        let (solution, local) = answer.map_err(|error| errors::solve(py, &error))?;
+        let values = PyDict::new(py);
+        values.set_item("arc_length", at)?;
+        values.set_item("jacobian", convert::jacobian(py, &local.actuation_jacobian)?)?;
+        let driven_by = local.driven_by.iter().map(|driven_by| match driven_by {
+            DrivenBy::Tension => "tension",
+            DrivenBy::Shortening => "shortening",
+        });
+        values.set_item("driven_by", driven_by.collect::<Vec<_>>())?;
+        for (name, yielding) in
+            [("tensions_held", &local.tensions_held), ("lengths_held", &local.lengths_held)]
+        {
+            values.set_item(
+                format!("compliance_{name}"),
+                convert::matrix6(py, &yielding.compliance)?,
+            )?;
+            let stiffness =
+                yielding.stiffness.as_ref().map(|k| convert::matrix6(py, k)).transpose()?;
+            values.set_item(format!("stiffness_{name}"), stiffness)?;
+        }
+        let error = match local.means {
+            Means::Exact => None,
+            Means::Differences { error } => Some(error),
+        };
+        values.set_item("estimated_error", error)?;
+        let dexterity = PyList::empty(py);
+        for (driven_by, of) in local.dexterity() {
+            let kind = PyDict::new(py);
+            let name = if driven_by == DrivenBy::Tension { "tension" } else { "shortening" };
+            kind.set_item("driven_by", name)?;
+            kind.set_item("manipulability", of.manipulability)?;
+            kind.set_item("directions", of.directions)?;
+            kind.set_item("condition", of.condition)?;
+            dexterity.append(kind)?;
+        }
+        values.set_item("dexterity", dexterity)?;
+        Ok((Solution::new(solution, &case), values))
+    }
+
+    /// All equilibria on the path from no load and on the branches off it: (branch, stable, solution) of
+    /// each, (branch, load, kind, tip) of each critical point, and whether every branch was followed.
+    #[pyo3(signature = (model, tension = None, shortening = None))]
+    #[expect(clippy::type_complexity, reason = "rows of a table")]
+    fn branches(
+        &self,
+        py: Python<'_>,
+        model: &Model,
+        tension: Option<&Bound<'_, PyAny>>,
+        shortening: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(
+        Vec<(Option<usize>, Option<bool>, Solution)>,
+        Vec<(usize, f64, &'static str, [f64; 3])>,
+        bool,
+    )> {
+        let case = self.commanded(tension, shortening)?;
+        let model = self.cosserat(py, model, "branches")?;
+        let found = py
+            .detach(|| model.branches(&case, &BranchOptions::default(), &mut Workspace::default()));
+        let found = found.map_err(|error| errors::solve(py, &error))?;
+        let equilibria = found.equilibria.into_iter().map(|equilibrium| {
+            (equilibrium.branch, equilibrium.stable, Solution::new(equilibrium.solution, &case))
+        });
+        let points = found.critical_points.into_iter().map(|point| {
+            let kind = match point.kind {
+                CriticalKind::Limit => "limit",
+                CriticalKind::CableSlackens => "cable-slackens",
+                CriticalKind::Bifurcation(_) => "bifurcation",
+            };
+            (point.branch, point.load, kind, point.tip.to_array())
+        });
+        Ok((equilibria.collect(), points.collect(), found.complete))
+    }
+}
+
+/// The parameter of this path.
+pub fn parameter(py: Python<'_>, path: &str) -> PyResult<Parameter> {
+    path.parse().map_err(|error: whipcord::UnknownParameter| {
+        errors::input(py, "parameters", error.to_string())
+    })
+}

@@ -1,0 +1,257 @@
+//! The answer.
+
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use whipcord::{
+    CableState, Case, Contact, Diagnostics, ModelKind, Pose, Robot, Shape, UnitQuaternion, Vec3,
+    Wrench,
+};
+
+use crate::convert::{array, flat};
+use crate::errors;
+use crate::setup::Setup;
+
+/// A converged answer.
+#[pyclass(frozen, module = "whipcord._core")]
+pub struct Solution {
+    pub inner: Arc<whipcord::Solution>,
+    /// What it answers.
+    pub case: Arc<Case>,
+}
+
+impl Solution {
+    pub fn new(solution: whipcord::Solution, case: &Arc<Case>) -> Self {
+        Self { inner: Arc::new(solution), case: Arc::clone(case) }
+    }
+}
+
+/// What [`Solution::state`] is made of: what pickles hold.
+type ShapeState = (Vec<f64>, Vec<f64>, Vec<f64>);
+type CableRow = (String, Option<f64>, f64, f64, bool, Vec<f64>, Vec<String>);
+type DiagnosticsRow = (usize, f64, Option<f64>, Option<f64>, usize, Option<f64>);
+type State = (String, ShapeState, ShapeState, Vec<CableRow>, Option<[f64; 6]>, DiagnosticsRow);
+
+#[pymethods]
+impl Solution {
+    /// Name of the model.
+    #[getter]
+    fn model(&self) -> &'static str {
+        self.inner.model.name()
+    }
+
+    /// (n,) arc lengths in m.
+    #[getter]
+    fn arc_length<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arc_length(py, &self.inner.shape)
+    }
+
+    /// (n, 3) positions in m.
+    #[getter]
+    fn position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        position(py, &self.inner.shape)
+    }
+
+    /// (n, 4) quaternions (w, x, y, z).
+    #[getter]
+    fn orientation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        orientation(py, &self.inner.shape)
+    }
+
+    /// (d,) arc lengths of the disks in m.
+    #[getter]
+    fn disk_arc_length<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arc_length(py, &self.inner.disks)
+    }
+
+    /// (d, 3) positions of the disks in m.
+    #[getter]
+    fn disk_position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        position(py, &self.inner.disks)
+    }
+
+    /// (d, 4) quaternions of the disks.
+    #[getter]
+    fn disk_orientation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        orientation(py, &self.inner.disks)
+    }
+
+    /// What became of each cable.
+    #[getter]
+    fn cables<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        for cable in &self.inner.cables {
+            let state = PyDict::new(py);
+            state.set_item("name", &cable.name)?;
+            state.set_item("tension", cable.tension)?;
+            state.set_item("length", cable.length)?;
+            state.set_item("initial_length", cable.initial_length)?;
+            state.set_item("slack", cable.slack)?;
+            state.set_item("span_tensions", cable.span_tensions.clone())?;
+            state.set_item("contacts", contacts(cable))?;
+            list.append(state)?;
+        }
+        Ok(list)
+    }
+
+    /// Force in N and moment in N·m on the base, in its frame.
+    #[getter]
+    fn base_wrench(&self) -> Option<[f64; 6]> {
+        self.inner.base_wrench.map(|Wrench { force, moment }| {
+            let ([x, y, z], [a, b, c]) = (force.to_array(), moment.to_array());
+            [x, y, z, a, b, c]
+        })
+    }
+
+    /// How it was obtained.
+    #[getter]
+    fn diagnostics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let of = &self.inner.diagnostics;
+        let values = PyDict::new(py);
+        values.set_item("iterations", of.iterations)?;
+        values.set_item("residual", of.residual)?;
+        values.set_item("stability", of.stability)?;
+        values.set_item("discretization_error", of.discretization_error)?;
+        values.set_item("steps", of.steps)?;
+        values.set_item("stability_lost_at", of.stability_lost_at)?;
+        values.set_item("unstable", of.is_unstable())?;
+        Ok(values)
+    }
+
+    /// Bend of the tip in rad and its direction.
+    #[getter]
+    fn bend(&self) -> (f64, f64) {
+        self.inner.disks.bend()
+    }
+
+    /// RMS distance in m to another answer over the disks, without the first.
+    fn rms_distance(&self, other: &Self) -> f64 {
+        self.inner.disks.rms_distance(&other.inner.disks)
+    }
+
+    /// The shape as the CSV of the command line.
+    fn csv(&self, py: Python<'_>) -> PyResult<String> {
+        let csv = whipcord_io::shape_csv(&self.inner.shape);
+        csv.map_err(|error| errors::input(py, "solution", error.to_string()))
+    }
+
+    /// All numbers of it, for pickles.
+    fn state(&self) -> State {
+        let of = &*self.inner;
+        let cables = of.cables.iter().map(|cable| {
+            let &CableState { tension, length, initial_length, slack, .. } = cable;
+            let spans = cable.span_tensions.clone();
+            (cable.name.clone(), tension, length, initial_length, slack, spans, contacts(cable))
+        });
+        let d = &of.diagnostics;
+        (
+            of.model.name().to_owned(),
+            shape_state(&of.shape),
+            shape_state(&of.disks),
+            cables.collect(),
+            self.base_wrench(),
+            (
+                d.iterations,
+                d.residual,
+                d.stability,
+                d.discretization_error,
+                d.steps,
+                d.stability_lost_at,
+            ),
+        )
+    }
+
+    /// The answer of such numbers to a case.
+    #[staticmethod]
+    fn from_state(py: Python<'_>, setup: &Setup, state: State) -> PyResult<Self> {
+        let (model, shape, disks, cables, wrench, d) = state;
+        let model: ModelKind =
+            model.parse().map_err(|_| errors::input(py, "state", format!("no model `{model}`")))?;
+        let cables = cables.into_iter().map(|row| {
+            let (name, tension, length, initial_length, slack, span_tensions, contacts) = row;
+            let contacts = contacts.iter().map(|name| contact(name)).collect();
+            CableState { name, tension, length, initial_length, slack, span_tensions, contacts }
+        });
+        let (iterations, residual, stability, discretization_error, steps, stability_lost_at) = d;
+        let solution = whipcord::Solution {
+            model,
+            shape: shape_of(shape),
+            disks: shape_of(disks),
+            cables: cables.collect(),
+            base_wrench: wrench.map(|[x, y, z, a, b, c]| Wrench {
+                force: Vec3::new(x, y, z),
+                moment: Vec3::new(a, b, c),
+            }),
+            diagnostics: Diagnostics {
+                iterations,
+                residual,
+                stability,
+                discretization_error,
+                steps,
+                stability_lost_at,
+            },
+        };
+        Ok(Self::new(solution, &setup.case))
+    }
+}
+
+impl Solution {
+    /// (m, 3) points of each cable: at the stations as far as it goes, or in the holes of the disks where
+    /// the model has it run straight between them.
+    pub fn cable_paths(&self, robot: &Robot) -> Vec<Vec<f64>> {
+        let shape = match self.inner.model {
+            ModelKind::Cosserat => &self.inner.shape,
+            ModelKind::CosseratDisks | ModelKind::FourBar => &self.inner.disks,
+        };
+        let stations = || shape.arc_length.iter().zip(&shape.poses);
+        robot
+            .routes()
+            .iter()
+            .map(|route| {
+                let on_it = stations().filter(|(s, _)| **s <= route.end());
+                flat(on_it.map(|(&s, pose)| pose.transform(route.at(s).offset)))
+            })
+            .collect()
+    }
+}
+
+fn contacts(cable: &CableState) -> Vec<String> {
+    cable.contacts.iter().map(|contact| contact.name().to_owned()).collect()
+}
+
+fn contact(name: &str) -> Contact {
+    let all = [Contact::Pulled, Contact::Released];
+    all.into_iter().find(|contact| contact.name() == name).unwrap_or(Contact::Sticks)
+}
+
+fn arc_length<'py>(py: Python<'py>, shape: &Shape) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    array(py, shape.arc_length.clone(), [shape.arc_length.len()])
+}
+
+fn position<'py>(py: Python<'py>, shape: &Shape) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    array(py, flat(shape.positions()), [shape.poses.len(), 3])
+}
+
+fn orientation<'py>(py: Python<'py>, shape: &Shape) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    array(py, quaternions(shape), [shape.poses.len(), 4])
+}
+
+fn quaternions(shape: &Shape) -> Vec<f64> {
+    shape.poses.iter().flat_map(|pose| pose.rotation.wxyz()).collect()
+}
+
+fn shape_state(shape: &Shape) -> ShapeState {
+    (shape.arc_length.clone(), flat(shape.positions()), quaternions(shape))
+}
+
+fn shape_of((arc_length, positions, quaternions): ShapeState) -> Shape {
+    let (positions, _) = positions.as_chunks::<3>();
+    let (quaternions, _) = quaternions.as_chunks::<4>();
+    let poses = positions.iter().zip(quaternions).map(|(&[x, y, z], &[w, a, b, c])| Pose {
+        position: Vec3::new(x, y, z),
+        rotation: UnitQuaternion { w, v: Vec3::new(a, b, c) },
+    });
+    Shape { arc_length, poses: poses.collect() }
+}
