@@ -2,9 +2,16 @@
 # one, what the optimiser makes of the numerics in the other.
 CARGO ?= cargo
 
-.PHONY: test fmt fmt-check lint doc test-debug test-release bench-build bench
+PYTHON ?= python3
+# Where the tests of the Python package have their packages.
+VENV ?= target/venv
 
-test: fmt-check lint doc test-debug test-release bench-build
+.PHONY: test test-rust fmt fmt-check lint doc test-debug test-release bench-build bench wheel test-python bench-python
+
+test: test-rust test-python
+
+# All that needs Rust alone.
+test-rust: fmt-check lint doc test-debug test-release bench-build
 
 fmt:
 	$(CARGO) fmt --all
@@ -30,3 +37,23 @@ bench-build:
 
 bench:
 	$(CARGO) bench --workspace --locked
+
+$(VENV)/bin/maturin:
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check "maturin>=1.9.4,<2"
+
+# The Python package, in target/wheels.
+wheel: $(VENV)/bin/maturin
+	rm -rf target/wheels
+	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/maturin build --release --out target/wheels
+
+# The package as people install it: its tests, the examples in its documentation, and its types.
+test-python: wheel
+	$(VENV)/bin/pip uninstall --quiet --yes whipcord
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check "$$(ls target/wheels/*.whl)[test]"
+	$(VENV)/bin/python -m pytest python/tests --pyargs whipcord
+	$(VENV)/bin/python -m mypy
+
+bench-python: wheel
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
+	$(VENV)/bin/python python/benchmarks/overhead.py

@@ -1,0 +1,319 @@
+"""Answers, against SciPy, closed forms, each other, and differences."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import whipcord
+from whipcord import Backbone, Cable, Case, Disks, Loads, Robot, Routing
+
+Array = npt.NDArray[np.float64]
+
+
+def test_an_answer_has_the_shapes_of_the_contract(case: whipcord.Case) -> None:
+    solution = case.solve(tension=[2.0], model="cosserat", stations=37)
+    assert solution.position.shape == (37, 3) and solution.position.dtype == np.float64
+    assert solution.orientation.shape == (37, 4)
+    assert solution.arc_length.tolist()[::36] == [0.0, 0.18]
+    assert solution.disks.position.shape == (10, 3)
+    assert solution.tension.tolist() == [2.0]
+    assert case.solve(stations=[0.0, 0.05, 0.18]).position.shape == (3, 3)
+    turned = solution.rotation @ solution.rotation.transpose(0, 2, 1)
+    assert np.allclose(turned, np.eye(3), atol=1e-14)
+
+
+def test_all_ways_to_give_a_command_are_one(case: whipcord.Case) -> None:
+    position = case.solve(tension=[3.92266]).position
+    for tension in (3.92266, "400 gf", ["400 gf"], (3.92266,), np.array([3.92266]), None):
+        assert np.array_equal(case.solve(tension=tension).position, position)
+    for tension in (np.array([4]), [4], np.float32(4.0), np.array([4.0, 0.0])[::2]):
+        assert case.solve(tension=tension).tension.tolist() == [4.0]
+
+
+def test_lengths_are_met_in_every_model(case: whipcord.Case) -> None:
+    for model in whipcord.models.NAMES:
+        solution = case.solve(shortening=["5 %"], model=model)
+        (cable,) = solution.cables
+        assert abs(cable.shortening / cable.initial_length - 0.05) < 1e-9
+        again = case.solve(length=[cable.length], model=model)
+        assert abs(again.cables[0].length - cable.length) < 1e-12
+        assert np.allclose(again.position, solution.position, atol=1e-9)
+    assert abs(case.solve(length="170 mm").cables[0].length - 0.17) < 1e-11
+
+
+def test_a_cable_that_is_driven_otherwise(segment: whipcord.Case) -> None:
+    solution = segment.solve(tension=[None, 1.0, 2.0], shortening=["2 mm", None, None])
+    assert solution.tension[1:].tolist() == [1.0, 2.0]
+    assert abs(solution.cables[0].shortening - 0.002) < 1e-12
+
+
+def test_a_warm_start_leads_to_the_same_answer() -> None:
+    case = whipcord.load("examples/wall-mounted-arm.toml")
+    cold = case.solve(tension=[5.0])
+    warm = case.solve(tension=[5.0], start=cold)
+    assert np.allclose(cold.position, warm.position, atol=1e-10)
+    assert warm.diagnostics.iterations < cold.diagnostics.iterations
+    assert "neighbouring" in warm.report() and "neighbouring" not in cold.report()
+
+
+def test_an_answer_knows_what_it_answers(case: whipcord.Case) -> None:
+    solution = case.solve(tension=["2 N"])
+    assert solution.case == whipcord.Case(case.robot, tension=[2.0], title=case.title)
+    assert solution.robot == case.robot
+    tensions = np.array([2.5])
+    answer = case.solve(tension=tensions)
+    tensions[0] = 0.0
+    assert answer.case.tension == (2.5,)
+
+
+def test_answers_are_pickled_to_the_last_bit() -> None:
+    for name, model in (("table1/case-3", "cosserat"), ("rubbing-finger", "cosserat-disks")):
+        solution = whipcord.load(f"examples/{name}.toml").solve(model=model, stations=11)
+        copy = pickle.loads(pickle.dumps(solution))
+        assert copy == solution
+        assert np.array_equal(copy.position, solution.position)
+        assert copy.cables == solution.cables and copy.diagnostics == solution.diagnostics
+        assert copy.report() == solution.report()
+        assert copy.case == solution.case
+    assert copy != whipcord.load("examples/table1/case-3.toml").solve()
+
+
+# The paper's eq. (3) for one cable and a uniform round rod, in v and u: force and moment of the rod are
+# n = K_se (v − e₃) and m = K_bt u; the cable bears τ t with t = p_b′/‖p_b′‖ and p_b′ = û r + r′ + v, and
+# acts on the rod by the force −(τ t)′ and the moment −r × (τ t)′ per length. With the derivative of a unit
+# vector, (τ t)′ = −τ p̂_b′² p_b″/‖p_b′‖³, equilibrium is linear in v′ and u′.
+
+
+def eq3(case: whipcord.Case, route: object, force: Array) -> tuple[Array, Array]:
+    """Positions and rotations at the ends of ten sections, by SciPy's solver of boundary value problems."""
+    from scipy.integrate import solve_bvp
+
+    rod = case.robot.backbone
+    assert rod.young_modulus is not None and rod.diameter is not None
+    assert rod.poisson_ratio is not None
+    (tension,) = case.tension
+    length, area = rod.length, np.pi * rod.diameter**2 / 4
+    inertia = np.pi * rod.diameter**4 / 64
+    shear = rod.young_modulus / (2 * (1 + rod.poisson_ratio))
+    stretch = np.diag([shear * area, shear * area, rod.young_modulus * area])
+    bend = np.diag([rod.young_modulus * inertia] * 2 + [2 * shear * inertia])
+    e3 = np.array([0.0, 0.0, 1.0])
+
+    def hat(a: Array) -> Array:
+        """(..., 3, 3) of (..., 3)."""
+        return -np.cross(a[..., None, :], np.eye(3))
+
+    def along(s: Array, y: Array) -> Array:
+        turn, v, u = y[:, 3:12].reshape(-1, 3, 3), y[:, 12:15], y[:, 15:18]
+        r, dr, ddr = route(s)  # type: ignore[operator]
+        tangent = np.cross(u, r) + dr + v
+        norm = np.linalg.norm(tangent, axis=1)[:, None, None]
+        a = -tension * hat(tangent) @ hat(tangent) / norm**3
+        b = hat(r) @ a
+        known = np.cross(u, tangent) + np.cross(u, dr) + ddr
+        # [K_se + A, −A r̂; B, K_bt − B r̂] [v′; u′] = right
+        matrix = np.block([[stretch + a, -a @ hat(r)], [b, bend - b @ hat(r)]])
+        n, m = (v - e3) @ stretch, u @ bend
+        force = -np.cross(u, n) - np.einsum("nij,nj->ni", a, known)
+        moment = -np.cross(u, m) - np.cross(v, n) - np.einsum("nij,nj->ni", b, known)
+        right = np.concatenate([force, moment], axis=1)
+        change = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
+        moved = np.einsum("nij,nj->ni", turn, v)
+        return np.concatenate([moved, (turn @ hat(u)).reshape(-1, 9), change], axis=1)
+
+    def rates(s: Array, y: Array) -> Array:
+        return along(s, y.T).T
+
+    def ends(start: Array, end: Array) -> Array:
+        (r,), (dr,), _ = route(np.array([length]))  # type: ignore[operator]
+        turn, v, u = end[3:12].reshape(3, 3), end[12:15], end[15:18]
+        tangent = np.cross(u, r) + dr + v
+        pull = -tension * tangent / np.linalg.norm(tangent)
+        outside = turn.T @ force
+        fixed = np.concatenate([start[:3], start[3:12] - np.eye(3).ravel()])
+        # What the cable's end and the load leave to the rod.
+        free_force = stretch @ (v - e3) - pull - outside
+        free_moment = bend @ u - np.cross(r, pull)
+        return np.concatenate([fixed, free_force, free_moment * 100])
+
+    mesh = np.linspace(0, length, 61)
+    guess = np.zeros((18, mesh.size))
+    guess[2], guess[14] = mesh, 1.0
+    guess[[3, 7, 11]] = 1.0
+    found = solve_bvp(rates, ends, mesh, guess, tol=1e-8, max_nodes=4000)
+    assert found.success, found.message
+    y = found.sol(np.linspace(0, length, 11))
+    return y[:3].T, y[3:12].T.reshape(-1, 3, 3)
+
+
+def round_rod(routing: Routing, tension: float, loads: Loads | None = None) -> Case:
+    rod = Backbone(length=0.18, diameter=0.003, young_modulus=1.1e9, poisson_ratio=0.3)
+    robot = Robot(backbone=rod, disks=Disks(count=11), cables=[Cable(name="pull", routing=routing)])
+    return Case(robot, tension=[tension], loads=loads)
+
+
+def helix(turns: float, radius: float, start: float, length: float = 0.18) -> object:
+    k = 2 * np.pi * turns / length
+
+    def at(s: Array) -> tuple[Array, Array, Array]:
+        angle = start + k * s
+        cos, sin, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
+        out = radius * np.stack([cos, sin, zero], axis=1)
+        across = radius * np.stack([-sin, cos, zero], axis=1)
+        return out, k * across, -k * k * out
+
+    return at
+
+
+def converging(start: Array, end: Array, length: float = 0.18) -> object:
+    def at(s: Array) -> tuple[Array, Array, Array]:
+        slope = np.tile((end - start) / length, (len(s), 1))
+        return start + slope * s[:, None], slope, np.zeros_like(slope)
+
+    return at
+
+
+def test_scipy_solves_eq_3_to_the_same_shape_for_a_helical_cable() -> None:
+    case = round_rod(Routing.helix(turns=0.5, radius=0.008, start_angle=0.3), 3.0)
+    agree(case, helix(0.5, 0.008, 0.3), np.zeros(3))
+
+
+def test_scipy_solves_eq_3_to_the_same_shape_for_a_converging_cable() -> None:
+    case = round_rod(Routing.linear(start=[0.008, 0.002], end=[0.002, -0.003]), 5.0)
+    agree(case, converging(np.array([0.008, 0.002, 0]), np.array([0.002, -0.003, 0])), np.zeros(3))
+
+
+def test_scipy_solves_eq_3_to_the_same_shape_under_a_tip_force() -> None:
+    force = np.array([0.03, -0.05, 0.02])
+    case = round_rod(Routing.helix(turns=-0.3, radius=0.006), 2.0, Loads(tip_force=force.tolist()))
+    agree(case, helix(-0.3, 0.006, 0.0), force)
+
+
+def agree(case: Case, route: object, force: Array) -> None:
+    position, rotation = eq3(case, route, force)
+    solution = case.solve()
+    assert np.linalg.norm(solution.position[-1] - [0, 0, 0.18]) > 0.03
+    assert np.abs(solution.position - position).max() < 1e-6 * 0.18
+    assert np.abs(solution.rotation - rotation).max() < 1e-6
+
+
+def test_jacobians_are_those_of_differences() -> None:
+    case = whipcord.load("examples/wall-mounted-arm.toml")
+    parameters = ["loads.tip_force[0]", "backbone.young_modulus", "disks.mass"]
+    steps = [1e-4, 1e4, 1e-5]
+    case = case.replace(loads=case.loads.replace(tip_force=[0.01, 0.02, 0.03]))
+    solution, derivatives = case.differentiate(parameters=parameters)
+    h = 1e-4
+    ahead, behind = (case.solve(tension=[6 + d]).position for d in (h, -h))
+    expected = (ahead - behind) / (2 * h)
+    scale = np.abs(expected).max()
+    assert np.abs(derivatives.position_by_command[:, :, 0] - expected).max() < 1e-6 * scale
+    for i, (path, step) in enumerate(zip(parameters, steps)):
+        value = case.parameter(path)
+        ahead, behind = (case.with_parameters({path: value + d}).solve().position for d in (step, -step))
+        expected = (ahead - behind) / (2 * step)
+        got = derivatives.position_by_parameter[:, :, i]
+        assert np.abs(got - expected).max() < 1e-5 * np.abs(expected).max(), path
+    # Along the axes of the world a force at the tip moves it by the compliance turned.
+    turn = solution.rotation[0]
+    compliance = turn @ derivatives.compliance()[:3, :3] @ turn.T
+    assert np.allclose(derivatives.position_by_parameter[-1, :, 0], compliance[:, 0], rtol=1e-9)
+
+
+def test_pulling_back_is_the_transpose_of_pushing_forward() -> None:
+    case = whipcord.load("examples/wall-mounted-arm.toml")
+    parameters = ["backbone.young_modulus", "loads.mass[0].mass"]
+    solution, derivatives = case.differentiate(parameters=parameters, stations=9)
+    random = np.random.default_rng(3)
+    position, rotation = random.normal(size=(2, *solution.position.shape))
+    gradient = derivatives.pull_back(position=position, rotation=rotation)
+    weights = np.concatenate([position, rotation], axis=1)
+    forward = np.einsum("ni,nij->j", weights, derivatives.twist_by_command)
+    assert np.allclose(gradient.commands, forward, rtol=1e-9)
+    forward = np.einsum("ni,nij->j", weights, derivatives.twist_by_parameter())
+    assert np.allclose(gradient.parameters, forward, rtol=1e-8)
+    batch = case.pull_back_batch(
+        [[6.0], [5.0]],
+        position=np.stack([position, position]),
+        rotation=np.stack([rotation, rotation]),
+        parameters=parameters,
+        stations=9,
+    )
+    assert np.array_equal(batch.commands[0], gradient.commands)
+    assert np.array_equal(batch.parameters[0], gradient.parameters)
+    assert batch.ok.all() and batch.commands[1] != batch.commands[0]
+
+
+def test_compliance_and_stiffness_are_inverse(segment: whipcord.Case) -> None:
+    place = segment.stiffness("60 mm")
+    assert place.stiffness is not None
+    assert np.allclose(place.stiffness @ place.compliance, np.eye(6), atol=1e-8)
+    _, derivatives = segment.differentiate(stations=[0.06])
+    assert np.allclose(derivatives.compliance(0, "lengths"), place.compliance_lengths_held)
+    assert derivatives.length_by_tension.shape == (3, 3)
+
+
+def test_a_buckled_column_has_three_equilibria() -> None:
+    rod = Backbone(length=0.18, diameter=0.003, young_modulus=1.1e9, poisson_ratio=0.3)
+    column = Case(Robot(backbone=rod, disks=Disks(count=10)), loads=Loads(tip_force=[0, 0, -0.5]))
+    found = column.branches()
+    assert [equilibrium.stable for equilibrium in found.equilibria] == [False, True, True]
+    assert found.complete
+    # Euler's load of a cantilever.
+    euler = np.pi**2 * 1.1e9 * (np.pi * 0.003**4 / 64) / (4 * 0.18**2)
+    loads = [p.load * 0.5 for p in found.critical_points if p.kind == "bifurcation"]
+    assert any(abs(load / euler - 1) < 0.01 for load in loads)
+
+
+def test_models_are_compared(case: whipcord.Case) -> None:
+    comparison = whipcord.compare(case)
+    assert len(comparison) == 3 and list(comparison.solutions) == list(whipcord.models.NAMES)
+    assert comparison["cosserat"].distance is None
+    disks = comparison["cosserat-disks"].solution
+    assert disks is not None
+    apart = np.linalg.norm(disks.disks.position - case.solve().disks.position, axis=1)[1:]
+    assert np.isclose(comparison["cosserat-disks"].distance, np.sqrt(np.mean(apart**2)))
+    table = comparison.to_pandas()
+    assert table.loc["four-bar", "distance"] == comparison["four-bar"].distance
+    loaded = whipcord.compare(case.replace(loads=Loads(tip_force=[0.1, 0, 0])))
+    assert isinstance(loaded["four-bar"].error, whipcord.ModelError)
+    assert "four-bar" in repr(loaded)
+
+
+def test_answers_become_tables(case: whipcord.Case, tmp_path: Path) -> None:
+    import pandas
+    import polars
+
+    solution = case.solve(stations=5)
+    frame = solution.to_pandas()
+    assert frame[["x", "y", "z"]].to_numpy().tolist() == solution.position.tolist()
+    assert solution.to_polars()["qw"].to_list() == solution.orientation[:, 0].tolist()
+    data = solution.to_xarray()
+    assert data["position"].sel(axis="z").values.tolist() == solution.position[:, 2].tolist()
+    assert data["tension"].sel(cable="pull") == solution.tension[0]
+    for thing in (solution, case.solve_batch([[1.0], [1e6]])):
+        thing.to_parquet(str(tmp_path / "a.parquet"))
+        assert pandas.read_parquet(tmp_path / "a.parquet").equals(thing.to_pandas())
+        assert polars.read_parquet(tmp_path / "a.parquet").equals(thing.to_polars())
+
+
+def test_pictures_show_what_they_are_of(case: whipcord.Case) -> None:
+    import matplotlib.pyplot as pyplot
+
+    solution = case.solve()
+    axes = solution.plot()
+    (line, *rest) = axes.get_lines()
+    drawn = np.array(line.get_data_3d())
+    assert np.allclose(drawn[:, -1], 1e3 * solution.tip)
+    # Ten disks and a cable.
+    assert len(rest) == 11
+    axes = whipcord.plot.compare(solution, case.solve(model="four-bar"), labels=["a", "b"])
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["a", "b"]
+    with pytest.raises(whipcord.InputError, match="choose matplotlib or pyvista"):
+        solution.plot(backend="gnuplot")
+    pyplot.close("all")
+    assert "<svg" in solution.svg()

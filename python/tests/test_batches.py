@@ -1,0 +1,124 @@
+"""Many answers at once."""
+
+from __future__ import annotations
+
+import _thread
+import threading
+import time
+
+import numpy as np
+import pytest
+import whipcord
+
+
+def test_rows_are_single_solves_to_the_last_bit(segment: whipcord.Case) -> None:
+    rows = np.random.default_rng(1).uniform(0, 2, size=(40, 3))
+    batch = segment.solve_batch(rows)
+    assert batch.position.shape == (40, len(batch.arc_length), 3)
+    for i in (0, 7, 39):
+        solution = segment.solve(tension=rows[i])
+        assert np.array_equal(batch.position[i], solution.position)
+        assert np.array_equal(batch.orientation[i], solution.orientation)
+        assert np.array_equal(batch.tension[i], solution.tension)
+        assert np.array_equal(batch.length[i], solution.length)
+        assert batch.diagnostic("stability")[i] == solution.diagnostics.stability
+    for threads in (1, 3):
+        assert np.array_equal(segment.solve_batch(rows, threads=threads).position, batch.position)
+
+
+def test_rows_under_load_and_by_length_and_along_a_path() -> None:
+    case = whipcord.load("examples/wall-mounted-arm.toml")
+    rows = np.full((20, 1), 5.0)
+    cold, warm = case.solve_batch(rows), case.solve_batch(rows, path=True, stations=7)
+    assert cold.ok.all() and warm.position.shape == (20, 7, 3)
+    assert np.allclose(cold.tip, warm.tip, atol=1e-9)
+    assert warm.diagnostic("iterations").sum() < cold.diagnostic("iterations").sum()
+    by_length = case.solve_batch(shortening=[[0.001], [0.002]])
+    assert np.array_equal(by_length.position[1], case.solve(shortening=[0.002]).position)
+
+
+def test_integers_lists_and_strided_rows_will_do(case: whipcord.Case) -> None:
+    expected = case.solve_batch(np.array([[1.0], [2.0]])).position
+    strided = np.array([[1.0, 9.0], [2.0, 9.0]])[:, :1]
+    for rows in ([[1], [2]], np.array([[1], [2]]), np.array([[1.0], [2.0]], np.float32), strided):
+        assert np.array_equal(case.solve_batch(rows).position, expected)
+    assert case.solve_batch(np.empty((0, 1))).position.shape == (0, 10, 3)
+
+
+def test_ten_thousand_rows_of_a_hundred_thousand_fail_and_are_flagged(
+    case: whipcord.Case,
+) -> None:
+    rows = np.linspace(0, 4, 100_000)[:, None]
+    wrong = np.arange(0, 100_000, 10)
+    rows[wrong] = 1e6
+    rows[wrong[1::3]] = np.nan
+    rows[wrong[2::3]] = -1
+    batch = case.solve_batch(rows, stations=2)
+    assert np.array_equal(batch.failed, wrong)
+    assert batch.ok.sum() == 90_000
+    assert not batch.position[wrong].any()
+    assert np.isfinite(batch.position).all()
+    assert isinstance(batch.error(0), whipcord.errors.SectionFoldsError)
+    assert "finite" in str(batch.error(10)) and "negative" in str(batch.error(20))
+    assert batch.error(1) is None
+    assert np.isnan(batch.diagnostic("residual")[wrong]).all()
+    with pytest.raises(whipcord.errors.SectionFoldsError):
+        batch.raise_for_failed()
+    with pytest.raises(IndexError):
+        batch.error(100_000)
+    assert "10000 failed" in repr(batch)
+
+
+def test_progress_is_shown(case: whipcord.Case, capsys: pytest.CaptureFixture[str]) -> None:
+    case.solve_batch(np.ones((1000, 1)), progress=True)
+    assert "1.00k/1.00k" in capsys.readouterr().err
+
+
+def test_ctrl_c_interrupts_a_long_batch() -> None:
+    case = whipcord.load("examples/wall-mounted-arm.toml")
+    # Minutes of work.
+    rows = np.full((10_000_000, 1), 5.0)
+    timer = threading.Timer(0.3, _thread.interrupt_main)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        case.solve_batch(rows, stations=2)
+    timer.join()
+    # Nothing is left behind that would go on.
+    assert case.solve_batch(rows[:100]).ok.all()
+
+
+def test_the_interpreter_is_free_meanwhile(case: whipcord.Case) -> None:
+    ticks = []
+    stop = threading.Event()
+
+    def tick() -> None:
+        while not stop.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begun = time.perf_counter()
+    case.solve_batch(np.ones((200_000, 1)), threads=1, stations=2)
+    ended = time.perf_counter()
+    stop.set()
+    thread.join()
+    assert sum(begun < at < ended for at in ticks) > 3
+
+
+def test_a_batch_becomes_a_table(segment: whipcord.Case) -> None:
+    batch = segment.solve_batch(np.ones((3, 3)), stations=4)
+    frame = batch.to_pandas()
+    assert len(frame) == 12 and frame["row"].tolist() == [0] * 4 + [1] * 4 + [2] * 4
+    assert np.array_equal(frame["z"].to_numpy(), batch.position[:, :, 2].ravel())
+    data = batch.to_xarray()
+    assert dict(data.sizes) == {"row": 3, "station": 4, "axis": 3, "component": 4, "cable": 3}
+
+
+def test_gradients_of_failed_rows_are_zero_and_flagged(case: whipcord.Case) -> None:
+    weights = np.ones((3, 10, 3))
+    gradients = case.pull_back_batch([[1.0], [1e6], [2.0]], position=weights)
+    assert gradients.ok.tolist() == [True, False, True]
+    assert gradients.commands[1] == 0 and gradients.commands[0] != 0
+    with pytest.raises(whipcord.InputError, match=r"position must have the shape \(3, 10, 3\)"):
+        case.pull_back_batch([[1.0], [1.0], [2.0]], position=weights[:, :-1])

@@ -1,0 +1,220 @@
+"""Robots and cases: built, written, read, changed."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+import whipcord
+from whipcord import (
+    Along,
+    Backbone,
+    Base,
+    Cable,
+    Case,
+    Disks,
+    DistributedLoad,
+    Loads,
+    PointLoad,
+    PointMass,
+    Robot,
+    Routing,
+    Section,
+    SectionStiffness,
+    Step,
+)
+
+EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").rglob("*.toml"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_every_example_comes_back_from_its_text_parts_and_pickle(path: Path) -> None:
+    case = whipcord.load(path)
+    again = Case.from_toml(case.to_toml())
+    assert again == case and hash(again) == hash(case)
+    assert again.reference == case.reference
+    robot = Robot(
+        backbone=case.robot.backbone.replace(),
+        disks=case.robot.disks.replace(),
+        cables=[cable.replace() for cable in case.robot.cables],
+    )
+    assert robot == case.robot and hash(robot) == hash(case.robot)
+    rebuilt = case.replace(loads=case.loads.replace(), base=case.base.replace())
+    assert rebuilt._tables == case._tables
+    for thing in (case, robot, case.loads, case.base, *case.robot.cables):
+        copy = pickle.loads(pickle.dumps(thing))
+        assert copy == thing and hash(copy) == hash(thing) and repr(copy) == repr(thing)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_what_is_written_solves_to_the_same_bits(path: Path, tmp_path: Path) -> None:
+    case = whipcord.load(path)
+    case.save(tmp_path / "copy.toml")
+    copy = whipcord.load(tmp_path / "copy.toml")
+    if not case.robot.cables:
+        return
+    model = "cosserat-disks" if case.robot.cables[0].friction else "cosserat"
+    assert np.array_equal(copy.solve(model=model).position, case.solve(model=model).position)
+
+
+def everything() -> Case:
+    """A case with a value for nearly every key."""
+    robot = Robot(
+        backbone=Backbone(
+            length="0.2 m",
+            diameters=Along(at=["0 mm", "100 mm", "100 mm"], values=["4 mm", "3 mm", 0.0025]),
+            inner_diameter=["1 mm", "0.9 mm", "0.8 mm"],
+            young_modulus="2 GPa",
+            shear_modulus="700 MPa",
+            shear_correction=0.886,
+            linear_density="7.4 g/m",
+            rest_curvature=[[0, "1 1/m", 0], [0, "2 1/m", 0], [0, 0, 0]],
+            shearable=False,
+        ),
+        disks=Disks(
+            positions=[0, "90 mm", 0.2],
+            hole_circle_radius=["8 mm", "7 mm", "6 mm"],
+            holes=12,
+            mass="1.2 g",
+        ),
+        cables=[
+            Cable(name="holes", holes=[1, 2], interpolation="pchip", friction=0.0),
+            Cable(name="straight", routing=Routing.straight(angle="90 deg", radius="8 mm")),
+            Cable(
+                name="helix",
+                routing=Routing.helix(turns=-0.75, radius="7 mm", start_angle="0.25 turn"),
+                ends_at="150 mm",
+                axial_stiffness="2 kN",
+            ),
+            Cable(name="linear", routing=Routing.linear(start=["8 mm", 0], end=["3 mm", 0])),
+            Cable(name="curve", routing=Routing.polynomial(x=[0.008, -0.01], y=[0.0, 0.02])),
+        ],
+    )
+    return Case(
+        robot,
+        tension=["1 N", 0.5, None, "20 gf", 0],
+        shortening=[None, "1.1 %", "-1 mm", 0.002, "0.3 %"],
+        loads=Loads(
+            frame="world",
+            gravity=[0, 0, "-1 g0"],
+            tip_force=["20 mN", 0, 0],
+            tip_moment=[0, 0, "1 mN*m"],
+            point=[PointLoad(at="90 mm", force=[0, "0.1 N", 0], follower=True)],
+            distributed=[
+                DistributedLoad(start="40 mm", end="140 mm", force=[0, "0.5 N/m", 0]),
+                DistributedLoad(at=[0, "0.1 m", 0.2], moment=[[0, 0, 0], [0, 0, 1e-3], [0, 0, 0]]),
+            ],
+            mass=[PointMass(at="200 mm", mass="12 g")],
+        ),
+        base=Base(position=[0, 0, "0.4 m"], rotation={"axis": [0, 1, 0], "angle": "90 deg"}),
+        title='All of "it"',
+    )
+
+
+def test_every_key_goes_there_and_back(tmp_path: Path) -> None:
+    case = everything()
+    case.save(tmp_path / "all.toml")
+    again = whipcord.load(tmp_path / "all.toml")
+    assert again == case and again.title == 'All of "it"'
+    assert pickle.loads(pickle.dumps(case)) == case
+    assert case.tension == (1.0, 0.5, None, 20 * 9.80665e-3, 0.0)
+    assert case.shortening == (None, "1.1 %", -0.001, 0.002, "0.3 %")
+    assert case.robot.backbone.diameters == Along(at=(0.0, 0.1, 0.1), values=(0.004, 0.003, 0.0025))
+    assert case.robot.cables[2].routing == Routing.helix(turns=-0.75, radius=0.007, start_angle=np.pi / 2)
+    assert case.loads.distributed[0].end == 0.14
+    solution = case.solve()
+    assert np.array_equal(solution.position, again.solve().position)
+
+
+def test_a_given_stiffness_and_a_bar_are_kept() -> None:
+    matrix = np.diag([3e3, 3e3, 8e3, 4e-3, 4e-3, 3e-3])
+    bar = Backbone(
+        length=0.1,
+        section=Section(width=["6 mm", "4 mm"], height="4 mm", at=[0, 0.1]),
+        stiffness=SectionStiffness(matrix=matrix),
+        density=1000,
+    )
+    robot = Robot(backbone=bar, disks=Disks(count=2))
+    assert robot.backbone == bar
+    assert bar.stiffness is not None and bar.stiffness.matrix == tuple(map(tuple, matrix))
+    assert bar.section == Section(width=(0.006, 0.004), height=0.004, at=(0.0, 0.1))
+    assert hash(bar) == hash(bar.replace())
+
+
+def test_a_robot_built_in_python_is_that_of_the_file(case: whipcord.Case) -> None:
+    robot = Robot(
+        backbone=Backbone(length="180 mm", diameter="3 mm", young_modulus="1.1 GPa", poisson_ratio=0.3),
+        disks=Disks(count=10, hole_circle_radius="8 mm", holes=12),
+        cables=[Cable(name="pull", holes=[1, 2, 3, 4, 4, 4, 4, 3, 2, 1])],
+    )
+    assert robot == case.robot
+    built = Case(robot, tension=["400 gf"])
+    assert np.array_equal(built.solve().position, case.solve().position)
+
+
+def test_replace_changes_one_thing_and_leaves_the_rest(case: whipcord.Case) -> None:
+    other = case.replace(robot=case.robot.replace(backbone=case.robot.backbone.replace(length=0.2)))
+    assert (other.robot.backbone.length, case.robot.backbone.length) == (0.2, 0.18)
+    assert other.tension == case.tension and other.title == case.title
+    tube = case.robot.backbone.replace(diameter=None, diameters=[0.003] * 10)
+    assert tube.diameters == (0.003,) * 10 and tube.diameter is None
+    assert case.replace(tension=[1]).tension == (1.0,)
+
+
+def test_steps_are_the_cases(tmp_path: Path) -> None:
+    case = whipcord.load("examples/rubbing-finger.toml")
+    assert [step.tension for step in case.steps] == [(1.5,), (4.0,), (3.0,), (1.5,)]
+    assert case.tension == (1.5,)
+    steps = case.solve_steps(model="cosserat-disks")
+    assert len(steps) == 4
+    assert np.array_equal(steps[-1].position, case.solve(model="cosserat-disks").position)
+    pulled = case.replace(steps=[Step(tension=["1.5 N"])])
+    assert len(pulled.steps) == 0 and pulled.tension == (1.5,)
+    assert np.array_equal(pulled.solve(model="cosserat-disks").position, steps[0].position)
+
+
+def test_nothing_changes_in_place(case: whipcord.Case) -> None:
+    solution = case.solve()
+    for thing, name in (
+        (case, "title"),
+        (case.robot, "backbone"),
+        (case.robot.backbone, "length"),
+        (case.loads, "gravity"),
+    ):
+        with pytest.raises(AttributeError):
+            setattr(thing, name, 1)
+    with pytest.raises(ValueError, match="read-only"):
+        solution.position[0, 0] = 1.0
+
+
+def test_reprs_are_python(case: whipcord.Case) -> None:
+    scope = vars(whipcord)
+    for thing in (case.robot, case.robot.backbone, everything().loads, everything().base):
+        assert eval(repr(thing), dict(scope)) == thing
+    assert "Case III" in repr(case)
+
+
+def test_notebooks_get_a_picture(case: whipcord.Case) -> None:
+    for thing in (case, case.robot, case.solve()):
+        page = thing._repr_html_()
+        assert page.startswith("<div") and "<svg" in page and page.endswith("</div>")
+
+
+def test_measurements_are_read_and_written(case: whipcord.Case, tmp_path: Path) -> None:
+    solution = case.solve()
+    lines = [f"{i + 1},{x!r},{y!r},{z!r}" for i, (x, y, z) in enumerate(solution.position.tolist())]
+    (tmp_path / "disks.csv").write_text("disk,x,y,z\n" + "\n".join(lines[1:4]) + "\n")
+    text = case.to_toml() + '\n[measured]\ndisks = "disks.csv"\n'
+    (tmp_path / "case.toml").write_text(text)
+    measured = whipcord.load(tmp_path / "case.toml")
+    assert measured.measured is not None
+    assert measured.measured.disks == (2, 3, 4)
+    assert np.array_equal(measured.measured.position, solution.position[1:4])
+    (tmp_path / "below").mkdir()
+    measured.save(tmp_path / "below" / "copy.toml")
+    copy = whipcord.load(tmp_path / "below" / "copy.toml")
+    assert copy.measured is not None and np.array_equal(copy.measured.position, measured.measured.position)
+    comparison = whipcord.compare(measured)
+    assert comparison["cosserat"].distance_to_measured == 0.0

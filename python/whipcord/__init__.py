@@ -1,0 +1,79 @@
+"""Mechanics of cable-driven continuum robots with any cable routing.
+
+One robot file, every model of the robot:
+
+>>> import whipcord
+>>> case = whipcord.load("examples/table1/case-3.toml")
+>>> solution = case.solve()
+>>> solution.position.shape
+(10, 3)
+
+SI units everywhere; wherever a quantity is asked for, a text with a unit such as ``"180 mm"`` will do. The
+frame of the base has z along the backbone's tangent there; quaternions are (w, x, y, z).
+"""
+
+from . import errors, models
+from ._core import VERSION as __version__
+from .batch import Batch, Gradients
+from .case import Case, Measured, Reference, load
+from .comparison import Comparison, Run, compare
+from .derivatives import Derivatives, Dexterity, Gradient, Place
+from .errors import FileError, InputError, ModelError, SolveError, WhipcordError
+from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
+from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
+from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution
+
+__all__ = [
+    "Along",
+    "Backbone",
+    "Base",
+    "Batch",
+    "Branches",
+    "Cable",
+    "CableState",
+    "Case",
+    "Comparison",
+    "CriticalPoint",
+    "Derivatives",
+    "Dexterity",
+    "Diagnostics",
+    "Disks",
+    "DistributedLoad",
+    "Equilibrium",
+    "FileError",
+    "Gradient",
+    "Gradients",
+    "InputError",
+    "Loads",
+    "Measured",
+    "ModelError",
+    "Place",
+    "PointLoad",
+    "PointMass",
+    "Reference",
+    "Robot",
+    "Routing",
+    "Run",
+    "Section",
+    "SectionStiffness",
+    "Shape",
+    "Solution",
+    "SolveError",
+    "Step",
+    "WhipcordError",
+    "__version__",
+    "compare",
+    "errors",
+    "load",
+    "models",
+    "plot",
+]
+
+
+def __getattr__(name: str) -> object:
+    # Matplotlib takes a second to import, and not everybody draws.
+    if name == "plot":
+        import importlib
+
+        return importlib.import_module(".plot", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

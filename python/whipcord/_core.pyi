@@ -1,0 +1,196 @@
+"""The extension module: thin bindings of the library. Nothing here is meant to be used directly."""
+
+from collections.abc import Callable
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import InputError, SolveError
+
+_Array = npt.NDArray[np.float64]
+
+__all__ = [
+    "VERSION",
+    "Derivatives",
+    "Model",
+    "Outcomes",
+    "Setup",
+    "Solution",
+    "derivatives",
+    "main",
+    "parse_quantity",
+    "pull_back_batch",
+    "solve_batch",
+    "svg",
+    "table_in_si",
+    "toml",
+    "write_file",
+]
+
+VERSION: str
+
+def main(arguments: list[str]) -> int: ...
+def parse_quantity(text: str, dimension: str) -> float: ...
+def table_in_si(name: str, table: dict[str, Any]) -> dict[str, Any]: ...
+def toml(tables: dict[str, Any]) -> str: ...
+def write_file(path: str, content: bytes) -> None: ...
+def svg(
+    setup: Setup,
+    solutions: list[tuple[str, Solution]],
+    width: float,
+    title: str | None = None,
+) -> str: ...
+def derivatives(
+    setup: Setup,
+    model: Model,
+    parameters: list[str],
+    tension: Any = None,
+    shortening: Any = None,
+    start: Solution | None = None,
+) -> tuple[Solution, Derivatives]: ...
+def solve_batch(
+    setup: Setup,
+    model: Model,
+    values: _Array,
+    by_shortening: bool,
+    threads: int | None,
+    path: bool,
+    progress: Callable[[int], None] | None,
+) -> tuple[_Array, _Array, _Array, _Array, Outcomes]: ...
+def pull_back_batch(
+    setup: Setup,
+    model: Model,
+    values: _Array,
+    by_shortening: bool,
+    parameters: list[str],
+    threads: int | None,
+    progress: Callable[[int], None] | None,
+    positions: _Array | None = None,
+    rotations: _Array | None = None,
+    tensions: _Array | None = None,
+    lengths: _Array | None = None,
+) -> tuple[_Array, _Array, Outcomes]: ...
+
+@final
+class Model:
+    def __new__(
+        cls,
+        kind: str,
+        *,
+        stations: int | tuple[float, ...] | None = None,
+        actuation: str | None = None,
+        tolerance: float | None = None,
+        steps: int | None = None,
+        stability: bool = True,
+        residual: float | None = None,
+        objective: str | None = None,
+        chord: str | None = None,
+        length_rule: str | None = None,
+    ) -> Model: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def arguments(self) -> dict[str, Any]: ...
+
+@final
+class Setup:
+    @staticmethod
+    def load(path: str) -> Setup: ...
+    @staticmethod
+    def parse(text: str, name: str) -> Setup: ...
+    @staticmethod
+    def of_tables(tables: dict[str, Any], of: str) -> Setup: ...
+    def tables(self) -> dict[str, Any]: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def measured(self) -> tuple[list[int], _Array, Any] | None: ...
+    @property
+    def reference(self) -> dict[str, Any] | None: ...
+    def stations(self, model: Model) -> _Array: ...
+    def solve(
+        self,
+        model: Model,
+        tension: Any = None,
+        shortening: Any = None,
+        start: Solution | None = None,
+    ) -> Solution: ...
+    def solve_steps(self, model: Model, tension: Any = None, shortening: Any = None) -> list[Solution]: ...
+    def initial_lengths(self, model: Model) -> list[float]: ...
+    def cable_paths(self, solution: Solution) -> list[_Array]: ...
+    def of_answer(self, solution: Solution) -> Setup: ...
+    def parameter(self, path: str) -> float: ...
+    def with_parameters(self, values: list[tuple[str, float]]) -> Setup: ...
+    def local(
+        self,
+        model: Model,
+        arc_length: float | None,
+        tension: Any = None,
+        shortening: Any = None,
+    ) -> tuple[Solution, dict[str, Any]]: ...
+    def branches(
+        self, model: Model, tension: Any = None, shortening: Any = None
+    ) -> tuple[
+        list[tuple[int | None, bool | None, Solution]],
+        list[tuple[int, float, str, list[float]]],
+        bool,
+    ]: ...
+
+@final
+class Solution:
+    @property
+    def model(self) -> str: ...
+    @property
+    def arc_length(self) -> _Array: ...
+    @property
+    def position(self) -> _Array: ...
+    @property
+    def orientation(self) -> _Array: ...
+    @property
+    def disk_arc_length(self) -> _Array: ...
+    @property
+    def disk_position(self) -> _Array: ...
+    @property
+    def disk_orientation(self) -> _Array: ...
+    @property
+    def cables(self) -> list[dict[str, Any]]: ...
+    @property
+    def base_wrench(self) -> list[float] | None: ...
+    @property
+    def diagnostics(self) -> dict[str, Any]: ...
+    @property
+    def bend(self) -> tuple[float, float]: ...
+    def rms_distance(self, other: Solution) -> float: ...
+    def csv(self) -> str: ...
+    def state(self) -> tuple[Any, ...]: ...
+    @staticmethod
+    def from_state(setup: Setup, state: tuple[Any, ...]) -> Solution: ...
+
+@final
+class Outcomes:
+    @property
+    def ok(self) -> npt.NDArray[np.bool_]: ...
+    @property
+    def failed(self) -> npt.NDArray[np.int64]: ...
+    def diagnostic(self, name: str) -> _Array: ...
+    def error(self, row: int) -> SolveError | InputError | None: ...
+    def __len__(self) -> int: ...
+
+@final
+class Derivatives:
+    def commands(self) -> _Array: ...
+    def tensions(self) -> _Array: ...
+    def parameters(self, hold: str) -> _Array: ...
+    def cables_by_parameters(self, hold: str) -> tuple[_Array, _Array]: ...
+    def length_by_tension(self) -> _Array: ...
+    def compliance(self, station: int | None, hold: str) -> _Array: ...
+    def stiffness(self, station: int | None, hold: str) -> _Array | None: ...
+    def pull_back(
+        self,
+        hold: str,
+        position: _Array | None = None,
+        rotation: _Array | None = None,
+        tension: _Array | None = None,
+        length: _Array | None = None,
+    ) -> dict[str, Any]: ...

@@ -1,0 +1,254 @@
+"""Many answers at once, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from .errors import InputError, SolveError
+
+if TYPE_CHECKING:
+    from .case import Case
+
+__all__ = ["Batch", "Gradients"]
+
+Array = npt.NDArray[np.float64]
+
+
+class _Rows:
+    """How each row of a batch went."""
+
+    _outcomes: _core.Outcomes
+
+    @cached_property
+    def ok(self) -> npt.NDArray[np.bool_]:
+        """(N,) whether a row has an answer."""
+        return self._outcomes.ok
+
+    @property
+    def failed(self) -> npt.NDArray[np.int64]:
+        """Numbers of the rows without an answer, from 0."""
+        return self._outcomes.failed
+
+    def error(self, row: int) -> SolveError | InputError | None:
+        """Why a row has no answer; None where it has one."""
+        return self._outcomes.error(range(len(self))[row])
+
+    def raise_for_failed(self) -> None:
+        """Raises the error of the first row without an answer, if there is one."""
+        failed = self.failed
+        if failed.size:
+            error = self.error(int(failed[0]))
+            assert error is not None
+            raise error
+
+    def __len__(self) -> int:
+        return len(self._outcomes)
+
+
+class Batch(_Rows):
+    """The answers to a batch. A row without an answer holds zeros: look at :attr:`ok`.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> case = whipcord.load("examples/table1/case-3.toml")
+    >>> batch = case.solve_batch([[2.0], [1e6], [3.0]])
+    >>> batch.ok.tolist()
+    [True, False, True]
+    >>> type(batch.error(1)).__name__
+    'SectionFoldsError'
+    >>> batch.position[batch.ok].shape
+    (2, 10, 3)
+    """
+
+    case: Case
+    """The case that the rows have in common."""
+    model: str
+    """Name of the model."""
+    arc_length: Array
+    """(n,) arc lengths of the stations in m."""
+    position: Array
+    """(N, n, 3) positions in m."""
+    orientation: Array
+    """(N, n, 4) quaternions (w, x, y, z)."""
+    tension: Array
+    """(N, c) tensions of the cables in N; zero from a model that knows no forces."""
+    length: Array
+    """(N, c) lengths of the cables inside the robot in m."""
+
+    def __init__(
+        self, case: Case, model: _core.Model, arrays: tuple[Array, Array, Array, Array, _core.Outcomes]
+    ) -> None:
+        self.case, self.model = case, model.kind
+        self.arc_length = case._setup.stations(model)
+        self.position, self.orientation, self.tension, self.length, self._outcomes = arrays
+
+    @property
+    def tip(self) -> Array:
+        """(N, 3) positions of the last station in m: of the tip, where the stations reach it."""
+        tip: Array = self.position[:, -1]
+        return tip
+
+    def diagnostic(self, name: str) -> Array:
+        """(N,) one diagnostic of every row: ``iterations``, ``residual``, ``stability``,
+        ``discretization_error``, ``steps`` or ``stability_lost_at``; NaN where there is none."""
+        return self._outcomes.diagnostic(name)
+
+    def to_xarray(self) -> Any:
+        """An ``xarray.Dataset`` with the dimensions row, station and cable."""
+        from .export import batch_to_xarray
+
+        return batch_to_xarray(self)
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with one line for each station of each row."""
+        from .export import batch_columns, to_pandas
+
+        return to_pandas(batch_columns(self))
+
+    def to_polars(self) -> Any:
+        """A ``polars.DataFrame`` with one line for each station of each row."""
+        from .export import batch_columns, to_polars
+
+        return to_polars(batch_columns(self))
+
+    def to_parquet(self, path: str) -> None:
+        """Writes one line for each station of each row as Parquet (needs the package pyarrow)."""
+        from .export import batch_columns, to_parquet
+
+        to_parquet(batch_columns(self), path)
+
+    def __repr__(self) -> str:
+        rows, stations, _ = self.position.shape
+        return f"<Batch of {rows} rows by {self.model}: {stations} stations, {len(self.failed)} failed>"
+
+
+class Gradients(_Rows):
+    """Gradients of one scalar for each row; zero in rows without an answer."""
+
+    commands: Array
+    """(N, c) by the tension or shortening of each cable."""
+    parameters: Array
+    """(N, p) by each parameter that was asked for."""
+
+    def __init__(self, commands: Array, parameters: Array, outcomes: _core.Outcomes) -> None:
+        self.commands, self.parameters, self._outcomes = commands, parameters, outcomes
+
+    def __repr__(self) -> str:
+        return f"<Gradients of {len(self)} rows: {len(self.failed)} failed>"
+
+
+def _array(values: npt.ArrayLike, name: str, shape: str, dimensions: int) -> Array:
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "fiu":
+            raise ValueError(f"numbers of the type {array.dtype}")
+        array = np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        message = f"{name} must be an array of numbers of the shape {shape}, but is {error}"
+        raise InputError(message, path=name) from None
+    if array.ndim != dimensions:
+        message = f"{name} must have the shape {shape}, but has {array.shape}"
+        raise InputError(message, path=name)
+    return array
+
+
+def _rows(case: Case, tension: npt.ArrayLike | None, shortening: npt.ArrayLike | None) -> tuple[Array, bool]:
+    if (tension is None) == (shortening is None):
+        raise InputError("give either tensions or shortenings", path="tension")
+    name, values = ("tension", tension) if shortening is None else ("shortening", shortening)
+    assert values is not None
+    cables = len(case.robot.cables)
+    array = _array(values, name, f"(N, {cables}), one column for each cable", 2)
+    if array.shape[1] != cables:
+        names = ", ".join(cable.name for cable in case.robot.cables)
+        message = (
+            f"{name} must have the shape (N, {cables}), one column for each cable ({names}), "
+            f"but has {array.shape}"
+        )
+        raise InputError(message, path=name)
+    return array, shortening is not None
+
+
+@contextmanager
+def _bar(rows: int, show: bool) -> Iterator[Callable[[int], None] | None]:
+    if not show:
+        yield None
+        return
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        raise ImportError("progress=True needs the package tqdm: pip install tqdm") from None
+    with tqdm(total=rows, unit=" shapes", unit_scale=True) as bar:
+
+        def update(done: int) -> None:
+            bar.update(done - bar.n)
+
+        yield update
+        bar.update(rows - bar.n)
+
+
+def _threads(threads: int | None) -> int | None:
+    if threads is not None and threads < 1:
+        raise InputError(f"threads must be at least 1, but is {threads}", path="threads")
+    return threads
+
+
+def solve_batch(
+    case: Case,
+    model: _core.Model,
+    tension: npt.ArrayLike | None,
+    shortening: npt.ArrayLike | None,
+    threads: int | None,
+    path: bool,
+    progress: bool,
+) -> Batch:
+    """See :meth:`whipcord.Case.solve_batch`."""
+    values, by_shortening = _rows(case, tension, shortening)
+    with _bar(len(values), progress) as update:
+        arrays = _core.solve_batch(case._setup, model, values, by_shortening, _threads(threads), path, update)
+    return Batch(case, model, arrays)
+
+
+def pull_back_batch(
+    case: Case,
+    model: _core.Model,
+    tension: npt.ArrayLike | None,
+    shortening: npt.ArrayLike | None,
+    parameters: list[str],
+    weights: tuple[npt.ArrayLike | None, ...],
+    threads: int | None,
+    progress: bool,
+) -> Gradients:
+    """See :meth:`whipcord.Case.pull_back_batch`."""
+    values, by_shortening = _rows(case, tension, shortening)
+    rows, cables = values.shape
+    stations = len(case._setup.stations(model))
+    shapes = [
+        ("position", (rows, stations, 3)),
+        ("rotation", (rows, stations, 3)),
+        ("cable_tension", (rows, cables)),
+        ("cable_length", (rows, cables)),
+    ]
+    given: list[Array | None] = []
+    for (name, shape), weight in zip(shapes, weights):
+        if weight is None:
+            given.append(None)
+            continue
+        array = _array(weight, name, str(shape), len(shape))
+        if array.shape != shape:
+            message = f"{name} must have the shape {shape}, but has {array.shape}"
+            raise InputError(message, path=name)
+        given.append(array)
+    with _bar(rows, progress) as update:
+        commands, by_parameters, outcomes = _core.pull_back_batch(
+            case._setup, model, values, by_shortening, parameters, _threads(threads), update, *given
+        )
+    return Gradients(commands, by_parameters, outcomes)

@@ -1,0 +1,577 @@
+"""What is asked of a robot, and how it is answered."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, models
+from ._html import picture
+from ._tables import Quantity, plain
+from .batch import Batch, Gradients, pull_back_batch, solve_batch
+from .derivatives import Derivatives, Place
+from .loads import Base, Loads, Step
+from .models import ModelLike, StationsLike
+from .robot import Cable, Robot
+from .solution import Branches, CriticalPoint, Equilibrium, Solution
+
+__all__ = ["Case", "Measured", "Reference", "load"]
+
+Array = npt.NDArray[np.float64]
+Commands = Union[Sequence[Union[Quantity, None]], Array, Quantity]
+"""One value for each cable: in SI or with a unit; None for a cable that is driven otherwise."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Where the disks of the real robot were."""
+
+    disks: tuple[int, ...]
+    """Numbers of the disks that were measured, from 1."""
+    position: Array
+    """(k, 3) positions in m, in the frame of the base."""
+    path: str
+    """The file they stand in."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What others have published for a case."""
+
+    source: str
+    """Where the values stand."""
+    rms_four_bar: float | None = None
+    """RMS error of the four-bar model against the measurement in m."""
+    rms_cosserat: float | None = None
+    """RMS error of the Cosserat model against the measurement in m."""
+    time_four_bar: float | None = None
+    """Solve time of the four-bar model in s."""
+    time_cosserat: float | None = None
+    """Solve time of the Cosserat model in s."""
+
+
+def load(path: str | os.PathLike[str]) -> Case:
+    """Reads a robot file.
+
+    Raises
+    ------
+    FileError
+        With all that is wrong in the file, and where.
+
+    Examples
+    --------
+    >>> case = load("examples/table1/case-3.toml")
+    >>> case.title
+    'Case III: general'
+    """
+    return Case._of(_core.Setup.load(os.fspath(path)))
+
+
+class Case:
+    """A robot and what is asked of it. It never changes.
+
+    Parameters
+    ----------
+    robot
+        The robot.
+    tension
+        (c,) tension of each cable in N.
+    shortening
+        (c,) initial minus present length of each cable in m, or texts such as ``"5.7 %"`` of its own
+        initial length.
+    loads
+        What acts from outside.
+    base
+        Where the base is; by default the frames of base and world are one.
+    steps
+        Steps of actuation, the last of which is the case; instead of `tension` and `shortening`.
+    title
+        What it is.
+
+    Examples
+    --------
+    >>> robot = load("examples/table1/case-3.toml").robot
+    >>> case = Case(robot, tension=["400 gf"], loads=Loads(tip_force=["0.05 N", 0, 0]))
+    >>> case.tension
+    (3.92266,)
+    >>> case.replace(tension=[2.0]).solve().tension
+    array([2.])
+    """
+
+    _setup: _core.Setup
+    _measured: Measured | None
+    _reference: Reference | None
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        tension: Commands | None = None,
+        shortening: Commands | None = None,
+        loads: Loads | None = None,
+        base: Base | None = None,
+        steps: Sequence[Step] = (),
+        title: str = "case",
+    ) -> None:
+        cables = [plain(cable) for cable in robot.cables]
+        for key, values in (("tension", tension), ("shortening", shortening)):
+            for cable, value in zip(cables, _each(values, robot.cables, key)):
+                cable[key] = value
+        tables = {
+            "title": title,
+            "backbone": plain(robot.backbone),
+            "disks": plain(robot.disks),
+            "cables": cables or None,
+            "base": plain(base) or None,
+            "loads": plain(loads) or None,
+            "steps": [plain(step) for step in steps] or None,
+        }
+        self._keep(_core.Setup.of_tables(tables, "Case"))
+
+    def _keep(
+        self,
+        setup: _core.Setup,
+        measured: Measured | None = None,
+        reference: Reference | None = None,
+    ) -> None:
+        object.__setattr__(self, "_setup", setup)
+        object.__setattr__(self, "_measured", measured)
+        object.__setattr__(self, "_reference", reference)
+
+    @classmethod
+    def _of(cls, setup: _core.Setup) -> Case:
+        self = cls.__new__(cls)
+        measured, reference = setup.measured, setup.reference
+        self._keep(
+            setup,
+            None if measured is None else Measured(tuple(measured[0]), measured[1], str(measured[2])),
+            None if reference is None else Reference(**reference),
+        )
+        return self
+
+    @classmethod
+    def from_toml(cls, text: str, path: str | os.PathLike[str] = "text") -> Case:
+        """Reads the text of a robot file; files it names are looked for in the folder of `path`."""
+        return cls._of(_core.Setup.parse(text, os.fspath(path)))
+
+    @cached_property
+    def _tables(self) -> dict[str, Any]:
+        return self._setup.tables()
+
+    @property
+    def title(self) -> str:
+        """What it is."""
+        return self._setup.title
+
+    @cached_property
+    def robot(self) -> Robot:
+        """The robot."""
+        return Robot._of(self._tables)
+
+    @cached_property
+    def loads(self) -> Loads:
+        """What acts from outside."""
+        return Loads._of(self._tables.get("loads", {}))
+
+    @cached_property
+    def base(self) -> Base:
+        """Where the base is."""
+        return Base._of(self._tables.get("base", {}))
+
+    @cached_property
+    def steps(self) -> tuple[Step, ...]:
+        """Steps of actuation; none where the case is a single one."""
+        return tuple(Step._of(step) for step in self._tables.get("steps", ()))
+
+    @property
+    def tension(self) -> tuple[float | None, ...]:
+        """Tension of each cable in N, where it is given."""
+        return self._commands("tension")
+
+    @property
+    def shortening(self) -> tuple[Quantity | None, ...]:
+        """Shortening of each cable in m, or a text in per cent, where it is given."""
+        return self._commands("shortening")
+
+    @property
+    def measured(self) -> Measured | None:
+        """What the real robot did, where the file says so."""
+        return self._measured
+
+    @property
+    def reference(self) -> Reference | None:
+        """What others have published for the case, where the file says so."""
+        return self._reference
+
+    def _commands(self, key: str) -> tuple[Any, ...]:
+        cables = self._tables.get("cables", ())
+        if self.steps:
+            return getattr(self.steps[-1], key) or (None,) * len(cables)
+        return tuple(cable.get(key) for cable in cables)
+
+    def replace(self, **changes: Any) -> Case:
+        """The same case with another robot, other commands, loads, base, steps or title."""
+        given: dict[str, Any] = {"loads": self.loads, "base": self.base, "title": self.title}
+        if {"tension", "shortening"} & changes.keys() and "steps" not in changes:
+            changes = {"steps": (), **changes}
+        if self.steps:
+            given["steps"] = self.steps
+        else:
+            given.update(tension=self.tension, shortening=self.shortening)
+        if changes.get("steps"):
+            given.update(tension=None, shortening=None)
+        robot = changes.pop("robot", self.robot)
+        return Case(robot, **{**given, **changes})
+
+    def to_toml(self) -> str:
+        """The text of a robot file; read again, it gives the identical robot and case.
+
+        >>> case = load("examples/tapered-arm.toml")
+        >>> Case.from_toml(case.to_toml()) == case
+        True
+        """
+        return self._text(None)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a robot file, whole or not at all."""
+        folder = os.path.dirname(os.path.abspath(path))
+        _core.write_file(os.fspath(path), self._text(folder).encode())
+
+    def _text(self, folder: str | None) -> str:
+        tables = dict(self._tables)
+        if self.measured:
+            there = os.path.abspath(self.measured.path)
+            tables["measured"] = {"disks": os.path.relpath(there, folder) if folder else there}
+        if self.reference:
+            tables["reference"] = vars(self.reference)
+        return _core.toml(tables)
+
+    def solve(
+        self,
+        *,
+        tension: Commands | None = None,
+        shortening: Commands | None = None,
+        length: Commands | None = None,
+        model: ModelLike = "cosserat",
+        stations: StationsLike = None,
+        actuation: str | None = None,
+        start: Solution | None = None,
+    ) -> Solution:
+        """The shape that the robot takes.
+
+        Parameters
+        ----------
+        tension
+            (c,) tension of each cable in N, instead of what the case says.
+        shortening
+            (c,) initial minus present length of each cable in m, instead of what the case says.
+        length
+            (c,) present length of each cable inside the robot in m, instead of a shortening.
+        model
+            ``"cosserat"``, ``"cosserat-disks"``, ``"four-bar"``, or one of them with options
+            (:mod:`whipcord.models`).
+        stations
+            Number of equally spaced places of the shape, both ends included, or their arc lengths in m; by
+            default the disks.
+        actuation
+            ``"tension"`` or ``"shortening"``: what drives all cables where both are given; by default what
+            the model is driven by.
+        start
+            A neighbouring solution to start from.
+
+        Raises
+        ------
+        SolveError
+            With the reason why there is no answer, and the numbers that it needs.
+        InputError
+            For arguments that cannot be.
+
+        Examples
+        --------
+        >>> case = load("examples/table1/case-3.toml")
+        >>> solution = case.solve(tension=[2.0], stations=37)
+        >>> solution.position.shape
+        (37, 3)
+        """
+        chosen = models.core(model, stations, actuation)
+        if length is not None:
+            shortening = self._shortening(length, chosen)
+        begin = None if start is None else start._answer
+        return Solution._of(self, chosen, self._setup.solve(chosen, tension, shortening, begin), start)
+
+    def _shortening(self, length: Commands, model: _core.Model) -> list[float | None]:
+        initial = self._setup.initial_lengths(model)
+        given = _each(length, self.robot.cables, "length")
+        metres = [_core.parse_quantity(v, "length") if isinstance(v, str) else v for v in given]
+        return [None if v is None else long - float(v) for long, v in zip(initial, metres)]
+
+    def solve_steps(
+        self,
+        *,
+        model: ModelLike = "cosserat",
+        stations: StationsLike = None,
+        actuation: str | None = None,
+    ) -> list[Solution]:
+        """The answers to all steps of the case in order, each from where the one before left the robot.
+
+        >>> case = load("examples/rubbing-finger.toml")
+        >>> out, back = [s for s in case.solve_steps(model="cosserat-disks") if s.tension[0] == 1.5]
+        >>> bool(back.bend > out.bend)
+        True
+        """
+        chosen = models.core(model, stations, actuation)
+        answers = self._setup.solve_steps(chosen)
+        return [Solution._of(self, chosen, answer, None) for answer in answers]
+
+    def solve_batch(
+        self,
+        tension: npt.ArrayLike | None = None,
+        *,
+        shortening: npt.ArrayLike | None = None,
+        model: ModelLike = "cosserat",
+        stations: StationsLike = None,
+        threads: int | None = None,
+        path: bool = False,
+        progress: bool = False,
+    ) -> Batch:
+        """Many shapes at once.
+
+        Parameters
+        ----------
+        tension
+            (N, c) tensions in N; loads and base are those of the case.
+        shortening
+            (N, c) shortenings in m, instead of tensions.
+        model, stations
+            As for :meth:`solve`.
+        threads
+            How many threads share the rows; by default one for each processor. The answers are the same.
+        path
+            Whether the rows follow a path, so that each may start from the answer before it.
+        progress
+            Whether to show a bar (needs the package tqdm).
+
+        Returns
+        -------
+        Batch
+            With ``position`` of shape (N, n, 3). A row without an answer does not raise: ``ok`` is false
+            there, its numbers are zero, and ``error(row)`` says why.
+
+        Examples
+        --------
+        >>> case = load("examples/table1/case-3.toml")
+        >>> batch = case.solve_batch(np.linspace(0, 4, 101)[:, None])
+        >>> batch.position.shape
+        (101, 10, 3)
+        >>> bool(batch.ok.all())
+        True
+        """
+        chosen = models.core(model, stations)
+        return solve_batch(self, chosen, tension, shortening, threads, path, progress)
+
+    def pull_back_batch(
+        self,
+        tension: npt.ArrayLike | None = None,
+        *,
+        shortening: npt.ArrayLike | None = None,
+        parameters: Sequence[str] = (),
+        position: npt.ArrayLike | None = None,
+        rotation: npt.ArrayLike | None = None,
+        cable_tension: npt.ArrayLike | None = None,
+        cable_length: npt.ArrayLike | None = None,
+        model: ModelLike = "cosserat",
+        stations: StationsLike = None,
+        threads: int | None = None,
+        progress: bool = False,
+    ) -> Gradients:
+        """Vector–Jacobian products of a whole batch: for each row the gradient of one scalar.
+
+        Parameters
+        ----------
+        tension, shortening
+            (N, c) commands of the rows, as for :meth:`solve_batch`.
+        parameters
+            Paths of parameters of the robot (:meth:`parameter`).
+        position
+            (N, n, 3) derivative of each row's scalar by its positions.
+        rotation
+            (N, n, 3) the same by turns of the frames, in rad about the axes of the world.
+        cable_tension, cable_length
+            (N, c) the same by the tensions and lengths of the cables.
+
+        Returns
+        -------
+        Gradients
+            ``commands`` of shape (N, c) and ``parameters`` of shape (N, p); zero in rows without an answer.
+
+        Examples
+        --------
+        How the height of the tip changes with the tension and with the diameter of the backbone:
+
+        >>> case = load("examples/table1/case-3.toml")
+        >>> weights = np.zeros((2, 10, 3))
+        >>> weights[:, -1, 2] = 1
+        >>> slope = case.pull_back_batch([[2.0], [3.0]], position=weights,
+        ...                              parameters=["backbone.diameter"])
+        >>> slope.commands.shape, slope.parameters.shape
+        ((2, 1), (2, 1))
+        """
+        chosen = models.core(model, stations)
+        weights = (position, rotation, cable_tension, cable_length)
+        return pull_back_batch(
+            self, chosen, tension, shortening, list(parameters), weights, threads, progress
+        )
+
+    def differentiate(
+        self,
+        *,
+        parameters: Sequence[str] = (),
+        tension: Commands | None = None,
+        shortening: Commands | None = None,
+        model: ModelLike = "cosserat",
+        stations: StationsLike = None,
+        actuation: str | None = None,
+        start: Solution | None = None,
+    ) -> tuple[Solution, Derivatives]:
+        """The shape with its exact derivatives, in one pass; other arguments as for :meth:`solve`.
+
+        Parameters
+        ----------
+        parameters
+            Paths of quantities of robot and case, as in robot files and counted from 0:
+            ``"backbone.young_modulus"``, ``"cables[0].routing.radius"``, ``"loads.tip_force[2]"``.
+
+        Examples
+        --------
+        >>> case = load("examples/table1/case-3.toml")
+        >>> solution, derivatives = case.differentiate(parameters=["backbone.young_modulus"])
+        >>> derivatives.position_by_command.shape, derivatives.position_by_parameter.shape
+        ((10, 3, 1), (10, 3, 1))
+        """
+        chosen = models.core(model, stations, actuation)
+        begin = None if start is None else start._answer
+        answer, inner = _core.derivatives(self._setup, chosen, list(parameters), tension, shortening, begin)
+        solution = Solution._of(self, chosen, answer, start)
+        return solution, Derivatives(inner, tuple(parameters))
+
+    def stiffness(
+        self,
+        at: Quantity | None = None,
+        *,
+        tension: Commands | None = None,
+        shortening: Commands | None = None,
+        model: ModelLike = "cosserat",
+        actuation: str | None = None,
+    ) -> Place:
+        """How a place moves with the cables and yields to loads.
+
+        Parameters
+        ----------
+        at
+            Arc length of the place in m; the tip by default.
+
+        Examples
+        --------
+        >>> tip = load("examples/table1/case-3.toml").stiffness()
+        >>> tip.compliance.shape, tip.jacobian.shape
+        ((6, 6), (6, 1))
+        """
+        metres = _core.parse_quantity(at, "length") if isinstance(at, str) else at
+        chosen = models.core(model, None, actuation)
+        answer, values = self._setup.local(chosen, metres, tension, shortening)
+        return Place._of(Solution._of(self, chosen, answer, None), values)
+
+    def branches(self, *, tension: Commands | None = None, shortening: Commands | None = None) -> Branches:
+        """All equilibria under the load that lie on the path from no load and on the branches off it."""
+        chosen = models.core("cosserat")
+        equilibria, points, complete = self._setup.branches(chosen, tension, shortening)
+        return Branches(
+            tuple(
+                Equilibrium(branch, stable, Solution._of(self, chosen, answer, None))
+                for branch, stable, answer in equilibria
+            ),
+            tuple(CriticalPoint(branch, load, kind, np.array(tip)) for branch, load, kind, tip in points),
+            complete,
+        )
+
+    def parameter(self, path: str) -> float:
+        """The value of a quantity of robot or case, by its path.
+
+        >>> load("examples/table1/case-3.toml").parameter("backbone.diameter")
+        0.003
+        """
+        return self._setup.parameter(path)
+
+    def with_parameters(self, values: Mapping[str, float]) -> Case:
+        """The same case with these quantities changed, by their paths.
+
+        >>> case = load("examples/table1/case-3.toml")
+        >>> case.with_parameters({"backbone.young_modulus": 2e9}).robot.backbone.young_modulus
+        2000000000.0
+        """
+        return Case._of(self._setup.with_parameters(list(values.items())))
+
+    def _answered(self, answer: _core.Solution) -> Case:
+        """The case that an answer is the answer to."""
+        return Case._of(self._setup.of_answer(answer))
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"a case never changes: use replace({name}=...)")
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Case) and self.to_toml() == other.to_toml()
+
+    def __hash__(self) -> int:
+        return hash(self.to_toml())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_unpickled, (_core.toml(self._tables), self._measured, self._reference))
+
+    def __repr__(self) -> str:
+        cables = self.robot.cables
+        names = ", ".join(cable.name for cable in cables)
+        given = []
+        for key in ("tension", "shortening"):
+            values = getattr(self, key)
+            if any(value is not None for value in values):
+                given.append(f"{key}={values!r}")
+        if self.steps:
+            given.append(f"{len(self.steps)} steps")
+        if self.loads != Loads():
+            given.append(f"loads={self.loads!r}")
+        if self.base != Base():
+            given.append(f"base={self.base!r}")
+        length = self.robot.backbone.length
+        asked = "".join(f", {item}" for item in given)
+        return f"<Case {self.title!r}: robot of {length} m, cables [{names}]{asked}>"
+
+    def _repr_html_(self) -> str:
+        return picture(_core.svg(self._setup, [], 620.0))
+
+
+def _unpickled(text: str, measured: Measured | None, reference: Reference | None) -> Case:
+    case = Case.__new__(Case)
+    case._keep(_core.Setup.parse(text, "case"), measured, reference)
+    return case
+
+
+def _each(values: Commands | None, cables: tuple[Cable, ...], name: str) -> list[Any]:
+    """One value for each cable."""
+    from .errors import InputError
+
+    if values is None:
+        return [None] * len(cables)
+    single = isinstance(values, str) or np.ndim(values) == 0  # type: ignore[arg-type]
+    listed: list[Any] = [values] if single else list(values)  # type: ignore[arg-type]
+    if len(listed) != len(cables) or any(isinstance(value, np.ndarray) for value in listed):
+        names = ", ".join(cable.name for cable in cables)
+        count = f"{len(cables)} {'entry' if len(cables) == 1 else 'entries'}"
+        message = f"{name} must have {count}, one for each cable ({names}), but is {values!r}"
+        raise InputError(message, path=name)
+    return listed

@@ -1,0 +1,163 @@
+"""Do the models agree with each other, and with what was measured?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import models
+from .case import Case
+from .errors import WhipcordError
+from .models import ModelLike
+from .solution import Solution
+
+__all__ = ["Comparison", "Run", "compare"]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One model on a case."""
+
+    model: str
+    """Its name."""
+    solution: Solution | None
+    """Its answer."""
+    error: WhipcordError | None
+    """Or why it has none."""
+    distance: float | None
+    """RMS distance in m over the disks, without the base disk, to the first model that has an answer."""
+    distance_to_measured: float | None
+    """RMS distance in m to the disks that were measured, without the base disk."""
+
+
+class Comparison:
+    """A case as each model answers it.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> case = whipcord.load("examples/table1/case-3.toml")
+    >>> comparison = compare(case)
+    >>> [run.model for run in comparison]
+    ['cosserat', 'cosserat-disks', 'four-bar']
+    >>> bool(comparison["cosserat-disks"].distance < 0.004)
+    True
+    """
+
+    case: Case
+    """The case."""
+    runs: tuple[Run, ...]
+    """One for each model."""
+
+    def __init__(self, case: Case, runs: Sequence[Run]) -> None:
+        self.case, self.runs = case, tuple(runs)
+
+    @property
+    def solutions(self) -> dict[str, Solution]:
+        """The answers by the names of their models."""
+        return {run.model: run.solution for run in self.runs if run.solution is not None}
+
+    def __iter__(self) -> Iterator[Run]:
+        return iter(self.runs)
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def __getitem__(self, model: str) -> Run:
+        for run in self.runs:
+            if run.model == model:
+                return run
+        raise KeyError(model)
+
+    def _columns(self) -> dict[str, list[Any]]:
+        nowhere = np.full(3, np.nan)
+        tips = [nowhere if run.solution is None else run.solution.tip for run in self.runs]
+        return {
+            "model": [run.model for run in self.runs],
+            **{axis: [float(tip[i]) for tip in tips] for i, axis in enumerate("xyz")},
+            "distance": [run.distance for run in self.runs],
+            "distance_to_measured": [run.distance_to_measured for run in self.runs],
+            "error": [None if run.error is None else str(run.error) for run in self.runs],
+        }
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with one line for each model; lengths in m."""
+        import pandas
+
+        return pandas.DataFrame(self._columns()).set_index("model")
+
+    def to_polars(self) -> Any:
+        """A ``polars.DataFrame`` with one line for each model; lengths in m."""
+        import polars
+
+        return polars.DataFrame(self._columns())
+
+    def plot(self, **options: Any) -> Any:
+        """Draws the answers; see :func:`whipcord.plot.compare`."""
+        from . import plot
+
+        return plot.compare(*self.solutions.values(), **options)
+
+    def __repr__(self) -> str:
+        lines = [f"<Comparison of {self.case.title!r}"]
+        for run in self.runs:
+            if run.solution is None:
+                lines.append(f"  {run.model:<15} {run.error}")
+                continue
+            x, y, z = (1e3 * run.solution.tip).tolist()
+            apart = "" if run.distance is None else f", {1e3 * run.distance:.3f} mm from the first"
+            lines.append(f"  {run.model:<15} tip ({x:.2f}, {y:.2f}, {z:.2f}) mm{apart}")
+        return "\n".join(lines) + ">"
+
+
+def compare(case: Case, *, by: Sequence[ModelLike] = models.NAMES) -> Comparison:
+    """Solves a case with every model, each driven by what it is driven by.
+
+    A model that does not take the case is a run with its error.
+
+    Parameters
+    ----------
+    case
+        The case.
+    by
+        The models; all of them by default.
+    """
+    runs: list[Run] = []
+    first: Solution | None = None
+    for model in by:
+        try:
+            solution = case.solve(model=model)
+        except WhipcordError as error:
+            runs.append(Run(_name(model), None, error, None, None))
+            continue
+        distance = None if first is None else solution.rms_distance(first)
+        first = first or solution
+        measured = _to_measured(case, solution.disks.position)
+        runs.append(Run(_name(model), solution, None, distance, measured))
+    return Comparison(case, runs)
+
+
+def _name(model: ModelLike) -> str:
+    return model if isinstance(model, str) else models.core(model).kind
+
+
+def _to_measured(case: Case, position: npt.NDArray[np.float64]) -> float | None:
+    if case.measured is None:
+        return None
+    pairs = [(i, p) for i, p in zip(case.measured.disks, case.measured.position) if i > 1]
+    if not pairs:
+        return None
+    # Measurements are in the frame of the base, shapes in the world.
+    inside = case.base
+    rest = np.array([p for _, p in pairs])
+    there = position[[i - 1 for i, _ in pairs]]
+    if inside.position is not None or inside.orientation is not None:
+        from .solution import rotation
+
+        turn = rotation(np.array(inside.orientation or (1.0, 0.0, 0.0, 0.0)))
+        there = (there - np.array(inside.position or (0.0, 0.0, 0.0))) @ turn
+    return float(np.sqrt(np.mean(np.sum((there - rest) ** 2, axis=1))))

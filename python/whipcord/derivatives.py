@@ -1,0 +1,206 @@
+"""How answers change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+
+if TYPE_CHECKING:
+    from .solution import Solution
+
+__all__ = ["Derivatives", "Dexterity", "Gradient", "Place"]
+
+Array = npt.NDArray[np.float64]
+Hold = Literal["commands", "tensions", "lengths"]
+"""What is held while something else changes: what the case gives, every tension, or the length of every
+taut cable."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gradient:
+    """The derivative of a scalar by everything that can change."""
+
+    commands: Array
+    """(c,) by the tension in N or the shortening in m of each cable."""
+    parameters: Array
+    """(p,) by each parameter that was asked for."""
+    wrenches: Array
+    """(n, 6) by a dead force and moment at each station, along the axes of the world."""
+
+
+class Derivatives:
+    """The exact derivatives of one answer, by :meth:`whipcord.Case.differentiate`.
+
+    What says how stations move is along the axes of the world, as positions are. Rotations are turns
+    ``dR = φ̂ R``. Compliance and stiffness are along the axes of the base, as the command
+    ``whipcord stiffness`` has them.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> case = whipcord.load("examples/table1/case-3.toml")
+    >>> solution, derivatives = case.differentiate()
+    >>> here = derivatives.position_by_command[-1, :, 0]
+    >>> h = 1e-5
+    >>> tips = [case.solve(tension=[solution.tension[0] + d]).tip for d in (h, -h)]
+    >>> bool(np.allclose(here, (tips[0] - tips[1]) / (2 * h), rtol=1e-5))
+    True
+    """
+
+    parameters: tuple[str, ...]
+    """Paths of the parameters that were asked for."""
+
+    def __init__(self, inner: _core.Derivatives, parameters: tuple[str, ...]) -> None:
+        self._inner, self.parameters = inner, parameters
+
+    @cached_property
+    def twist_by_command(self) -> Array:
+        """(n, 6, c) velocity and angular velocity of each station with the command of each cable."""
+        return self._inner.commands()
+
+    @cached_property
+    def twist_by_tension(self) -> Array:
+        """(n, 6, c) the same with the tension of each cable, whatever drives it."""
+        return self._inner.tensions()
+
+    @property
+    def position_by_command(self) -> Array:
+        """(n, 3, c) change of each position with the tension in N or the shortening in m of each cable."""
+        part: Array = self.twist_by_command[:, :3]
+        return part
+
+    @property
+    def rotation_by_command(self) -> Array:
+        """(n, 3, c) turn of each station in rad with the command of each cable."""
+        part: Array = self.twist_by_command[:, 3:]
+        return part
+
+    def twist_by_parameter(self, hold: Hold = "commands") -> Array:
+        """(n, 6, p) velocity and angular velocity of each station with each parameter."""
+        return self._inner.parameters(hold)
+
+    @cached_property
+    def position_by_parameter(self) -> Array:
+        """(n, 3, p) change of each position with each parameter, in its unit; the commands are held."""
+        part: Array = self.twist_by_parameter()[:, :3]
+        return part
+
+    @property
+    def length_by_tension(self) -> Array:
+        """(c, c) change of the length of each cable in m with the tension of each in N."""
+        return self._inner.length_by_tension()
+
+    def cables_by_parameter(self, hold: Hold = "commands") -> tuple[Array, Array]:
+        """(c, p) change of the length, and (c, p) of the tension, of each cable with each parameter."""
+        return self._inner.cables_by_parameters(hold)
+
+    def compliance(self, at: int | None = None, hold: Hold = "tensions") -> Array:
+        """(6, 6) motion of a station, or of the tip, under a dead force in N and moment in N·m on it.
+
+        Rows are translation (x, y, z) in m and rotation in rad, columns force and moment.
+        """
+        return self._inner.compliance(at, hold)
+
+    def stiffness(self, at: int | None = None, hold: Hold = "tensions") -> Array | None:
+        """(6, 6) the inverse; None where the place does not yield in every direction."""
+        return self._inner.stiffness(at, hold)
+
+    def pull_back(
+        self,
+        *,
+        position: npt.ArrayLike | None = None,
+        rotation: npt.ArrayLike | None = None,
+        tension: npt.ArrayLike | None = None,
+        length: npt.ArrayLike | None = None,
+        hold: Hold = "commands",
+    ) -> Gradient:
+        """A vector–Jacobian product: the gradient of a scalar from its derivatives by the answer.
+
+        Parameters
+        ----------
+        position
+            (n, 3) its derivative by each position.
+        rotation
+            (n, 3) its derivative by a turn of each station, in rad about the axes of the world.
+        tension, length
+            (c,) its derivatives by the tensions and lengths of the cables.
+        hold
+            What is held when a parameter or a wrench changes.
+
+        Examples
+        --------
+        >>> import whipcord
+        >>> case = whipcord.load("examples/table1/case-3.toml")
+        >>> solution, derivatives = case.differentiate()
+        >>> weights = np.ones_like(solution.position)
+        >>> gradient = derivatives.pull_back(position=weights)
+        >>> bool(np.allclose(gradient.commands[0], derivatives.position_by_command.sum()))
+        True
+        """
+        arrays = [
+            None if values is None else np.ascontiguousarray(values, dtype=np.float64)
+            for values in (position, rotation, tension, length)
+        ]
+        return Gradient(**self._inner.pull_back(hold, *arrays))
+
+
+@dataclass(frozen=True)
+class Dexterity:
+    """How well the cables of one kind move a place."""
+
+    driven_by: str
+    """``"tension"`` or ``"shortening"``."""
+    manipulability: float
+    """Product of what unit commands move it along its principal directions."""
+    directions: int
+    """In how many directions they move it."""
+    condition: float | None
+    """Greatest by least motion; None where they do not move it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """How a place of a robot moves and yields; matrices are along the axes of the base."""
+
+    solution: Solution
+    """The shape."""
+    arc_length: float
+    """Where it is, in m."""
+    jacobian: Array
+    """(6, c) velocity and angular velocity with the command of each cable."""
+    driven_by: tuple[str, ...]
+    """Whether each of them is a ``"tension"`` in N or a ``"shortening"`` in m."""
+    compliance_tensions_held: Array
+    """(6, 6) motion under force and moment, with the tensions held."""
+    compliance_lengths_held: Array
+    """(6, 6) the same with all taut cables locked."""
+    stiffness_tensions_held: Array | None
+    """(6, 6) the inverse; None where the place does not yield in every direction."""
+    stiffness_lengths_held: Array | None
+    """(6, 6) the inverse; None where the place does not yield in every direction."""
+    estimated_error: float | None
+    """Relative error, where the numbers come from differences of solutions; None where they are exact."""
+    dexterity: tuple[Dexterity, ...]
+    """How well the cables move it: those driven by tension, those by shortening."""
+
+    @classmethod
+    def _of(cls, solution: Solution, values: dict[str, Any]) -> Place:
+        values["dexterity"] = tuple(Dexterity(**kind) for kind in values["dexterity"])
+        values["driven_by"] = tuple(values["driven_by"])
+        return cls(solution=solution, **values)
+
+    @property
+    def compliance(self) -> Array:
+        """(6, 6) compliance with the tensions held."""
+        return self.compliance_tensions_held
+
+    @property
+    def stiffness(self) -> Array | None:
+        """(6, 6) stiffness with the tensions held."""
+        return self.stiffness_tensions_held

@@ -1,0 +1,102 @@
+"""Answers as tables of other packages, by their own constructors."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from .batch import Batch
+    from .solution import Solution
+
+Columns = dict[str, npt.NDArray[Any]]
+
+
+def _frames(position: npt.NDArray[Any], orientation: npt.NDArray[Any]) -> Columns:
+    names = ("x", "y", "z", "qw", "qx", "qy", "qz")
+    values = np.concatenate([position.reshape(-1, 3), orientation.reshape(-1, 4)], axis=1)
+    return {name: values[:, i].copy() for i, name in enumerate(names)}
+
+
+def solution_columns(solution: Solution) -> Columns:
+    """One line for each station; SI, as the CSV of the command line."""
+    frames = _frames(solution.position, solution.orientation)
+    return {"arc_length": solution.arc_length, **frames}
+
+
+def batch_columns(batch: Batch) -> Columns:
+    """One line for each station of each row, with its number, whether it has an answer, and tensions."""
+    rows, stations, _ = batch.position.shape
+    columns: Columns = {
+        "row": np.repeat(np.arange(rows), stations),
+        "ok": np.repeat(batch.ok, stations),
+        "arc_length": np.tile(batch.arc_length, rows),
+    }
+    columns.update(_frames(batch.position, batch.orientation))
+    for i, cable in enumerate(batch.case.robot.cables):
+        columns[f"tension:{cable.name}"] = np.repeat(batch.tension[:, i], stations)
+        columns[f"length:{cable.name}"] = np.repeat(batch.length[:, i], stations)
+    return columns
+
+
+def to_pandas(columns: Columns) -> Any:
+    """A ``pandas.DataFrame``."""
+    import pandas
+
+    return pandas.DataFrame(columns)
+
+
+def to_polars(columns: Columns) -> Any:
+    """A ``polars.DataFrame``."""
+    import polars
+
+    return polars.DataFrame(columns)
+
+
+def to_parquet(columns: Columns, path: str | os.PathLike[str]) -> None:
+    """Writes a Parquet file."""
+    import pyarrow
+    import pyarrow.parquet
+
+    pyarrow.parquet.write_table(pyarrow.table(columns), os.fspath(path))
+
+
+AXES = {"axis": ["x", "y", "z"], "component": ["w", "x", "y", "z"]}
+
+
+def solution_to_xarray(solution: Solution) -> Any:
+    """An ``xarray.Dataset``."""
+    import xarray
+
+    cables = [cable.name for cable in solution.cables]
+    return xarray.Dataset(
+        {
+            "position": (("station", "axis"), solution.position),
+            "orientation": (("station", "component"), solution.orientation),
+            "tension": ("cable", solution.tension),
+            "length": ("cable", solution.length),
+        },
+        coords={"arc_length": ("station", solution.arc_length), "cable": cables, **AXES},
+        attrs={"model": solution.model, "title": solution.case.title},
+    )
+
+
+def batch_to_xarray(batch: Batch) -> Any:
+    """An ``xarray.Dataset``."""
+    import xarray
+
+    cables = [cable.name for cable in batch.case.robot.cables]
+    return xarray.Dataset(
+        {
+            "position": (("row", "station", "axis"), batch.position),
+            "orientation": (("row", "station", "component"), batch.orientation),
+            "tension": (("row", "cable"), batch.tension),
+            "length": (("row", "cable"), batch.length),
+            "ok": ("row", batch.ok),
+        },
+        coords={"arc_length": ("station", batch.arc_length), "cable": cables, **AXES},
+        attrs={"model": batch.model, "title": batch.case.title},
+    )

@@ -1,0 +1,184 @@
+"""Pictures with Matplotlib, or with PyVista where it is asked for. Millimetres, as in all pictures here.
+
+>>> import whipcord
+>>> import matplotlib; matplotlib.use("Agg")
+>>> case = whipcord.load("examples/table1/case-3.toml")
+>>> axes = case.solve(stations=91).plot()
+>>> axes.get_xlabel()
+'x (mm)'
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .robot import Robot
+from .solution import Shape, Solution
+
+__all__ = ["compare", "solution"]
+
+Array = npt.NDArray[np.float64]
+
+PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+"""Colours that are told apart by everyone."""
+SMOOTH = 91
+"""Stations that a curve is smooth with."""
+
+
+def solution(
+    answer: Solution,
+    *,
+    axes: Any = None,
+    backend: str = "matplotlib",
+    color: str | None = None,
+    label: str | None = None,
+    disks: bool = True,
+    cables: bool = True,
+) -> Any:
+    """Draws a robot in space.
+
+    Parameters
+    ----------
+    answer
+        The shape.
+    axes
+        Axes to draw into: three-dimensional ones of Matplotlib, or a plotter of PyVista; new ones by default.
+    backend
+        ``"matplotlib"`` or ``"pyvista"``.
+    color
+        Of the backbone.
+    label
+        For the legend; the name of the model by default.
+    disks, cables
+        Whether they are drawn.
+
+    Returns
+    -------
+    The axes, or the plotter.
+    """
+    if backend == "pyvista":
+        return _pyvista(answer, axes, color or PALETTE[0], disks, cables)
+    if backend != "matplotlib":
+        from .errors import InputError
+
+        raise InputError(f"there is no backend `{backend}`: choose matplotlib or pyvista", path="backend")
+    axes = _axes() if axes is None else axes
+    color = color or PALETTE[0]
+    fine = _smooth(answer)
+    axes.plot(*(1e3 * fine.position.T), color=color, linewidth=2.5, label=label or answer.model)
+    if disks:
+        for rim in _rims(answer.robot, answer.disks):
+            axes.plot(*(1e3 * rim.T), color="0.55", linewidth=0.8)
+    if cables:
+        for path in fine.cable_paths():
+            axes.plot(*(1e3 * path.T), color="0.15", linewidth=0.9)
+    _equal(axes)
+    return axes
+
+
+def compare(*answers: Solution, axes: Any = None, labels: list[str] | None = None) -> Any:
+    """Draws several answers into one picture, with a legend.
+
+    Parameters
+    ----------
+    answers
+        The shapes, for example those of several models.
+    axes
+        Three-dimensional axes of Matplotlib; new ones by default.
+    labels
+        One for each; the names of the models by default.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> case = whipcord.load("examples/table1/case-3.toml")
+    >>> axes = compare(case.solve(), case.solve(model="four-bar"))
+    >>> len(axes.get_legend().get_texts())
+    2
+    """
+    axes = _axes() if axes is None else axes
+    for i, answer in enumerate(answers):
+        label = labels[i] if labels else answer.model
+        color = PALETTE[i % len(PALETTE)]
+        solution(answer, axes=axes, color=color, label=label, disks=i == 0, cables=i == 0)
+    axes.legend(loc="upper left", frameon=False)
+    return axes
+
+
+def _axes() -> Any:
+    import matplotlib.pyplot
+
+    figure = matplotlib.pyplot.figure(figsize=(6.4, 5.6), layout="constrained")
+    axes = figure.add_subplot(projection="3d")
+    for name in "xyz":
+        getattr(axes, f"set_{name}label")(f"{name} (mm)")
+        getattr(axes, f"{name}axis").pane.set_alpha(0.0)
+    axes.view_init(elev=22, azim=-60)
+    return axes
+
+
+def _equal(axes: Any) -> None:
+    """One scale for all directions, with room for everything that is drawn."""
+    limits = np.array([getattr(axes, f"get_{name}lim3d")() for name in "xyz"])
+    middle, extent = limits.mean(axis=1), np.ptp(limits, axis=1)
+    # A thin box has no room for the numbers on its edges.
+    extent = np.maximum(extent, 0.35 * extent.max())
+    for name, at, width in zip("xyz", middle, extent):
+        getattr(axes, f"set_{name}lim3d")(at - 0.5 * width, at + 0.5 * width)
+        axes.locator_params(axis=name, nbins=max(2, round(6 * width / extent.max())))
+    # So far away that the labels of a tall robot are inside the picture.
+    axes.set_box_aspect(extent, zoom=0.84)
+
+
+def _smooth(answer: Solution) -> Solution:
+    """The same answer at stations that a curve is smooth with; itself where it has as many."""
+    if len(answer.position) >= SMOOTH:
+        return answer
+    arguments = {**answer._model.arguments, "stations": SMOOTH}
+    from . import _core
+
+    model = _core.Model(**arguments)
+    case = answer.case
+    return Solution._of(case, model, case._setup.solve(model, None, None, answer._answer), answer)
+
+
+def _rims(robot: Robot, disks: Shape) -> list[Array]:
+    """(37, 3) points on the rim of each disk, in m."""
+    radius = robot.disks.hole_circle_radius
+    if radius is None:
+        return []
+    angle = np.linspace(0.0, 2 * np.pi, 37)
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
+    radii = np.broadcast_to(np.asarray(radius), len(disks.position))
+    # A little material outside the holes.
+    return [
+        position + 1.15 * r * circle @ turn.T
+        for position, turn, r in zip(disks.position, disks.rotation, radii)
+    ]
+
+
+def _pyvista(answer: Solution, plotter: Any, color: str, disks: bool, cables: bool) -> Any:
+    import pyvista
+
+    plotter = pyvista.Plotter() if plotter is None else plotter
+    fine = _smooth(answer)
+    backbone = answer.robot.backbone
+    given = backbone.diameter or backbone.diameters
+    width = float(np.max(given)) if isinstance(given, (int, float, tuple)) else 0.01 * backbone.length
+    tube = pyvista.MultipleLines(1e3 * fine.position).tube(radius=0.5e3 * width)
+    plotter.add_mesh(tube, color=color, smooth_shading=True)
+    if disks:
+        for rim, center in zip(_rims(answer.robot, answer.disks), 1e3 * answer.disks.position):
+            fan = np.vstack([center, 1e3 * rim])
+            faces = np.array([[3, 0, i, i + 1] for i in range(1, len(rim))])
+            plotter.add_mesh(pyvista.PolyData(fan, faces.ravel()), color="lightgrey", opacity=0.6)
+    if cables:
+        for path in fine.cable_paths():
+            if len(path) > 1:
+                line = pyvista.MultipleLines(1e3 * path).tube(radius=0.12e3 * width)
+                plotter.add_mesh(line, color="black")
+    plotter.show_grid(xtitle="x (mm)", ytitle="y (mm)", ztitle="z (mm)")
+    return plotter

@@ -1,0 +1,489 @@
+"""What the robot is."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+from . import _core
+from ._html import picture
+from ._tables import Quantity, Table, plain
+
+__all__ = ["Along", "Backbone", "Cable", "Disks", "Robot", "Routing", "Section", "SectionStiffness"]
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Along(Table):
+    """A quantity that is given at arc lengths, and linear between them.
+
+    It is constant before the first place and beyond the last. A place named twice is a step.
+
+    Parameters
+    ----------
+    at
+        Arc lengths in m, ascending.
+    values
+        The value at each of them, in the unit of the quantity.
+
+    Examples
+    --------
+    >>> taper = Along(at=["0 mm", "180 mm"], values=["4 mm", "2 mm"])
+    >>> Backbone(length="180 mm", diameters=taper).diameters.values
+    (0.004, 0.002)
+    """
+
+    at: tuple[float, ...]
+    values: tuple[Any, ...]
+
+    def __init__(self, *, at: Sequence[Quantity], values: Sequence[Any]) -> None:
+        # What the values measure is known where they belong.
+        object.__setattr__(self, "at", plain(at))
+        object.__setattr__(self, "values", plain(values))
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Section(Table):
+    """A rectangular cross-section.
+
+    Parameters
+    ----------
+    width, height
+        Extent along x and y in m: one value, a list with one for each disk, or one for each entry of `at`.
+    at
+        Arc lengths in m at which lists are given, instead of the disks.
+    """
+
+    width: float | tuple[float, ...]
+    height: float | tuple[float, ...]
+    at: tuple[float, ...] | None = None
+
+    _name: ClassVar[str] = "backbone.section"
+
+    def __init__(
+        self,
+        *,
+        width: Quantity | Sequence[Quantity],
+        height: Quantity | Sequence[Quantity],
+        at: Sequence[Quantity] | None = None,
+    ) -> None:
+        self._set(width=width, height=height, at=at)
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class SectionStiffness(Table):
+    """Stiffness of the sections, instead of that of section and material.
+
+    Each entry is one value, a list with one for each disk, or one for each entry of `at`.
+
+    Parameters
+    ----------
+    bending
+        EI about x and y in N·m²: a pair.
+    torsion
+        GJ in N·m².
+    shear
+        GA along x and y in N: a pair; not needed where the backbone is not shearable.
+    axial
+        EA in N; not needed where the backbone is not extensible.
+    matrix
+        (6, 6), symmetric and positive definite, instead of all others: shear x, shear y, axial, bending x,
+        bending y, twist; in N, N·m and N·m².
+    at
+        Arc lengths in m at which lists are given, instead of the disks.
+    """
+
+    at: tuple[float, ...] | None = None
+    shear: tuple[Any, ...] | None = None
+    axial: float | tuple[float, ...] | None = None
+    bending: tuple[Any, ...] | None = None
+    torsion: float | tuple[float, ...] | None = None
+    matrix: tuple[Any, ...] | None = None
+
+    _name: ClassVar[str] = "backbone.stiffness"
+
+    def __init__(
+        self,
+        *,
+        bending: Sequence[Any] | None = None,
+        torsion: Quantity | Sequence[Quantity] | None = None,
+        shear: Sequence[Any] | None = None,
+        axial: Quantity | Sequence[Quantity] | None = None,
+        matrix: Any = None,
+        at: Sequence[Quantity] | None = None,
+    ) -> None:
+        self._set(bending=bending, torsion=torsion, shear=shear, axial=axial, matrix=matrix, at=at)
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Backbone(Table):
+    """The elastic rod that runs through the disks.
+
+    Every quantity is a number in SI or a text with a unit.
+
+    Parameters
+    ----------
+    length
+        Length of the undeformed backbone in m.
+    diameter
+        Outer diameter in m of a round rod or tube.
+    diameters
+        Outer diameter at each disk, or :class:`Along`; instead of `diameter`.
+    inner_diameter
+        Inner diameter in m of a tube: one value, one for each disk, or :class:`Along`.
+    section
+        A rectangular cross-section, instead of diameters.
+    young_modulus, poisson_ratio, shear_modulus
+        Of the material, in Pa; Poisson's ratio or the shear modulus.
+    shear_correction
+        Timoshenko's factor on the shear stiffness; 1 by default.
+    stiffness
+        The stiffness itself, instead of a material.
+    density
+        In kg/m³; needed only with gravity.
+    linear_density
+        Mass per length in kg/m, instead of a density: one value, one for each disk, or :class:`Along`.
+    rest_curvature
+        Curvature in 1/m when nothing pulls: about x, about y, twist; one such vector, one for each disk, or
+        :class:`Along`.
+    extensible, shearable
+        Whether it can stretch, and whether its sections can shear.
+
+    Examples
+    --------
+    >>> rod = Backbone(length="180 mm", diameter="3 mm", young_modulus="1.1 GPa", poisson_ratio=0.3)
+    >>> rod
+    Backbone(length=0.18, diameter=0.003, young_modulus=1100000000.0, poisson_ratio=0.3)
+    >>> rod.replace(diameter="4 mm").diameter
+    0.004
+    """
+
+    length: float
+    diameter: float | None = None
+    inner_diameter: float | tuple[float, ...] | Along | None = None
+    diameters: tuple[float, ...] | Along | None = None
+    section: Section | None = None
+    young_modulus: float | None = None
+    poisson_ratio: float | None = None
+    shear_modulus: float | None = None
+    shear_correction: float = 1.0
+    stiffness: SectionStiffness | None = None
+    density: float | None = None
+    linear_density: float | tuple[float, ...] | Along | None = None
+    rest_curvature: tuple[Any, ...] | Along | None = None
+    extensible: bool = True
+    shearable: bool = True
+
+    _name: ClassVar[str] = "backbone"
+    _inner: ClassVar[Mapping[str, type[Table]]] = {
+        "inner_diameter": Along,
+        "diameters": Along,
+        "section": Section,
+        "stiffness": SectionStiffness,
+        "linear_density": Along,
+        "rest_curvature": Along,
+    }
+
+    def __init__(
+        self,
+        *,
+        length: Quantity,
+        diameter: Quantity | None = None,
+        inner_diameter: Quantity | Sequence[Quantity] | Along | None = None,
+        diameters: Sequence[Quantity] | Along | None = None,
+        section: Section | Mapping[str, Any] | None = None,
+        young_modulus: Quantity | None = None,
+        poisson_ratio: Quantity | None = None,
+        shear_modulus: Quantity | None = None,
+        shear_correction: Quantity | None = None,
+        stiffness: SectionStiffness | Mapping[str, Any] | None = None,
+        density: Quantity | None = None,
+        linear_density: Quantity | Sequence[Quantity] | Along | None = None,
+        rest_curvature: Sequence[Any] | Along | None = None,
+        extensible: bool = True,
+        shearable: bool = True,
+    ) -> None:
+        self._set(
+            length=length,
+            diameter=diameter,
+            inner_diameter=inner_diameter,
+            diameters=diameters,
+            section=section,
+            young_modulus=young_modulus,
+            poisson_ratio=poisson_ratio,
+            shear_modulus=shear_modulus,
+            shear_correction=shear_correction,
+            stiffness=stiffness,
+            density=density,
+            linear_density=linear_density,
+            rest_curvature=rest_curvature,
+            extensible=extensible,
+            shearable=shearable,
+        )
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Disks(Table):
+    """The perforated disks, base disk first.
+
+    Parameters
+    ----------
+    count
+        Number of equally spaced disks, base and tip disk included.
+    positions
+        Arc length of each disk in m, from 0 to the length of the backbone; instead of `count`.
+    hole_circle_radius
+        Radius in m of the circle on which the holes lie: one for all disks, or one for each.
+    holes
+        Number of equally spaced holes of each disk. Hole 1 lies on the x axis; they count
+        counter-clockwise, seen from the tip.
+    mass
+        Mass of each disk in kg.
+
+    Examples
+    --------
+    >>> Disks(count=10, hole_circle_radius="8 mm", holes=12)
+    Disks(count=10, hole_circle_radius=0.008, holes=12)
+    """
+
+    count: int | None = None
+    positions: tuple[float, ...] | None = None
+    hole_circle_radius: float | tuple[float, ...] | None = None
+    holes: int | None = None
+    mass: float = 0.0
+
+    _name: ClassVar[str] = "disks"
+
+    def __init__(
+        self,
+        *,
+        count: int | None = None,
+        positions: Sequence[Quantity] | None = None,
+        hole_circle_radius: Quantity | Sequence[Quantity] | None = None,
+        holes: int | None = None,
+        mass: Quantity | None = None,
+    ) -> None:
+        self._set(
+            count=count,
+            positions=positions,
+            hole_circle_radius=hole_circle_radius,
+            holes=holes,
+            mass=mass,
+        )
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Routing(Table):
+    """How a cable runs, as a curve in the cross-sections.
+
+    Made by :meth:`straight`, :meth:`helix`, :meth:`linear` or :meth:`polynomial`; angles in rad from x
+    towards y, lengths in m. A cable that runs through holes needs none (see :class:`Cable`).
+
+    Examples
+    --------
+    >>> Routing.helix(turns=0.75, radius="8 mm")
+    Routing(kind='helix', turns=0.75, radius=0.008)
+    """
+
+    kind: str
+    angle: float | None = None
+    start_angle: float | None = None
+    turns: float | None = None
+    radius: float | None = None
+    start: tuple[float, ...] | None = None
+    end: tuple[float, ...] | None = None
+    x: tuple[float, ...] | None = None
+    y: tuple[float, ...] | None = None
+
+    def __init__(self, *, kind: str, **entries: Any) -> None:
+        given = {"name": "a", "routing": {"kind": kind, **plain(entries)}}
+        self._keep(_core.table_in_si("cables", given)["routing"])
+
+    @classmethod
+    def straight(cls, *, angle: Quantity, radius: Quantity) -> Routing:
+        """Parallel to the backbone, at this angle and this distance from its axis."""
+        return cls(kind="straight", angle=angle, radius=radius)
+
+    @classmethod
+    def helix(cls, *, turns: Quantity, radius: Quantity, start_angle: Quantity | None = None) -> Routing:
+        """Round the backbone, with so many turns over its whole length, positive counter-clockwise."""
+        return cls(kind="helix", start_angle=start_angle, turns=turns, radius=radius)
+
+    @classmethod
+    def linear(cls, *, start: Sequence[Quantity], end: Sequence[Quantity]) -> Routing:
+        """On the straight line from (x, y) at the base to (x, y) at the tip."""
+        return cls(kind="linear", start=start, end=end)
+
+    @classmethod
+    def polynomial(cls, *, x: Sequence[float], y: Sequence[float]) -> Routing:
+        """By coefficients of x and y in ascending powers of the arc length, in SI."""
+        return cls(kind="polynomial", x=x, y=y)
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Cable(Table):
+    """A cable: where it runs and what it is made of.
+
+    Parameters
+    ----------
+    name
+        Name, unique in the robot.
+    holes
+        The hole it passes at each disk, from the base disk on, counted from 1. A list shorter than the disks
+        ends the cable at its last hole.
+    interpolation
+        How the continuous model leads it from hole to hole: ``"spline"`` (default), ``"pchip"`` or
+        ``"fourier"``.
+    routing
+        Where it runs, as a curve; instead of `holes`.
+    ends_at
+        Arc length in m at which it is anchored; the tip by default.
+    friction
+        Capstan friction coefficient at the holes.
+    axial_stiffness
+        Young's modulus times area in N; inextensible by default.
+
+    Examples
+    --------
+    >>> Cable(name="pull", holes=[1, 2, 3, 4])
+    Cable(name='pull', holes=(1, 2, 3, 4))
+    """
+
+    name: str
+    holes: tuple[int, ...] | None = None
+    interpolation: str | None = None
+    routing: Routing | None = None
+    ends_at: float | None = None
+    friction: float | None = None
+    axial_stiffness: float | None = None
+
+    _name: ClassVar[str] = "cables"
+    _inner: ClassVar[Mapping[str, type[Table]]] = {"routing": Routing}
+
+    def __init__(
+        self,
+        *,
+        name: str,
+        holes: Sequence[int] | None = None,
+        interpolation: str | None = None,
+        routing: Routing | Mapping[str, Any] | None = None,
+        ends_at: Quantity | None = None,
+        friction: Quantity | None = None,
+        axial_stiffness: Quantity | None = None,
+    ) -> None:
+        self._set(
+            name=name,
+            holes=holes,
+            interpolation=interpolation,
+            routing=routing,
+            ends_at=ends_at,
+            friction=friction,
+            axial_stiffness=axial_stiffness,
+        )
+
+
+class Robot:
+    """A cable-driven continuum robot. It is checked as a whole when it is made, and never changes.
+
+    Parameters
+    ----------
+    backbone, disks, cables
+        What it is made of.
+
+    Examples
+    --------
+    >>> robot = Robot(
+    ...     backbone=Backbone(
+    ...         length="180 mm", diameter="3 mm", young_modulus="1.1 GPa", poisson_ratio=0.3
+    ...     ),
+    ...     disks=Disks(count=10, hole_circle_radius="8 mm", holes=12),
+    ...     cables=[Cable(name="pull", holes=[1, 2, 3, 4, 4, 4, 4, 3, 2, 1])],
+    ... )
+    >>> stiffer = robot.replace(backbone=robot.backbone.replace(diameter="3.5 mm"))
+    >>> stiffer.backbone.diameter, robot.backbone.diameter
+    (0.0035, 0.003)
+    """
+
+    def __init__(
+        self,
+        *,
+        backbone: Backbone,
+        disks: Disks,
+        cables: Sequence[Cable] = (),
+    ) -> None:
+        tables = {
+            "backbone": plain(backbone),
+            "disks": plain(disks),
+            "cables": [plain(cable) for cable in cables] or None,
+        }
+        object.__setattr__(self, "_setup", _core.Setup.of_tables(tables, "Robot"))
+
+    _setup: _core.Setup
+
+    @classmethod
+    def _of(cls, tables: Mapping[str, Any]) -> Robot:
+        """Of the tables of a file that is known to be right."""
+        commands = ("tension", "shortening")
+        cables = [
+            {key: value for key, value in cable.items() if key not in commands}
+            for cable in tables.get("cables", ())
+        ]
+        self = cls.__new__(cls)
+        own = {"backbone": tables["backbone"], "disks": tables["disks"], "cables": cables or None}
+        object.__setattr__(self, "_setup", _core.Setup.of_tables(own, "Robot"))
+        return self
+
+    @cached_property
+    def _tables(self) -> dict[str, Any]:
+        tables = self._setup.tables()
+        tables.pop("title", None)
+        return tables
+
+    @cached_property
+    def backbone(self) -> Backbone:
+        """The backbone."""
+        return Backbone._of(self._tables["backbone"])
+
+    @cached_property
+    def disks(self) -> Disks:
+        """The disks, base disk first."""
+        return Disks._of(self._tables["disks"])
+
+    @cached_property
+    def cables(self) -> tuple[Cable, ...]:
+        """The cables."""
+        return tuple(Cable._of(cable) for cable in self._tables.get("cables", ()))
+
+    def replace(self, **changes: Any) -> Robot:
+        """The same robot with another backbone, disks or cables."""
+        parts = {"backbone": self.backbone, "disks": self.disks, "cables": self.cables}
+        return Robot(**{**parts, **changes})
+
+    def to_toml(self) -> str:
+        """The text of a robot file; read again, it gives the identical robot."""
+        return _core.toml(self._tables)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a robot file, whole or not at all."""
+        _core.write_file(os.fspath(path), self.to_toml().encode())
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"a robot never changes: use replace({name}=...)")
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Robot) and self._tables == other._tables
+
+    def __hash__(self) -> int:
+        return hash(self.to_toml())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Robot._of, (self._tables,))
+
+    def __repr__(self) -> str:
+        cables = ",\n           ".join(map(repr, self.cables))
+        return f"Robot(\n  backbone={self.backbone!r},\n  disks={self.disks!r},\n  cables=[{cables}],\n)"
+
+    def _repr_html_(self) -> str:
+        return picture(_core.svg(self._setup, [], 620.0, ""))

@@ -1,0 +1,357 @@
+"""The answer: where the robot is."""
+
+from __future__ import annotations
+
+import html
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._html import picture
+
+if TYPE_CHECKING:
+    from .case import Case
+    from .robot import Robot
+
+__all__ = ["Branches", "CableState", "CriticalPoint", "Diagnostics", "Equilibrium", "Shape", "Solution"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Frames along the backbone, in the world."""
+
+    arc_length: Array
+    """(n,) arc lengths on the undeformed backbone in m."""
+    position: Array
+    """(n, 3) positions in m."""
+    orientation: Array
+    """(n, 4) quaternions (w, x, y, z)."""
+
+    @property
+    def rotation(self) -> Array:
+        """(n, 3, 3) rotation matrices; their columns are the axes of the cross-sections."""
+        return rotation(self.orientation)
+
+
+def rotation(orientation: Array) -> Array:
+    """(..., 3, 3) rotation matrices of (..., 4) unit quaternions (w, x, y, z)."""
+    w, x, y, z = np.moveaxis(orientation, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+@dataclass(frozen=True)
+class CableState:
+    """What became of one cable."""
+
+    name: str
+    """Its name."""
+    tension: float | None
+    """In N, below the base where it varies; None from a model that knows no forces."""
+    length: float
+    """Length of its path inside the robot in m. A slack cable is longer."""
+    initial_length: float
+    """Length of that path before actuation in m."""
+    slack: bool
+    """Whether it hangs loose."""
+    span_tensions: tuple[float, ...]
+    """Tension in N in each span between two disks; empty where friction does not make it vary."""
+    contacts: tuple[str, ...]
+    """``"sticks"``, ``"pulled"`` or ``"released"`` in the hole of each disk; empty without friction."""
+
+    @property
+    def shortening(self) -> float:
+        """Initial minus present length in m."""
+        return self.initial_length - self.length
+
+
+@dataclass(frozen=True)
+class Diagnostics:
+    """How an answer was obtained."""
+
+    iterations: int
+    """Newton iterations of the global problem; 0 where there was none to solve."""
+    residual: float
+    """What is left of the equations, relative to their scale."""
+    stability: float | None
+    """Least eigenvalue of the tangent stiffness relative to the bare rod's: 1 without load, 0 where the
+    robot buckles, negative at an unstable equilibrium; None where there is none to be told."""
+    discretization_error: float | None
+    """Estimated error of the positions in m; None where the steps were prescribed."""
+    steps: int
+    """Integration steps, or sections, from base to tip."""
+    stability_lost_at: float | None
+    """Fraction of the loads at which the robot left the shape it had; None where it did not."""
+    unstable: bool
+    """Whether the robot leaves this shape at the slightest disturbance."""
+
+
+class Solution:
+    """A converged answer. Arrays are read-only; copy one to change it.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> solution = whipcord.load("examples/table1/case-3.toml").solve()
+    >>> solution.position.shape, solution.orientation.shape
+    ((10, 3), (10, 4))
+    >>> bool(np.allclose(solution.tip, [0.04683, 0.07670, 0.14335], atol=1e-4))
+    True
+    >>> solution.cables[0].slack
+    False
+    """
+
+    _case: Case
+    _model: _core.Model
+    _answer: _core.Solution
+    _warm: bool
+
+    @classmethod
+    def _of(cls, case: Case, model: _core.Model, answer: _core.Solution, start: Solution | None) -> Solution:
+        self = cls.__new__(cls)
+        self._case, self._model, self._answer, self._warm = case, model, answer, start is not None
+        return self
+
+    @cached_property
+    def case(self) -> Case:
+        """The case that this answers, with the commands that were given."""
+        return self._case._answered(self._answer)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+        return self._case.robot
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return self._answer.model
+
+    @cached_property
+    def position(self) -> Array:
+        """(n, 3) positions of the stations in m, in the world."""
+        return self._answer.position
+
+    @cached_property
+    def orientation(self) -> Array:
+        """(n, 4) quaternions (w, x, y, z) of the stations."""
+        return self._answer.orientation
+
+    @cached_property
+    def arc_length(self) -> Array:
+        """(n,) arc lengths of the stations in m."""
+        return self._answer.arc_length
+
+    @cached_property
+    def rotation(self) -> Array:
+        """(n, 3, 3) rotation matrices of the stations."""
+        return rotation(self.orientation)
+
+    @cached_property
+    def disks(self) -> Shape:
+        """The frames of the disks, base disk first."""
+        core = self._answer
+        return Shape(core.disk_arc_length, core.disk_position, core.disk_orientation)
+
+    @property
+    def tip(self) -> Array:
+        """(3,) position of the tip in m."""
+        tip: Array = self.disks.position[-1]
+        return tip
+
+    @property
+    def bend(self) -> float:
+        """Angle in rad by which the tip's tangent leans from that of the base, from 0 to π."""
+        return self._answer.bend[0]
+
+    @property
+    def bend_direction(self) -> float:
+        """Where it leans to, in rad from x towards y, as the base sees it."""
+        return self._answer.bend[1]
+
+    @cached_property
+    def cables(self) -> tuple[CableState, ...]:
+        """What became of each cable."""
+        return tuple(
+            CableState(
+                **{
+                    **state,
+                    "span_tensions": tuple(state["span_tensions"]),
+                    "contacts": tuple(state["contacts"]),
+                }
+            )
+            for state in self._answer.cables
+        )
+
+    @cached_property
+    def tension(self) -> Array:
+        """(c,) tensions of the cables in N; NaN from a model that knows no forces."""
+        known = [np.nan if cable.tension is None else cable.tension for cable in self.cables]
+        return np.array(known, dtype=np.float64)
+
+    @cached_property
+    def length(self) -> Array:
+        """(c,) lengths of the cables inside the robot in m."""
+        return np.array([cable.length for cable in self.cables], dtype=np.float64)
+
+    @property
+    def base_wrench(self) -> Array | None:
+        """(6,) force in N and moment in N·m that rod and cables exert on the base, in its frame; None from
+        a model that knows no forces."""
+        wrench = self._answer.base_wrench
+        return None if wrench is None else np.array(wrench)
+
+    @cached_property
+    def diagnostics(self) -> Diagnostics:
+        """How it was obtained."""
+        return Diagnostics(**self._answer.diagnostics)
+
+    def cable_paths(self) -> tuple[Array, ...]:
+        """(m, 3) points of each cable in m: at the stations as far as it goes, or in the holes of the disks
+        where the model has it run straight between them."""
+        return tuple(self._case._setup.cable_paths(self._answer))
+
+    def rms_distance(self, other: Solution) -> float:
+        """Root mean square in m of the distances of the disks of two answers, without the base disk."""
+        return self._answer.rms_distance(other._answer)
+
+    def report(self) -> str:
+        """How this was solved, as a robot file: solved again, it gives the same numbers.
+
+        >>> import whipcord
+        >>> solution = whipcord.load("examples/table1/case-3.toml").solve(tension=[2.0])
+        >>> again = whipcord.Case.from_toml(solution.report()).solve()
+        >>> bool((again.position == solution.position).all())
+        True
+        """
+        of = self.diagnostics
+        plain = {"kind": self.model, "stability": True}
+        given = {k: v for k, v in self._model.arguments.items() if v is not None}
+        asked = {k: v for k, v in given.items() if plain.get(k) != v}
+        lines = [
+            f"whipcord {_core.VERSION}, model {self.model}",
+            ", ".join(f"{key} {value}" for key, value in asked.items()) or "default options",
+            "started from a neighbouring solution" if self._warm else "started cold",
+            f"{of.steps} steps, {of.iterations} iterations, residual {of.residual:.3g}",
+        ]
+        if of.discretization_error is not None:
+            lines.append(f"estimated error {of.discretization_error:.3g} m")
+        if of.stability is not None:
+            lines.append(f"stability {of.stability:.6g}" + (", unstable" if of.unstable else ""))
+        x, y, z = self.tip.tolist()
+        lines.append(f"tip ({x!r}, {y!r}, {z!r}) m")
+        comments = "".join(f"# {line}\n" for line in lines)
+        return f"{comments}\n{self.case.to_toml()}"
+
+    def plot(self, **options: Any) -> Any:
+        """Draws the robot; see :func:`whipcord.plot.solution`."""
+        from . import plot
+
+        return plot.solution(self, **options)
+
+    def svg(self, *, width: float = 980.0, title: str | None = None) -> str:
+        """The picture that ``whipcord solve --plot`` draws, as SVG: in space and in three views."""
+        return _core.svg(self.case._setup, [(self.model, self._answer)], width, title)
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with one line for each station: arc_length, x, y, z, qw, qx, qy, qz."""
+        from .export import solution_columns, to_pandas
+
+        return to_pandas(solution_columns(self))
+
+    def to_polars(self) -> Any:
+        """A ``polars.DataFrame`` with one line for each station."""
+        from .export import solution_columns, to_polars
+
+        return to_polars(solution_columns(self))
+
+    def to_xarray(self) -> Any:
+        """An ``xarray.Dataset`` with the dimensions station and cable."""
+        from .export import solution_to_xarray
+
+        return solution_to_xarray(self)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the shape as the CSV of ``whipcord solve --csv``."""
+        _core.write_file(os.fspath(path), self._answer.csv().encode())
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Writes one line for each station as Parquet (needs the package pyarrow)."""
+        from .export import solution_columns, to_parquet
+
+        to_parquet(solution_columns(self), path)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Solution) and self._answer.state() == other._answer.state()
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_unpickled, (self.case, self._answer.state(), self._model.arguments, self._warm))
+
+    def __repr__(self) -> str:
+        x, y, z = (1e3 * self.tip).tolist()
+        unstable = ", unstable" if self.diagnostics.unstable else ""
+        return (
+            f"<Solution by {self.model}: tip ({x:.3f}, {y:.3f}, {z:.3f}) mm, "
+            f"{len(self.position)} stations{unstable}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return picture(self.svg(width=620.0), f"<p>{html.escape(repr(self))}</p>")
+
+
+def _unpickled(case: Case, state: tuple[Any, ...], arguments: dict[str, Any], warm: bool) -> Solution:
+    model = _core.Model(**arguments)
+    solution = Solution._of(case, model, _core.Solution.from_state(case._setup, state), None)
+    solution._warm = warm
+    return solution
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """An equilibrium under all of the load."""
+
+    branch: int | None
+    """Number of its branch; 0 is the path from no load."""
+    stable: bool | None
+    """Whether the robot stays in it; None where there is no telling."""
+    solution: Solution
+    """The shape."""
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPoint:
+    """Where the load turns back, or branches part."""
+
+    branch: int
+    """Number of the branch."""
+    load: float
+    """Fraction of the given load."""
+    kind: str
+    """``"limit"``, ``"cable-slackens"`` or ``"bifurcation"``."""
+    tip: Array
+    """(3,) position of the tip in m."""
+
+
+@dataclass(frozen=True)
+class Branches:
+    """All equilibria under a load."""
+
+    equilibria: tuple[Equilibrium, ...]
+    """Branch by branch."""
+    critical_points: tuple[CriticalPoint, ...]
+    """Where they turn and part."""
+    complete: bool
+    """Whether every branch was followed to the end; otherwise there may be more."""
