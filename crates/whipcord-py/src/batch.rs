@@ -118,7 +118,7 @@ pub fn solve_batch<'py>(
             tensions: tension.as_slice_mut()?,
             lengths: length.as_slice_mut()?,
         };
-        let rows = commands(setup, values.as_slice()?, by_shortening);
+        let rows = asked(setup, values.as_slice()?, by_shortening);
         supervise(py, progress, |progress| {
             let options = BatchOptions { warm_path: path, ..shared(threads, progress) };
             solve_batch_into(&model.inner, &setup.robot, rows, &options, arrays)
@@ -169,7 +169,7 @@ pub fn pull_back_batch<'py>(
             tensions: tensions.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
             lengths: lengths.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
         };
-        let rows = commands(setup, values.as_slice()?, by_shortening);
+        let rows = asked(setup, values.as_slice()?, by_shortening);
         supervise(py, progress, |progress| {
             let options = shared(threads, progress);
             let robot = &setup.robot;
@@ -189,7 +189,7 @@ pub fn pull_back_batch<'py>(
 }
 
 /// The rows of a case.
-fn commands<'a>(setup: &'a Setup, values: &'a [f64], by_shortening: bool) -> Rows<'a> {
+fn asked<'a>(setup: &'a Setup, values: &'a [f64], by_shortening: bool) -> Rows<'a> {
     let case = &*setup.case;
     if by_shortening { Rows::Shortenings { values, case } } else { Rows::Tensions { values, case } }
 }
