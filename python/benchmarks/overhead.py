@@ -16,7 +16,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-
 import whipcord
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -122,3 +122,19 @@ def test_gradients_of_failed_rows_are_zero_and_flagged(case: whipcord.Case) -> N
     assert gradients.commands[1] == 0 and gradients.commands[0] != 0
     with pytest.raises(whipcord.InputError, match=r"position must have the shape \(3, 10, 3\)"):
         case.pull_back_batch([[1.0], [1.0], [2.0]], position=weights[:, :-1])
+
+
+def test_cases_of_other_robots_and_loads_are_solved_at_once(case: whipcord.Case) -> None:
+    others = [
+        case,
+        whipcord.load("examples/wall-mounted-arm.toml"),
+        case.replace(tension=[1e6]),
+        whipcord.load("examples/rubbing-finger.toml"),
+    ]
+    first, second, third, fourth = whipcord.solve_cases(others, stations=7, threads=2)
+    assert isinstance(first, whipcord.Solution) and isinstance(second, whipcord.Solution)
+    assert np.array_equal(first.position, case.solve(stations=7).position)
+    assert second == others[1].solve(stations=7) and second.case == others[1]
+    assert isinstance(third, whipcord.errors.SectionFoldsError)
+    assert isinstance(fourth, whipcord.ModelError)
+    assert whipcord.solve_cases([]) == []

@@ -15,7 +15,7 @@ frame of the base has z along the backbone's tangent there; quaternions are (w, 
 from . import errors, models
 from ._core import VERSION as __version__
 from .batch import Batch, Gradients
-from .case import Case, Measured, Reference, load
+from .case import Case, Measured, Reference, load, solve_cases
 from .comparison import Comparison, Run, compare
 from .derivatives import Derivatives, Dexterity, Gradient, Place
 from .errors import FileError, InputError, ModelError, SolveError, WhipcordError
@@ -67,6 +67,7 @@ __all__ = [
     "load",
     "models",
     "plot",
+    "solve_cases",
 ]
 
 

@@ -22,6 +22,7 @@ __all__ = [
     "parse_quantity",
     "pull_back_batch",
     "solve_batch",
+    "solve_cases",
     "svg",
     "table_in_si",
     "toml",
@@ -58,6 +59,12 @@ def solve_batch(
     path: bool,
     progress: Callable[[int], None] | None,
 ) -> tuple[_Array, _Array, _Array, _Array, Outcomes]: ...
+def solve_cases(
+    setups: list[Setup],
+    model: Model,
+    threads: int | None,
+    progress: Callable[[int], None] | None,
+) -> list[Solution | SolveError | InputError]: ...
 def pull_back_batch(
     setup: Setup,
     model: Model,

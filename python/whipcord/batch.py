@@ -217,6 +217,14 @@ def solve_batch(
     return Batch(case, model, arrays)
 
 
+def solve_setups(
+    setups: list[_core.Setup], model: _core.Model, threads: int | None, progress: bool
+) -> list[_core.Solution | SolveError | InputError]:
+    """See :func:`whipcord.solve_cases`."""
+    with _bar(len(setups), progress) as update:
+        return _core.solve_cases(setups, model, _threads(threads), update)
+
+
 def pull_back_batch(
     case: Case,
     model: _core.Model,

@@ -14,14 +14,15 @@ import numpy.typing as npt
 from . import _core, models
 from ._html import picture
 from ._tables import Quantity, plain
-from .batch import Batch, Gradients, pull_back_batch, solve_batch
+from .batch import Batch, Gradients, pull_back_batch, solve_batch, solve_setups
 from .derivatives import Derivatives, Place
+from .errors import InputError, SolveError
 from .loads import Base, Loads, Step
 from .models import ModelLike, StationsLike
 from .robot import Cable, Robot
 from .solution import Branches, CriticalPoint, Equilibrium, Solution
 
-__all__ = ["Case", "Measured", "Reference", "load"]
+__all__ = ["Case", "Measured", "Reference", "load", "solve_cases"]
 
 Array = npt.NDArray[np.float64]
 Commands = Union[Sequence[Union[Quantity, None]], Array, Quantity]
@@ -555,6 +556,46 @@ class Case:
         return picture(_core.svg(self._setup, [], 620.0))
 
 
+def solve_cases(
+    cases: Sequence[Case],
+    *,
+    model: ModelLike = "cosserat",
+    stations: StationsLike = None,
+    actuation: str | None = None,
+    threads: int | None = None,
+    progress: bool = False,
+) -> list[Solution | SolveError | InputError]:
+    """Solves many cases at once: other robots, other loads.
+
+    Parameters
+    ----------
+    cases
+        The cases, each solved from cold. Many commands of one case are faster by :meth:`Case.solve_batch`.
+    model, stations, actuation
+        As for :meth:`Case.solve`.
+    threads, progress
+        As for :meth:`Case.solve_batch`.
+
+    Returns
+    -------
+    list
+        For each case its solution, or the exception that says why there is none.
+
+    Examples
+    --------
+    >>> case = load("examples/table1/case-3.toml")
+    >>> forces = [Loads(tip_force=[0, 0, f]) for f in (-0.1, 0.0, 0.1)]
+    >>> [s.bend > 1.1 for s in solve_cases([case.replace(loads=load) for load in forces])]
+    [True, True, False]
+    """
+    chosen = models.core(model, stations, actuation)
+    answers = solve_setups([case._setup for case in cases], chosen, threads, progress)
+    return [
+        Solution._of(case, chosen, answer, None) if isinstance(answer, _core.Solution) else answer
+        for case, answer in zip(cases, answers)
+    ]
+
+
 def _unpickled(text: str, measured: Measured | None, reference: Reference | None) -> Case:
     case = Case.__new__(Case)
     case._keep(_core.Setup.parse(text, "case"), measured, reference)
@@ -563,8 +604,6 @@ def _unpickled(text: str, measured: Measured | None, reference: Reference | None
 
 def _each(values: Commands | None, cables: tuple[Cable, ...], name: str) -> list[Any]:
     """One value for each cable."""
-    from .errors import InputError
-
     if values is None:
         return [None] * len(cables)
     single = isinstance(values, str) or np.ndim(values) == 0  # type: ignore[arg-type]

@@ -114,23 +114,33 @@ def _axes() -> Any:
     figure = matplotlib.pyplot.figure(figsize=(6.4, 5.6), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     for name in "xyz":
-        getattr(axes, f"set_{name}label")(f"{name} (mm)")
-        getattr(axes, f"{name}axis").pane.set_alpha(0.0)
+        axis = getattr(axes, f"{name}axis")
+        axis.pane.set_alpha(0.0)
+        axis.labelpad = 8
     axes.view_init(elev=22, azim=-60)
     return axes
 
 
 def _equal(axes: Any) -> None:
     """One scale for all directions, with room for everything that is drawn."""
+    from matplotlib.ticker import MultipleLocator
+
     limits = np.array([getattr(axes, f"get_{name}lim3d")() for name in "xyz"])
     middle, extent = limits.mean(axis=1), np.ptp(limits, axis=1)
     # A thin box has no room for the numbers on its edges.
     extent = np.maximum(extent, 0.35 * extent.max())
     for name, at, width in zip("xyz", middle, extent):
         getattr(axes, f"set_{name}lim3d")(at - 0.5 * width, at + 0.5 * width)
-        axes.locator_params(axis=name, nbins=max(2, round(6 * width / extent.max())))
+        getattr(axes, f"{name}axis").set_major_locator(MultipleLocator(_step(extent.max())))
+        getattr(axes, f"set_{name}label")(f"{name} (mm)")
     # So far away that the labels of a tall robot are inside the picture.
     axes.set_box_aspect(extent, zoom=0.84)
+
+
+def _step(extent: float) -> float:
+    """The number 1, 2 or 5 by a power of ten of which about five are the extent."""
+    power = 10.0 ** np.floor(np.log10(extent / 5))
+    return float(min((power * factor for factor in (1, 2, 5, 10)), key=lambda s: abs(s - extent / 5)))
 
 
 def _smooth(answer: Solution) -> Solution:
@@ -180,5 +190,9 @@ def _pyvista(answer: Solution, plotter: Any, color: str, disks: bool, cables: bo
             if len(path) > 1:
                 line = pyvista.MultipleLines(1e3 * path).tube(radius=0.12e3 * width)
                 plotter.add_mesh(line, color="black")
-    plotter.show_grid(xtitle="x (mm)", ytitle="y (mm)", ztitle="z (mm)")
+    titles = {f"{name}title": f"{name} (mm)" for name in "xyz"}
+    counts = {f"n_{name}labels": 3 for name in "xyz"}
+    plotter.show_grid(**titles, **counts, fmt="%.0f", font_size=10, color="grey")
+    plotter.view_vector((1.0, -1.7, 0.8), viewup=(0.0, 0.0, 1.0))
+    plotter.camera.zoom(0.85)
     return plotter

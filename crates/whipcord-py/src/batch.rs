@@ -9,7 +9,7 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyRe
 use pyo3::prelude::*;
 use whipcord::batch::{
     Arrays, BatchError, BatchOptions, Gradients, Progress, Rows, Sensitivities, Solved,
-    solve_batch_into,
+    solve_batch_into, solve_robots,
 };
 use whipcord::{Diagnostics, SolveError};
 
@@ -17,6 +17,7 @@ use crate::convert::array;
 use crate::errors;
 use crate::model::Model;
 use crate::setup::{Setup, parameter};
+use crate::solution::Solution;
 
 /// How often signals such as Ctrl-C are looked for, and progress is reported.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -125,6 +126,28 @@ pub fn solve_batch<'py>(
         })?
     };
     Ok((position, orientation, tension, length, Outcomes { rows }))
+}
+
+/// Solves cases of any robots, each from cold: of each its answer, or an exception.
+#[pyfunction]
+#[pyo3(signature = (setups, model, threads, progress))]
+pub fn solve_cases<'py>(
+    py: Python<'py>,
+    setups: Vec<PyRef<'py, Setup>>,
+    model: &Model,
+    threads: Option<usize>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Vec<Py<PyAny>>> {
+    let cases: Vec<_> =
+        setups.iter().map(|setup| (setup.robot.clone(), (*setup.case).clone())).collect();
+    let answers = supervise(py, progress, |progress| {
+        solve_robots(&model.inner, &cases, &shared(threads, progress))
+    })?;
+    let answered = answers.into_iter().zip(&setups).map(|(answer, setup)| match answer {
+        Ok(solution) => Ok(Py::new(py, Solution::new(solution, &setup.case))?.into_any()),
+        Err(error) => Ok(errors::solve(py, &error).into_value(py).into_any()),
+    });
+    answered.collect()
 }
 
 /// Pulls sensitivities of one scalar for each row to its positions, turns, tensions and lengths back:

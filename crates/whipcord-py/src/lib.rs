@@ -25,7 +25,7 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::batch::{Outcomes, pull_back_batch, solve_batch};
+    use super::batch::{Outcomes, pull_back_batch, solve_batch, solve_cases};
     #[pymodule_export]
     use super::convert::{parse_quantity, table_in_si, toml, write_file};
     #[pymodule_export]
