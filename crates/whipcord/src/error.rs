@@ -72,7 +72,7 @@ pub enum SolveError {
     /// Cable lengths that cannot be had together, whatever pulls at the cables: a backbone that does not get
     /// shorter, say, has no shape in which a cable and its antagonist are both shortened.
     #[error(
-        "the prescribed cable lengths contradict one another: at the best compromise {}; shorten each by that much less, or drive one of them by its tension",
+        "the prescribed cable lengths contradict one another: at the best compromise {}; shorten each by that much less, drive one of them by its tension, or give the cables their axial stiffness",
         too_long(misses)
     )]
     ContradictoryLengths {

@@ -4,7 +4,8 @@
 //! paper's state `(p, R, v, u)`. From the inside out: `section` (and `one_cable`) solves one
 //! cross-section for its strains; `unloaded` and `loaded` put the sections together on a `grid`,
 //! `sensitivity` differentiates the latter; `lengths` finds tensions for prescribed cable lengths, and
-//! `contradiction` those of which there are none, `independent` which cables leave their tensions open;
+//! `contradiction` those of which there are none, `independent` which cables leave their tensions open,
+//! `antagonists` what they do under load;
 //! `statics` finds equilibrium under `loads`, by single `shooting` with the Newton step of `newton` from a
 //! `guess`, from the rod `without_load` or along the path of `continuation`, where `chain` shoots from many
 //! starts at once, with the linear algebra of `elimination` and `shared` on the points of `state`;
@@ -14,6 +15,7 @@
 //! halves the steps until the answer changes no more, from as many on as the `strength` of the load asks for. `command` is what drives a cable, `outcome` how a
 //! solve on one grid ended, and `model` with its `options` what the rest of the library sees.
 
+mod antagonists;
 mod arc_length;
 mod branches;
 mod chain;

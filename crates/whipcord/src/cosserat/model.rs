@@ -1,6 +1,7 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
+use super::antagonists;
 use super::command::Command;
 use super::derivatives::{Derivatives, NoDerivatives, Solved};
 use super::grid::{Grid, Layout};
@@ -51,6 +52,8 @@ pub struct Cosserat {
     pub(super) robot: Robot,
     pub(super) layout: Layout,
     pub(super) options: Options,
+    /// Whether some of its cables pull against one another to no effect.
+    antagonists: bool,
     /// The only grid, or the first of a sequence in which the steps are halved.
     pub(super) grids: Vec<Grid>,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
@@ -89,8 +92,9 @@ impl Cosserat {
         };
         Ok(Self {
             robot: robot.clone(),
-            layout,
             options: options.clone(),
+            antagonists: antagonists::any(robot, &grids[0], &layout.order),
+            layout,
             grids,
             finer: Arc::default(),
         })
@@ -238,6 +242,7 @@ impl Cosserat {
             stability: self.options.stability,
             follow: true,
             bracket: true,
+            antagonists: self.antagonists,
             tolerance: self.options.residual,
         }
     }
@@ -260,6 +265,7 @@ impl Cosserat {
             base_wrench: solution.base_wrench,
             stable: !solution.diagnostics.is_unstable(),
             chain: None,
+            slackened: Vec::new(),
         }
     }
 

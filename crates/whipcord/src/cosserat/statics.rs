@@ -13,6 +13,7 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
+use super::antagonists;
 use super::arc_length::next_stable;
 use super::chain::{Chain, Task};
 use super::command::Command;
@@ -51,6 +52,9 @@ pub(super) struct Problem<'a> {
     pub follow: bool,
     /// Whether it is found out how far cables go that do not go as far as they should.
     pub bracket: bool,
+    /// Whether the robot has cables that pull against one another to no effect, see
+    /// [`super::antagonists`].
+    pub antagonists: bool,
     /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
     pub tolerance: f64,
 }
@@ -68,6 +72,8 @@ pub(super) enum Start {
         stable: bool,
         /// The nodes of an answer that took multiple shooting, on a grid with half as many steps.
         chain: Option<State>,
+        /// Cables that were let go, see [`super::antagonists`].
+        slackened: Vec<usize>,
     },
 }
 
@@ -89,6 +95,8 @@ pub(super) struct Scratch {
     pub(super) stability: Stability,
     pub(super) length_scratch: LengthScratch,
     pub trace: Trace,
+    /// Cables that were let go, see [`super::antagonists`].
+    pub(super) slackened: Vec<usize>,
     /// Whether the answer is that of the chain, which a single shot would miss.
     pub(super) on_chain: bool,
     /// Whether the samples of the last shot are those of the answer.
@@ -113,6 +121,7 @@ impl Scratch {
             base_wrench: Some(self.base_wrench),
             stable: self.stable,
             chain: self.on_chain.then(|| self.chain.state.clone()),
+            slackened: self.slackened.clone(),
         }
     }
 }
@@ -124,6 +133,20 @@ pub(super) fn solve(
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     scratch.applied.gather(problem.grid, problem.loads, problem.base);
+    scratch.slackened.clear();
+    if problem.antagonists && scratch.applied.any() {
+        antagonists::solve(problem, start, scratch)
+    } else {
+        solve_independent(problem, start, scratch)
+    }
+}
+
+/// Solves the problem, whose loads are gathered, for cables of which each pulls to an effect of its own.
+pub(super) fn solve_independent(
+    problem: &Problem<'_>,
+    start: &Start,
+    scratch: &mut Scratch,
+) -> Result<Found, Failure> {
     (scratch.trace.stage, scratch.trace.steps) = (Stage::Warm, problem.grid.len());
     (scratch.on_chain, scratch.sampled, scratch.stable) = (false, false, true);
     scratch.tensions.clear();

@@ -8,7 +8,7 @@ use crate::common::{
 use proptest::prelude::*;
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Drive, Interpolation, Robot, Routing, Shortening,
+    Backbone, Cable, CableCommand, Case, Drive, Interpolation, Loads, Robot, Routing, Shortening,
     Solution, SolveError, Stations, Vec3,
 };
 
@@ -206,7 +206,7 @@ fn a_case_may_give_lengths_of_some_cables_and_tensions_of_others() {
     let robot = paper_robot(vec![helix(10.0, 0.5), straight(200.0), straight(90.0)]);
     let mut case = Case::with_tensions(&[3.0, 1.0, 2.0]);
     case.loads.tip_force = Vec3::new(0.03, -0.02, 0.01);
-    for loads in [case.loads.clone(), whipcord::Loads::default()] {
+    for loads in [case.loads.clone(), Loads::default()] {
         let case = Case { loads, ..case.clone() };
         let pulled = solve(&robot, &case);
         let mut mixed = case.clone();
@@ -232,23 +232,101 @@ fn a_fraction_is_of_the_cables_own_initial_length() {
     assert!(distance(&fraction, &length) < 1e-13);
 }
 
+/// Straight cables at these angles on the paper's rod, which does not stretch.
+fn inextensible(angles: &[f64], axial_stiffness: Option<f64>) -> Robot {
+    let backbone = Backbone { extensible: false, ..common::paper_backbone() };
+    let cable = |&angle: &f64| Cable {
+        axial_stiffness,
+        ..Cable::new(format!("at {angle}°"), straight(angle))
+    };
+    Robot::new(backbone, common::paper_disks(), angles.iter().map(cable).collect()).unwrap()
+}
+
+fn shortened(lengths: &[f64], tip_force: Vec3) -> Case {
+    let lengths: Vec<_> = lengths.iter().map(|&s| Shortening::Length(s)).collect();
+    let loads = Loads { tip_force, ..Loads::default() };
+    Case { loads, ..Case::with_shortenings(&lengths) }
+}
+
 /// Two straight cables opposite one another on a rod that does not stretch, at lengths that fit exactly:
 /// their common tension does nothing. The one pulls alone, as if the other were not there.
 #[test]
 fn a_pair_that_fits_exactly_pulls_no_more_than_it_must() {
-    let robot = |angles: &[f64]| {
-        let backbone = Backbone { extensible: false, ..common::paper_backbone() };
-        let cable = |&angle: &f64| Cable::new(format!("at {angle}°"), straight(angle));
-        Robot::new(backbone, common::paper_disks(), angles.iter().map(cable).collect()).unwrap()
-    };
-    let (pair, alone) = (robot(&[0.0, 180.0]), robot(&[0.0]));
+    let (pair, alone) = (inextensible(&[0.0, 180.0], None), inextensible(&[0.0], None));
     for shortening in [1e-3, 0.013_37] {
-        let lengths = [shortening, -shortening].map(Shortening::Length);
-        let both = solve_lengths(&pair, &Case::with_shortenings(&lengths)).unwrap();
-        let one = solve_lengths(&alone, &Case::with_shortenings(&lengths[..1])).unwrap();
+        let both =
+            solve_lengths(&pair, &shortened(&[shortening, -shortening], Vec3::ZERO)).unwrap();
+        let one = solve_lengths(&alone, &shortened(&[shortening], Vec3::ZERO)).unwrap();
         assert!(both.diagnostics.iterations <= 4, "{:?}", both.diagnostics);
         assert_eq!(tensions(&both)[1], 0.0);
         assert!((tensions(&both)[0] / tensions(&one)[0] - 1.0).abs() < 1e-9);
         assert!(distance(&both, &one) < 1e-9 * pair.backbone().length);
+    }
+}
+
+/// Under load, too: as without those that pull least, and nearly as cables of steel.
+#[test]
+fn loaded_cables_that_fit_exactly_pull_no_more_than_they_must() {
+    let s = 0.013_37;
+    let three = [0.0, 120.0, 240.0];
+    for (angles, lengths) in [
+        (&[0.0, 180.0][..], &[s, -s][..]),
+        (&[0.0, 180.0], &[0.0, 0.0]),
+        (&three, &[s, -0.5 * s, -0.5 * s]),
+        (&three, &[0.01, -0.003, -0.007]),
+        (&[0.0, 90.0, 180.0, 270.0], &[0.01, 0.004, -0.01, -0.004]),
+    ] {
+        let robot = inextensible(angles, None);
+        for force in [1e-6 * Vec3::X, 1e-3 * Vec3::X, 0.05 * Vec3::X, -0.05 * Vec3::X] {
+            let found = solve_lengths(&robot, &shortened(lengths, force)).unwrap();
+            let steel = inextensible(angles, Some(1e4));
+            let elastic = solve_lengths(&steel, &shortened(lengths, force)).unwrap();
+            let all: f64 = tensions(&found).iter().sum();
+            for (a, b) in tensions(&found).iter().zip(tensions(&elastic)) {
+                // Those stretch by up to 1 % of what they are shortened by.
+                let (found, elastic) = (tensions(&found), tensions(&elastic));
+                assert!((a - b).abs() < 0.02 * all, "{force:?}: {found:?} {elastic:?}");
+            }
+            // No more cables pull than there are directions to bend in.
+            let pulls: Vec<usize> =
+                (0..angles.len()).filter(|&i| tensions(&found)[i] > 0.0).collect();
+            assert!(pulls.len() <= 2, "{:?}", tensions(&found));
+            let of = |values: &[f64]| -> Vec<f64> { pulls.iter().map(|&i| values[i]).collect() };
+            let few = inextensible(&of(angles), None);
+            let alone = solve_lengths(&few, &shortened(&of(lengths), force)).unwrap();
+            assert!(distance(&found, &alone) < 1e-8 * 0.18, "{force:?}");
+        }
+    }
+}
+
+/// A load that twists the robot lengthens all of its straight cables: without stretch they cannot have their
+/// lengths together, and their play does not suffice.
+#[test]
+fn cables_that_do_not_fit_under_the_load_are_named() {
+    let robot = inextensible(&[0.0, 120.0, 240.0], None);
+    let case = shortened(&[0.013_37, -0.006_685, -0.006_685], Vec3::new(0.1, 0.1, 0.1));
+    let refused = solve_lengths(&robot, &case);
+    let Err(SolveError::ContradictoryLengths { misses }) = refused else { panic!("{refused:?}") };
+    assert!(misses.iter().all(|miss| miss.excess > 1e-4 * 0.18 && miss.excess < 1e-3 * 0.18));
+    // Cables that stretch share it.
+    let steel = inextensible(&[0.0, 120.0, 240.0], Some(1e5));
+    assert!(solve_lengths(&steel, &case).is_ok());
+}
+
+/// A rod that stretches gets shorter by what both cables of a pair are shortened by: with a force F at the tip
+/// and the shortening s of both, `2τ = EA s/L + F`.
+#[test]
+fn a_pair_shortened_alike_compresses_the_rod() {
+    let robot = paper_robot(vec![straight(0.0), straight(180.0)]);
+    let stiffness = 1.1e9 * core::f64::consts::PI / 4.0 * 9e-6;
+    for (shortening, force) in [(1e-3, 0.0), (1e-3, 5.0), (2e-3, -10.0), (1e-5, -0.1)] {
+        let case = shortened(&[shortening, shortening], force * Vec3::Z);
+        let solution = solve_lengths(&robot, &case).unwrap();
+        let exact = 0.5 * (stiffness * shortening / 0.18 + force);
+        for tension in tensions(&solution) {
+            assert!((tension - exact).abs() < 1e-6, "{tension} {exact}");
+        }
+        let tip = solution.disks.tip().position;
+        assert!((tip - (0.18 - shortening) * Vec3::Z).norm() < 1e-9, "{tip:?}");
     }
 }
