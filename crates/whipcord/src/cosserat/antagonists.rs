@@ -122,7 +122,7 @@ fn without(
 /// Cables driven by their length that have just that without load.
 fn touching(problem: &Problem<'_>, scratch: &Scratch) -> Vec<usize> {
     let touches = |&i: &usize| match problem.commands[i] {
-        Command::Length { compliance, .. } if compliance == 0.0 => {
+        Command::Length { compliance: 0.0, .. } => {
             let length = scratch.unloaded.lengths[i];
             let slack = problem.commands[i].slackness(scratch.tensions[i], length);
             slack.abs() <= TOUCHES * problem.length

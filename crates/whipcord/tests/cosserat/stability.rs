@@ -4,10 +4,11 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::common::{paper_robot, round, solve_with, straight};
+use crate::common::{buckling_load, paper_robot, round, solve_with, straight};
 use whipcord::cosserat::Options;
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Loads, Material, Robot, Routing, Shortening, Vec3,
+    Backbone, Cable, CableCommand, Case, Disks, Loads, Material, Robot, Routing, Shortening,
+    Stiffness, Vec3,
 };
 
 /// Radius of the cables, for a rod of length 1.
@@ -33,7 +34,7 @@ fn robot(angles: &[f64]) -> Robot {
 fn stability(robot: &Robot, case: &Case) -> f64 {
     let solution = solve_with(Options::default(), robot, case).unwrap();
     let tip = solution.disks.tip().position;
-    assert!(tip.x.hypot(tip.y) < 1e-9, "the rod is to be straight: {tip:?}");
+    assert!(tip.x.hypot(tip.y) < 1e-8, "the rod is to be straight: {tip:?}");
     solution.diagnostics.stability.unwrap()
 }
 
@@ -158,4 +159,78 @@ fn elastic_locked_cables_hold_it_like_a_spring() {
 fn a_locked_cable_too_many_changes_nothing() {
     let (three, four) = (locked(3, 5.0, None), locked(4, 5.0, None));
     assert!((three - four).abs() < 1e-5, "{three} {four}");
+}
+
+/// Straight cables, then cables that run from the same holes to the middle of the tip; three of each that is
+/// asked for, around a column of length 1, EI = 1 and EA = 1e8 that does not shear. They are shortened so that
+/// each pulls with 20 N without load.
+fn held(
+    straight: bool,
+    converging: bool,
+    axial_stiffness: Option<f64>,
+    torsion: f64,
+) -> (Robot, Case) {
+    const AXIAL: f64 = 1e8;
+    let stiffness = Stiffness::Diagonal {
+        shear: None,
+        axial: Some(AXIAL.into()),
+        bending: [1.0; 2].into(),
+        torsion: torsion.into(),
+    };
+    let backbone = Backbone { stiffness: Some(stiffness), shearable: false, ..Backbone::new(1.0) };
+    let mut cables = Vec::new();
+    for i in 0..3 {
+        let angle = TAU * f64::from(i) / 3.0;
+        let start = [RADIUS * angle.cos(), RADIUS * angle.sin()];
+        let mut add = |routing| {
+            let name = format!("cable {}", cables.len());
+            cables.push(Cable { axial_stiffness, ..Cable::new(name, routing) });
+        };
+        if straight {
+            add(Routing::Straight { angle, radius: RADIUS });
+        }
+        if converging {
+            add(Routing::Linear { start, end: [0.0; 2] });
+        }
+    }
+    let pulls = 20.0 * cables.len() as f64 / AXIAL;
+    let shortening = pulls + axial_stiffness.map_or(0.0, |k| 20.0 / k);
+    let command = CableCommand { tension: None, shortening: Some(Shortening::Length(shortening)) };
+    let case = Case { commands: vec![command; cables.len()], ..Case::default() };
+    (Robot::new(backbone, Disks::equally_spaced(1.0, 11, RADIUS), cables).unwrap(), case)
+}
+
+/// Timoshenko and Gere, Theory of Elastic Stability, arts. 2.1–2.4: where cables hold the tip, the load at which
+/// the stability value changes its sign is the column's. Locked straight cables keep `∫ κ ds`, the turn of the
+/// tip, at 0: a clamped and guided column, `π²`. Cables whose distance from the axis falls to 0 at the tip
+/// keep `∫ (1 − s) κ ds`, how far the tip is aside, at 0: clamped and pinned, `tan √P = √P`. Both together
+/// clamp both ends: `4π²`.
+#[test]
+fn locked_cables_make_the_columns_of_the_textbooks() {
+    // As both sets of cables are of one length, they are elastic there: by 1e-6 of what the column gives.
+    for (straight, converging, stiffness, exact) in [
+        (false, false, None, FRAC_PI_2 * FRAC_PI_2),
+        (true, false, None, PI * PI),
+        (false, true, None, 20.190_728_556_426_63),
+        (true, true, Some(1e11), 4.0 * PI * PI),
+    ] {
+        let (robot, case) = held(straight, converging, stiffness, 0.7);
+        let value = |force| stability(&robot, &Case { loads: pushed(force), ..case.clone() });
+        let found = buckling_load(value, 0.9 * exact, 1.1 * exact);
+        assert!((found / exact - 1.0).abs() < 1e-5, "{found} {exact}");
+    }
+}
+
+/// Love, Theory of Elasticity, art. 272 and Greenhill (1883): under an axial moment a rod that is clamped at both
+/// ends buckles at the root 8.986818915818128 of `tan (M/2) = M/2`. It is stiff against torsion, so that the
+/// cables stay straight.
+#[test]
+fn a_twisted_rod_with_a_held_tip_buckles_at_greenhills_moment() {
+    let (robot, case) = held(true, true, Some(1e11), 1e7);
+    let value = |moment: f64| {
+        let loads = Loads { tip_moment: moment * Vec3::Z, ..Loads::default() };
+        stability(&robot, &Case { loads, ..case.clone() })
+    };
+    let found = buckling_load(value, 8.0, 10.0);
+    assert!((found / 8.986_818_915_818_128 - 1.0).abs() < 1e-4, "{found}");
 }
