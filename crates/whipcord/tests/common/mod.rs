@@ -119,16 +119,6 @@ pub fn solve(robot: &Robot, case: &Case) -> Solution {
     solve_with(options, robot, case).unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
 }
 
-/// Where stability changes its sign as the load on a straight rod grows, to 1e-8 of it.
-pub fn buckling_load(stability: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    assert!(stability(low) > 0.0 && stability(high) < 0.0);
-    while high - low > 1e-8 * high {
-        let middle = 0.5 * (low + high);
-        if stability(middle) > 0.0 { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
-}
-
 /// With an error of discretisation and iteration that does not count, and eleven stations.
 pub fn fine_options() -> Options {
     Options {

@@ -5,7 +5,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::common::{buckling_load, fine_options, round, solve_finely};
+use crate::common::{fine_options, round, solve_finely};
 use whipcord::{
     Backbone, Case, Disks, Loads, Mat3, Material, Model, RestCurvature, Robot, Section, Stiffness,
     Vec3, Wrench,
@@ -171,6 +171,16 @@ fn an_end_moment_rolls_the_rod_up() {
             }
         }
     }
+}
+
+/// Where stability changes its sign as the load on a straight rod grows, to 1e-8 of it.
+fn buckling_load(stability: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    assert!(stability(low) > 0.0 && stability(high) < 0.0);
+    while high - low > 1e-8 * high {
+        let middle = 0.5 * (low + high);
+        if stability(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
 }
 
 /// Timoshenko and Gere, Theory of Elastic Stability: π²/4 · EI/L² for the clamped–free column.
