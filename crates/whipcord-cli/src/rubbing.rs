@@ -37,11 +37,6 @@ pub fn table<'a>(steps: impl ExactSizeIterator<Item = &'a Solution>) -> Option<T
     any.then_some(table)
 }
 
-/// Whether friction makes the tension of a cable vary.
-pub fn rubs(solution: &Solution) -> bool {
-    solution.cables.iter().any(|cable| !cable.span_tensions.is_empty())
-}
-
 /// As in `disks 1–3 pulled, 4–9 stick`.
 fn holes(cable: &CableState) -> String {
     let mut parts = Vec::new();

@@ -6,8 +6,8 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
-    CableState, Case, Contact, Diagnostics, ModelKind, Pose, Robot, Shape, UnitQuaternion, Vec3,
-    Wrench,
+    CableState, Case, Contact, Diagnostics, ModelKind, NoStability, Pose, Robot, Shape,
+    UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::convert::{array, flat};
@@ -31,7 +31,7 @@ impl Solution {
 /// What [`Solution::state`] is made of: what pickles hold.
 type ShapeState = (Vec<f64>, Vec<f64>, Vec<f64>);
 type CableRow = (String, Option<f64>, f64, f64, bool, Vec<f64>, Vec<String>);
-type DiagnosticsRow = (usize, f64, Option<f64>, Option<f64>, usize, Option<f64>);
+type DiagnosticsRow = (usize, f64, Option<f64>, Option<f64>, usize, Option<f64>, Option<String>);
 type State = (String, ShapeState, ShapeState, Vec<CableRow>, Option<[f64; 6]>, DiagnosticsRow);
 
 #[pymethods]
@@ -159,6 +159,7 @@ impl Solution {
                 d.discretization_error,
                 d.steps,
                 d.stability_lost_at,
+                d.stability_absent.map(|reason| reason.name().to_owned()),
             ),
         )
     }
@@ -174,7 +175,8 @@ impl Solution {
             let contacts = contacts.iter().map(|name| contact(name)).collect();
             CableState { name, tension, length, initial_length, slack, span_tensions, contacts }
         });
-        let (iterations, residual, stability, discretization_error, steps, stability_lost_at) = d;
+        let (iterations, residual, stability, discretization_error, steps, stability_lost_at, why) =
+            d;
         let solution = whipcord::Solution {
             model,
             shape: shape_of(shape),
@@ -188,6 +190,7 @@ impl Solution {
                 iterations,
                 residual,
                 stability,
+                stability_absent: why.as_deref().and_then(NoStability::named),
                 discretization_error,
                 steps,
                 stability_lost_at,

@@ -34,7 +34,7 @@ pub use robot::{
     Along, Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot,
     RobotError, Routing, Section, Stiffness,
 };
-pub use shape::{CableState, Contact, Diagnostics, Shape, Solution, Wrench};
+pub use shape::{CableState, Contact, Diagnostics, NoStability, Shape, Solution, Wrench};
 pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
 /// The examples of the project's front page, so that they keep working.

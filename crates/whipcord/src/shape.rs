@@ -57,6 +57,55 @@ pub struct Wrench {
     pub moment: Vec3,
 }
 
+/// Why an answer has no stability value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoStability {
+    /// The options leave it out.
+    NotAsked,
+    /// The model has no energy whose minimum an equilibrium could be.
+    NoEnergy,
+    /// Loads that turn with the robot have no energy.
+    Followers,
+    /// A cable that rubs slides, or is about to: which way it goes hangs on the disturbance.
+    Sliding,
+    /// The tangent is singular to rounding.
+    Undetermined,
+}
+
+impl NoStability {
+    /// As in JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotAsked => "not-asked",
+            Self::NoEnergy => "no-energy",
+            Self::Followers => "followers",
+            Self::Sliding => "sliding",
+            Self::Undetermined => "undetermined",
+        }
+    }
+
+    /// The reason of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        let all =
+            [Self::NotAsked, Self::NoEnergy, Self::Followers, Self::Sliding, Self::Undetermined];
+        all.into_iter().find(|reason| reason.name() == name)
+    }
+
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::NotAsked => "stability not asked for",
+            Self::NoEnergy => "stability not defined by this model",
+            Self::Followers => "stability not defined under loads that follow the backbone",
+            Self::Sliding => "stability not computed with friction: a cable slides, or is about to",
+            Self::Undetermined => "stability not determined: the tangent is singular",
+        }
+    }
+}
+
 /// How an answer was obtained.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
@@ -66,9 +115,11 @@ pub struct Diagnostics {
     pub residual: f64,
     /// Least eigenvalue of the tangent stiffness relative to the backbone's own stiffness: 1 for a
     /// bare rod without load, 0 where it buckles, negative at an unstable equilibrium. Taut cables
-    /// that are driven by their length hold it, those driven by their tension let go. `None` from a
-    /// model without energy, under loads that turn with the robot, and where a cable slides that rubs.
+    /// that are driven by their length hold it, those driven by their tension let go. Where there is
+    /// none, [`Self::stability_absent`] says why.
     pub stability: Option<f64>,
+    /// Why there is no stability value; `None` where there is one.
+    pub stability_absent: Option<NoStability>,
     /// Estimated error of the stations' positions in m, from a solution with half the steps;
     /// `None` where the steps were prescribed.
     pub discretization_error: Option<f64>,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _};
 use clap::{Args, ValueEnum};
-use whipcord::{Drive, Loads, Model, ModelKind, Robot, Shape, Solution, Stations};
+use whipcord::{Drive, Model, ModelKind, Robot, Shape, Solution, Stations};
 use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, robot_figure};
 
@@ -238,7 +238,7 @@ fn summary(
     if let Some(words) = instability(solution) {
         text += &format!("{}\n", style.heading(words));
     }
-    text += &format!("{}\n", diagnostics(solution, &file.case.loads));
+    text += &format!("{}\n", diagnostics(solution));
     let repeats = match (solve.repeats, steps.len()) {
         (1, 0) => String::from("one cold solve"),
         (n, 0) => format!("median of {n} cold solves"),
@@ -280,7 +280,7 @@ fn cables(solution: &Solution) -> Table {
     table
 }
 
-fn diagnostics(solution: &Solution, loads: &Loads) -> String {
+fn diagnostics(solution: &Solution) -> String {
     let diagnostics = &solution.diagnostics;
     let mut parts = vec![format!("converged: {} steps", diagnostics.steps)];
     if diagnostics.iterations > 0 {
@@ -294,11 +294,9 @@ fn diagnostics(solution: &Solution, loads: &Loads) -> String {
         Some(stability) if !diagnostics.is_unstable() => {
             parts.push(format!("stability {}", number(stability, 3)));
         }
-        None if solution.model != ModelKind::FourBar && loads.has_follower() => {
-            parts.push(String::from("stability not defined under loads that follow the backbone"));
-        }
-        None if rubbing::rubs(solution) => {
-            parts.push(String::from("stability not computed with friction"));
+        // The geometric model never has any.
+        None if solution.model != ModelKind::FourBar => {
+            parts.extend(diagnostics.stability_absent.map(|reason| reason.words().to_owned()));
         }
         _ => {}
     }

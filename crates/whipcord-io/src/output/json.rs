@@ -82,6 +82,9 @@ fn diagnostics(diagnostics: &Diagnostics, solve_time: f64) -> Result<Value, NonF
     insert("iterations", json!(diagnostics.iterations));
     insert("residual", number(|| path("residual"), diagnostics.residual)?);
     insert("stability", optional(|| path("stability"), diagnostics.stability)?);
+    if let Some(reason) = diagnostics.stability_absent {
+        insert("stability_absent", json!(reason.name()));
+    }
     let error = diagnostics.discretization_error;
     insert("discretization_error", optional(|| path("discretization_error"), error)?);
     insert("steps", json!(diagnostics.steps));
@@ -129,7 +132,7 @@ fn located(path: impl FnOnce() -> String, values: &[f64]) -> Result<Value, NonFi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whipcord::{Contact, ModelKind, UnitQuaternion, Wrench};
+    use whipcord::{Contact, ModelKind, NoStability, UnitQuaternion, Wrench};
 
     fn solution() -> Solution {
         let shape = Shape {
@@ -167,7 +170,11 @@ mod tests {
                 },
             ],
             base_wrench: Some(Wrench::default()),
-            diagnostics: Diagnostics { steps: 18, ..Diagnostics::default() },
+            diagnostics: Diagnostics {
+                steps: 18,
+                stability_absent: Some(NoStability::NotAsked),
+                ..Diagnostics::default()
+            },
         }
     }
 

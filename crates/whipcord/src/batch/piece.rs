@@ -10,7 +10,7 @@ use crate::cosserat::UnloadedLanes;
 use crate::error::SolveError;
 use crate::model::{Model, Prepared};
 use crate::robot::limits;
-use crate::shape::{Diagnostics, Solution};
+use crate::shape::{Diagnostics, NoStability, Solution};
 
 /// Rows that one thread takes at a time in lanes, where one takes less than a microsecond, and row by
 /// row: few enough that no thread waits long for the last one. No number depends on the threads.
@@ -137,6 +137,7 @@ impl Batch<'_> {
             }
             let diagnostics = Diagnostics {
                 stability: answer.stability,
+                stability_absent: answer.stability.is_none().then_some(NoStability::NotAsked),
                 discretization_error: answer.discretization_error,
                 steps: answer.steps,
                 ..Diagnostics::default()

@@ -18,7 +18,7 @@ use crate::error::SolveError;
 use crate::model::ModelKind;
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Problem, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, Shape, Solution};
+use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
 
 /// The Cosserat model of one robot: all that does not change from case to case.
 ///
@@ -308,6 +308,11 @@ impl Cosserat {
                 iterations: found.iterations,
                 residual: found.residual,
                 stability,
+                stability_absent: match stability {
+                    Some(_) => None,
+                    None if !self.options.stability => Some(NoStability::NotAsked),
+                    None => Some(NoStability::Followers),
+                },
                 discretization_error,
                 steps: grid.len(),
                 stability_lost_at: found.lost_at,

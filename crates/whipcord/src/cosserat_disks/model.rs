@@ -14,7 +14,7 @@ use crate::cosserat::{Accuracy, Options, loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, Shape, Solution};
+use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
 
 /// Meshes that are made beforehand.
 const READY_MESHES: usize = 3;
@@ -357,6 +357,15 @@ impl CosseratDisks {
                 iterations: found.iterations,
                 residual: found.residual,
                 stability,
+                stability_absent: match stability {
+                    Some(_) => None,
+                    None if !self.options.stability => Some(NoStability::NotAsked),
+                    None if case.is_some_and(|case| case.loads.has_follower()) => {
+                        Some(NoStability::Followers)
+                    }
+                    None if self.holes.is_some() => Some(NoStability::Sliding),
+                    None => Some(NoStability::Undetermined),
+                },
                 discretization_error,
                 steps: mesh.grid.len(),
                 stability_lost_at: found.lost_at,

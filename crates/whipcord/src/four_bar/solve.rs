@@ -14,7 +14,7 @@ use super::several::{Ending, Several};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::model::{ModelKind, Stations};
-use crate::shape::{CableState, Diagnostics, Shape, Solution};
+use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
 
 /// Scratch memory of a solve.
 #[derive(Clone, Debug, Default)]
@@ -286,6 +286,7 @@ impl FourBar {
                 iterations: tally.iterations,
                 residual: tally.residual / self.robot.backbone().length,
                 stability: None,
+                stability_absent: Some(NoStability::NoEnergy),
                 discretization_error: None,
                 steps: self.sections.len(),
                 stability_lost_at: None,

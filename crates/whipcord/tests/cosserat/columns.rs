@@ -9,7 +9,8 @@ use core::f64::consts::PI;
 use crate::common::solve_with;
 use whipcord::cosserat::Options;
 use whipcord::{
-    Along, Backbone, Case, Disks, DistributedLoad, Loads, PointLoad, Robot, Stiffness, Vec3,
+    Along, Backbone, Case, Disks, DistributedLoad, Loads, NoStability, PointLoad, Robot, Stiffness,
+    Vec3,
 };
 
 /// A rod of these bending stiffnesses about x and y, the same or given at places.
@@ -113,6 +114,19 @@ fn a_strip_tips_over_sideways() {
     loses_stability_at(12.853_763_321_383_318 * scale, &strip, spread);
 }
 
+#[test]
+fn stability_that_is_left_out_is_said_to_be() {
+    let column = rod(round(1.0), 0.7);
+    let case = Case { loads: pushed(1.0), ..Case::default() };
+    for asked in [true, false] {
+        let options = Options { stability: asked, ..Options::default() };
+        let diagnostics = solve_with(options, &column, &case).unwrap().diagnostics;
+        assert_eq!(diagnostics.stability.is_some(), asked);
+        let absent = (!asked).then_some(NoStability::NotAsked);
+        assert_eq!(diagnostics.stability_absent, absent);
+    }
+}
+
 /// Beck (1952): under a force that follows its tip a column flutters at 20.05 EI/L², but the straight
 /// shape stays the only equilibrium. Without energy there is no stability value.
 #[test]
@@ -124,5 +138,6 @@ fn a_follower_force_has_no_buckling_load() {
         let solution = solve_with(Options::default(), &column, &case).unwrap();
         assert!((solution.shape.tip().position - Vec3::Z).norm() < 1e-9, "{force}");
         assert_eq!(solution.diagnostics.stability, None);
+        assert_eq!(solution.diagnostics.stability_absent, Some(NoStability::Followers));
     }
 }

@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 
 use crate::common::{helix, paper_backbone, straight};
 use whipcord::{
-    Cable, Case, Disks, Loads, Model, ModelKind, Robot, Routing, Shortening, Solution,
+    Cable, Case, Disks, Loads, Model, ModelKind, NoStability, Robot, Routing, Shortening, Solution,
     Statics as _, Vec3,
 };
 
@@ -132,6 +132,8 @@ fn cables_that_stick_are_held() {
     let (pull, back) = ([0.3, 0.12, 0.1], [0.299, 0.1203, 0.1003]);
     let of = |case: &Case| solve(ModelKind::CosseratDisks, &rubs, case);
     assert_eq!(of(&steps(&[pull])).diagnostics.stability, None);
+    let absent = of(&steps(&[pull])).diagnostics.stability_absent;
+    assert_eq!(absent, Some(NoStability::Sliding));
     // Once more the same: nothing moves, but a little more would.
     assert_eq!(of(&steps(&[pull, pull])).diagnostics.stability, None);
     let stuck = of(&steps(&[pull, back]));
