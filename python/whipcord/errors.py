@@ -32,6 +32,7 @@ __all__ = [
     "SectionOutOfReachError",
     "SolveError",
     "StepsTooCoarseError",
+    "TensionsNotFoundError",
     "UnreachableLengthError",
     "WhipcordError",
 ]
@@ -179,6 +180,10 @@ class NotConvergedError(SolveError):
     """Fraction of the given load up to which there was an answer, from 0 to 1."""
     advice: str
     """What to do."""
+
+
+class TensionsNotFoundError(SolveError):
+    """Tensions that give the prescribed cable lengths were searched for in vain."""
 
 
 class NoDerivativesError(SolveError):

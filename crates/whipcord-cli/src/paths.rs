@@ -3,6 +3,7 @@
 use whipcord::cosserat::{
     BranchOptions, Branches, Cosserat, CriticalKind, Equilibrium, TraceEvent, Workspace,
 };
+use whipcord::cosserat_disks::{self, CosseratDisks};
 use whipcord::{Diagnostics, Model, SolveError};
 use whipcord_io::CaseFile;
 
@@ -19,12 +20,28 @@ use crate::timing;
 /// [`Failure`] where the model has no such iterations or does not take the robot, or where a step before
 /// has no answer.
 pub fn trace(model: &Model, file: &CaseFile) -> Result<Vec<TraceEvent>, Failure> {
-    let cosserat = cosserat(model, file, "--trace")?;
     let CaseFile { robot, case, .. } = file;
     let one_before = case.before.len().checked_sub(1).and_then(|step| case.steps().nth(step));
     let left = one_before.map(|case| timing::solve_once(model, robot, &case)).transpose();
     let left = left.map_err(|(step, error)| Failure::from_step(file, &error, step))?;
-    Ok(cosserat.solve_traced(case, left.as_ref(), &mut Workspace::default()).1)
+    let left = left.as_ref();
+    let refused = |error: SolveError| Failure::from_solve(file, &error);
+    Ok(match model {
+        Model::Cosserat(options) => {
+            let model = Cosserat::new(robot, &case.loads, options).map_err(refused)?;
+            model.solve_traced(case, left, &mut Workspace::default()).1
+        }
+        Model::CosseratDisks(options) => {
+            let model = CosseratDisks::new(robot, &case.loads, options).map_err(refused)?;
+            model.solve_traced(case, left, &mut cosserat_disks::Workspace::default()).1
+        }
+        Model::FourBar(_) => {
+            return Err(Failure::Input(String::from(
+                "error: --trace is for the models cosserat and cosserat-disks; four-bar has no load to \
+                 iterate on: leave out --trace, or choose --model cosserat",
+            )));
+        }
+    })
 }
 
 /// All equilibria on the path from no load and on the branches off it.

@@ -177,6 +177,17 @@ fn iterations_are_shown_on_standard_error() {
         unloaded.stderr
     );
 
+    let disks = run(&["solve", &file, "--trace", "--json", "--model", "cosserat-disks"]);
+    let json: Value = serde_json::from_str(&disks.stdout).unwrap();
+    let trace = json["trace"].as_array().unwrap();
+    assert_eq!((&trace[0]["stage"], &trace[0]["iteration"]), (&"cold".into(), &1.into()));
+    assert_eq!(trace[0]["tensions"], serde_json::json!([1.0]));
+    let last = trace.last().unwrap();
+    assert_eq!((&last["stage"], &last["steps"]), (&"warm".into(), &json["diagnostics"]["steps"]));
+    assert!(last["residual"].as_f64() <= Some(1e-9), "{last}");
+    let message = fail(2, &["solve", CASE_3, "--model", "four-bar", "--trace"]);
+    assert!(message.contains("--trace is for the models cosserat and cosserat-disks"), "{message}");
+
     // What leads to no answer is shown, too.
     let far = robot("tension = \"1000 kN\"\n[loads]\ntip_force = [0.1, 0, 0]");
     let far = run(&["solve", &scratch.write("far.toml", &far), "--trace"]);

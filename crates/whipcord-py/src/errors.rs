@@ -164,6 +164,7 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
                 ("advice", Text(advice)),
             ],
         ),
+        SolveError::TensionsNotFound => raise("TensionsNotFoundError", &[]),
         SolveError::NoDerivatives => raise("NoDerivativesError", &[]),
         SolveError::StepsTooCoarse { error, tolerance, steps } => raise(
             "StepsTooCoarseError",

@@ -157,6 +157,12 @@ pub enum SolveError {
         advice: &'static str,
     },
 
+    /// Tensions that give the prescribed cable lengths were searched for in vain.
+    #[error(
+        "no tensions were found that give all of the prescribed cable lengths: shorten the cables less, or drive one of them by its tension"
+    )]
+    TensionsNotFound,
+
     /// An answer that a small change of load or command changes without bound.
     #[error(
         "the answer has no derivatives: the robot is about to buckle, and a small change moves it without bound; change a load or a command a little"

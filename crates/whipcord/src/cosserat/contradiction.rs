@@ -17,8 +17,8 @@ use super::lengths::{Given, LengthScratch, Responds, attempt, release};
 
 /// `c` of the first attempt, relative to what the rod itself gives, and what it falls by.
 const FIRST_COMPLIANCE: f64 = 1.0;
-const COMPLIANCE_RATIO: f64 = 0.25;
-const ATTEMPTS: usize = 16;
+const COMPLIANCE_RATIO: f64 = 0.5;
+const ATTEMPTS: usize = 32;
 /// The limit counts as settled when it changes by less than this of its largest entry.
 const SETTLED: f64 = 1e-6;
 /// Where the rod does not bear the tensions of a smaller `c`, what is known to this must do.

@@ -39,8 +39,8 @@ pub(crate) enum LengthFault {
     /// These lengths cannot be had together: what each cable is too long by in m at the best compromise,
     /// 0 where it takes no part.
     Contradictory { misses: Vec<f64> },
-    /// The iteration limit.
-    Stalled { residual: f64 },
+    /// The iteration limit, or no step that improves anything.
+    Stalled,
 }
 
 /// Scratch memory.
@@ -82,8 +82,6 @@ const LENGTH_TOLERANCE: f64 = 2e-14;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e3 * LENGTH_TOLERANCE;
 pub(crate) const MAX_ITERATIONS: usize = 100;
-/// What to do where no tensions were found and no cause is known.
-pub(crate) const STALLED: &str = "no tensions were found that give all of these cable lengths: shorten the cables less, or drive one of them by its tension";
 /// Of the largest diagonal entry: keeps the step defined where more straight cables are taut than
 /// lengths are independent, and picks tensions of least change there.
 const REGULARISATION: f64 = 1e-13;
@@ -103,7 +101,7 @@ pub(crate) fn solve(
     scratch: &mut LengthScratch,
 ) -> Result<Effort, LengthFault> {
     let fault = match attempt(given, tensions, rod, scratch) {
-        Err(fault @ LengthFault::Stalled { .. }) => fault,
+        Err(fault @ LengthFault::Stalled) => fault,
         Err(fault @ LengthFault::Unreachable { .. }) if given.bracket => fault,
         other => return other,
     };
@@ -165,14 +163,14 @@ fn limit(
     }
     // Where next to nothing can be had, it is no cable's own limit but all of them together.
     if reached < LIMIT_TOLERANCE && (0..commands.len()).filter(by_length).count() > 1 {
-        return LengthFault::Stalled { residual: 1.0 };
+        return LengthFault::Stalled;
     }
     let relative = |i: usize| lack(i) / loose[i];
     match (0..commands.len()).max_by(|&a, &b| relative(a).total_cmp(&relative(b))) {
         Some(cable) => {
             LengthFault::Unreachable { cable, length: loose[cable] - reached * lack(cable) }
         }
-        None => LengthFault::Stalled { residual: f64::MAX },
+        None => LengthFault::Stalled,
     }
 }
 
@@ -186,7 +184,7 @@ pub(crate) fn release(commands: &[Command], tensions: &mut [f64]) {
 }
 
 /// [`solve`], with the first sign that a section folds as the reason of a failure.
-pub(super) fn attempt(
+pub(crate) fn attempt(
     given: &Given<'_>,
     tensions: &mut [f64],
     rod: &mut impl Responds,
@@ -279,7 +277,7 @@ pub(super) fn attempt(
     if residual <= ROUNDING {
         return Ok(Effort { iterations: MAX_ITERATIONS, residual });
     }
-    Err(LengthFault::Stalled { residual })
+    Err(LengthFault::Stalled)
 }
 
 /// A cable that is too long and that no tension shortens: on the axis of a rod that does not give.
@@ -300,7 +298,7 @@ fn unreachable(commands: &[Command], scratch: &LengthScratch) -> LengthFault {
     let lacking = |i: usize| commands[i].slackness(tensions[i], lengths[i]);
     match (0..commands.len()).min_by(|&a, &b| lacking(a).total_cmp(&lacking(b))) {
         Some(cable) => LengthFault::Unreachable { cable, length: lengths[cable] },
-        None => LengthFault::Stalled { residual: f64::MAX },
+        None => LengthFault::Stalled,
     }
 }
 

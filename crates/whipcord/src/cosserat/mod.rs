@@ -47,7 +47,7 @@ pub(crate) mod stability;
 mod state;
 mod statics;
 mod strength;
-mod trace;
+pub(crate) mod trace;
 pub(crate) mod unloaded;
 mod without_load;
 

@@ -31,6 +31,8 @@ pub(crate) enum Failure {
     Contradictory {
         misses: Vec<f64>,
     },
+    /// That give the prescribed lengths.
+    TensionsNotFound,
     Buckled {
         lost_at: f64,
         iterations: usize,
@@ -104,6 +106,7 @@ impl Failure {
                 let misses = missed.map(|(i, &excess)| LengthMiss { cable: name(i), excess });
                 SolveError::ContradictoryLengths { misses: misses.collect() }
             }
+            Self::TensionsNotFound => SolveError::TensionsNotFound,
             Self::Buckled { lost_at, iterations } => {
                 SolveError::Buckled { load: lost_at, iterations }
             }

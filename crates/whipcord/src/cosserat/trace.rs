@@ -40,7 +40,7 @@ pub struct TraceEvent {
 
 /// The record; empty and without cost unless it is on.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Trace {
+pub(crate) struct Trace {
     pub is_on: bool,
     pub stage: Stage,
     pub steps: usize,

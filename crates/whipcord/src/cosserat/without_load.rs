@@ -46,12 +46,7 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
         LengthFault::Section(fault) => section_failure(fault, &scratch.tensions, 0.0),
         LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
         LengthFault::Contradictory { misses } => Failure::Contradictory { misses },
-        LengthFault::Stalled { residual } => Failure::NotConverged {
-            iterations: lengths::MAX_ITERATIONS,
-            residual,
-            last_load: 0.0,
-            advice: lengths::STALLED,
-        },
+        LengthFault::Stalled => Failure::TensionsNotFound,
     })
 }
 

@@ -23,9 +23,9 @@ use super::rod::{self, InSpan, Sample};
 use crate::cosserat::command::Command;
 use crate::cosserat::elimination::{Change, Elimination, Size};
 use crate::cosserat::loads::AppliedLoads;
-use crate::cosserat::outcome::Open;
 use crate::cosserat::section::BodyWrench;
 use crate::cosserat::section::SectionFault;
+use crate::cosserat::trace::Trace;
 use crate::cosserat::unloaded::Fault;
 use crate::shape::Wrench;
 
@@ -77,26 +77,19 @@ pub(super) struct Chain {
     /// Derivatives of the lengths of each group by the tension of each, by rows.
     pub length_by_tension: Vec<f64>,
     pub(super) samples: Vec<Sample>,
+    pub trace: Trace,
     /// How the spans ended short of the next disk, and as what they were last linearised.
     pub(super) gaps: Vec<Gap>,
     pub(super) links: Vec<Link>,
     /// Changes of the chords by what [`Link::by`] counts, span after span.
     pub(super) rows: Vec<f64>,
-    kept: Vec<Node>,
-    kept_tensions: Vec<f64>,
+    pub(super) kept: Vec<Node>,
+    pub(super) kept_tensions: Vec<f64>,
     step: Vec<Node>,
     columns: Vec<Change>,
     elimination: Elimination,
     held: Held,
 }
-
-const MAX_ITERATIONS: usize = 40;
-const LEAST_FRACTION: f64 = 1.0 / 64.0;
-/// What rounding may leave where no step improves any more.
-const ROUNDING: f64 = 1e-9;
-/// A step that leaves so little of the gaps, and a gap so small, leaves the linearisation good for the
-/// next.
-const NEAR: f64 = 0.05;
 
 /// Scales of moment and force of a rod.
 #[derive(Clone, Copy, Debug)]
@@ -228,79 +221,8 @@ impl Chain {
         self.pulled.extend(groups.iter().map(|&group| self.tensions[group]));
     }
 
-    /// Newton's method; returns the iterations and the greatest gap left. With `linearised` the links
-    /// that are kept are those of a coarser mesh, near enough to begin with.
-    pub fn close(&mut self, task: &Task<'_>, linearised: bool) -> Result<(usize, f64), Open> {
-        let failed = |iterations, gap, fault| Open { iterations, gap, fault };
-        let mut gap = self.measure(task).map_err(|f| failed(0, f64::INFINITY, Some(f)))?;
-        let mut linearised = linearised && self.links.len() == task.frame.spans.len();
-        let mut iteration = 0;
-        while iteration < MAX_ITERATIONS {
-            if gap <= task.tolerance {
-                return self.finish(task, iteration, gap);
-            }
-            let fresh = !linearised;
-            if fresh && !self.linearise(task) {
-                return Err(failed(iteration, gap, None));
-            }
-            let directed = self.direct(task);
-            if !directed && fresh {
-                return Err(failed(iteration, gap, None));
-            }
-            iteration += 1;
-            self.kept.clone_from(&self.nodes);
-            self.kept_tensions.clone_from(&self.tensions);
-            let mut fraction = 1.0;
-            loop {
-                self.go(task, fraction);
-                match self.measure(task) {
-                    Ok(now) if fraction == 1.0 && now.max(gap) <= ROUNDING && now >= 0.5 * gap => {
-                        return self.finish(task, iteration, now);
-                    }
-                    // What is kept of a linearisation has to do better than a new one may.
-                    Ok(now)
-                        if directed
-                            && now < (if fresh { 1.0 - 1e-4 * fraction } else { 0.5 }) * gap =>
-                    {
-                        linearised = fraction == 1.0 && now < NEAR * gap && now < NEAR;
-                        gap = now;
-                        break;
-                    }
-                    outcome => {
-                        if fresh {
-                            fraction *= 0.5;
-                            if fraction < LEAST_FRACTION {
-                                return Err(failed(iteration, gap, outcome.err()));
-                            }
-                            continue;
-                        }
-                        linearised = false;
-                        self.go(task, 0.0);
-                        gap = self
-                            .measure(task)
-                            .map_err(|fault| failed(iteration, gap, Some(fault)))?;
-                        break;
-                    }
-                }
-            }
-        }
-        Err(failed(MAX_ITERATIONS, gap, None))
-    }
-
-    fn finish(
-        &mut self,
-        task: &Task<'_>,
-        iterations: usize,
-        gap: f64,
-    ) -> Result<(usize, f64), Open> {
-        if task.derivatives && !(self.linearise(task) && self.differentiate(task)) {
-            return Err(Open { iterations, gap, fault: None });
-        }
-        Ok((iterations, gap))
-    }
-
     /// Integrates all spans; the greatest gap.
-    fn measure(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
+    pub(super) fn measure(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
         Arch::new().dispatch(Measure { chain: self, task })
     }
 
@@ -342,7 +264,7 @@ impl Chain {
     }
 
     /// Linearises all spans where they were last measured; `false` where one is singular.
-    fn linearise(&mut self, task: &Task<'_>) -> bool {
+    pub(super) fn linearise(&mut self, task: &Task<'_>) -> bool {
         Arch::new().dispatch(Linearise { chain: self, task })
     }
 
@@ -415,7 +337,7 @@ impl Chain {
 
     /// The Newton step from where the chain was last measured, with the links as they are; `false`
     /// where there is none.
-    fn direct(&mut self, task: &Task<'_>) -> bool {
+    pub(super) fn direct(&mut self, task: &Task<'_>) -> bool {
         let mut held = core::mem::take(&mut self.held);
         held.find(task.commands);
         let mut solved = self.eliminate(task, &held.cables);
@@ -448,7 +370,7 @@ impl Chain {
     }
 
     /// Goes a fraction of the Newton step from where the nodes were kept.
-    fn go(&mut self, task: &Task<'_>, fraction: f64) {
+    pub(super) fn go(&mut self, task: &Task<'_>, fraction: f64) {
         for ((node, kept), step) in self.nodes.iter_mut().zip(&self.kept).zip(&self.step) {
             let turned = UnitQuaternion::exp(fraction * step.turn);
             *node = Node {
@@ -506,7 +428,7 @@ impl Chain {
     }
 
     /// `∂ℓ/∂τ` of all groups, from a closed chain that is linearised where it stands.
-    fn differentiate(&mut self, task: &Task<'_>) -> bool {
+    pub(super) fn differentiate(&mut self, task: &Task<'_>) -> bool {
         let all: Vec<usize> = (0..self.tensions.len()).collect();
         if !self.eliminate(task, &all) {
             return false;

@@ -15,6 +15,7 @@ use crate::cosserat::continuation::{FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS,
 use crate::cosserat::lengths::Effort;
 use crate::cosserat::outcome::{Failure, Found, Open};
 use crate::cosserat::section::SectionFault;
+use crate::cosserat::trace::Stage;
 use crate::cosserat::unloaded::Fault;
 
 /// Shapes that are tried where the load leads to none that is stable: bent by so much in all, in rad,
@@ -58,6 +59,7 @@ pub(super) fn solve(
         }
         _ => None,
     };
+    scratch.chain.trace.stage = Stage::Warm;
     if let Some(linearised) = near
         && let Ok(effort) = raise.close(scratch, 1.0, linearised)
     {
@@ -170,6 +172,7 @@ impl Raise<'_> {
         linearised: bool,
     ) -> Result<Effort, Open> {
         let Scratch { chain, groups, applied, .. } = &mut *scratch;
+        chain.trace.steps = self.problem.mesh.grid.len();
         let task = self.task(groups, applied, load);
         let (iterations, residual) = chain.close(&task, linearised)?;
         Ok(Effort { iterations, residual })
@@ -182,7 +185,7 @@ impl Raise<'_> {
 
     /// Raises the load and the commands to all of them from the robot at rest; `None` where that is
     /// not to be had.
-    fn all(&self, scratch: &mut Scratch) -> Result<Effort, Option<Ended>> {
+    pub fn all(&self, scratch: &mut Scratch) -> Result<Effort, Option<Ended>> {
         let Problem { frame, mesh, commands, .. } = *self.problem;
         let Scratch { chain, groups, unloaded, .. } = &mut *scratch;
         chain.pull(groups, &vec![0.0; commands.len()]);
@@ -276,6 +279,7 @@ impl Raise<'_> {
         scratch: &mut Scratch,
         mut close: impl FnMut(&mut Scratch, f64) -> Result<Effort, Open>,
     ) -> Result<Effort, Ended> {
+        scratch.chain.trace.stage = Stage::Cold;
         let mut here = Place::of(&scratch.chain);
         let (mut load, mut step, mut iterations) = (0.0, 1.0, 0);
         loop {
@@ -294,6 +298,7 @@ impl Raise<'_> {
                 }
                 Err(open) => {
                     iterations += open.iterations;
+                    scratch.chain.trace.stage = Stage::LoadSteps;
                     step = f64::min(0.5 * step, FIRST_LOAD_STEP);
                     if step < LEAST_LOAD_STEP {
                         let none = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };

@@ -12,6 +12,7 @@
 
 mod bare;
 mod chain;
+mod closing;
 mod friction;
 mod held;
 mod joint;

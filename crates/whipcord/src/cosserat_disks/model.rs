@@ -7,9 +7,11 @@ use super::layout::{Frame, Mesh, of_this_model};
 use super::statics::{self, Problem, Scratch, Start};
 use super::stays;
 use crate::case::{CableCommand, Case, Loads};
+use crate::cosserat::TraceEvent;
 use crate::cosserat::command::Command;
 use crate::cosserat::outcome::{Failure, Found};
 use crate::cosserat::refinement::{Coarse, ERROR_RATIO};
+use crate::cosserat::trace::Trace;
 use crate::cosserat::{Accuracy, Options, loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
@@ -21,7 +23,7 @@ const READY_MESHES: usize = 3;
 /// How often the steps may be halved.
 const MAX_REFINEMENTS: usize = 8;
 /// A failure to converge is believed only with steps halved this often.
-const GIVE_UP_LEVEL: usize = 2;
+const GIVE_UP_LEVEL: usize = 4;
 /// With so many, the least eigenvalue of a column is known to better than 1e-6.
 const STABILITY_STEPS: usize = 16;
 
@@ -162,6 +164,29 @@ impl CosseratDisks {
         self.solve_last(&steps, start, workspace)
     }
 
+    /// [`CosseratDisks::solve`], with a record of the iterations under load, whether they lead to an answer
+    /// or not. Without load every span stands for itself and there is nothing to record; the search for
+    /// the tensions that given lengths then take is not recorded either.
+    pub fn solve_traced(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> (Result<Solution, SolveError>, Vec<TraceEvent>) {
+        let trace = &mut workspace.scratch.chain.trace;
+        *trace = Trace { is_on: true, ..Trace::default() };
+        let outcome = self.solve(case, warm_start, workspace);
+        let mut events = core::mem::take(&mut workspace.scratch.chain.trace).events;
+        if let Some(holes) = &self.holes {
+            // Of the tensions of all passages those next to the base.
+            for event in &mut events {
+                let first = |passages: &Vec<usize>| event.tensions[passages[0]];
+                event.tensions = holes.of_cable.iter().map(first).collect();
+            }
+        }
+        (outcome, events)
+    }
+
     /// The answers to all steps of a case in order, each from where the one before left the robot:
     /// those of [`CosseratDisks::solve`] to each of [`Case::steps`], in time that grows with their
     /// number, not with its square. `each` gets them as they come.
@@ -237,6 +262,7 @@ impl CosseratDisks {
                 // Steps that are too coarse for a strong bend can keep Newton's method away.
                 Err(
                     SolveError::NotConverged { .. }
+                    | SolveError::TensionsNotFound
                     | SolveError::SectionFolds { .. }
                     | SolveError::UnreachableLength { .. },
                 ) if !coarser && level < GIVE_UP_LEVEL => continue,

@@ -16,6 +16,7 @@ use crate::cosserat::lengths::{self, Effort, Given, LengthFault, LengthScratch, 
 use crate::cosserat::loads::AppliedLoads;
 use crate::cosserat::outcome::{Failure, Found};
 use crate::cosserat::section::SectionFault;
+use crate::cosserat::trace::Stage;
 use crate::cosserat::unloaded::Fault;
 use crate::shape::Wrench;
 
@@ -220,20 +221,50 @@ impl<'a> Rod<'a> {
         }
         let commands = self.problem.commands;
         let given = Given { length: self.length(), commands, bracket: true };
+        let start = tensions.to_vec();
         let mut memory = core::mem::take(&mut self.scratch.length_scratch);
-        let solved = lengths::solve(&given, tensions, self, &mut memory);
+        let mut solved = lengths::attempt(&given, tensions, self, &mut memory);
+        if solved.is_err() {
+            if let Some(effort) = self.together(&start, tensions) {
+                self.scratch.length_scratch = memory;
+                return Ok(effort);
+            }
+            tensions.copy_from_slice(&start);
+            solved = lengths::solve(&given, tensions, self, &mut memory);
+        }
         self.scratch.length_scratch = memory;
         solved.map_err(|fault| match fault {
             LengthFault::Section(fault) => self.failure(fault, tensions),
             LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
             LengthFault::Contradictory { misses } => Failure::Contradictory { misses },
-            LengthFault::Stalled { residual } => Failure::NotConverged {
-                iterations: self.iterations,
-                residual,
-                last_load: 0.0,
-                advice: lengths::STALLED,
-            },
+            LengthFault::Stalled => Failure::TensionsNotFound,
         })
+    }
+
+    /// Lengths without load, for tensions and shape together. Where a span bears more than it buckles
+    /// under, its straight path goes on, but the lengths are no longer those of a least energy, which is what
+    /// [`lengths::solve`] takes them for. From `start`, and else with all lengths brought there from
+    /// rest.
+    fn together(&mut self, start: &[f64], tensions: &mut [f64]) -> Option<Effort> {
+        if self.loaded || self.scratch.applied.any() {
+            return None;
+        }
+        let Problem { frame, mesh, commands, .. } = *self.problem;
+        let raise = Raise { problem: self.problem, commands, derivatives: false };
+        let mut closed = None;
+        if self.respond_with(start, true, false).is_ok() {
+            let Scratch { chain, groups, unloaded, .. } = &mut *self.scratch;
+            chain.pull(groups, start);
+            chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
+            closed = raise.close(self.scratch, 1.0, false).ok();
+        }
+        let effort = closed.or_else(|| raise.all(self.scratch).ok())?;
+        let Scratch { chain, unloaded, .. } = &mut *self.scratch;
+        tensions.copy_from_slice(&chain.tensions);
+        unloaded.adopt(chain.nodes.iter().map(|node| node.wrench), frame);
+        self.from = unloaded::From::Neighbour;
+        self.respond_with(tensions, true, false).ok()?;
+        Some(effort)
     }
 
     fn respond_with(
@@ -270,6 +301,7 @@ impl<'a> Rod<'a> {
         chain.pull(groups, tensions);
         let raise = Raise { problem: self.problem, commands: &[], derivatives };
         if self.closed && warm {
+            self.scratch.chain.trace.stage = Stage::Warm;
             match raise.close(self.scratch, 1.0, false) {
                 Ok(effort) => {
                     self.iterations += effort.iterations;

@@ -240,6 +240,15 @@ impl Unloaded {
         pull + BodyWrench { linear: turned(change.linear), angular: turned(change.angular) }
     }
 
+    /// Takes over an answer that was found otherwise, to start the next sweep from.
+    pub fn adopt(&mut self, wrenches: impl Iterator<Item = BodyWrench>, frame: &Frame) {
+        self.wrenches.clear();
+        self.wrenches.extend(wrenches.take(frame.spans.len()));
+        self.tangents.clear();
+        self.tangents.resize(frame.spans.len(), None);
+        self.by_tension.clear();
+    }
+
     /// Moves the wrenches along with the tensions.
     fn foresee(&mut self, frame: &Frame, tensions: &[f64]) {
         for (span, wrench) in frame.spans.iter().zip(&mut self.wrenches) {
