@@ -174,9 +174,7 @@ pub fn pull_back_batch<'py>(
 ) -> PyResult<Pulled<'py>> {
     let count = setup.rows(py, &values)?;
     let whipcord::Model::Cosserat(model) = &model.inner else {
-        let kind = model.inner.kind();
-        let message = format!("gradients are known to the model cosserat, not to {kind}");
-        return Err(errors::input(py, "model", message));
+        return Err(errors::not_by(py, model.inner.kind(), "gradients"));
     };
     let parameters: Vec<_> =
         parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;

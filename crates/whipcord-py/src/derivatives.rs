@@ -6,8 +6,8 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::cosserat::derivatives::{Change, Cotangent};
-use whipcord::cosserat::{Hold, Place, Workspace};
-use whipcord::{Twist, UnitQuaternion, Vec3};
+use whipcord::cosserat::{Hold, Place};
+use whipcord::{Prepared, Twist, UnitQuaternion, Vec3};
 
 use crate::convert::{array, matrix6, twist};
 use crate::errors;
@@ -40,20 +40,23 @@ pub fn derivatives(
     let case = setup.commanded(tension, shortening)?;
     let parameters: Vec<_> =
         parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;
-    let model = setup.cosserat(py, model, "derivatives")?;
     let start = start.map(|solution| &*solution.inner);
     let answer = py.detach(|| {
-        let mut workspace = Workspace::default();
-        let mut left = None;
-        if start.is_none() {
-            for step in case.steps().take(case.before.len()) {
-                left = Some(model.solve(&step, left.as_ref(), &mut workspace)?);
+        setup.with(&model.inner, |prepared| {
+            let Prepared::Cosserat(model, workspace) = prepared else { return Ok(None) };
+            let mut left = None;
+            if start.is_none() {
+                for step in case.steps().take(case.before.len()) {
+                    left = Some(model.solve(&step, left.as_ref(), workspace)?);
+                }
             }
-        }
-        let start = start.or(left.as_ref());
-        model.solve_with_derivatives(&case, start, &parameters, &mut workspace)
+            let start = start.or(left.as_ref());
+            model.solve_with_derivatives(&case, start, &parameters, workspace).map(Some)
+        })
     });
-    let (solution, inner) = answer.map_err(|error| errors::solve(py, &error))?;
+    let Some((solution, inner)) = answer.map_err(|error| errors::solve(py, &error))? else {
+        return Err(errors::not_by(py, model.inner.kind(), "derivatives"));
+    };
     let solution = Solution::new(solution, &case);
     let derivatives = Derivatives {
         inner,

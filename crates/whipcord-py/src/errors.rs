@@ -4,7 +4,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyList};
 use whipcord::batch::BatchError;
-use whipcord::{RobotError, SolveError};
+use whipcord::{ModelKind, RobotError, SolveError};
 use whipcord_io::{FileError, FileProblem};
 
 /// An exception of this class of `whipcord.errors`, with these attributes.
@@ -26,6 +26,11 @@ fn exception(
 /// What a caller gave cannot be. `path` names the argument.
 pub fn input(py: Python<'_>, path: &str, message: String) -> PyErr {
     exception(py, "InputError", message, |values| values.set_item("path", path))
+}
+
+/// A model is asked for what only the Cosserat model knows.
+pub fn not_by(py: Python<'_>, model: ModelKind, what: &str) -> PyErr {
+    input(py, "model", format!("{what} are known to the model cosserat, not to {model}"))
 }
 
 /// A quantity of a robot or a case that cannot be.

@@ -45,7 +45,7 @@ impl Setup {
     }
 
     /// Has a model work that was built before, or is built now. Several threads may do this at once.
-    fn with<T>(
+    pub fn with<T>(
         &self,
         model: &whipcord::Model,
         work: impl FnOnce(&mut Prepared) -> Result<T, SolveError>,
@@ -89,9 +89,7 @@ impl Setup {
     /// The Cosserat model, for what only it knows.
     pub fn cosserat(&self, py: Python<'_>, model: &Model, what: &str) -> PyResult<Cosserat> {
         let whipcord::Model::Cosserat(options) = &model.inner else {
-            let kind = model.inner.kind();
-            let message = format!("{what} are known to the model cosserat, not to {kind}");
-            return Err(errors::input(py, "model", message));
+            return Err(errors::not_by(py, model.inner.kind(), what));
         };
         let built = Cosserat::new(&self.robot, &self.case.loads, options);
         built.map_err(|error| errors::solve(py, &error))
