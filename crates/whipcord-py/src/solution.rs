@@ -113,6 +113,7 @@ impl Solution {
         values.set_item("iterations", of.iterations)?;
         values.set_item("residual", of.residual)?;
         values.set_item("stability", of.stability)?;
+        values.set_item("stability_absent", of.stability_absent.map(NoStability::name))?;
         values.set_item("discretization_error", of.discretization_error)?;
         values.set_item("steps", of.steps)?;
         values.set_item("stability_lost_at", of.stability_lost_at)?;
