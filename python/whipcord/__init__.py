@@ -15,11 +15,13 @@ frame of the base has z along the backbone's tangent there; quaternions are (w, 
 from . import errors, models
 from ._core import VERSION as __version__
 from .batch import Batch, Gradients
-from .case import Case, Measured, Reference, load, solve_cases
+from .case import Case, load
+from .cases import solve_cases
 from .comparison import Comparison, Run, compare
 from .derivatives import Derivatives, Dexterity, Gradient, Place
 from .errors import FileError, InputError, ModelError, SolveError, WhipcordError
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
+from .published import Measured, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
 from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution
 

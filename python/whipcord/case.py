@@ -4,57 +4,25 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core, models
+from ._commands import Commands, each
 from ._html import picture
 from ._tables import Quantity, plain
-from .batch import Batch, Gradients, pull_back_batch, solve_batch, solve_setups
+from .batch import Batch, Gradients, pull_back_batch, solve_batch
 from .derivatives import Derivatives, Place
-from .errors import InputError, SolveError
 from .loads import Base, Loads, Step
 from .models import ModelLike, StationsLike
-from .robot import Cable, Robot
+from .published import Measured, Reference
+from .robot import Robot
 from .solution import Branches, CriticalPoint, Equilibrium, Solution
 
-__all__ = ["Case", "Measured", "Reference", "load", "solve_cases"]
-
-Array = npt.NDArray[np.float64]
-Commands = Union[Sequence[Union[Quantity, None]], Array, Quantity]
-"""One value for each cable: in SI or with a unit; None for a cable that is driven otherwise."""
-
-
-@dataclass(frozen=True, eq=False)
-class Measured:
-    """Where the disks of the real robot were."""
-
-    disks: tuple[int, ...]
-    """Numbers of the disks that were measured, from 1."""
-    position: Array
-    """(k, 3) positions in m, in the frame of the base."""
-    path: str
-    """The file they stand in."""
-
-
-@dataclass(frozen=True)
-class Reference:
-    """What others have published for a case."""
-
-    source: str
-    """Where the values stand."""
-    rms_four_bar: float | None = None
-    """RMS error of the four-bar model against the measurement in m."""
-    rms_cosserat: float | None = None
-    """RMS error of the Cosserat model against the measurement in m."""
-    time_four_bar: float | None = None
-    """Solve time of the four-bar model in s."""
-    time_cosserat: float | None = None
-    """Solve time of the Cosserat model in s."""
+__all__ = ["Case", "load"]
 
 
 def load(path: str | os.PathLike[str]) -> Case:
@@ -122,7 +90,7 @@ class Case:
     ) -> None:
         cables = [plain(cable) for cable in robot.cables]
         for key, values in (("tension", tension), ("shortening", shortening)):
-            for cable, value in zip(cables, _each(values, robot.cables, key)):
+            for cable, value in zip(cables, each(values, robot.cables, key)):
                 cable[key] = value
         tables = {
             "title": title,
@@ -308,7 +276,7 @@ class Case:
 
     def _shortening(self, length: Commands, model: _core.Model) -> list[float | None]:
         initial = self._setup.initial_lengths(model)
-        given = _each(length, self.robot.cables, "length")
+        given = each(length, self.robot.cables, "length")
         metres = [_core.parse_quantity(v, "length") if isinstance(v, str) else v for v in given]
         return [None if v is None else long - float(v) for long, v in zip(initial, metres)]
 
@@ -556,61 +524,7 @@ class Case:
         return picture(_core.svg(self._setup, [], 620.0))
 
 
-def solve_cases(
-    cases: Sequence[Case],
-    *,
-    model: ModelLike = "cosserat",
-    stations: StationsLike = None,
-    actuation: str | None = None,
-    threads: int | None = None,
-    progress: bool = False,
-) -> list[Solution | SolveError | InputError]:
-    """Solves many cases at once: other robots, other loads.
-
-    Parameters
-    ----------
-    cases
-        The cases, each solved from cold. Many commands of one case are faster by :meth:`Case.solve_batch`.
-    model, stations, actuation
-        As for :meth:`Case.solve`.
-    threads, progress
-        As for :meth:`Case.solve_batch`.
-
-    Returns
-    -------
-    list
-        For each case its solution, or the exception that says why there is none.
-
-    Examples
-    --------
-    >>> case = load("examples/table1/case-3.toml")
-    >>> forces = [Loads(tip_force=[0, 0, f]) for f in (-0.1, 0.0, 0.1)]
-    >>> [s.bend > 1.1 for s in solve_cases([case.replace(loads=load) for load in forces])]
-    [True, True, False]
-    """
-    chosen = models.core(model, stations, actuation)
-    answers = solve_setups([case._setup for case in cases], chosen, threads, progress)
-    return [
-        Solution._of(case, chosen, answer, None) if isinstance(answer, _core.Solution) else answer
-        for case, answer in zip(cases, answers)
-    ]
-
-
 def _unpickled(text: str, measured: Measured | None, reference: Reference | None) -> Case:
     case = Case.__new__(Case)
     case._keep(_core.Setup.parse(text, "case"), measured, reference)
     return case
-
-
-def _each(values: Commands | None, cables: tuple[Cable, ...], name: str) -> list[Any]:
-    """One value for each cable."""
-    if values is None:
-        return [None] * len(cables)
-    single = isinstance(values, str) or np.ndim(values) == 0  # type: ignore[arg-type]
-    listed: list[Any] = [values] if single else list(values)  # type: ignore[arg-type]
-    if len(listed) != len(cables) or any(isinstance(value, np.ndarray) for value in listed):
-        names = ", ".join(cable.name for cable in cables)
-        count = f"{len(cables)} {'entry' if len(cables) == 1 else 'entries'}"
-        message = f"{name} must have {count}, one for each cable ({names}), but is {values!r}"
-        raise InputError(message, path=name)
-    return listed
