@@ -1,0 +1,158 @@
+"""The solve as a differentiable function for PyTorch.
+
+Its gradients are the exact derivatives of the answer, not differences. Computed in float64 on the processor;
+other tensors are converted, and their gradients come back in their own type and on their own device. Needs the
+package torch (``pip install "whipcord[torch]"``).
+
+>>> import torch
+>>> import whipcord
+>>> import whipcord.torch
+>>> case = whipcord.load("examples/table1/case-3.toml")
+>>> solve = whipcord.torch.Solver(case)
+>>> tension = torch.tensor([2.0], dtype=torch.float64, requires_grad=True)
+>>> solve(tension).tip[2].backward()
+>>> tension.grad.shape
+torch.Size([1])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+try:
+    import torch
+    from torch.autograd.function import once_differentiable
+except ImportError as error:
+    raise ImportError('whipcord.torch needs the package torch: pip install "whipcord[torch]"') from error
+
+from ._differentiable import Problem
+from .models import ModelLike, StationsLike
+
+if TYPE_CHECKING:
+    from .case import Case
+
+__all__ = ["Answer", "Solver"]
+
+
+class Answer(NamedTuple):
+    """What :class:`Solver` returns, with the leading dimensions of what was asked."""
+
+    position: torch.Tensor
+    """(..., n, 3) positions of the stations in m."""
+    rotation: torch.Tensor
+    """(..., n, 3, 3) rotation matrices of the stations; their columns are the axes of the cross-sections."""
+    tension: torch.Tensor
+    """(..., c) tensions of the cables in N; zero from a model that knows no forces."""
+    length: torch.Tensor
+    """(..., c) lengths of the cables inside the robot in m."""
+    ok: torch.Tensor
+    """(...) whether there is an answer; the others are zero where there is none."""
+
+    @property
+    def tip(self) -> torch.Tensor:
+        """(..., 3) position of the last station in m: of the tip, where the stations reach it."""
+        return self.position[..., -1, :]
+
+
+class Solver:
+    """A case as a function of its commands and of chosen parameters.
+
+    Parameters
+    ----------
+    case
+        The case; its loads and base hold for all answers.
+    parameters
+        Paths of quantities of robot and loads (:meth:`whipcord.Case.parameter`).
+    actuation
+        ``"tension"`` in N or ``"shortening"`` in m: what the commands are.
+    model, stations
+        As for :meth:`whipcord.Case.solve`.
+    on_failure
+        ``"raise"`` a :class:`whipcord.SolveError` that names the row, or ``"flag"`` the rows without an answer in
+        ``ok``: their numbers and gradients are zero.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> solve = Solver(whipcord.load("examples/table1/case-3.toml"), stations=37)
+    >>> answer = solve(torch.linspace(1, 4, 100)[:, None])
+    >>> answer.position.shape
+    torch.Size([100, 37, 3])
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        *,
+        parameters: Sequence[str] = (),
+        actuation: Literal["tension", "shortening"] = "tension",
+        model: ModelLike = "cosserat",
+        stations: StationsLike = None,
+        on_failure: Literal["raise", "flag"] = "raise",
+    ) -> None:
+        self._problem = Problem(case, parameters, actuation, model, stations, on_failure)
+
+    @property
+    def case(self) -> Case:
+        """The case."""
+        return self._problem.case
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Paths of the parameters."""
+        return self._problem.parameters
+
+    @property
+    def values(self) -> torch.Tensor:
+        """(p,) the values of the parameters in the case: where an optimisation may start."""
+        return torch.tensor(self._problem.values)
+
+    @property
+    def arc_length(self) -> npt.NDArray[np.float64]:
+        """(n,) arc lengths of the stations in m."""
+        return self._problem.arc_length
+
+    def __call__(self, commands: torch.Tensor, parameters: torch.Tensor | None = None) -> Answer:
+        """Solves.
+
+        Parameters
+        ----------
+        commands
+            (..., c) tension in N or shortening in m of each cable.
+        parameters
+            (..., p) values of the parameters; those of the case by default. Leading dimensions are broadcast.
+            Rows with the same parameters are solved as one batch: prefer (p,) to many copies of it.
+        """
+        given = self.values if parameters is None else parameters
+        arguments = (torch.as_tensor(value).to("cpu", torch.float64) for value in (commands, given))
+        answer = _Solve.apply(self._problem, *arguments)
+        return Answer(*(part.to(torch.as_tensor(commands).device) for part in answer))
+
+    def __repr__(self) -> str:
+        return f"<Solver of {self.case.title!r} by {self._problem.actuation} and {list(self.parameters)}>"
+
+
+class _Solve(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
+    @staticmethod
+    def forward(ctx: Any, problem: Problem, commands: torch.Tensor, parameters: torch.Tensor) -> Any:
+        answer = problem.solve(commands.detach().numpy(), parameters.detach().numpy())
+        parts = tuple(map(torch.from_numpy, map(np.asarray, answer)))
+        ctx.problem = problem
+        ctx.save_for_backward(commands, parameters, parts[4], parts[1])
+        ctx.mark_non_differentiable(parts[4])
+        return parts
+
+    @staticmethod
+    @once_differentiable  # type: ignore[untyped-decorator]
+    def backward(ctx: Any, *weights: torch.Tensor) -> Any:
+        kept = ctx.saved_tensors
+        arrays = (tensor.detach().numpy() for tensor in (*kept, *weights[:4]))
+        gradients = ctx.problem.pull_back(*arrays)
+        by_commands, by_parameters = (
+            torch.from_numpy(gradient).sum_to_size(of.shape) for gradient, of in zip(gradients, kept)
+        )
+        return None, by_commands, by_parameters
