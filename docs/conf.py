@@ -2,6 +2,7 @@
 
 import sys
 from importlib.metadata import version as installed_version
+from importlib.util import find_spec
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
@@ -13,12 +14,13 @@ release = installed_version("whipcord")
 
 extensions = [
     "robot_file_keys",
+    "robot_gallery",
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
 ]
-exclude_patterns = ["images", "_extensions"]
+exclude_patterns = ["images", "_extensions", "_pictures"]
 source_suffix = {".md": "myst-nb"}
 
 # Tutorials are run whenever the site is built; what fails in one fails the build.
@@ -32,10 +34,13 @@ myst_enable_extensions = ["colon_fence", "dollarmath"]
 
 # The manners of NumPy: shapes and units stand in the docstrings, types in the signatures.
 napoleon_google_docstring = False
+autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
+# The reference needs their signatures alone, and PyTorch is large.
+autodoc_mock_imports = [name for name in ("torch",) if find_spec(name) is None]
 
 nitpicky = False
 html_theme = "furo"
