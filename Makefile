@@ -5,10 +5,13 @@ CARGO ?= cargo
 PYTHON ?= python3
 # Where the tests of the Python package have their packages.
 VENV ?= target/venv
+# A Python that may have PyTorch: from PyPI it comes with gigabytes for graphics cards.
+TORCH_PYTHON ?= /usr/bin/python3
+TORCH_VENV ?= target/venv-torch
 
-.PHONY: test test-rust fmt fmt-check lint doc test-debug test-release bench-build bench wheel test-python bench-python
+.PHONY: test test-rust fmt fmt-check lint doc test-debug test-release bench-build bench wheel test-python test-torch bench-python
 
-test: test-rust test-python
+test: test-rust test-python test-torch
 
 # All that needs Rust alone.
 test-rust: fmt-check lint doc test-debug test-release bench-build
@@ -53,6 +56,16 @@ test-python: wheel
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check "$$(ls target/wheels/*.whl)[test]"
 	$(VENV)/bin/python -m pytest python/tests --pyargs whipcord
 	$(VENV)/bin/python -m mypy
+
+test-torch: wheel
+	@if $(TORCH_PYTHON) -c "import torch"; then \
+	    set -ex; \
+	    $(TORCH_PYTHON) -m venv --clear --system-site-packages $(TORCH_VENV); \
+	    $(TORCH_VENV)/bin/pip install --quiet --disable-pip-version-check "numpy<2" matplotlib pytest target/wheels/*.whl; \
+	    $(TORCH_VENV)/bin/python -m pytest python/tests/test_torch.py --pyargs whipcord.torch; \
+	else \
+	    echo "skipped: $(TORCH_PYTHON) has no PyTorch (Debian: apt-get install python3-torch)"; \
+	fi
 
 bench-python: wheel
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 import whipcord
 
 from .differentiable import PATHS, agree, exact, loaded
 
 jax = pytest.importorskip("jax", reason="JAX is not installed")
 import jax.numpy as jnp  # noqa: E402
-
 import whipcord.jax  # noqa: E402
 
 TENSION = np.array([3.0, 0.5, 1.5])
@@ -151,7 +149,7 @@ def test_what_cannot_be_is_refused(given, says: str) -> None:  # type: ignore[no
 def test_what_has_no_gradient_is_refused_at_once() -> None:
     with pytest.raises(whipcord.InputError, match="four-bar"):
         whipcord.jax.Solver(loaded(), model="four-bar")
-    with pytest.raises(whipcord.InputError, match="there is no parameter `backbone.color`"):
+    with pytest.raises(whipcord.InputError, match=r"there is no parameter `backbone\.color`"):
         whipcord.jax.Solver(loaded(), parameters=["backbone.color"])
     with pytest.raises(whipcord.InputError, match="list of paths"):
         whipcord.jax.Solver(loaded(), parameters="backbone.diameter")
