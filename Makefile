@@ -58,7 +58,7 @@ test-python: wheel
 	$(VENV)/bin/python -m mypy
 
 test-torch: wheel
-	@if $(TORCH_PYTHON) -c "import torch"; then \
+	@if $(TORCH_PYTHON) -c "import torch" 2>/dev/null; then \
 	    set -ex; \
 	    $(TORCH_PYTHON) -m venv --clear --system-site-packages $(TORCH_VENV); \
 	    $(TORCH_VENV)/bin/pip install --quiet --disable-pip-version-check "numpy<2" matplotlib pytest target/wheels/*.whl; \
