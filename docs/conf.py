@@ -20,7 +20,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
 ]
-exclude_patterns = ["images", "_extensions", "_pictures"]
+exclude_patterns = ["images", "_extensions", "_pictures", "_static"]
 source_suffix = {".md": "myst-nb"}
 
 # Tutorials are run whenever the site is built; what fails in one fails the build.
@@ -38,10 +38,16 @@ autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
+# By the names that the sources have for them.
+autodoc_type_aliases = {
+    name: name for name in ("Array", "Commands", "ModelLike", "Quantity", "StationsLike", "Vector", "npt.ArrayLike")
+}
 python_use_unqualified_type_names = True
 # The reference needs their signatures alone, and PyTorch is large.
 autodoc_mock_imports = [name for name in ("torch",) if find_spec(name) is None]
 
 nitpicky = False
 html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["custom.css"]
 html_title = f"Whipcord {release}"

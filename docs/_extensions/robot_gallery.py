@@ -23,9 +23,9 @@ def drawn(file: Path, picture: Path) -> list[str]:
 
 
 def heading(text: str) -> str:
-    """What the comment at the head of a robot file says."""
-    lines = text.split("\n\n", 1)[0].splitlines()
-    return " ".join(line.removeprefix("#").strip() for line in lines if line.startswith("#"))
+    """The first paragraph of the comment at the head of a robot file."""
+    lines = [line.removeprefix("#").strip() for line in text.split("\n\n", 1)[0].splitlines() if line.startswith("#")]
+    return " ".join(lines).split("  ", 1)[0]
 
 
 class RobotGallery(SphinxDirective):
