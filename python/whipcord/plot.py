@@ -114,9 +114,7 @@ def _axes() -> Any:
     figure = matplotlib.pyplot.figure(figsize=(6.4, 5.6), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     for name in "xyz":
-        axis = getattr(axes, f"{name}axis")
-        axis.pane.set_alpha(0.0)
-        axis.labelpad = 8
+        getattr(axes, f"{name}axis").pane.set_alpha(0.0)
     axes.view_init(elev=22, azim=-60)
     return axes
 
@@ -133,6 +131,8 @@ def _equal(axes: Any) -> None:
         getattr(axes, f"set_{name}lim3d")(at - 0.5 * width, at + 0.5 * width)
         getattr(axes, f"{name}axis").set_major_locator(MultipleLocator(_step(extent.max())))
         getattr(axes, f"set_{name}label")(f"{name} (mm)")
+    # Beyond the numbers, also on the axes of small and of tall boxes.
+    axes.xaxis.labelpad, axes.yaxis.labelpad, axes.zaxis.labelpad = 6, 8, 14
     # So far away that the labels of a tall robot are inside the picture.
     axes.set_box_aspect(extent, zoom=0.84)
 
