@@ -9,9 +9,9 @@ VENV ?= target/venv
 TORCH_PYTHON ?= /usr/bin/python3
 TORCH_VENV ?= target/venv-torch
 
-.PHONY: test test-rust fmt fmt-check lint doc test-debug test-release bench-build bench wheel test-python test-torch bench-python
+.PHONY: test test-rust fmt fmt-check lint doc test-debug test-release bench-build bench wheel installed test-python test-torch docs test-docs bench-python
 
-test: test-rust test-python test-torch
+test: test-rust test-python test-torch test-docs
 
 # All that needs Rust alone.
 test-rust: fmt-check lint doc test-debug test-release bench-build
@@ -50,10 +50,12 @@ wheel: $(VENV)/bin/maturin
 	rm -rf target/wheels
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/maturin build --release --out target/wheels
 
-# The package as people install it: its tests, the examples in its documentation, and its types.
-test-python: wheel
+installed: wheel
 	$(VENV)/bin/pip uninstall --quiet --yes whipcord
-	$(VENV)/bin/pip install --quiet --disable-pip-version-check "$$(ls target/wheels/*.whl)[test]"
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check "$$(ls target/wheels/*.whl)[test,docs]"
+
+# The package as people install it: its tests, the examples in its documentation, and its types.
+test-python: installed
 	$(VENV)/bin/python -m pytest python/tests --pyargs whipcord
 	$(VENV)/bin/python -m mypy
 
@@ -66,6 +68,12 @@ test-torch: wheel
 	else \
 	    echo "skipped: $(TORCH_PYTHON) has no PyTorch (Debian: apt-get install python3-torch)"; \
 	fi
+
+# The site, in target/docs. Its tutorials are run; what fails or warns fails the build.
+docs: installed
+	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/sphinx-build -W --keep-going -q -d target/doctrees docs target/docs
+
+test-docs: docs
 
 bench-python: wheel
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl

@@ -1,9 +1,12 @@
 """The documentation site: `make docs` builds it into target/docs."""
 
+import re
 import sys
 from importlib.metadata import version as installed_version
 from importlib.util import find_spec
 from pathlib import Path
+
+from sphinx.application import Sphinx
 
 sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
 
@@ -51,3 +54,15 @@ html_theme = "furo"
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
 html_title = f"Whipcord {release}"
+
+
+def _plain_names(
+    app: object, what: str, name: str, thing: object, options: object, signature: str | None, returns: str | None
+) -> tuple[str | None, str | None]:
+    """Autodoc leaves the names of aliases wrapped where they stand in a union."""
+    plain = (text and re.sub(r"TypeAliasForwardRef\('(?:npt\.)?(\w+)'\)", r"\1", text) for text in (signature, returns))
+    return next(plain), next(plain)
+
+
+def setup(app: Sphinx) -> None:
+    app.connect("autodoc-process-signature", _plain_names)

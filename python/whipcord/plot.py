@@ -123,6 +123,8 @@ def _equal(axes: Any) -> None:
     """One scale for all directions, with room for everything that is drawn."""
     from matplotlib.ticker import MultipleLocator
 
+    # Of everything, not of what was there when limits were set before.
+    axes.autoscale()
     limits = np.array([getattr(axes, f"get_{name}lim3d")() for name in "xyz"])
     middle, extent = limits.mean(axis=1), np.ptp(limits, axis=1)
     # A thin box has no room for the numbers on its edges.
