@@ -313,6 +313,12 @@ def test_pictures_show_what_they_are_of(case: whipcord.Case) -> None:
     assert len(rest) == 11
     axes = whipcord.plot.compare(solution, case.solve(model="four-bar"), labels=["a", "b"])
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["a", "b"]
+    # What is drawn later is inside as well.
+    straight = case.solve(tension=[0.0])
+    axes = whipcord.plot.compare(solution, straight)
+    for name, tips in zip("xyz", 1e3 * np.array([solution.tip, straight.tip]).T):
+        low, high = getattr(axes, f"get_{name}lim3d")()
+        assert low < tips.min() and tips.max() < high
     with pytest.raises(whipcord.InputError, match="choose matplotlib or pyvista"):
         solution.plot(backend="gnuplot")
     pyplot.close("all")

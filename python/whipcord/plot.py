@@ -123,10 +123,10 @@ def _equal(axes: Any) -> None:
     """One scale for all directions, with room for everything that is drawn."""
     from matplotlib.ticker import MultipleLocator
 
-    # Of everything, not of what was there when limits were set before.
-    axes.autoscale()
-    limits = np.array([getattr(axes, f"get_{name}lim3d")() for name in "xyz"])
-    middle, extent = limits.mean(axis=1), np.ptp(limits, axis=1)
+    # Limits that were set for an earlier answer do not follow what is drawn; its extent does.
+    flat, high = axes.xy_dataLim, axes.zz_dataLim
+    limits = np.array([flat.intervalx, flat.intervaly, high.intervalx])
+    middle, extent = limits.mean(axis=1), 1.04 * np.ptp(limits, axis=1)
     # A thin box has no room for the numbers on its edges.
     extent = np.maximum(extent, 0.35 * extent.max())
     for name, at, width in zip("xyz", middle, extent):
@@ -136,7 +136,7 @@ def _equal(axes: Any) -> None:
     # Beyond the numbers, also on the axes of small and of tall boxes.
     axes.xaxis.labelpad, axes.yaxis.labelpad, axes.zaxis.labelpad = 6, 8, 14
     # So far away that the labels of a tall robot are inside the picture.
-    axes.set_box_aspect(extent, zoom=0.84)
+    axes.set_box_aspect(extent, zoom=0.8)
 
 
 def _step(extent: float) -> float:
