@@ -16,7 +16,7 @@ from .solution import rotation
 if TYPE_CHECKING:
     from .case import Case
 
-__all__ = ["Arrays", "Problem"]
+__all__ = ["Arrays", "Problem", "SolverBase"]
 
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -214,3 +214,37 @@ class Problem:
         place = tuple(int(i) for i in np.unravel_index(rows[first], lead))
         row = place[0] if len(place) == 1 else place
         raise type(error)(f"row {row}: {error}", **{**vars(error), "row": row})
+
+
+class SolverBase:
+    """What a solver is, whichever framework it is called from."""
+
+    def __init__(
+        self,
+        case: Case,
+        *,
+        parameters: Sequence[str] = (),
+        actuation: Literal["tension", "shortening"] = "tension",
+        model: ModelLike = "cosserat",
+        stations: StationsLike = None,
+        on_failure: Literal["raise", "flag"] = "raise",
+    ) -> None:
+        self._problem = Problem(case, parameters, actuation, model, stations, on_failure)
+
+    @property
+    def case(self) -> Case:
+        """The case."""
+        return self._problem.case
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Paths of the parameters."""
+        return self._problem.parameters
+
+    @property
+    def arc_length(self) -> Array:
+        """(n,) arc lengths of the stations in m."""
+        return self._problem.arc_length
+
+    def __repr__(self) -> str:
+        return f"<Solver of {self.case.title!r} by {self._problem.actuation} and {list(self.parameters)}>"

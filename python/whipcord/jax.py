@@ -19,9 +19,9 @@ processor. Needs the package jax (``pip install "whipcord[jax]"``) and its 64-bi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -32,12 +32,8 @@ try:
 except ImportError as error:
     raise ImportError('whipcord.jax needs the package jax: pip install "whipcord[jax]"') from error
 
-from ._differentiable import Problem
+from ._differentiable import Problem, SolverBase
 from .errors import InputError
-from .models import ModelLike, StationsLike
-
-if TYPE_CHECKING:
-    from .case import Case
 
 __all__ = ["Answer", "Solver"]
 
@@ -62,7 +58,7 @@ class Answer(NamedTuple):
         return self.position[..., -1, :]
 
 
-class Solver:
+class Solver(SolverBase):
     """A case as a function of its commands and of chosen parameters.
 
     Parameters
@@ -89,37 +85,10 @@ class Solver:
     (100, 37, 3)
     """
 
-    def __init__(
-        self,
-        case: Case,
-        *,
-        parameters: Sequence[str] = (),
-        actuation: Literal["tension", "shortening"] = "tension",
-        model: ModelLike = "cosserat",
-        stations: StationsLike = None,
-        on_failure: Literal["raise", "flag"] = "raise",
-    ) -> None:
-        self._problem = Problem(case, parameters, actuation, model, stations, on_failure)
-
-    @property
-    def case(self) -> Case:
-        """The case."""
-        return self._problem.case
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Paths of the parameters."""
-        return self._problem.parameters
-
     @property
     def values(self) -> npt.NDArray[np.float64]:
         """(p,) the values of the parameters in the case: where an optimisation may start."""
         return self._problem.values.copy()
-
-    @property
-    def arc_length(self) -> npt.NDArray[np.float64]:
-        """(n,) arc lengths of the stations in m."""
-        return self._problem.arc_length
 
     def __call__(self, commands: Any, parameters: Any = None) -> Answer:
         """Solves.
@@ -147,9 +116,6 @@ class Solver:
             return Answer(*map(jnp.asarray, self._problem.solve(commands, parameters)))
         rowwise = jnp.vectorize(partial(_solve, self._problem), signature="(c),(p)->(n,i),(n,j,k),(c),(c),()")
         return Answer(*rowwise(commands, parameters))
-
-    def __repr__(self) -> str:
-        return f"<Solver of {self.case.title!r} by {self._problem.actuation} and {list(self.parameters)}>"
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))

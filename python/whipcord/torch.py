@@ -17,11 +17,9 @@ torch.Size([1])
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 try:
     import torch
@@ -29,11 +27,7 @@ try:
 except ImportError as error:
     raise ImportError('whipcord.torch needs the package torch: pip install "whipcord[torch]"') from error
 
-from ._differentiable import Problem
-from .models import ModelLike, StationsLike
-
-if TYPE_CHECKING:
-    from .case import Case
+from ._differentiable import Problem, SolverBase
 
 __all__ = ["Answer", "Solver"]
 
@@ -58,7 +52,7 @@ class Answer(NamedTuple):
         return self.position[..., -1, :]
 
 
-class Solver:
+class Solver(SolverBase):
     """A case as a function of its commands and of chosen parameters.
 
     Parameters
@@ -84,37 +78,10 @@ class Solver:
     torch.Size([100, 37, 3])
     """
 
-    def __init__(
-        self,
-        case: Case,
-        *,
-        parameters: Sequence[str] = (),
-        actuation: Literal["tension", "shortening"] = "tension",
-        model: ModelLike = "cosserat",
-        stations: StationsLike = None,
-        on_failure: Literal["raise", "flag"] = "raise",
-    ) -> None:
-        self._problem = Problem(case, parameters, actuation, model, stations, on_failure)
-
-    @property
-    def case(self) -> Case:
-        """The case."""
-        return self._problem.case
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Paths of the parameters."""
-        return self._problem.parameters
-
     @property
     def values(self) -> torch.Tensor:
         """(p,) the values of the parameters in the case: where an optimisation may start."""
         return torch.tensor(self._problem.values)
-
-    @property
-    def arc_length(self) -> npt.NDArray[np.float64]:
-        """(n,) arc lengths of the stations in m."""
-        return self._problem.arc_length
 
     def __call__(self, commands: torch.Tensor, parameters: torch.Tensor | None = None) -> Answer:
         """Solves.
@@ -131,9 +98,6 @@ class Solver:
         arguments = (torch.as_tensor(value).to("cpu", torch.float64) for value in (commands, given))
         answer = _Solve.apply(self._problem, *arguments)
         return Answer(*(part.to(torch.as_tensor(commands).device) for part in answer))
-
-    def __repr__(self) -> str:
-        return f"<Solver of {self.case.title!r} by {self._problem.actuation} and {list(self.parameters)}>"
 
 
 class _Solve(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
