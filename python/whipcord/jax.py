@@ -1,8 +1,8 @@
 """The solve as a differentiable function for JAX.
 
-Its gradients are the exact derivatives of the answer, not differences. It goes through ``jax.jit``,
-``jax.vmap`` and reverse differentiation (``jax.grad``, ``jax.vjp``, ``jax.jacrev``); the mechanics run on the
-processor. Needs the package jax (``pip install "whipcord[jax]"``) and its 64-bit mode.
+Its gradients are the exact derivatives of the answer, not differences. It goes through ``jax.jit``, ``jax.vmap`` and
+reverse differentiation of first order (``jax.grad``, ``jax.vjp``, ``jax.jacrev``); the mechanics run on the processor. Needs
+the package jax (``pip install "whipcord[jax]"``) and its 64-bit mode.
 
 >>> import jax
 >>> import jax.numpy as jnp

@@ -1,6 +1,7 @@
 """The solve as a differentiable function for PyTorch.
 
-Its gradients are the exact derivatives of the answer, not differences. Computed in float64 on the processor;
+Its gradients are the exact derivatives of the answer, not differences, of first order, by ``backward`` and
+``torch.autograd``; ``torch.func`` cannot see through it. Computed in float64 on the processor;
 other tensors are converted, and their gradients come back in their own type and on their own device. Needs the
 package torch (``pip install "whipcord[torch]"``).
 
