@@ -71,8 +71,7 @@ fn cosserat(model: &Model, file: &CaseFile, flag: &str) -> Result<Cosserat, Fail
 pub fn trace_text(events: &[TraceEvent], style: Style) -> String {
     if events.is_empty() {
         return String::from(
-            "no iterations under load: without load every section stands for itself, and how the tensions \
-             are found that given lengths take is not traced\n",
+            "no iterations: without load, and with the tensions given, every section stands for itself\n",
         );
     }
     let mut table = Table::new([

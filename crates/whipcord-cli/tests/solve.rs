@@ -171,11 +171,14 @@ fn iterations_are_shown_on_standard_error() {
         settings.bind(|| insta::assert_snapshot!("trace", text.stderr));
     });
     let unloaded = run(&["solve", CASE_3, "--trace"]);
-    assert!(
-        unloaded.stderr.contains("no iterations under load: without load"),
-        "{}",
-        unloaded.stderr
-    );
+    assert!(unloaded.stderr.contains("no iterations: without load"), "{}", unloaded.stderr);
+
+    let by_length = run(&["solve", CASE_3, "--trace", "--json", "--actuation", "shortening"]);
+    let json: Value = serde_json::from_str(&by_length.stdout).unwrap();
+    let last = json["trace"].as_array().unwrap().last().unwrap();
+    assert_eq!(last["stage"], "lengths");
+    assert!(last["residual"].as_f64() < Some(1e-12), "{last}");
+    assert_eq!(last["tensions"][0], json["cables"][0]["tension"]);
 
     let disks = run(&["solve", &file, "--trace", "--json", "--model", "cosserat-disks"]);
     let json: Value = serde_json::from_str(&disks.stdout).unwrap();

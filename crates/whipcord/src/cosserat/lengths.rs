@@ -27,6 +27,19 @@ pub(crate) trait Responds {
     fn lengths(&self) -> &[f64];
     /// `∂ℓᵢ/∂τⱼ` by rows in m/N.
     fn length_by_tension(&self) -> &[f64];
+    /// Is told of each iteration that led to these tensions.
+    fn note(&mut self, note: &Note, tensions: &[f64]);
+}
+
+/// An iteration.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Note {
+    /// Its number, from 1 on.
+    pub iteration: usize,
+    /// Largest length left over, relative to the backbone's length.
+    pub residual: f64,
+    /// Fraction of the step that was taken.
+    pub step: f64,
 }
 
 /// Why no tensions were found.
@@ -259,6 +272,8 @@ pub(crate) fn attempt(
                 break;
             }
         }
+        let left = residual_of(commands, tensions, rod.lengths()) / length;
+        rod.note(&Note { iteration: iteration + 1, residual: left, step: fraction }, tensions);
         if folded {
             blocked += 1;
         } else if fraction < 0.1 {

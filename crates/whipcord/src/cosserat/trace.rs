@@ -1,5 +1,6 @@
 //! A record of the iterations, for who asks for it.
 
+use super::lengths::Note;
 use super::model::{Cosserat, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
@@ -8,6 +9,8 @@ use crate::shape::Solution;
 /// Where in a solve an iteration belongs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stage {
+    /// Finding the tensions that given cable lengths take, eq. (6) of the theory.
+    Lengths,
     /// All of the load at once from the rod without load.
     #[default]
     Cold,
@@ -19,14 +22,14 @@ pub enum Stage {
     ArcLength,
 }
 
-/// One iteration of Newton's method on equilibrium under load.
+/// One iteration of Newton's method: on equilibrium under load, or on the tensions that given lengths take.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceEvent {
     /// Where it belongs.
     pub stage: Stage,
     /// Integration steps of the grid from base to tip.
     pub steps: usize,
-    /// Fraction of the given load.
+    /// Fraction of the given load; 0 for the robot without load.
     pub load: f64,
     /// Number of the iteration, from 1 on at each start.
     pub iteration: usize,
@@ -49,9 +52,8 @@ pub(crate) struct Trace {
 }
 
 impl Cosserat {
-    /// [`Cosserat::solve`], with a record of the iterations under load, whether they lead to an answer
-    /// or not. Without load every section stands for itself and there is nothing to record; the search
-    /// for the tensions that given lengths then take, eq. (6) of the theory, is not recorded either.
+    /// [`Cosserat::solve`], with a record of the iterations, whether they lead to an answer or not. Without
+    /// load, and with the tensions given, every section stands for itself and there is nothing to record.
     pub fn solve_traced(
         &self,
         case: &Case,
@@ -86,6 +88,7 @@ impl Stage {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Lengths => "lengths",
             Self::Cold => "cold",
             Self::Warm => "warm",
             Self::LoadSteps => "load steps",
@@ -95,6 +98,13 @@ impl Stage {
 }
 
 impl Trace {
+    /// Of the search for the tensions that given lengths take.
+    pub fn of_lengths(&mut self, load: f64, note: &Note, tensions: &[f64]) {
+        let stage = core::mem::replace(&mut self.stage, Stage::Lengths);
+        self.iteration(note.iteration, load, note.residual, note.step, tensions);
+        self.stage = stage;
+    }
+
     #[inline]
     pub fn iteration(
         &mut self,

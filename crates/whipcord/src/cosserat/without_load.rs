@@ -2,10 +2,11 @@
 
 use super::command::Command;
 use super::grid::Grid;
-use super::lengths::{self, Effort, Given, LengthFault, Responds};
+use super::lengths::{self, Effort, Given, LengthFault, Note, Responds};
 use super::outcome::{Failure, Found};
 use super::section::SectionFault;
 use super::statics::{Problem, Scratch};
+use super::trace::Trace;
 use super::unloaded::{Fault, Unloaded};
 use crate::shape::Wrench;
 
@@ -39,9 +40,9 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
         let borne = borne_fraction(problem.grid, tensions, unloaded);
         return Err(section_failure(fault, &scratch.tensions, borne));
     }
-    let Scratch { unloaded, tensions, length_scratch, .. } = &mut *scratch;
+    let Scratch { unloaded, tensions, length_scratch, trace, .. } = &mut *scratch;
     let given = Given { length: problem.length, commands, bracket: problem.bracket };
-    let mut rod = Sections { grid: problem.grid, unloaded };
+    let mut rod = Sections { grid: problem.grid, unloaded, trace };
     lengths::solve(&given, tensions, &mut rod, length_scratch).map_err(|fault| match fault {
         LengthFault::Section(fault) => section_failure(fault, &scratch.tensions, 0.0),
         LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
@@ -54,6 +55,7 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
 struct Sections<'a> {
     grid: &'a Grid,
     unloaded: &'a mut Unloaded,
+    trace: &'a mut Trace,
 }
 
 impl Responds for Sections<'_> {
@@ -67,6 +69,10 @@ impl Responds for Sections<'_> {
 
     fn length_by_tension(&self) -> &[f64] {
         &self.unloaded.length_by_tension
+    }
+
+    fn note(&mut self, note: &Note, tensions: &[f64]) {
+        self.trace.of_lengths(0.0, note, tensions);
     }
 }
 

@@ -164,9 +164,8 @@ impl CosseratDisks {
         self.solve_last(&steps, start, workspace)
     }
 
-    /// [`CosseratDisks::solve`], with a record of the iterations under load, whether they lead to an answer
-    /// or not. Without load every span stands for itself and there is nothing to record; the search for
-    /// the tensions that given lengths then take is not recorded either.
+    /// [`CosseratDisks::solve`], with a record of the iterations, whether they lead to an answer or not. Without
+    /// load, and with the tensions given, every span stands for itself and there is nothing to record.
     pub fn solve_traced(
         &self,
         case: &Case,

@@ -12,7 +12,7 @@ use super::stays::{compliance_scale, turns};
 use super::unloaded::{self, Unloaded};
 use crate::cosserat::command::Command;
 use crate::cosserat::continuation::PATH_ENDS;
-use crate::cosserat::lengths::{self, Effort, Given, LengthFault, LengthScratch, Responds};
+use crate::cosserat::lengths::{self, Effort, Given, LengthFault, LengthScratch, Note, Responds};
 use crate::cosserat::loads::AppliedLoads;
 use crate::cosserat::outcome::{Failure, Found};
 use crate::cosserat::section::SectionFault;
@@ -422,5 +422,12 @@ impl Responds for Rod<'_> {
 
     fn length_by_tension(&self) -> &[f64] {
         &self.scratch.length_by_tension
+    }
+
+    fn note(&mut self, note: &Note, tensions: &[f64]) {
+        let load = if self.loaded { 1.0 } else { 0.0 };
+        let trace = &mut self.scratch.chain.trace;
+        trace.steps = self.problem.mesh.grid.len();
+        trace.of_lengths(load, note, tensions);
     }
 }
