@@ -109,7 +109,10 @@ impl FromStr for Parameter {
             ("disks.hole_circle_radius", []) => Self::HoleRadius,
             ("disks.hole_circle_radius[]", &[disk]) => Self::HoleRadiusAt { disk },
             ("angle of cables[].holes[]", &[cable, disk]) => Self::HoleAngle { cable, disk },
-            ("cables[].routing.angle", &[cable]) => Self::Angle { cable },
+            // Robot files call that of a helix by where it is.
+            ("cables[].routing.angle" | "cables[].routing.start_angle", &[cable]) => {
+                Self::Angle { cable }
+            }
             ("cables[].routing.radius", &[cable]) => Self::Radius { cable },
             ("cables[].routing.turns", &[cable]) => Self::Turns { cable },
             ("cables[].routing.start[]", &[cable, axis]) => Self::Start { cable, axis },
@@ -209,6 +212,7 @@ mod tests {
         for parameter in all {
             assert_eq!(parameter.to_string().parse(), Ok(parameter), "{parameter}");
         }
+        assert_eq!("cables[1].routing.start_angle".parse(), Ok(Parameter::Angle { cable: 1 }));
         for wrong in ["", "backbone", "cables[].routing.radius", "cables[x].routing.radius", "[1]"]
         {
             assert_eq!(wrong.parse::<Parameter>(), Err(UnknownParameter(wrong.to_owned())));
