@@ -71,7 +71,8 @@ fn cosserat(model: &Model, file: &CaseFile, flag: &str) -> Result<Cosserat, Fail
 pub fn trace_text(events: &[TraceEvent], style: Style) -> String {
     if events.is_empty() {
         return String::from(
-            "no iterations: without load, and with the tensions given, every section stands for itself\n",
+            "no iterations on the robot as a whole: without load, and with the tensions given, every section \
+             is solved by itself\n",
         );
     }
     let mut table = Table::new([

@@ -27,7 +27,10 @@ pub fn table<'a>(steps: impl ExactSizeIterator<Item = &'a Solution>) -> Option<T
                 continue;
             };
             any = true;
-            let mut row = vec![cable.name.clone(), newtons(base), newtons(end), holes(cable)];
+            // Friction holds a share of what pulls: of nothing it holds nothing, up to rounding.
+            let (end, holes) =
+                if base == 0.0 { (0.0, "slack".to_owned()) } else { (end, holes(cable)) };
+            let mut row = vec![cable.name.clone(), newtons(base), newtons(end), holes];
             if several {
                 row.insert(0, (i + 1).to_string());
             }

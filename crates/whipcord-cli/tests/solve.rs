@@ -171,7 +171,11 @@ fn iterations_are_shown_on_standard_error() {
         settings.bind(|| insta::assert_snapshot!("trace", text.stderr));
     });
     let unloaded = run(&["solve", CASE_3, "--trace"]);
-    assert!(unloaded.stderr.contains("no iterations: without load"), "{}", unloaded.stderr);
+    assert!(
+        unloaded.stderr.contains("no iterations on the robot as a whole: without load"),
+        "{}",
+        unloaded.stderr
+    );
 
     let by_length = run(&["solve", CASE_3, "--trace", "--json", "--actuation", "shortening"]);
     let json: Value = serde_json::from_str(&by_length.stdout).unwrap();

@@ -143,6 +143,19 @@ fn discrete_holes_yield_too() {
     assert!((y(&ours) / y(&exact) - 1.0).abs() < 0.1, "{} {}", y(&ours), y(&exact));
 }
 
+/// A column beyond Euler's load, π² EI/4L² = 0.333 N, yields against the force that pushes it.
+#[test]
+fn an_unstable_robot_yields_the_wrong_way() {
+    let scratch = Scratch::new();
+    let column = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\nyoung_modulus = \"1.1 GPa\"\n\
+                  poisson_ratio = 0.3\n[disks]\ncount = 10\n[loads]\ntip_force = [0, 0, -0.35]\n";
+    let file = scratch.write("column.toml", column);
+    let text = succeed(&["stiffness", &file]);
+    let axes: Vec<_> = text.lines().filter(|line| line.starts_with("along ")).collect();
+    assert!(axes.iter().any(|line| line.contains(")  -")), "{text}");
+    assert!(!axes.iter().any(|line| line.ends_with(" 0 mm/N")), "{text}");
+}
+
 #[test]
 fn a_turned_base_is_said_to_be_so() {
     const WALL: &str = "examples/wall-mounted-arm.toml";

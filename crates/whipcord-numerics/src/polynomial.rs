@@ -1,7 +1,5 @@
 //! Piecewise cubic interpolation.
 
-use crate::DenseLu;
-
 /// Why no interpolant exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CubicError {
@@ -118,36 +116,33 @@ fn parabola_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
 }
 
 /// Slopes from the continuity of the second derivative inside and of the third next to the ends
-/// (de Boor, A Practical Guide to Splines, ch. IV).
+/// (de Boor, A Practical Guide to Splines, ch. IV), at four knots or more. The system is tridiagonal, and
+/// from the second row on each pivot exceeds what stands beside it: it needs no exchange of rows.
 fn not_a_knot_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     let n = x.len();
     let h: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
     let d: Vec<f64> = (0..n - 1).map(|i| (y[i + 1] - y[i]) / h[i]).collect();
-    let mut a = vec![0.0; n * n];
-    let mut slopes = vec![0.0; n];
-    for i in 1..n - 1 {
-        a[i * n + i - 1] = h[i];
-        a[i * n + i] = 2.0 * (h[i - 1] + h[i]);
-        a[i * n + i + 1] = h[i - 1];
-        slopes[i] = 3.0 * (h[i] * d[i - 1] + h[i - 1] * d[i]);
-    }
     let (h0, h1) = (h[0], h[1]);
-    a[0] = h1;
-    a[1] = h0 + h1;
-    slopes[0] = ((h0 + 2.0 * (h0 + h1)) * h1 * d[0] + h0 * h0 * d[1]) / (h0 + h1);
-    let (hl, hk) = (h[n - 2], h[n - 3]);
-    a[(n - 1) * n + n - 2] = hl + hk;
-    a[(n - 1) * n + n - 1] = hk;
-    slopes[n - 1] = (hl * hl * d[n - 3] + (2.0 * (hl + hk) + hl) * hk * d[n - 2]) / (hl + hk);
-    let mut lu = DenseLu::default();
-    // The rows are those of the not-a-knot system, which is non-singular for increasing knots; only
-    // spacings that differ by 10^16 could make it numerically singular, and then the secants serve.
-    if lu.factor(n, &a).is_ok() {
-        lu.solve(&mut slopes);
-        slopes
-    } else {
-        pchip_slopes(x, y)
+    let (hk, hl) = (h[n - 3], h[n - 2]);
+    let mut slopes = vec![0.0; n];
+    // What stands to the right of each pivot, over it.
+    let mut right = vec![0.0; n];
+    right[0] = (h0 + h1) / h1;
+    slopes[0] = ((h0 + 2.0 * (h0 + h1)) * h1 * d[0] + h0 * h0 * d[1]) / (h0 + h1) / h1;
+    for i in 1..n - 1 {
+        let pivot = 2.0 * (h[i - 1] + h[i]) - h[i] * right[i - 1];
+        right[i] = h[i - 1] / pivot;
+        let wanted = 3.0 * (h[i] * d[i - 1] + h[i - 1] * d[i]);
+        slopes[i] = (wanted - h[i] * slopes[i - 1]) / pivot;
     }
+    let wanted = (hl * hl * d[n - 3] + (2.0 * (hl + hk) + hl) * hk * d[n - 2]) / (hl + hk);
+    let pivot = hk - (hl + hk) * right[n - 2];
+    slopes[n - 1] = (wanted - (hl + hk) * slopes[n - 2]) / pivot;
+    for i in (0..n - 1).rev() {
+        slopes[i] -= right[i] * slopes[i + 1];
+    }
+    // Only knots whose spacings differ by 10^16 leave no pivot; then the secants serve.
+    if slopes.iter().all(|slope| slope.is_finite()) { slopes } else { pchip_slopes(x, y) }
 }
 
 fn pchip_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {

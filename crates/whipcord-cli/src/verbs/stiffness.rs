@@ -378,11 +378,12 @@ fn axes(compliance: &Matrix6) -> String {
     ];
     for (way, block, shown, per_load, per_motion) in kinds {
         let axes = principal_axes(&compliance.blocks[block][block]);
+        let largest = axes.values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         for (value, direction) in axes.values.iter().zip(axes.directions) {
-            let yields = value * shown;
-            // What rounding leaves of a direction that does not yield is nothing.
-            let least = 1e-9 * axes.values[2] * shown;
-            let (yields, stiffness) = if yields > least {
+            // What rounding leaves of a direction that does not yield is nothing; an unstable robot yields
+            // the wrong way.
+            let (yields, stiffness) = if value.abs() > 1e-9 * largest {
+                let yields = value * shown;
                 (yields, format!(", {} {per_motion}", number(1.0 / yields, 4)))
             } else {
                 (0.0, String::new())
