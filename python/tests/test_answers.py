@@ -22,14 +22,17 @@ def test_an_answer_has_the_shapes_of_the_contract(case: whipcord.Case) -> None:
     assert solution.disks.position.shape == (10, 3)
     assert solution.tension.tolist() == [2.0]
     assert case.solve(stations=[0.0, 0.05, 0.18]).position.shape == (3, 3)
+    assert np.array_equal(case.solve(tension=[2.0], stations=np.int64(37)).position, solution.position)
     turned = solution.rotation @ solution.rotation.transpose(0, 2, 1)
     assert np.allclose(turned, np.eye(3), atol=1e-14)
 
 
 def test_all_ways_to_give_a_command_are_one(case: whipcord.Case) -> None:
     position = case.solve(tension=[3.92266]).position
-    for tension in (3.92266, "400 gf", ["400 gf"], (3.92266,), np.array([3.92266]), None):
+    for tension in (3.92266, np.array(3.92266), "400 gf", ["400 gf"], (3.92266,), np.array([3.92266]), None):
         assert np.array_equal(case.solve(tension=tension).position, position)
+        if tension is not None:
+            assert whipcord.Case(case.robot, tension=tension).tension == case.tension
     for tension in (np.array([4]), [4], np.float32(4.0), np.array([4.0, 0.0])[::2]):
         assert case.solve(tension=tension).tension.tolist() == [4.0]
 
@@ -323,3 +326,31 @@ def test_pictures_show_what_they_are_of(case: whipcord.Case) -> None:
         solution.plot(backend="gnuplot")
     pyplot.close("all")
     assert "<svg" in solution.svg()
+
+
+def test_an_unstable_answer_says_so_wherever_it_is_shown(case: whipcord.Case) -> None:
+    import matplotlib.pyplot as pyplot
+
+    # Euler's column at twice its buckling load, straight.
+    rod = Backbone(length=0.18, diameter=0.003, young_modulus=1.1e9, poisson_ratio=0.3)
+    column = Case(Robot(backbone=rod, disks=Disks(count=10)), loads=Loads(tip_force=[0, 0, -0.68]))
+    straight = next(e.solution for e in column.branches().equilibria if not e.stable)
+    assert straight.diagnostics.unstable
+    (text,) = straight.plot().texts
+    assert text.get_text() == "unstable"
+    assert not case.solve().plot().texts
+    legend = whipcord.plot.compare(straight, case.solve(), labels=["a", "b"]).get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == ["a (unstable)", "b"]
+    pyplot.close("all")
+    run = whipcord.Run("cosserat", straight, None, None, None)
+    comparison = whipcord.Comparison(column, [run])
+    assert repr(comparison).endswith(" mm, unstable>")
+    assert comparison.to_pandas()["unstable"].tolist() == [True]
+    assert comparison.to_polars()["unstable"].to_list() == [True]
+    assert whipcord.compare(case).to_pandas()["unstable"].tolist() == [False] * 3
+
+
+def test_a_comparison_without_measurements_is_a_table_of_numbers(case: whipcord.Case) -> None:
+    frame = whipcord.compare(case.replace(loads=Loads(tip_force=[0.1, 0, 0]))).to_pandas()
+    assert frame.dtypes[["x", "distance", "distance_to_measured"]].tolist() == [np.float64] * 3
+    assert np.isnan(frame["distance_to_measured"]).all() and np.isnan(frame.loc["four-bar", "distance"])

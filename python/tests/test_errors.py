@@ -86,7 +86,11 @@ def test_a_robot_is_refused_as_a_whole() -> None:
         (["much"], "does not begin with a number"),
         ([object()], 'a text such as "400 gf", but is a `object`'),
         ([None], "needs `tension` of cable 1"),
-        ({}, "but has 0"),
+        ({}, "must be a list with one number for each cable"),
+        ({"pull": 1}, "must be a list with one number for each cable"),
+        ({3.0}, "must be a list with one number for each cable"),
+        (True, "must be a list with one number for each cable"),
+        (np.array([True]), "must be a list with one number for each cable"),
     ],
 )
 def test_wrong_tensions(case: whipcord.Case, tension: Any, words: str) -> None:
@@ -118,6 +122,14 @@ def test_wrong_options(case: whipcord.Case) -> None:
         ({"stations": 1}, "stations must be a number from 2"),
         ({"stations": [0.5]}, "arc length of a station"),
         ({"stations": []}, "a list of arc lengths"),
+        ({"stations": "5"}, "stations must be a whole number or a list of arc lengths in m"),
+        ({"stations": 37.0}, "stations must be a whole number or a list of arc lengths in m"),
+        ({"stations": ["90 mm"]}, "stations must be a whole number or a list of arc lengths in m"),
+        ({"model": 3}, "model must be one of cosserat"),
+        ({"model": whipcord.models.Cosserat(steps="x")}, "has a wrong type"),
+        ({"start": 3}, "start must be a Solution, but is 3"),
+        ({"shortening": [0.01], "length": [0.17]}, "either the length or the shortening of cable pull"),
+        ({"length": [[1]]}, "length must be a list of numbers in m"),
         ({"actuation": "force"}, "choose tension or shortening"),
         ({"model": whipcord.models.Cosserat(steps=0)}, "greater than zero"),
         ({"model": whipcord.models.FourBar(chord="bow")}, "there is no chord `bow`"),
@@ -129,6 +141,11 @@ def test_wrong_options(case: whipcord.Case) -> None:
         case.solve_batch([[1.0]], threads=0)
     with pytest.raises(InputError, match=r"there is no parameter `backbone\.colour`"):
         case.differentiate(parameters=["backbone.colour"])
+    with pytest.raises(InputError, match="threads must be a whole number"):
+        case.solve_batch([[1.0]], threads=2.5)  # type: ignore[arg-type]
+    for call in (case.differentiate, case.pull_back_batch):
+        with pytest.raises(InputError, match=r"a list of paths, but is 'backbone\.diameter'"):
+            call(parameters="backbone.diameter")
     with pytest.raises(InputError, match="not to four-bar"):
         case.differentiate(model="four-bar")
 
@@ -175,3 +192,86 @@ def test_a_case_is_checked_when_it_is_made(case: whipcord.Case) -> None:
         Case(case.robot, tension=[1, 2])
     with pytest.raises(InputError, match="beyond the tip at"):
         Case(case.robot, tension=[1], loads=Loads(point=[whipcord.PointLoad(at=1, force=[1, 0, 0])]))
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda case: Case(3), "robot must be a Robot, but is 3"),
+        (lambda case: Case(case.robot, loads=3), "loads must be a Loads, but is 3"),
+        (lambda case: Case(case.robot, loads=Disks(count=3)), "loads must be a Loads, but is Disks(count=3)"),
+        (lambda case: Case(case.robot, steps=whipcord.Step(tension=[1])), "steps must be a list of Step"),
+        (lambda case: Case(case.robot, steps=[3]), "steps[0] must be a Step, but is 3"),
+        (lambda case: Robot(backbone=3, disks=case.robot.disks), "backbone must be a Backbone, but is 3"),
+        (lambda case: case.robot.replace(cables=case.robot.cables[0]), "cables must be a list of Cable"),
+        (lambda case: Loads(point=[3]), "point[0] must be a PointLoad, but is 3"),
+        (lambda case: case.robot.backbone.replace(section=3), "section must be a Section, but is 3"),
+        (lambda case: case.robot.cables[0].replace(routing=3), "routing must be a Routing, but is 3"),
+        (lambda case: whipcord.compare(case.robot), "case must be a Case"),
+        (lambda case: whipcord.compare(case, by=["x"]), "there is no model `x`"),
+        (lambda case: whipcord.compare(case, by="cosserat"), "by must be a list of models"),
+        (lambda case: whipcord.solve_cases(case), "cases must be a list of cases"),
+        (lambda case: whipcord.solve_cases([3]), "cases must be a list of cases"),
+        (lambda case: whipcord.plot.compare(), "there is no answer to draw"),
+        (lambda case: whipcord.plot.compare(case.solve(), labels=["a", "b"]), "labels must be one for each"),
+        (lambda case: case.solve().rms_distance(3), "other must be a Solution"),
+    ],
+)
+def test_what_is_no_part_of_this_is_refused_in_terms_of_python(
+    case: whipcord.Case, call: Any, words: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        call(case)
+    assert words in str(caught.value)
+    assert "line of its own" not in str(caught.value)
+
+
+def test_robots_with_other_disks_have_no_distance(case: whipcord.Case) -> None:
+    fewer = case.robot.replace(
+        disks=case.robot.disks.replace(count=7), cables=[Cable(name="a", holes=[1] * 7)]
+    )
+    with pytest.raises(InputError, match="a robot with 10 disks has no distance to one with 7"):
+        case.solve().rms_distance(Case(fewer, tension=[1.0]).solve())
+
+
+def test_what_is_pulled_back_and_where(case: whipcord.Case) -> None:
+    _, derivatives = case.differentiate()
+    for weights in ("abc", np.ones(3), np.ones((9, 3))):
+        with pytest.raises(InputError, match="position must"):
+            derivatives.pull_back(position=weights)  # type: ignore[arg-type]
+    assert np.array_equal(derivatives.compliance(-1), derivatives.compliance(9))
+    assert np.array_equal(derivatives.compliance(np.int64(-10)), derivatives.compliance(0))
+    for at, words in ((-11, "no station -11"), (10, "no station 10"), (1.5, "at must be the number")):
+        with pytest.raises(InputError, match=words):
+            derivatives.compliance(at)  # type: ignore[arg-type]
+
+
+def test_a_file_that_cannot_be_written_is_named(case: whipcord.Case, tmp_path: Path) -> None:
+    path = tmp_path / "none" / "a"
+    for write in (case.save, case.robot.save, case.solve().to_csv):
+        with pytest.raises(FileNotFoundError) as caught:
+            write(path)
+        assert str(path) in str(caught.value)
+
+
+def test_a_package_that_is_not_installed_is_named(
+    case: whipcord.Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import sys
+
+    # What is None there cannot be imported.
+    for name in ("pandas", "polars", "xarray", "pyvista", "tqdm"):
+        for module in [name, *(m for m in sys.modules if m.startswith(f"{name}."))]:
+            monkeypatch.setitem(sys.modules, module, None)  # type: ignore[arg-type]
+    solution = case.solve()
+    comparison = whipcord.compare(case)
+    for name, call in (
+        ("pandas", solution.to_pandas),
+        ("pandas", comparison.to_pandas),
+        ("polars", solution.to_polars),
+        ("xarray", solution.to_xarray),
+        ("pyvista", lambda: solution.plot(backend="pyvista")),
+        ("tqdm", lambda: case.solve_batch([[1.0]], progress=True)),
+    ):
+        with pytest.raises(ModuleNotFoundError, match=f"pip install {name}"):
+            call()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 from pathlib import Path
 
@@ -185,6 +186,12 @@ def test_nothing_changes_in_place(case: whipcord.Case) -> None:
     ):
         with pytest.raises(AttributeError):
             setattr(thing, name, 1)
+    turned = Base(rotation={"axis": [0, 1, 0], "angle": "90 deg"})
+    assert turned.rotation is not None
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        turned.rotation["angle"] = 5.0  # type: ignore[index]
+    for copied in (copy.deepcopy(turned), pickle.loads(pickle.dumps(turned)), turned.replace()):
+        assert copied == turned and hash(copied) == hash(turned)
     with pytest.raises(ValueError, match="read-only"):
         solution.position[0, 0] = 1.0
 

@@ -27,6 +27,7 @@ batch = case.solve_batch(np.ones((10, 2)))
 reveal_type(batch.ok)
 _, derivatives = case.differentiate(parameters=["backbone.young_modulus"])
 reveal_type(derivatives.compliance())
+whipcord.plot.compare(solution, solution).set_title("two")
 try:
     whipcord.load("robot.toml")
 except whipcord.FileError as error:
@@ -53,11 +54,11 @@ def test_an_example_is_typed_strictly(tmp_path: Path) -> None:
 
 def test_wrong_types_are_found(tmp_path: Path) -> None:
     (tmp_path / "wrong.py").write_text(
-        "import whipcord\nwhipcord.Backbone(length=[1])\nwhipcord.load(3)\nwhipcord.Disks(numer=3)\n"
+        "import whipcord\nwhipcord.Backbone(length=[1])\nwhipcord.load(3)\nwhipcord.Disks(numer=3)\nwhipcord.plott\n"
     )
     done = mypy("mypy", "--strict", "wrong.py", cwd=tmp_path)
     lines = [line.split(":")[1] for line in done.stdout.splitlines() if " error: " in line]
-    assert lines == ["2", "3", "4"], done.stdout
+    assert lines == ["2", "3", "4", "5"], done.stdout
 
 
 def test_the_stubs_say_what_the_extension_has(tmp_path: Path) -> None:

@@ -12,6 +12,8 @@ SI units everywhere; wherever a quantity is asked for, a text with a unit such a
 frame of the base has z along the backbone's tangent there; quaternions are (w, x, y, z).
 """
 
+from typing import TYPE_CHECKING
+
 from . import errors, models
 from ._core import VERSION as __version__
 from .batch import Batch, Gradients
@@ -73,10 +75,14 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> object:
-    # Matplotlib takes a second to import, and not everybody draws.
-    if name == "plot":
-        import importlib
+if TYPE_CHECKING:
+    from . import plot
+else:
 
-        return importlib.import_module(".plot", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    def __getattr__(name: str) -> object:
+        # Matplotlib takes a second to import, and not everybody draws.
+        if name == "plot":
+            import importlib
+
+            return importlib.import_module(".plot", __name__)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

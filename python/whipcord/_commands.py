@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._tables import Quantity
 from .errors import InputError
 from .robot import Cable
@@ -16,15 +17,62 @@ Commands = Union[Sequence[Union[Quantity, None]], "npt.NDArray[np.float64]", Qua
 """One value for each cable: in SI or with a unit; None for a cable that is driven otherwise."""
 
 
+def listed(values: Commands | None, name: str) -> list[Any] | None:
+    """The values in the order of the cables, or None where there are none."""
+    if values is None:
+        return None
+    single = isinstance(values, str) or not isinstance(values, Iterable) or getattr(values, "ndim", 1) == 0
+    if isinstance(values, np.ndarray) and values.ndim > 1:
+        # Refused with the right shape where the cables are known.
+        return values  # type: ignore[return-value]
+    given: list[Any] = [values] if single else list(values)  # type: ignore[arg-type]
+    given = [v.item() if isinstance(v, (np.ndarray, np.generic)) and v.ndim == 0 else v for v in given]
+    # The entries of sets and dicts are in no order of the cables.
+    if isinstance(values, (Mapping, Set)) or any(isinstance(value, bool) for value in given):
+        message = f"{name} must be a list with one number for each cable, but is {values!r}"
+        raise InputError(message, path=name)
+    return given
+
+
 def each(values: Commands | None, cables: tuple[Cable, ...], name: str) -> list[Any]:
     """One value for each cable."""
-    if values is None:
+    given = listed(values, name)
+    if given is None:
         return [None] * len(cables)
-    single = isinstance(values, str) or np.ndim(values) == 0  # type: ignore[arg-type]
-    listed: list[Any] = [values] if single else list(values)  # type: ignore[arg-type]
-    if len(listed) != len(cables) or any(isinstance(value, np.ndarray) for value in listed):
+    if len(given) != len(cables) or any(isinstance(value, np.ndarray) for value in given):
         names = ", ".join(cable.name for cable in cables)
         count = f"{len(cables)} {'entry' if len(cables) == 1 else 'entries'}"
         message = f"{name} must have {count}, one for each cable ({names}), but is {values!r}"
         raise InputError(message, path=name)
-    return listed
+    return given
+
+
+def shortening_for(
+    length: Commands, shortening: Commands | None, initial: list[float], cables: tuple[Cable, ...]
+) -> list[Any]:
+    """The shortening of each cable, where some are given by their length."""
+    driven = []
+    for cable, start, long, short in zip(
+        cables, initial, each(length, cables, "length"), each(shortening, cables, "shortening")
+    ):
+        if long is None:
+            driven.append(short)
+            continue
+        if short is not None:
+            message = f"give either the length or the shortening of cable {cable.name}"
+            raise InputError(message, path="length")
+        metres = _core.parse_quantity(long, "length") if isinstance(long, str) else long
+        try:
+            driven.append(start - float(metres))
+        except (TypeError, ValueError):
+            message = f"length must be a list of numbers in m or texts with a unit, but has {long!r}"
+            raise InputError(message, path="length") from None
+    return driven
+
+
+def paths(parameters: Sequence[str]) -> list[str]:
+    """Paths of parameters."""
+    if isinstance(parameters, str) or not all(isinstance(path, str) for path in parameters):
+        message = f"parameters must be a list of paths, but is {parameters!r}"
+        raise InputError(message, path="parameters")
+    return list(parameters)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
+from ._commands import paths
 from .batch import Batch, Gradients
 from .errors import InputError
 from .models import ModelLike, StationsLike
@@ -53,9 +54,6 @@ class Problem:
         stations: StationsLike,
         on_failure: Literal["raise", "flag"],
     ) -> None:
-        if isinstance(parameters, str):
-            message = f"parameters must be a list of paths, but is the text {parameters!r}"
-            raise InputError(message, path="parameters")
         for name, value, choices in (
             ("actuation", actuation, ("tension", "shortening")),
             ("on_failure", on_failure, ("raise", "flag")),
@@ -63,7 +61,7 @@ class Problem:
             if value not in choices:
                 message = f"{name} must be {' or '.join(map(repr, choices))}, but is {value!r}"
                 raise InputError(message, path=name)
-        self.case, self.parameters, self.actuation = case, tuple(parameters), actuation
+        self.case, self.parameters, self.actuation = case, tuple(paths(parameters)), actuation
         self.model, self.stations, self.raises = model, stations, on_failure == "raise"
         self.cables = len(case.robot.cables)
         self.values = np.array([case.parameter(path) for path in self.parameters], dtype=np.float64)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
 from typing import Any, ClassVar, TypeVar, Union
 
 from . import _core
+from .errors import InputError
 
 Quantity = Union[float, str]
 """A number in SI, or a text with a unit such as ``"180 mm"``."""
@@ -23,6 +24,22 @@ def plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     return value
+
+
+def part(value: Any, kind: type[Table], name: str) -> Any:
+    """A part, or a dict with its entries, as a tree; None where it is not given."""
+    if value is None or isinstance(value, (kind, Mapping)):
+        return plain(value)
+    raise InputError(f"{name} must be a {kind.__name__}, but is {value!r}", path=name)
+
+
+def parts(values: Any, kind: type[Table], name: str) -> list[Any] | None:
+    """A list of such parts; None where there are none."""
+    if values is None:
+        return None
+    if isinstance(values, (str, Table, Mapping)) or not isinstance(values, Iterable):
+        raise InputError(f"{name} must be a list of {kind.__name__}, but is {values!r}", path=name)
+    return [part(value, kind, f"{name}[{i}]") for i, value in enumerate(values)] or None
 
 
 @dataclass(frozen=True)
@@ -76,5 +93,10 @@ class Table:
         return type(self)(**{**self._given(), **changes})
 
     def __repr__(self) -> str:
-        entries = ", ".join(f"{key}={value!r}" for key, value in self._given().items())
+        entries = ", ".join(f"{key}={_shown(value)!r}" for key, value in self._given().items())
         return f"{type(self).__name__}({entries})"
+
+
+def _shown(value: Any) -> Any:
+    # A view of a dict that cannot be changed is no Python when it is shown.
+    return dict(value) if isinstance(value, Mapping) else value

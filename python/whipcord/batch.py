@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property
@@ -11,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._packages import needed
 from .errors import InputError, SolveError
 
 if TYPE_CHECKING:
@@ -145,7 +147,7 @@ class Gradients(_Rows):
         return f"<Gradients of {len(self)} rows: {len(self.failed)} failed>"
 
 
-def _array(values: npt.ArrayLike, name: str, shape: str, dimensions: int) -> Array:
+def numbers(values: npt.ArrayLike, name: str, shape: str, dimensions: int) -> Array:
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "fiu":
@@ -166,7 +168,7 @@ def _rows(case: Case, tension: npt.ArrayLike | None, shortening: npt.ArrayLike |
     name, values = ("tension", tension) if shortening is None else ("shortening", shortening)
     assert values is not None
     cables = len(case.robot.cables)
-    array = _array(values, name, f"(N, {cables}), one column for each cable", 2)
+    array = numbers(values, name, f"(N, {cables}), one column for each cable", 2)
     if array.shape[1] != cables:
         names = ", ".join(cable.name for cable in case.robot.cables)
         message = (
@@ -182,11 +184,7 @@ def _bar(rows: int, show: bool) -> Iterator[Callable[[int], None] | None]:
     if not show:
         yield None
         return
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        raise ImportError("progress=True needs the package tqdm: pip install tqdm") from None
-    with tqdm(total=rows, unit=" shapes", unit_scale=True) as bar:
+    with needed("tqdm.auto").tqdm(total=rows, unit=" shapes", unit_scale=True) as bar:
 
         def update(done: int) -> None:
             bar.update(done - bar.n)
@@ -196,9 +194,15 @@ def _bar(rows: int, show: bool) -> Iterator[Callable[[int], None] | None]:
 
 
 def _threads(threads: int | None) -> int | None:
-    if threads is not None and threads < 1:
+    if threads is None:
+        return None
+    try:
+        count = operator.index(threads)
+    except TypeError:
+        raise InputError(f"threads must be a whole number, but is {threads!r}", path="threads") from None
+    if count < 1:
         raise InputError(f"threads must be at least 1, but is {threads}", path="threads")
-    return threads
+    return count
 
 
 def solve_batch(
@@ -250,7 +254,7 @@ def pull_back_batch(
         if weight is None:
             given.append(None)
             continue
-        array = _array(weight, name, str(shape), len(shape))
+        array = numbers(weight, name, str(shape), len(shape))
         if array.shape != shape:
             message = f"{name} must have the shape {shape}, but has {array.shape}"
             raise InputError(message, path=name)

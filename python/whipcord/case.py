@@ -11,11 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, models
-from ._commands import Commands, each
+from ._commands import Commands, each, listed, paths, shortening_for
+from ._files import write
 from ._html import picture
-from ._tables import Quantity, plain
+from ._tables import Quantity, part, parts, plain
 from .batch import Batch, Gradients, pull_back_batch, solve_batch
 from .derivatives import Derivatives, Place
+from .errors import InputError
 from .loads import Base, Loads, Step
 from .models import ModelLike, StationsLike
 from .published import Measured, Reference
@@ -88,6 +90,8 @@ class Case:
         steps: Sequence[Step] = (),
         title: str = "case",
     ) -> None:
+        if not isinstance(robot, Robot):
+            raise InputError(f"robot must be a Robot, but is {robot!r}", path="robot")
         cables = [plain(cable) for cable in robot.cables]
         for key, values in (("tension", tension), ("shortening", shortening)):
             for cable, value in zip(cables, each(values, robot.cables, key)):
@@ -97,9 +101,9 @@ class Case:
             "backbone": plain(robot.backbone),
             "disks": plain(robot.disks),
             "cables": cables or None,
-            "base": plain(base) or None,
-            "loads": plain(loads) or None,
-            "steps": [plain(step) for step in steps] or None,
+            "base": part(base, Base, "base") or None,
+            "loads": part(loads, Loads, "loads") or None,
+            "steps": parts(steps, Step, "steps"),
         }
         self._keep(_core.Setup.of_tables(tables, "Case"))
 
@@ -210,7 +214,7 @@ class Case:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a robot file, whole or not at all."""
         folder = os.path.dirname(os.path.abspath(path))
-        _core.write_file(os.fspath(path), self._text(folder).encode())
+        write(path, self._text(folder))
 
     def _text(self, folder: str | None) -> str:
         tables = dict(self._tables)
@@ -270,15 +274,10 @@ class Case:
         """
         chosen = models.core(model, stations, actuation)
         if length is not None:
-            shortening = self._shortening(length, chosen)
-        begin = None if start is None else start._answer
-        return Solution._of(self, chosen, self._setup.solve(chosen, tension, shortening, begin), start)
-
-    def _shortening(self, length: Commands, model: _core.Model) -> list[float | None]:
-        initial = self._setup.initial_lengths(model)
-        given = each(length, self.robot.cables, "length")
-        metres = [_core.parse_quantity(v, "length") if isinstance(v, str) else v for v in given]
-        return [None if v is None else long - float(v) for long, v in zip(initial, metres)]
+            initial = self._setup.initial_lengths(chosen)
+            shortening = shortening_for(length, shortening, initial, self.robot.cables)
+        given = listed(tension, "tension"), listed(shortening, "shortening")
+        return Solution._of(self, chosen, self._setup.solve(chosen, *given, _begin(start)), start)
 
     def solve_steps(
         self,
@@ -394,7 +393,7 @@ class Case:
         chosen = models.core(model, stations)
         weights = (position, rotation, cable_tension, cable_length)
         return pull_back_batch(
-            self, chosen, tension, shortening, list(parameters), weights, threads, progress
+            self, chosen, tension, shortening, paths(parameters), weights, threads, progress
         )
 
     def differentiate(
@@ -424,10 +423,10 @@ class Case:
         ((10, 3, 1), (10, 3, 1))
         """
         chosen = models.core(model, stations, actuation)
-        begin = None if start is None else start._answer
-        answer, inner = _core.derivatives(self._setup, chosen, list(parameters), tension, shortening, begin)
-        solution = Solution._of(self, chosen, answer, start)
-        return solution, Derivatives(inner, tuple(parameters))
+        given = listed(tension, "tension"), listed(shortening, "shortening")
+        asked = paths(parameters)
+        answer, inner = _core.derivatives(self._setup, chosen, asked, *given, _begin(start))
+        return Solution._of(self, chosen, answer, start), Derivatives(inner, tuple(asked))
 
     def stiffness(
         self,
@@ -453,13 +452,15 @@ class Case:
         """
         metres = _core.parse_quantity(at, "length") if isinstance(at, str) else at
         chosen = models.core(model, None, actuation)
-        answer, values = self._setup.local(chosen, metres, tension, shortening)
+        given = listed(tension, "tension"), listed(shortening, "shortening")
+        answer, values = self._setup.local(chosen, metres, *given)
         return Place._of(Solution._of(self, chosen, answer, None), values)
 
     def branches(self, *, tension: Commands | None = None, shortening: Commands | None = None) -> Branches:
         """All equilibria under the load that lie on the path from no load and on the branches off it."""
         chosen = models.core("cosserat")
-        equilibria, points, complete = self._setup.branches(chosen, tension, shortening)
+        given = listed(tension, "tension"), listed(shortening, "shortening")
+        equilibria, points, complete = self._setup.branches(chosen, *given)
         return Branches(
             tuple(
                 Equilibrium(branch, stable, Solution._of(self, chosen, answer, None))
@@ -522,6 +523,12 @@ class Case:
 
     def _repr_html_(self) -> str:
         return picture(_core.svg(self._setup, [], 620.0))
+
+
+def _begin(start: Solution | None) -> _core.Solution | None:
+    if start is None or isinstance(start, Solution):
+        return None if start is None else start._answer
+    raise InputError(f"start must be a Solution, but is {start!r}", path="start")
 
 
 def _unpickled(text: str, measured: Measured | None, reference: Reference | None) -> Case:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from . import _core, models
 from .batch import solve_setups
@@ -47,9 +47,12 @@ def solve_cases(
     >>> [s.bend > 1.1 for s in solve_cases([case.replace(loads=load) for load in forces])]
     [True, True, False]
     """
+    listed = list(cases) if isinstance(cases, Iterable) else None
+    if listed is None or not all(isinstance(case, Case) for case in listed):
+        raise InputError(f"cases must be a list of cases, but is {cases!r}", path="cases")
     chosen = models.core(model, stations, actuation)
-    answers = solve_setups([case._setup for case in cases], chosen, threads, progress)
+    answers = solve_setups([case._setup for case in listed], chosen, threads, progress)
     return [
         Solution._of(case, chosen, answer, None) if isinstance(answer, _core.Solution) else answer
-        for case, answer in zip(cases, answers)
+        for case, answer in zip(listed, answers)
     ]

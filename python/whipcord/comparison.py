@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import models
+from ._packages import needed
 from .case import Case
-from .errors import WhipcordError
+from .errors import InputError, WhipcordError
 from .models import ModelLike
 from .solution import Solution
 
@@ -32,6 +33,11 @@ class Run:
     """RMS distance in m over the disks, without the base disk, to the first model that has an answer."""
     distance_to_measured: float | None
     """RMS distance in m to the disks that were measured, without the base disk."""
+
+    @property
+    def unstable(self) -> bool:
+        """Whether the robot leaves this shape at the slightest disturbance."""
+        return self.solution is not None and self.solution.diagnostics.unstable
 
 
 class Comparison:
@@ -79,22 +85,19 @@ class Comparison:
         return {
             "model": [run.model for run in self.runs],
             **{axis: [float(tip[i]) for tip in tips] for i, axis in enumerate("xyz")},
-            "distance": [run.distance for run in self.runs],
-            "distance_to_measured": [run.distance_to_measured for run in self.runs],
+            "distance": [_number(run.distance) for run in self.runs],
+            "distance_to_measured": [_number(run.distance_to_measured) for run in self.runs],
+            "unstable": [run.unstable for run in self.runs],
             "error": [None if run.error is None else str(run.error) for run in self.runs],
         }
 
     def to_pandas(self) -> Any:
-        """A ``pandas.DataFrame`` with one line for each model; lengths in m."""
-        import pandas
-
-        return pandas.DataFrame(self._columns()).set_index("model")
+        """A ``pandas.DataFrame`` with one line for each model; lengths in m, NaN where there is none."""
+        return needed("pandas").DataFrame(self._columns()).set_index("model")
 
     def to_polars(self) -> Any:
-        """A ``polars.DataFrame`` with one line for each model; lengths in m."""
-        import polars
-
-        return polars.DataFrame(self._columns())
+        """A ``polars.DataFrame`` with one line for each model; lengths in m, NaN where there is none."""
+        return needed("polars").DataFrame(self._columns())
 
     def plot(self, **options: Any) -> Any:
         """Draws the answers; see :func:`whipcord.plot.compare`."""
@@ -110,7 +113,8 @@ class Comparison:
                 continue
             x, y, z = (1e3 * run.solution.tip).tolist()
             apart = "" if run.distance is None else f", {1e3 * run.distance:.3f} mm from the first"
-            lines.append(f"  {run.model:<15} tip ({x:.2f}, {y:.2f}, {z:.2f}) mm{apart}")
+            unstable = ", unstable" if run.unstable else ""
+            lines.append(f"  {run.model:<15} tip ({x:.2f}, {y:.2f}, {z:.2f}) mm{apart}{unstable}")
         return "\n".join(lines) + ">"
 
 
@@ -125,7 +129,18 @@ def compare(case: Case, *, by: Sequence[ModelLike] = models.NAMES) -> Comparison
         The case.
     by
         The models; all of them by default.
+
+    Raises
+    ------
+    InputError
+        For models that there are not.
     """
+    if not isinstance(case, Case):
+        raise InputError(f"case must be a Case, but is {case!r}", path="case")
+    if isinstance(by, str) or not isinstance(by, Iterable):
+        raise InputError(f"by must be a list of models, but is {by!r}", path="by")
+    for model in by:
+        models.core(model)
     runs: list[Run] = []
     first: Solution | None = None
     for model in by:
@@ -139,6 +154,10 @@ def compare(case: Case, *, by: Sequence[ModelLike] = models.NAMES) -> Comparison
         measured = _to_measured(case, solution.disks.position)
         runs.append(Run(_name(model), solution, None, distance, measured))
     return Comparison(case, runs)
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else value
 
 
 def _name(model: ModelLike) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -10,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .batch import numbers
+from .errors import InputError
 
 if TYPE_CHECKING:
     from .solution import Solution
@@ -103,13 +106,30 @@ class Derivatives:
     def compliance(self, at: int | None = None, hold: Hold = "tensions") -> Array:
         """(6, 6) motion of a station, or of the tip, under a dead force in N and moment in N·m on it.
 
-        Rows are translation (x, y, z) in m and rotation in rad, columns force and moment.
+        Rows are translation (x, y, z) in m and rotation in rad, columns force and moment. Stations count from
+        0, and from the end where `at` is negative.
         """
-        return self._inner.compliance(at, hold)
+        return self._inner.compliance(self._station(at), hold)
 
     def stiffness(self, at: int | None = None, hold: Hold = "tensions") -> Array | None:
         """(6, 6) the inverse; None where the place does not yield in every direction."""
-        return self._inner.stiffness(at, hold)
+        return self._inner.stiffness(self._station(at), hold)
+
+    def _station(self, at: int | None) -> int | None:
+        """The number from 0 of a station that is counted from the end where it is negative, as in NumPy."""
+        if at is None:
+            return None
+        try:
+            number = operator.index(at)
+        except TypeError:
+            raise InputError(f"at must be the number of a station, but is {at!r}", path="at") from None
+        if number >= 0:
+            return number
+        stations = len(self.twist_by_command)
+        if number < -stations:
+            message = f"there is no station {number}: they are 0 to {stations - 1}, or -{stations} to -1"
+            raise InputError(message, path="at")
+        return number + stations
 
     def pull_back(
         self,
@@ -143,9 +163,15 @@ class Derivatives:
         >>> bool(np.allclose(gradient.commands[0], derivatives.position_by_command.sum()))
         True
         """
+        given = [
+            ("position", "(n, 3)", position),
+            ("rotation", "(n, 3)", rotation),
+            ("tension", "(c,)", tension),
+            ("length", "(c,)", length),
+        ]
         arrays = [
-            None if values is None else np.ascontiguousarray(values, dtype=np.float64)
-            for values in (position, rotation, tension, length)
+            None if values is None else numbers(values, name, shape, 1 + shape.count("3"))
+            for name, shape, values in given
         ]
         return Gradient(**self._inner.pull_back(hold, *arrays))
 

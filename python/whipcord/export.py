@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ._packages import needed
+
 if TYPE_CHECKING:
     from .batch import Batch
     from .solution import Solution
@@ -44,24 +46,17 @@ def batch_columns(batch: Batch) -> Columns:
 
 def to_pandas(columns: Columns) -> Any:
     """A ``pandas.DataFrame``."""
-    import pandas
-
-    return pandas.DataFrame(columns)
+    return needed("pandas").DataFrame(columns)
 
 
 def to_polars(columns: Columns) -> Any:
     """A ``polars.DataFrame``."""
-    import polars
-
-    return polars.DataFrame(columns)
+    return needed("polars").DataFrame(columns)
 
 
 def to_parquet(columns: Columns, path: str | os.PathLike[str]) -> None:
     """Writes a Parquet file."""
-    import pyarrow
-    import pyarrow.parquet
-
-    pyarrow.parquet.write_table(pyarrow.table(columns), os.fspath(path))
+    needed("pyarrow.parquet").write_table(needed("pyarrow").table(columns), os.fspath(path))
 
 
 AXES = {"axis": ["x", "y", "z"], "component": ["w", "x", "y", "z"]}
@@ -69,8 +64,7 @@ AXES = {"axis": ["x", "y", "z"], "component": ["w", "x", "y", "z"]}
 
 def solution_to_xarray(solution: Solution) -> Any:
     """An ``xarray.Dataset``."""
-    import xarray
-
+    xarray = needed("xarray")
     cables = [cable.name for cable in solution.cables]
     return xarray.Dataset(
         {
@@ -86,8 +80,7 @@ def solution_to_xarray(solution: Solution) -> Any:
 
 def batch_to_xarray(batch: Batch) -> Any:
     """An ``xarray.Dataset``."""
-    import xarray
-
+    xarray = needed("xarray")
     cables = [cable.name for cable in batch.case.robot.cables]
     return xarray.Dataset(
         {

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar
 
-from ._tables import Quantity, Table
+from ._tables import Quantity, Table, parts
 
 __all__ = ["Base", "DistributedLoad", "Loads", "PointLoad", "PointMass", "Step"]
 
@@ -170,9 +171,9 @@ class Loads(Table):
             tip_force=tip_force,
             tip_moment=tip_moment,
             follower=follower,
-            point=point or None,
-            distributed=distributed or None,
-            mass=mass or None,
+            point=parts(point, PointLoad, "point"),
+            distributed=parts(distributed, DistributedLoad, "distributed"),
+            mass=parts(mass, PointMass, "mass"),
         )
 
 
@@ -209,6 +210,15 @@ class Base(Table):
         rotation: Mapping[str, Any] | None = None,
     ) -> None:
         self._set(position=position, orientation=orientation, rotation=rotation)
+
+    def _keep(self, entries: Mapping[str, Any]) -> None:
+        super()._keep(entries)
+        if self.rotation is not None:
+            object.__setattr__(self, "rotation", MappingProxyType(dict(self.rotation)))
+
+    # A view that cannot be changed cannot be pickled.
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Base._of, (self.as_dict(),))
 
     def __hash__(self) -> int:
         turn = self.rotation and tuple(sorted(self.rotation.items()))

@@ -6,15 +6,17 @@ These classes are for other options than the defaults.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from typing import Literal, Union
+from typing import Any, Literal, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .errors import InputError
 
 __all__ = ["NAMES", "Cosserat", "CosseratDisks", "FourBar"]
 
@@ -66,15 +68,38 @@ class FourBar:
 
 ModelLike = Union[str, Cosserat, CosseratDisks, FourBar]
 """A model, by its name or with its options."""
-StationsLike = Union[int, Sequence[float], "npt.NDArray[np.float64]", None]
+StationsLike = Union[int, "np.integer[Any]", Sequence[float], "npt.NDArray[np.float64]", None]
 """How many equally spaced stations, or their arc lengths in m; None for the disks."""
 
 
 def core(model: ModelLike, stations: StationsLike = None, actuation: str | None = None) -> _core.Model:
     """The model as the extension knows it."""
-    if stations is not None and not isinstance(stations, int):
-        stations = tuple(np.asarray(stations, dtype=float).ravel().tolist())
-    return _core_model(model, stations, actuation)
+    if not isinstance(model, (str, Cosserat, CosseratDisks, FourBar)):
+        message = f"model must be one of {', '.join(NAMES)}, or a class of whipcord.models, but is {model!r}"
+        raise InputError(message, path="model")
+    try:
+        return _core_model(model, _stations(stations), actuation)
+    except TypeError as error:
+        raise InputError(
+            f"an option of the model {model!r} has a wrong type: {error}", path="model"
+        ) from None
+
+
+def _stations(stations: StationsLike) -> int | tuple[float, ...] | None:
+    if stations is None:
+        return None
+    try:
+        return operator.index(stations)  # type: ignore[arg-type]
+    except TypeError:
+        pass
+    try:
+        arc_lengths = np.asarray(stations)
+        if arc_lengths.ndim == 1 and (arc_lengths.dtype.kind in "fiu" or not arc_lengths.size):
+            return tuple(arc_lengths.astype(float).tolist())
+    except ValueError:
+        pass
+    message = f"stations must be a whole number or a list of arc lengths in m, but is {stations!r}"
+    raise InputError(message, path="stations")
 
 
 @lru_cache(maxsize=256)

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ._packages import needed
+from .errors import InputError
 from .robot import Robot
 from .solution import Shape, Solution
 
@@ -24,6 +26,8 @@ Array = npt.NDArray[np.float64]
 
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """Colours that are told apart by everyone."""
+UNSTABLE = "#b00020"
+"""Colour of the word."""
 SMOOTH = 91
 """Stations that a curve is smooth with."""
 
@@ -51,7 +55,7 @@ def solution(
     color
         Of the backbone.
     label
-        For the legend; the name of the model by default.
+        For the legend; the name of the model by default. At an unstable shape it says so.
     disks, cables
         Whether they are drawn.
 
@@ -62,13 +66,18 @@ def solution(
     if backend == "pyvista":
         return _pyvista(answer, axes, color or PALETTE[0], disks, cables)
     if backend != "matplotlib":
-        from .errors import InputError
-
         raise InputError(f"there is no backend `{backend}`: choose matplotlib or pyvista", path="backend")
     axes = _axes() if axes is None else axes
-    color = color or PALETTE[0]
+    _draw(answer, axes, color or PALETTE[0], label, disks, cables)
+    if answer.diagnostics.unstable:
+        axes.text2D(0.02, 0.98, "unstable", transform=axes.transAxes, va="top", color=UNSTABLE)
+    return axes
+
+
+def _draw(answer: Solution, axes: Any, color: str, label: str | None, disks: bool, cables: bool) -> None:
     fine = _smooth(answer)
-    axes.plot(*(1e3 * fine.position.T), color=color, linewidth=2.5, label=label or answer.model)
+    label = (label or answer.model) + (" (unstable)" if answer.diagnostics.unstable else "")
+    axes.plot(*(1e3 * fine.position.T), color=color, linewidth=2.5, label=label)
     if disks:
         for rim in _rims(answer.robot, answer.disks):
             axes.plot(*(1e3 * rim.T), color="0.55", linewidth=0.8)
@@ -76,7 +85,6 @@ def solution(
         for path in fine.cable_paths():
             axes.plot(*(1e3 * path.T), color="0.15", linewidth=0.9)
     _equal(axes)
-    return axes
 
 
 def compare(*answers: Solution, axes: Any = None, labels: list[str] | None = None) -> Any:
@@ -89,7 +97,7 @@ def compare(*answers: Solution, axes: Any = None, labels: list[str] | None = Non
     axes
         Three-dimensional axes of Matplotlib; new ones by default.
     labels
-        One for each; the names of the models by default.
+        One for each; the names of the models by default. At an unstable shape they say so.
 
     Examples
     --------
@@ -99,19 +107,21 @@ def compare(*answers: Solution, axes: Any = None, labels: list[str] | None = Non
     >>> len(axes.get_legend().get_texts())
     2
     """
+    if not answers:
+        raise InputError("there is no answer to draw", path="answers")
+    if labels is not None and len(labels) != len(answers):
+        message = f"labels must be one for each of {len(answers)} answers, but are {labels!r}"
+        raise InputError(message, path="labels")
     axes = _axes() if axes is None else axes
     for i, answer in enumerate(answers):
-        label = labels[i] if labels else answer.model
-        color = PALETTE[i % len(PALETTE)]
-        solution(answer, axes=axes, color=color, label=label, disks=i == 0, cables=i == 0)
+        label = labels[i] if labels else None
+        _draw(answer, axes, PALETTE[i % len(PALETTE)], label, disks=i == 0, cables=i == 0)
     axes.legend(loc="upper left", frameon=False)
     return axes
 
 
 def _axes() -> Any:
-    import matplotlib.pyplot
-
-    figure = matplotlib.pyplot.figure(figsize=(6.4, 5.6), layout="constrained")
+    figure = needed("matplotlib.pyplot").figure(figsize=(6.4, 5.6), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     for name in "xyz":
         getattr(axes, f"{name}axis").pane.set_alpha(0.0)
@@ -173,8 +183,7 @@ def _rims(robot: Robot, disks: Shape) -> list[Array]:
 
 
 def _pyvista(answer: Solution, plotter: Any, color: str, disks: bool, cables: bool) -> Any:
-    import pyvista
-
+    pyvista = needed("pyvista")
     plotter = pyvista.Plotter() if plotter is None else plotter
     fine = _smooth(answer)
     backbone = answer.robot.backbone
@@ -197,4 +206,6 @@ def _pyvista(answer: Solution, plotter: Any, color: str, disks: bool, cables: bo
     plotter.show_grid(**titles, **counts, fmt="%.0f", font_size=10, color="grey")
     plotter.view_vector((1.0, -1.7, 0.8), viewup=(0.0, 0.0, 1.0))
     plotter.camera.zoom(0.85)
+    if answer.diagnostics.unstable:
+        plotter.add_text("unstable", position="upper_left", font_size=12, color=UNSTABLE)
     return plotter

@@ -9,8 +9,9 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from . import _core
+from ._files import write
 from ._html import picture
-from ._tables import Quantity, Table, plain
+from ._tables import Quantity, Table, part, parts, plain
 
 __all__ = ["Along", "Backbone", "Cable", "Disks", "Robot", "Routing", "Section", "SectionStiffness"]
 
@@ -210,12 +211,12 @@ class Backbone(Table):
             diameter=diameter,
             inner_diameter=inner_diameter,
             diameters=diameters,
-            section=section,
+            section=part(section, Section, "section"),
             young_modulus=young_modulus,
             poisson_ratio=poisson_ratio,
             shear_modulus=shear_modulus,
             shear_correction=shear_correction,
-            stiffness=stiffness,
+            stiffness=part(stiffness, SectionStiffness, "stiffness"),
             density=density,
             linear_density=linear_density,
             rest_curvature=rest_curvature,
@@ -377,7 +378,7 @@ class Cable(Table):
             name=name,
             holes=holes,
             interpolation=interpolation,
-            routing=routing,
+            routing=part(routing, Routing, "routing"),
             ends_at=ends_at,
             friction=friction,
             axial_stiffness=axial_stiffness,
@@ -414,9 +415,9 @@ class Robot:
         cables: Sequence[Cable] = (),
     ) -> None:
         tables = {
-            "backbone": plain(backbone),
-            "disks": plain(disks),
-            "cables": [plain(cable) for cable in cables] or None,
+            "backbone": part(backbone, Backbone, "backbone"),
+            "disks": part(disks, Disks, "disks"),
+            "cables": parts(cables, Cable, "cables"),
         }
         object.__setattr__(self, "_setup", _core.Setup.of_tables(tables, "Robot"))
 
@@ -467,7 +468,7 @@ class Robot:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a robot file, whole or not at all."""
-        _core.write_file(os.fspath(path), self.to_toml().encode())
+        write(path, self.to_toml())
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"a robot never changes: use replace({name}=...)")

@@ -12,7 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._files import write
 from ._html import picture
+from .errors import InputError
 
 if TYPE_CHECKING:
     from .case import Case
@@ -226,6 +228,12 @@ class Solution:
 
     def rms_distance(self, other: Solution) -> float:
         """Root mean square in m of the distances of the disks of two answers, without the base disk."""
+        if not isinstance(other, Solution):
+            raise InputError(f"other must be a Solution, but is {other!r}", path="other")
+        mine, others = len(self.disks.position), len(other.disks.position)
+        if mine != others:
+            message = f"a robot with {mine} disks has no distance to one with {others}"
+            raise InputError(message, path="other")
         return self._answer.rms_distance(other._answer)
 
     def report(self) -> str:
@@ -286,7 +294,7 @@ class Solution:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the shape as the CSV of ``whipcord solve --csv``."""
-        _core.write_file(os.fspath(path), self._answer.csv().encode())
+        write(path, self._answer.csv())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes one line for each station as Parquet (needs the package pyarrow)."""

@@ -1,0 +1,15 @@
+"""Files that are written."""
+
+from __future__ import annotations
+
+import os
+
+from . import _core
+
+
+def write(path: str | os.PathLike[str], content: str) -> None:
+    """Writes a file, whole or not at all; an ``OSError`` names the file."""
+    try:
+        _core.write_file(os.fspath(path), content.encode())
+    except OSError as error:
+        raise type(error)(f"cannot write {os.fspath(path)}: {error}") from None
