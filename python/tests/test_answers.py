@@ -63,6 +63,23 @@ def test_a_warm_start_leads_to_the_same_answer() -> None:
     assert "neighbouring" in warm.report() and "neighbouring" not in cold.report()
 
 
+def test_a_command_takes_the_place_of_the_last_step_or_of_all() -> None:
+    case = whipcord.load("examples/rubbing-finger.toml")
+    model = "cosserat-disks"
+    last = case.replace(steps=[*case.steps[:-1], whipcord.Step(tension=[2.0])])
+    given = case.solve(tension=[2.0], model=model)
+    assert np.array_equal(given.position, last.solve(model=model).position)
+    assert np.allclose(case.solve_batch([[2.0]], model=model).position[0], given.position, atol=1e-9)
+    alone = case.replace(tension=[2.0])
+    assert not alone.steps
+    apart = alone.solve(model=model).tip - given.tip
+    assert np.linalg.norm(apart) > 1e-3
+    # Nothing is kept of the answer that another one starts from.
+    before = case.solve_steps(model=model)[-2]
+    warm = alone.solve(model=model, start=before)
+    assert np.allclose(warm.position, alone.solve(model=model).position, atol=1e-9)
+
+
 def test_an_answer_knows_what_it_answers(case: whipcord.Case) -> None:
     solution = case.solve(tension=["2 N"])
     assert solution.case == whipcord.Case(case.robot, tension=[2.0], title=case.title)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import _thread
+import csv
+import pickle
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -113,6 +116,48 @@ def test_a_batch_becomes_a_table(segment: whipcord.Case) -> None:
     assert np.array_equal(frame["z"].to_numpy(), batch.position[:, :, 2].ravel())
     data = batch.to_xarray()
     assert dict(data.sizes) == {"row": 3, "station": 4, "axis": 3, "component": 4, "cable": 3}
+    units = {name: data[name].attrs["units"] for name in ("position", "tension", "length", "arc_length")}
+    assert units == {"position": "m", "tension": "N", "length": "m", "arc_length": "m"}
+
+
+def test_a_batch_is_written_as_csv(segment: whipcord.Case, tmp_path: Path) -> None:
+    batch = segment.solve_batch([[1.0, 0.5, 1 / 3], [1e9] * 3], stations=4)
+    batch.to_csv(tmp_path / "rows.csv")
+    with open(tmp_path / "rows.csv", newline="") as file:
+        lines = list(csv.DictReader(file))
+    frame = batch.to_pandas()
+    assert list(lines[0]) == list(frame.columns) and len(lines) == 8
+    for name in frame.columns.drop("ok"):
+        assert [float(line[name]) for line in lines] == frame[name].tolist()
+    assert [line["ok"] for line in lines] == ["True"] * 4 + ["False"] * 4
+    with pytest.raises(FileNotFoundError, match="rows"):
+        batch.to_csv(tmp_path / "none" / "rows.csv")
+
+
+def test_batches_and_gradients_are_pickled(case: whipcord.Case) -> None:
+    rows = [[1.0], [1e6], [2.0], [-1.0]]
+    batch = case.solve_batch(rows, stations=4)
+    gradients = case.pull_back_batch(rows, position=np.ones((4, 10, 3)))
+    again = pickle.loads(pickle.dumps(batch))
+    # Of a copy too.
+    again = pickle.loads(pickle.dumps(again))
+    for name in ("arc_length", "position", "orientation", "tension", "length", "ok", "failed"):
+        assert np.array_equal(getattr(again, name), getattr(batch, name)), name
+    for name in ("iterations", "residual", "stability", "discretization_error", "steps", "stability_lost_at"):
+        assert np.array_equal(again.diagnostic(name), batch.diagnostic(name), equal_nan=True), name
+    for thing in (again, batch):
+        with pytest.raises(whipcord.InputError, match="there is no diagnostic `x`: choose iterations"):
+            thing.diagnostic("x")
+    assert (again.case, again.model, repr(again)) == (batch.case, batch.model, repr(batch))
+    copy = pickle.loads(pickle.dumps(gradients))
+    assert np.array_equal(copy.commands, gradients.commands)
+    for mine, other in ((again, batch), (copy, gradients)):
+        assert len(mine) == 4 and mine.error(0) is None
+        for row in (1, 3):
+            assert type(mine.error(row)) is type(other.error(row))
+            assert str(mine.error(row)) == str(other.error(row))
+        with pytest.raises(whipcord.errors.SectionFoldsError):
+            mine.raise_for_failed()
 
 
 def test_gradients_of_failed_rows_are_zero_and_flagged(case: whipcord.Case) -> None:

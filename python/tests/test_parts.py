@@ -225,3 +225,22 @@ def test_measurements_are_read_and_written(case: whipcord.Case, tmp_path: Path) 
     assert copy.measured is not None and np.array_equal(copy.measured.position, measured.measured.position)
     comparison = whipcord.compare(measured)
     assert comparison["cosserat"].distance_to_measured == 0.0
+    # It stays as long as it is what the robot did.
+    path = "backbone.young_modulus"
+    for same in (copy.replace(title="again"), copy.with_parameters({path: 1e9}), copy.solve().case):
+        assert same.measured is copy.measured
+    for other in (
+        copy.replace(tension=[1.0]),
+        copy.replace(loads=Loads(tip_force=[0.01, 0, 0])),
+        copy.with_parameters({"loads.tip_force[0]": 0.01}),
+        copy.solve(tension=[1.0]).case,
+    ):
+        assert other.measured is None and other.reference is None
+
+
+def test_a_changed_title_changes_nothing_else(case: whipcord.Case) -> None:
+    assert case.reference is not None
+    assert case.replace(title=case.title) == case
+    assert case.solve().case == case
+    assert case.with_parameters({"backbone.diameter": 0.003}) == case
+    assert case.with_parameters({"backbone.diameter": 0.0031}).reference is None

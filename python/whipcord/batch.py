@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property
@@ -23,10 +24,37 @@ __all__ = ["Batch", "Gradients"]
 Array = npt.NDArray[np.float64]
 
 
+DIAGNOSTICS = ("iterations", "residual", "stability", "discretization_error", "steps", "stability_lost_at")
+
+
+class _Kept:
+    """What is known of the rows, of a batch that was pickled."""
+
+    ok: npt.NDArray[np.bool_]
+    failed: npt.NDArray[np.int64]
+
+    def __init__(self, outcomes: _core.Outcomes | _Kept) -> None:
+        self.ok, self.failed = outcomes.ok, outcomes.failed
+        self._diagnostics = {name: outcomes.diagnostic(name) for name in DIAGNOSTICS}
+        self._errors = {row: outcomes.error(row) for row in outcomes.failed.tolist()}
+
+    def diagnostic(self, name: str) -> Array:
+        return self._diagnostics[name]
+
+    def error(self, row: int) -> SolveError | InputError | None:
+        return self._errors.get(row)
+
+    def __len__(self) -> int:
+        return len(self.ok)
+
+
 class _Rows:
     """How each row of a batch went."""
 
-    _outcomes: _core.Outcomes
+    _outcomes: _core.Outcomes | _Kept
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_outcomes": _Kept(self._outcomes)}
 
     @cached_property
     def ok(self) -> npt.NDArray[np.bool_]:
@@ -101,6 +129,9 @@ class Batch(_Rows):
     def diagnostic(self, name: str) -> Array:
         """(N,) one diagnostic of every row: ``iterations``, ``residual``, ``stability``,
         ``discretization_error``, ``steps`` or ``stability_lost_at``; NaN where there is none."""
+        if name not in DIAGNOSTICS:
+            message = f"there is no diagnostic `{name}`: choose {', '.join(DIAGNOSTICS)}"
+            raise InputError(message, path="name")
         return self._outcomes.diagnostic(name)
 
     def to_xarray(self) -> Any:
@@ -121,7 +152,13 @@ class Batch(_Rows):
 
         return to_polars(batch_columns(self))
 
-    def to_parquet(self, path: str) -> None:
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes one line for each station of each row as CSV, with the columns of :meth:`to_pandas`."""
+        from .export import batch_columns, to_csv
+
+        to_csv(batch_columns(self), path)
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes one line for each station of each row as Parquet (needs the package pyarrow)."""
         from .export import batch_columns, to_parquet
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from . import _core, models
@@ -20,9 +19,9 @@ from .derivatives import Derivatives, Place
 from .errors import InputError
 from .loads import Base, Loads, Step
 from .models import ModelLike, StationsLike
-from .published import Measured, Reference
+from .published import Measured, Reference, published, still_true
 from .robot import Robot
-from .solution import Branches, CriticalPoint, Equilibrium, Solution
+from .solution import Branches, Solution, begun
 
 __all__ = ["Case", "load"]
 
@@ -189,7 +188,12 @@ class Case:
         return tuple(cable.get(key) for cable in cables)
 
     def replace(self, **changes: Any) -> Case:
-        """The same case with another robot, other commands, loads, base, steps or title."""
+        """The same case with another robot, other commands, loads, base, steps or title.
+
+        Other commands take the place of the steps, and with them of what friction keeps of the steps before.
+        What was measured stays as long as commands, loads, base and the places of the disks do; what was
+        published, as long as the whole robot does too.
+        """
         given: dict[str, Any] = {"loads": self.loads, "base": self.base, "title": self.title}
         if {"tension", "shortening"} & changes.keys() and "steps" not in changes:
             changes = {"steps": (), **changes}
@@ -200,7 +204,11 @@ class Case:
         if changes.get("steps"):
             given.update(tension=None, shortening=None)
         robot = changes.pop("robot", self.robot)
-        return Case(robot, **{**given, **changes})
+        return self._with_published(Case(robot, **{**given, **changes}))
+
+    def _with_published(self, other: Case) -> Case:
+        other._keep(other._setup, *still_true(self, other))
+        return other
 
     def to_toml(self) -> str:
         """The text of a robot file; read again, it gives the identical robot and case.
@@ -217,13 +225,7 @@ class Case:
         write(path, self._text(folder))
 
     def _text(self, folder: str | None) -> str:
-        tables = dict(self._tables)
-        if self.measured:
-            there = os.path.abspath(self.measured.path)
-            tables["measured"] = {"disks": os.path.relpath(there, folder) if folder else there}
-        if self.reference:
-            tables["reference"] = vars(self.reference)
-        return _core.toml(tables)
+        return _core.toml({**self._tables, **published(self.measured, self.reference, folder)})
 
     def solve(
         self,
@@ -241,9 +243,10 @@ class Case:
         Parameters
         ----------
         tension
-            (c,) tension of each cable in N, instead of what the case says.
+            (c,) tension of each cable in N, instead of what the case says; in a case with steps, instead of
+            the last one, after those before it. :meth:`replace` takes out the steps.
         shortening
-            (c,) initial minus present length of each cable in m, instead of what the case says.
+            (c,) initial minus present length of each cable in m, likewise.
         length
             (c,) present length of each cable inside the robot in m, instead of a shortening.
         model
@@ -256,7 +259,8 @@ class Case:
             ``"tension"`` or ``"shortening"``: what drives all cables where both are given; by default what
             the model is driven by.
         start
-            A neighbouring solution to start from.
+            A neighbouring solution to start from. Only the iteration starts there: what friction kept of the
+            way to it is not carried over; that is for steps.
 
         Raises
         ------
@@ -277,7 +281,7 @@ class Case:
             initial = self._setup.initial_lengths(chosen)
             shortening = shortening_for(length, shortening, initial, self.robot.cables)
         given = listed(tension, "tension"), listed(shortening, "shortening")
-        return Solution._of(self, chosen, self._setup.solve(chosen, *given, _begin(start)), start)
+        return Solution._of(self, chosen, self._setup.solve(chosen, *given, begun(start)), start)
 
     def solve_steps(
         self,
@@ -321,7 +325,8 @@ class Case:
         threads
             How many threads share the rows; by default one for each processor. The answers are the same.
         path
-            Whether the rows follow a path, so that each may start from the answer before it.
+            Whether the rows follow a path, so that each may start from the answer before it. As with `start`
+            of :meth:`solve`, friction keeps nothing of the rows before.
         progress
             Whether to show a bar (needs the package tqdm).
 
@@ -333,6 +338,7 @@ class Case:
 
         Examples
         --------
+        >>> import numpy as np
         >>> case = load("examples/table1/case-3.toml")
         >>> batch = case.solve_batch(np.linspace(0, 4, 101)[:, None])
         >>> batch.position.shape
@@ -382,6 +388,7 @@ class Case:
         --------
         How the height of the tip changes with the tension and with the diameter of the backbone:
 
+        >>> import numpy as np
         >>> case = load("examples/table1/case-3.toml")
         >>> weights = np.zeros((2, 10, 3))
         >>> weights[:, -1, 2] = 1
@@ -425,7 +432,7 @@ class Case:
         chosen = models.core(model, stations, actuation)
         given = listed(tension, "tension"), listed(shortening, "shortening")
         asked = paths(parameters)
-        answer, inner = _core.derivatives(self._setup, chosen, asked, *given, _begin(start))
+        answer, inner = _core.derivatives(self._setup, chosen, asked, *given, begun(start))
         return Solution._of(self, chosen, answer, start), Derivatives(inner, tuple(asked))
 
     def stiffness(
@@ -460,15 +467,7 @@ class Case:
         """All equilibria under the load that lie on the path from no load and on the branches off it."""
         chosen = models.core("cosserat")
         given = listed(tension, "tension"), listed(shortening, "shortening")
-        equilibria, points, complete = self._setup.branches(chosen, *given)
-        return Branches(
-            tuple(
-                Equilibrium(branch, stable, Solution._of(self, chosen, answer, None))
-                for branch, stable, answer in equilibria
-            ),
-            tuple(CriticalPoint(branch, load, kind, np.array(tip)) for branch, load, kind, tip in points),
-            complete,
-        )
+        return Branches._of(self, chosen, self._setup.branches(chosen, *given))
 
     def parameter(self, path: str) -> float:
         """The value of a quantity of robot or case, by its path.
@@ -479,17 +478,17 @@ class Case:
         return self._setup.parameter(path)
 
     def with_parameters(self, values: Mapping[str, float]) -> Case:
-        """The same case with these quantities changed, by their paths.
+        """The same case with these quantities changed, by their paths; measurements as for :meth:`replace`.
 
         >>> case = load("examples/table1/case-3.toml")
         >>> case.with_parameters({"backbone.young_modulus": 2e9}).robot.backbone.young_modulus
         2000000000.0
         """
-        return Case._of(self._setup.with_parameters(list(values.items())))
+        return self._with_published(Case._of(self._setup.with_parameters(list(values.items()))))
 
     def _answered(self, answer: _core.Solution) -> Case:
         """The case that an answer is the answer to."""
-        return Case._of(self._setup.of_answer(answer))
+        return self._with_published(Case._of(self._setup.of_answer(answer)))
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"a case never changes: use replace({name}=...)")
@@ -523,12 +522,6 @@ class Case:
 
     def _repr_html_(self) -> str:
         return picture(_core.svg(self._setup, [], 620.0))
-
-
-def _begin(start: Solution | None) -> _core.Solution | None:
-    if start is None or isinstance(start, Solution):
-        return None if start is None else start._answer
-    raise InputError(f"start must be a Solution, but is {start!r}", path="start")
 
 
 def _unpickled(text: str, measured: Measured | None, reference: Reference | None) -> Case:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ._files import write
 from ._packages import needed
 
 if TYPE_CHECKING:
@@ -54,19 +57,35 @@ def to_polars(columns: Columns) -> Any:
     return needed("polars").DataFrame(columns)
 
 
+def to_csv(columns: Columns, path: str | os.PathLike[str]) -> None:
+    """Writes a CSV file; its numbers are read back to the last bit."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(column.tolist() for column in columns.values())))
+    write(path, text.getvalue())
+
+
 def to_parquet(columns: Columns, path: str | os.PathLike[str]) -> None:
     """Writes a Parquet file."""
     needed("pyarrow.parquet").write_table(needed("pyarrow").table(columns), os.fspath(path))
 
 
+UNITS = {"position": "m", "orientation": "1", "tension": "N", "length": "m", "arc_length": "m"}
 AXES = {"axis": ["x", "y", "z"], "component": ["w", "x", "y", "z"]}
+
+
+def _with_units(variables: dict[str, Any], coords: dict[str, Any], attrs: dict[str, str]) -> Any:
+    data = needed("xarray").Dataset(variables, coords=coords, attrs=attrs)
+    for name, unit in UNITS.items():
+        data[name].attrs["units"] = unit
+    return data
 
 
 def solution_to_xarray(solution: Solution) -> Any:
     """An ``xarray.Dataset``."""
-    xarray = needed("xarray")
     cables = [cable.name for cable in solution.cables]
-    return xarray.Dataset(
+    return _with_units(
         {
             "position": (("station", "axis"), solution.position),
             "orientation": (("station", "component"), solution.orientation),
@@ -80,9 +99,8 @@ def solution_to_xarray(solution: Solution) -> Any:
 
 def batch_to_xarray(batch: Batch) -> Any:
     """An ``xarray.Dataset``."""
-    xarray = needed("xarray")
     cables = [cable.name for cable in batch.case.robot.cables]
-    return xarray.Dataset(
+    return _with_units(
         {
             "position": (("row", "station", "axis"), batch.position),
             "orientation": (("row", "station", "component"), batch.orientation),

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from .case import Case
 
 __all__ = ["Measured", "Reference"]
 
@@ -36,3 +41,26 @@ class Reference:
     """Solve time of the four-bar model in s."""
     time_cosserat: float | None = None
     """Solve time of the Cosserat model in s."""
+
+
+def published(measured: Measured | None, reference: Reference | None, folder: str | None) -> dict[str, Any]:
+    """Their tables of a robot file in this folder."""
+    tables: dict[str, Any] = {}
+    if measured:
+        there = os.path.abspath(measured.path)
+        tables["measured"] = {"disks": os.path.relpath(there, folder) if folder else there}
+    if reference:
+        tables["reference"] = vars(reference)
+    return tables
+
+
+def still_true(case: Case, other: Case) -> tuple[Measured | None, Reference | None]:
+    """What was measured and published for a case, as far as it is so for another."""
+    if case.measured is None and case.reference is None:
+        return None, None
+    asked = ("tension", "shortening", "steps", "loads", "base")
+    same = all(getattr(case, name) == getattr(other, name) for name in asked)
+    disks = ("count", "positions")
+    if not same or any(getattr(case.robot.disks, n) != getattr(other.robot.disks, n) for n in disks):
+        return None, None
+    return case.measured, case.reference if case.robot == other.robot else None

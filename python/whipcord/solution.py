@@ -322,6 +322,13 @@ class Solution:
         return picture(self.svg(width=620.0), f"<p>{html.escape(repr(self))}</p>")
 
 
+def begun(start: Solution | None) -> _core.Solution | None:
+    """What to start from."""
+    if start is None or isinstance(start, Solution):
+        return None if start is None else start._answer
+    raise InputError(f"start must be a Solution, but is {start!r}", path="start")
+
+
 def _unpickled(case: Case, state: tuple[Any, ...], arguments: dict[str, Any], warm: bool) -> Solution:
     model = _core.Model(**arguments)
     solution = Solution._of(case, model, _core.Solution.from_state(case._setup, state), None)
@@ -365,3 +372,15 @@ class Branches:
     """Where they turn and part."""
     complete: bool
     """Whether every branch was followed to the end; otherwise there may be more."""
+
+    @classmethod
+    def _of(cls, case: Case, model: _core.Model, found: tuple[list[Any], list[Any], bool]) -> Branches:
+        equilibria, points, complete = found
+        return cls(
+            tuple(
+                Equilibrium(branch, stable, Solution._of(case, model, answer, None))
+                for branch, stable, answer in equilibria
+            ),
+            tuple(CriticalPoint(branch, load, kind, np.array(tip)) for branch, load, kind, tip in points),
+            complete,
+        )
