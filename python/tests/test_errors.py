@@ -129,7 +129,7 @@ def test_wrong_options(case: whipcord.Case) -> None:
         ({"model": whipcord.models.Cosserat(steps="x")}, "has a wrong type"),
         ({"start": 3}, "start must be a Solution, but is 3"),
         ({"shortening": [0.01], "length": [0.17]}, "either the length or the shortening of cable pull"),
-        ({"length": [[1]]}, "length must be a list of numbers in m"),
+        ({"length": [[1]]}, "length must be a number in m or a text with a unit, but is [1]"),
         ({"actuation": "force"}, "choose tension or shortening"),
         ({"model": whipcord.models.Cosserat(steps=0)}, "greater than zero"),
         ({"model": whipcord.models.FourBar(chord="bow")}, "there is no chord `bow`"),
@@ -214,6 +214,9 @@ def test_a_case_is_checked_when_it_is_made(case: whipcord.Case) -> None:
         (lambda case: whipcord.solve_cases([3]), "cases must be a list of cases"),
         (lambda case: whipcord.plot.compare(), "there is no answer to draw"),
         (lambda case: whipcord.plot.compare(case.solve(), labels=["a", "b"]), "labels must be one for each"),
+        (lambda case: case.stiffness([1]), "at must be a number in m or a text with a unit"),
+        (lambda case: case.parameter(3), "parameters must be a list of paths, but is [3]"),
+        (lambda case: case.with_parameters([3]), "values must be a dict of paths and numbers"),
         (lambda case: case.solve().rms_distance(3), "other must be a Solution"),
     ],
 )

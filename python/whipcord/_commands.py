@@ -61,13 +61,19 @@ def shortening_for(
         if short is not None:
             message = f"give either the length or the shortening of cable {cable.name}"
             raise InputError(message, path="length")
-        metres = _core.parse_quantity(long, "length") if isinstance(long, str) else long
-        try:
-            driven.append(start - float(metres))
-        except (TypeError, ValueError):
-            message = f"length must be a list of numbers in m or texts with a unit, but has {long!r}"
-            raise InputError(message, path="length") from None
+        driven.append(start - metres(long, "length"))
     return driven
+
+
+def metres(value: Quantity, name: str) -> float:
+    """A length in m."""
+    if isinstance(value, str):
+        return _core.parse_quantity(value, "length")
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        message = f"{name} must be a number in m or a text with a unit, but is {value!r}"
+        raise InputError(message, path=name) from None
 
 
 def paths(parameters: Sequence[str]) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy.typing as npt
 
 from . import _core, models
-from ._commands import Commands, each, listed, paths, shortening_for
+from ._commands import Commands, each, listed, metres, paths, shortening_for
 from ._files import write
 from ._html import picture
 from ._tables import Quantity, part, parts, plain
@@ -457,10 +457,10 @@ class Case:
         >>> tip.compliance.shape, tip.jacobian.shape
         ((6, 6), (6, 1))
         """
-        metres = _core.parse_quantity(at, "length") if isinstance(at, str) else at
         chosen = models.core(model, None, actuation)
+        place = None if at is None else metres(at, "at")
         given = listed(tension, "tension"), listed(shortening, "shortening")
-        answer, values = self._setup.local(chosen, metres, *given)
+        answer, values = self._setup.local(chosen, place, *given)
         return Place._of(Solution._of(self, chosen, answer, None), values)
 
     def branches(self, *, tension: Commands | None = None, shortening: Commands | None = None) -> Branches:
@@ -475,7 +475,7 @@ class Case:
         >>> load("examples/table1/case-3.toml").parameter("backbone.diameter")
         0.003
         """
-        return self._setup.parameter(path)
+        return self._setup.parameter(*paths([path]))
 
     def with_parameters(self, values: Mapping[str, float]) -> Case:
         """The same case with these quantities changed, by their paths; measurements as for :meth:`replace`.
@@ -484,6 +484,9 @@ class Case:
         >>> case.with_parameters({"backbone.young_modulus": 2e9}).robot.backbone.young_modulus
         2000000000.0
         """
+        if not isinstance(values, Mapping):
+            message = f"values must be a dict of paths and numbers, but is {values!r}"
+            raise InputError(message, path="values")
         return self._with_published(Case._of(self._setup.with_parameters(list(values.items()))))
 
     def _answered(self, answer: _core.Solution) -> Case:

@@ -7,6 +7,9 @@ All derive from :class:`WhipcordError`:
   that lacks something or cannot take the robot;
 * :class:`SolveError`, a case without an answer, by its reason.
 
+Only files that cannot be written and packages that are not installed raise Python's own ``OSError`` and
+``ModuleNotFoundError``; they name the file, and how to get the package.
+
 >>> import whipcord
 >>> issubclass(whipcord.errors.BuckledError, whipcord.SolveError)
 True
