@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use whipcord::{Case, Model, Robot, Solution, SolveError};
+use whipcord::{Case, Model, ModelKind, Robot, Shape, Solution, SolveError};
 
 use crate::statistics::median;
 
@@ -64,7 +64,7 @@ pub fn solve(
     Ok(TimedSolution { solution, solve, build, steps })
 }
 
-/// The shape that a case ends in.
+/// The answer that a case ends in.
 ///
 /// # Errors
 /// As [`solve`].
@@ -79,6 +79,48 @@ pub fn solve_once(
         prepared.solve_steps(case, |solution| last = Some(solution))?;
     }
     last.map_or_else(|| prepared.solve(case, None).map_err(|error| (0, error)), Ok)
+}
+
+/// Shapes that are further apart than this share of the length are two answers.
+const SAME_SHAPE: f64 = 1e-3;
+
+impl TimedSolution {
+    /// The shapes of all answers, the last step's being last, at the stations of `model`, which else is
+    /// the one that gave them: each is solved for from its answer. `None` in place of one that is not
+    /// found there, as where stations that lie closer change the steps of an equilibrium that hardly holds.
+    pub fn shapes_at_stations_of(
+        &self,
+        model: &Model,
+        robot: &Robot,
+        case: &Case,
+    ) -> Vec<Option<Shape>> {
+        let answers: Vec<&Solution> = match self.steps.as_slice() {
+            [] => vec![&self.solution],
+            steps => steps.iter().map(|(solution, _)| solution).collect(),
+        };
+        let mut found: Vec<Option<Solution>> = Vec::with_capacity(answers.len());
+        if let Ok(mut prepared) = model.prepare(robot, &case.loads) {
+            if model.kind() == ModelKind::CosseratDisks && answers.len() > 1 {
+                // Where cables rub, an answer is that of all steps before it.
+                let _ = prepared.solve_steps(case, |solution| found.push(Some(solution)));
+            } else {
+                let of_steps = case.steps().zip(&answers);
+                found.extend(
+                    of_steps.map(|(step, answer)| prepared.solve(&step, Some(answer)).ok()),
+                );
+            }
+        }
+        found.resize(answers.len(), None);
+        let near = SAME_SHAPE * robot.backbone().length;
+        found
+            .into_iter()
+            .zip(answers)
+            .map(|(found, answer)| {
+                let same = |f: &Solution| f.disks.distances(&answer.disks).all(|d| d <= near);
+                found.filter(same).map(|found| found.shape)
+            })
+            .collect()
+    }
 }
 
 /// Runs `work` and measures it. It is repeated up to `most` times, as long as `budget` lasts: a slow

@@ -52,6 +52,8 @@ pub struct Solved {
     pub solution: Solution,
     /// Smooth, for pictures.
     pub fine: Shape,
+    /// Whether it is; else it is the shape at the disks, as none was found near it with more stations.
+    pub is_smooth: bool,
     /// How long a cold solve takes.
     pub solve: Timing,
     /// How long building the model takes, once for a robot.
@@ -124,11 +126,13 @@ impl Study {
 
 fn run(kind: ModelKind, robot: &Robot, case: &Case, commands: Commands) -> Run {
     let model = Model::new(kind, Stations::Disks, Drive::Natural);
-    let outcome = timing::solve(&model, robot, case).and_then(|timed| {
+    let outcome = timing::solve(&model, robot, case).map(|timed| {
+        let smooth = Model::new(kind, Stations::Equal(FINE_STATIONS), Drive::Natural);
+        let fine = timed.shapes_at_stations_of(&smooth, robot, case).pop().flatten();
         let TimedSolution { solution, solve, build, .. } = timed;
-        let fine = Model::new(kind, Stations::Equal(FINE_STATIONS), Drive::Natural);
-        let fine = timing::solve_once(&fine, robot, case)?.shape;
-        Ok(Solved { solution, fine, solve, build })
+        let is_smooth = fine.is_some();
+        let fine = fine.unwrap_or_else(|| solution.shape.clone());
+        Solved { solution, fine, is_smooth, solve, build }
     });
     let outcome = outcome.map_err(|(_, error)| error);
     Run { model: kind, commands, driven_by: driven_by(kind, Drive::Natural, case), outcome }

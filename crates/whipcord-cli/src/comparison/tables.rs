@@ -127,9 +127,14 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
     }
     for study in studies {
         for run in &study.runs {
-            if let Err(error) = &run.outcome {
-                notes.push(format!("{}, {}: {error}", study.file.title, run.label()));
-            }
+            let what = match &run.outcome {
+                Err(error) => error.to_string(),
+                Ok(solved) if !solved.is_smooth => String::from(
+                    "drawn through its disks alone, as no answer was found near it with more stations.",
+                ),
+                Ok(_) => continue,
+            };
+            notes.push(format!("{}, {}: {what}", study.file.title, run.label()));
         }
     }
     notes

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _};
 use clap::{Args, ValueEnum};
-use whipcord::{Drive, Model, ModelKind, Robot, Shape, Solution, Stations};
+use whipcord::{Drive, Model, ModelKind, Shape, Solution, Stations};
 use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, robot_figure};
 
@@ -101,12 +101,8 @@ pub fn picture_path(text: &str) -> Result<PathBuf, String> {
 /// Solves and returns what standard output shows.
 pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     let file = read_one(&args.file)?;
-    let solved = match &args.plot {
-        Some(_) => Stations::Equal(args.stations.map_or(FINE_STATIONS, fine)),
-        None => args.stations.map_or(Stations::Disks, Stations::Equal),
-    };
     let drive = drive(args.actuation);
-    let model = Model::new(args.model, solved, drive);
+    let model = Model::new(args.model, Stations::Disks, drive);
     let trace = if args.trace { Some(paths::trace(&model, &file)?) } else { None };
     if let Some(events) = &trace {
         let text = paths::trace_text(events, Style::for_stderr());
@@ -115,17 +111,36 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     }
     let mut timed = timing::solve(&model, &file.robot, &file.case)
         .map_err(|(step, error)| Failure::from_step(&file, &error, step))?;
+    // Stations and picture follow the answer: it is the same whatever is shown of it.
+    if let Some(count) = args.stations {
+        let stations = Model::new(args.model, Stations::Equal(count), drive);
+        let shapes = timed.shapes_at_stations_of(&stations, &file.robot, &file.case);
+        let shapes: Option<Vec<Shape>> = shapes.into_iter().collect();
+        let Some(shapes) = shapes else {
+            let path = file.path.display();
+            return Err(Failure::Solve(format!(
+                "error: {path}: there is an answer, but with {count} stations none was found near it: \
+                 leave out --stations, or give other stations"
+            )));
+        };
+        give(&mut timed, shapes);
+    }
     let picture = match &args.plot {
-        Some(path) => Some((path, draw(path, &file, &timed)?)),
+        Some(path) => Some(draw(path, &file, &timed, drive)?),
         None => None,
     };
-    if picture.is_some() {
-        let of_steps = timed.steps.iter_mut().map(|(solution, _)| solution);
-        for solution in of_steps.chain([&mut timed.solution]) {
-            solution.shape = asked_for(&file.robot, solution, args.stations);
-        }
+    let plot = args.plot.as_deref().zip(picture.as_ref().map(|picture| picture.is_smooth));
+    if let Some((_, false)) = plot
+        && (args.json || args.csv)
+    {
+        let _ = writeln!(io::stderr().lock(), "picture: {COARSE}");
     }
-    let branches = if args.branches { Some(paths::branches(&model, &file)?) } else { None };
+    let branches = if args.branches {
+        let stations = args.stations.map_or(Stations::Disks, Stations::Equal);
+        Some(paths::branches(&Model::new(args.model, stations, drive), &file)?)
+    } else {
+        None
+    };
     let solution = &timed.solution;
     let text = if args.json {
         let answers: Vec<_> = timed.steps.iter().map(|(step, time)| (step, *time)).collect();
@@ -141,36 +156,54 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         csv.map_err(|error| files::no_result(&error))?
     } else {
         let branches = branches.as_ref().map(|b| paths::branches_text(b, style));
-        let summary = summary(&file, &timed, drive, args.plot.as_deref(), style);
+        let summary = summary(&file, &timed, drive, plot, style);
         branches.map_or_else(|| summary.clone(), |branches| format!("{summary}\n{branches}"))
     };
     // What can fail has been done: now the picture is written, or there is neither.
-    if let Some((path, bytes)) = picture {
-        files::write(path, &bytes)?;
+    if let (Some(path), Some(picture)) = (&args.plot, picture) {
+        files::write(path, &picture.bytes)?;
     }
     Ok(text)
 }
 
-/// Stations that a picture is smooth with and that have `stations` equally spaced ones among them,
-/// so that picture and numbers come from one solve.
-const fn fine(stations: usize) -> usize {
-    let parts = stations - 1;
-    parts * (FINE_STATIONS - 1).div_ceil(parts) + 1
+/// A picture to be written.
+struct Picture {
+    bytes: Vec<u8>,
+    /// Whether it shows all shapes at [`FINE_STATIONS`].
+    is_smooth: bool,
 }
 
-/// The part of a solution at [`fine`] stations that was asked for: at equally spaced stations, or at
-/// the disks.
-fn asked_for(robot: &Robot, solution: &Solution, stations: Option<usize>) -> Shape {
-    let Some(count) = stations else { return solution.disks.clone() };
-    let every = (solution.shape.poses.len() - 1) / (count - 1);
-    Shape {
-        arc_length: Stations::Equal(count).arc_lengths(robot),
-        poses: solution.shape.poses.iter().step_by(every).copied().collect(),
+/// What is said of a picture that is not smooth.
+const COARSE: &str =
+    "drawn through the places of the answer alone, as none was found near it with more";
+
+/// Gives each answer a shape.
+fn give(timed: &mut TimedSolution, shapes: Vec<Shape>) {
+    if let Some(last) = shapes.last() {
+        timed.solution.shape.clone_from(last);
+    }
+    for ((solution, _), shape) in timed.steps.iter_mut().zip(shapes) {
+        solution.shape = shape;
     }
 }
 
-fn draw(path: &Path, file: &CaseFile, timed: &TimedSolution) -> Result<Vec<u8>, Failure> {
-    let TimedSolution { solution, steps, .. } = timed;
+fn draw(
+    path: &Path,
+    file: &CaseFile,
+    timed: &TimedSolution,
+    drive: Drive,
+) -> Result<Picture, Failure> {
+    let smooth = Model::new(timed.solution.model, Stations::Equal(FINE_STATIONS), drive);
+    let shapes = timed.shapes_at_stations_of(&smooth, &file.robot, &file.case);
+    let is_smooth = shapes.iter().all(Option::is_some);
+    let mut timed = timed.clone();
+    let answers: Vec<Shape> = match timed.steps.as_slice() {
+        [] => vec![timed.solution.shape.clone()],
+        steps => steps.iter().map(|(step, _)| step.shape.clone()).collect(),
+    };
+    let drawn = shapes.into_iter().zip(answers).map(|(shape, answer)| shape.unwrap_or(answer));
+    give(&mut timed, drawn.collect());
+    let TimedSolution { solution, steps, .. } = &timed;
     let view = |name: String, solution: &Solution| {
         let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
         RobotView::model(format!("{name}{unstable}"), solution)
@@ -191,14 +224,14 @@ fn draw(path: &Path, file: &CaseFile, timed: &TimedSolution) -> Result<Vec<u8>, 
     };
     let svg = robot_figure(&file.robot, &views, &options)
         .map_err(|error| files::plot_failure(path, &error))?;
-    files::picture(&svg, path)
+    Ok(Picture { bytes: files::picture(&svg, path)?, is_smooth })
 }
 
 fn summary(
     file: &CaseFile,
     timed: &TimedSolution,
     drive: Drive,
-    plot: Option<&Path>,
+    plot: Option<(&Path, bool)>,
     style: Style,
 ) -> String {
     let TimedSolution { solution, solve, build, steps } = timed;
@@ -244,14 +277,14 @@ fn summary(
         (n, 0) => format!("median of {n} cold solves"),
         (_, n) => format!("the last of {n} steps"),
     };
-    let stations = if plot.is_some() { " with the stations of the picture" } else { "" };
     text += &format!(
-        "solve time {} ({repeats}{stations}; building the model took {})\n",
+        "solve time {} ({repeats}; building the model took {})\n",
         duration(solve.median),
         duration(build.median)
     );
-    if let Some(path) = plot {
-        text += &format!("picture: {}\n", path.display());
+    if let Some((path, is_smooth)) = plot {
+        let coarse = if is_smooth { String::new() } else { format!(" ({COARSE})") };
+        text += &format!("picture: {}{coarse}\n", path.display());
     }
     text
 }

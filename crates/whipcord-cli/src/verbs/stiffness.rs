@@ -7,8 +7,7 @@ use whipcord::kinematics::{
     Dexterity, DrivenBy, Local, Matrix6, Means, PrincipalAxes, Yield, principal_axes,
 };
 use whipcord::{
-    Differentiable as _, Model, ModelKind, Solution, Statics as _, Stations, Twist, UnitQuaternion,
-    Vec3,
+    Differentiable as _, Model, ModelKind, Solution, Stations, Twist, UnitQuaternion, Vec3,
 };
 use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json};
 use whipcord_plot::{
@@ -121,10 +120,12 @@ fn draw(
     solution: &Solution,
     local: &Local,
 ) -> Result<Vec<u8>, Failure> {
-    // The same answer at stations that a picture is smooth with.
+    // The same answer at stations that a picture is smooth with; at the disks, where that finds none.
     let model = Model::new(args.model, Stations::Equal(FINE_STATIONS), drive(args.actuation));
-    let fine =
-        model.solve(&file.robot, &file.case).map_err(|error| Failure::from_solve(file, &error))?;
+    let fine = model
+        .prepare(&file.robot, &file.case.loads)
+        .and_then(|mut prepared| prepared.solve(&file.case, Some(solution)))
+        .unwrap_or_else(|_| Solution { shape: solution.disks.clone(), ..solution.clone() });
     let options = FigureOptions {
         title: file.title.clone(),
         loads: Acting::on(&file.case, &fine.shape),
