@@ -266,13 +266,21 @@ pub(super) fn mark(
     Some(Mark { state: chain.state.clone(), tangent, unstable })
 }
 
+/// A way on from a branching point along another branch.
+pub(super) struct Way {
+    /// On that branch, some way from the point.
+    pub state: State,
+    /// The direction in which it lies.
+    pub along: Direction,
+    /// Whether all of the load lies on the way there,
+    pub passes_full_load: bool,
+    /// and the equilibrium under it, where it was found.
+    pub full_load: Option<Mark>,
+}
+
 /// The ways on from a branching point along the other branch: both, where they are found. Near it
 /// the linear step is all but along the null vector, whatever the gaps.
-pub(super) fn other_branch(
-    problem: &Problem<'_>,
-    scratch: &mut Scratch,
-    at: &Mark,
-) -> Vec<(State, Direction)> {
+pub(super) fn other_branch(problem: &Problem<'_>, scratch: &mut Scratch, at: &Mark) -> Vec<Way> {
     let scales = Scales::of(problem.grid, problem.length);
     // Not aligned with anything.
     let pattern: Vec<Vec3> = (0..problem.grid.len())
@@ -297,18 +305,63 @@ pub(super) fn other_branch(
     for sign in [1.0, -1.0] {
         let mut direction = null.clone();
         direction.scale(sign);
-        for reach in SWITCH {
-            scratch.chain.state.step_from(&at.state, reach, &direction);
-            scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-            let Scratch { chain, shot, applied, trace, .. } = &mut *scratch;
-            let task = Task::of(problem, applied);
-            if Chain::close(chain, &task, Some(&direction), shot, trace).is_ok() {
-                found.push((scratch.chain.state.clone(), direction));
-                break;
-            }
-        }
+        let reached = SWITCH
+            .into_iter()
+            .find_map(|reach| Some((reach, aside(problem, scratch, at, &direction, reach)?)));
+        let Some((reach, state)) = reached else { continue };
+        let passes_full_load = (state.load - 1.0) * (at.state.load - 1.0) < 0.0;
+        let full_load = passes_full_load
+            .then(|| full_load_aside(problem, scratch, at, &direction, reach))
+            .flatten();
+        found.push(Way { state, along: direction, passes_full_load, full_load });
     }
     found
+}
+
+/// The equilibrium this far from a mark along a direction, under whatever load it has there.
+fn aside(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    at: &Mark,
+    direction: &Direction,
+    reach: f64,
+) -> Option<State> {
+    scratch.chain.state.step_from(&at.state, reach, direction);
+    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
+    let Scratch { chain, shot, applied, trace, .. } = &mut *scratch;
+    let task = Task::of(problem, applied);
+    Chain::close(chain, &task, Some(direction), shot, trace).ok()?;
+    Some(scratch.chain.state.clone())
+}
+
+/// The equilibrium under all of the load on a branch that parts at a mark and passes that load within
+/// this reach: by bisection, because close to the mark the branch runs all but across the load.
+fn full_load_aside(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    at: &Mark,
+    direction: &Direction,
+    reach: f64,
+) -> Option<Mark> {
+    let (mut low, mut high) = (0.0, reach);
+    let mut beyond = None;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let state = aside(problem, scratch, at, direction, middle);
+        match state.filter(|s| (s.load - 1.0) * (at.state.load - 1.0) <= 0.0) {
+            Some(state) => {
+                beyond = Some(state);
+                high = middle;
+            }
+            None => low = middle,
+        }
+    }
+    let mut near = beyond?;
+    near.load = 1.0;
+    scratch.chain.state = near;
+    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
+    close(problem, scratch).ok()?;
+    mark(problem, scratch, direction)
 }
 
 /// What lies beyond the point where the load could be raised no more.

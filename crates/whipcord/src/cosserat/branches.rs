@@ -152,6 +152,8 @@ impl Cosserat {
         let along = Direction::of_load(state.nodes.len(), state.tensions.len());
         let mut starts = vec![Start { state, along }];
         let mut marks: Vec<(usize, Mark)> = Vec::new();
+        // Branches that pass all of the load close to where they part.
+        let mut close: Vec<usize> = Vec::new();
         let mut branch = 0;
         while branch < starts.len() {
             let Start { state, along } = &starts[branch];
@@ -182,12 +184,15 @@ impl Cosserat {
                             let others = other_branch(&problem, scratch, &mark);
                             found.complete &= others.len().min(2) == 2 && room >= 2;
                             let first = starts.len();
-                            starts.extend(
-                                others
-                                    .into_iter()
-                                    .take(room)
-                                    .map(|(state, along)| Start { state, along }),
-                            );
+                            for way in others.into_iter().take(room) {
+                                let number = starts.len();
+                                found.complete &= !way.passes_full_load || way.full_load.is_some();
+                                if let Some(mark) = way.full_load {
+                                    marks.push((number, mark));
+                                    close.push(number);
+                                }
+                                starts.push(Start { state: way.state, along: way.along });
+                            }
                             (mark, CriticalKind::Bifurcation((first..starts.len()).collect()))
                         }
                     };
@@ -199,12 +204,16 @@ impl Cosserat {
             }
             branch += 1;
         }
+        // In the order of the branches, where one passes all of the load before it is followed.
+        marks.sort_by_key(|&(branch, _)| branch);
         let followers = case.loads.has_follower();
         for (branch, mark) in marks {
             let diverges = mark.unstable > 0;
             let unknown = (followers && diverges).then_some(false);
             let solution = self.refine(level, mark.state, case, workspace)?;
-            found.add(Some(solution), Some(branch), unknown);
+            let is_new = found.add(Some(solution), Some(branch), unknown);
+            // On finer steps the branch may part above all of the load, or the answer go to the other.
+            found.complete &= is_new || !close.contains(&branch);
         }
         found.add(answer, None, None);
         Ok(found)
@@ -254,15 +263,21 @@ impl Cosserat {
 }
 
 impl Branches {
-    /// Adds an answer that is new; `stable` is what is known of one without energy.
-    fn add(&mut self, solution: Option<Solution>, branch: Option<usize>, stable: Option<bool>) {
-        let Some(solution) = solution else { return };
+    /// Adds an answer, if it is new; `stable` is what is known of one without energy.
+    fn add(
+        &mut self,
+        solution: Option<Solution>,
+        branch: Option<usize>,
+        stable: Option<bool>,
+    ) -> bool {
+        let Some(solution) = solution else { return false };
         if self.equilibria.iter().any(|known| is_same(&known.solution, &solution)) {
-            return;
+            return false;
         }
         let diagnostics = &solution.diagnostics;
         let stable = diagnostics.stability.map(|_| !diagnostics.is_unstable()).or(stable);
         self.equilibria.push(Equilibrium { branch, solution, stable });
+        true
     }
 }
 

@@ -142,6 +142,33 @@ fn a_buckled_column_is_the_elastica() {
     }
 }
 
+/// Love, art. 263, so close to Euler's load that the branches come to all of the load before the first
+/// step along them ends.
+#[test]
+fn a_column_a_little_above_eulers_load_has_a_bent_pair() {
+    for above in [1e-5_f64, 1e-4, 1e-3] {
+        let load = (1.0 + above) * FRAC_PI_2 * FRAC_PI_2;
+        let (mut low, mut high) = (0.0, 0.5);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if elliptic(middle).0.powi(2) < load { low = middle } else { high = middle }
+        }
+        let (first, second) = elliptic(low);
+        let exact = [2.0 * low / first, 2.0 * second / first - 1.0];
+        let found = branches(&blade(0.0), &force(0.0, -load));
+        assert!(found.complete);
+        let stable: Vec<_> = found.equilibria.iter().map(|e| (e.branch, e.stable)).collect();
+        let pair = [(Some(1), Some(true)), (Some(2), Some(true))];
+        assert_eq!(stable, [&[(Some(0), Some(false))][..], &pair].concat(), "{above}");
+        let [one, other] = [1, 2].map(|i: usize| tip(&found.equilibria[i].solution));
+        assert!(one[0] * other[0] < 0.0);
+        for [x, z] in [one, other] {
+            let away = (x.abs() - exact[0]).hypot(z - exact[1]);
+            assert!(away < 1e-2 * exact[0], "{above}: {x} {z} {exact:?}");
+        }
+    }
+}
+
 /// Just above the critical load.
 #[test]
 fn a_round_column_just_above_eulers_load_has_a_straight_shape_and_a_bent_pair() {
