@@ -104,10 +104,27 @@ fn pictures_are_drawn_before_and_after() {
     assert!(std::fs::read(png).unwrap().starts_with(b"\x89PNG"));
 }
 
-/// Under many times the weight that buckles it a rod comes to an answer that none with closer stations is
-/// near to.
 #[test]
 fn the_answer_is_the_same_whatever_is_shown_of_it() {
+    let scratch = Scratch::new();
+    let answer = |args: &[&str]| {
+        let text = succeed(&[&["solve", CASE_3, "--json"], args].concat());
+        let mut answer: Value = serde_json::from_str(&text).unwrap();
+        answer["diagnostics"]["solve_time"] = Value::Null;
+        answer["shape"] = Value::Null;
+        answer
+    };
+    let plain = answer(&[]);
+    assert_eq!(plain, answer(&["--plot", &scratch.file("robot.svg")]));
+    assert_eq!(plain, answer(&["--stations", "37"]));
+}
+
+/// Under many times the weight that buckles it a rod comes to an answer that none with closer stations is
+/// near to.
+// cargo test --release -p whipcord-cli --test solve -- --ignored
+#[test]
+#[ignore = "a minute without optimisation"]
+fn a_picture_is_drawn_where_closer_stations_have_no_answer() {
     let scratch = Scratch::new();
     let file = scratch.write("heavy.toml", HEAVY);
     let svg = scratch.file("heavy.svg");
