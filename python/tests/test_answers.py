@@ -371,3 +371,18 @@ def test_a_comparison_without_measurements_is_a_table_of_numbers(case: whipcord.
     frame = whipcord.compare(case.replace(loads=Loads(tip_force=[0.1, 0, 0]))).to_pandas()
     assert frame.dtypes[["x", "distance", "distance_to_measured"]].tolist() == [np.float64] * 3
     assert np.isnan(frame["distance_to_measured"]).all() and np.isnan(frame.loc["four-bar", "distance"])
+
+
+def test_places_are_counted_as_in_arrays(case: whipcord.Case) -> None:
+    _, derivatives = case.differentiate()
+    last = len(derivatives.position_by_command) - 1
+    assert np.array_equal(derivatives.compliance(-1), derivatives.compliance(last))
+    assert np.array_equal(derivatives.compliance(np.int64(-last - 1)), derivatives.compliance(0))
+    for wrong in (last + 1, -last - 2, 2**70, -(2**70)):
+        with pytest.raises(whipcord.InputError, match="there is no station"):
+            derivatives.compliance(wrong)
+
+
+def test_parameters_are_set_exactly(case: whipcord.Case) -> None:
+    path = "backbone.young_modulus"
+    assert case.with_parameters({path: 1.1}).parameter(path) == 1.1

@@ -5,9 +5,13 @@ from __future__ import annotations
 import _thread
 import csv
 import pickle
+import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
+from subprocess import PIPE
 
 import numpy as np
 import pytest
@@ -88,6 +92,32 @@ def test_ctrl_c_interrupts_a_long_batch() -> None:
     timer.join()
     # Nothing is left behind that would go on.
     assert case.solve_batch(rows[:100]).ok.all()
+
+
+SLOW = """
+import whipcord
+arm = whipcord.load("examples/wall-mounted-arm.toml")
+long = arm.replace(steps=[whipcord.Step(tension=[5.0])] * 3000)
+finely = whipcord.models.Cosserat(steps=5000)
+print("ready", flush=True)
+{work}
+print("done", flush=True)
+"""
+
+
+@pytest.mark.parametrize("call", ["solve", "solve_steps", "differentiate"])
+def test_ctrl_c_does_not_wait_for_a_slow_answer(call: str) -> None:
+    # Minutes of work, in a process of its own: what nobody waits for ends with it.
+    code = SLOW.format(work=f"long.{call}(model=finely)")
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=PIPE, stderr=PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "ready\n"
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    try:
+        out, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert out == "" and "KeyboardInterrupt" in err
 
 
 def test_the_interpreter_is_free_meanwhile(case: whipcord.Case) -> None:
@@ -183,3 +213,18 @@ def test_cases_of_other_robots_and_loads_are_solved_at_once(case: whipcord.Case)
     assert isinstance(third, whipcord.errors.SectionFoldsError)
     assert isinstance(fourth, whipcord.ModelError)
     assert whipcord.solve_cases([]) == []
+
+
+@pytest.mark.parametrize("name", ["position", "rotation", "cable_tension", "cable_length"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_weights_that_are_no_numbers_are_refused(case: whipcord.Case, name: str, value: float) -> None:
+    weights = np.zeros((2, 1) if name.startswith("cable") else (2, 10, 3))
+    weights[1, 0] = value
+    with pytest.raises(whipcord.InputError, match=f"{name} must be finite numbers.* in row 1") as error:
+        case.pull_back_batch([[1.0], [2.0]], **{name: weights})
+    assert error.value.path == name
+    single = name.removeprefix("cable_")
+    _, derivatives = case.differentiate()
+    with pytest.raises(whipcord.InputError, match=f"{single} must be finite numbers") as error:
+        derivatives.pull_back(**{single: weights[1]})
+    assert error.value.path == single

@@ -1,15 +1,12 @@
 //! Many rows at once, with the interpreter free for others meanwhile.
 
 use core::num::NonZeroUsize;
-use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::thread;
-use std::time::Duration;
 
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use whipcord::batch::{
-    Arrays, BatchError, BatchOptions, Gradients, Progress, Rows, Sensitivities, Solved,
-    solve_batch_into, solve_robots,
+    Arrays, BatchOptions, Gradients, Progress, Rows, Sensitivities, Solved, solve_batch_into,
+    solve_robots,
 };
 use whipcord::{Diagnostics, SolveError};
 
@@ -18,9 +15,7 @@ use crate::errors;
 use crate::model::Model;
 use crate::setup::{Setup, parameter};
 use crate::solution::Solution;
-
-/// How often signals such as Ctrl-C are looked for, and progress is reported.
-const PERIOD: Duration = Duration::from_millis(50);
+use crate::wait::supervise;
 
 /// How each row was solved, or why it was not.
 #[pyclass(frozen, module = "whipcord._core")]
@@ -233,50 +228,5 @@ impl Setup {
             "the rows must have the shape (N, {cables}), one column for each cable, but have ({rows}, {columns})"
         );
         Err(errors::input(py, "tensions", message))
-    }
-}
-
-/// Has a thread of its own do the work while this one, which Python delivers signals to, waits for them
-/// and reports progress.
-fn supervise<T: Send>(
-    py: Python<'_>,
-    report: Option<&Bound<'_, PyAny>>,
-    work: impl FnOnce(Progress<'_>) -> Result<T, BatchError> + Send,
-) -> PyResult<T> {
-    let (done, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let progress = |rows: usize, _: usize| {
-        // Threads report in any order.
-        done.fetch_max(rows, Ordering::Relaxed);
-        !stopped.load(Ordering::Relaxed)
-    };
-    let finished = AtomicBool::new(false);
-    let here = thread::current();
-    let (result, interrupted) = thread::scope(|scope| {
-        let worker = scope.spawn(|| {
-            let result = work(&progress);
-            finished.store(true, Ordering::Release);
-            here.unpark();
-            result
-        });
-        let mut interrupted = None;
-        while !finished.load(Ordering::Acquire) && !worker.is_finished() {
-            py.detach(|| thread::park_timeout(PERIOD));
-            let told = match report {
-                Some(report) => report.call1((done.load(Ordering::Relaxed),)).map(drop),
-                None => Ok(()),
-            };
-            if let Err(error) = told.and_then(|()| py.check_signals()) {
-                stopped.store(true, Ordering::Relaxed);
-                interrupted = Some(error);
-                break;
-            }
-        }
-        (py.detach(|| worker.join()), interrupted)
-    });
-    match (interrupted, result) {
-        (Some(error), _) => Err(error),
-        (None, Ok(result)) => result.map_err(|error| errors::batch(py, &error)),
-        // PyO3 turns it into an exception, as any panic.
-        (None, Err(panic)) => std::panic::resume_unwind(panic),
     }
 }

@@ -30,31 +30,31 @@ pub struct Derivatives {
 #[pyo3(signature = (setup, model, parameters, tension = None, shortening = None, start = None))]
 pub fn derivatives(
     py: Python<'_>,
-    setup: &Setup,
+    setup: &Bound<'_, Setup>,
     model: &Model,
     parameters: Vec<String>,
     tension: Option<&Bound<'_, PyAny>>,
     shortening: Option<&Bound<'_, PyAny>>,
     start: Option<&Solution>,
 ) -> PyResult<(Solution, Derivatives)> {
-    let case = setup.commanded(tension, shortening)?;
+    let case = setup.get().commanded(tension, shortening)?;
     let parameters: Vec<_> =
         parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;
-    let start = start.map(|solution| &*solution.inner);
-    let answer = py.detach(|| {
-        setup.with(&model.inner, |prepared| {
-            let Prepared::Cosserat(model, workspace) = prepared else { return Ok(None) };
-            let mut left = None;
-            if start.is_none() {
-                for step in case.steps().take(case.before.len()) {
-                    left = Some(model.solve(&step, left.as_ref(), workspace)?);
-                }
+    let count = parameters.len();
+    let start = start.map(|solution| Arc::clone(&solution.inner));
+    let of = Arc::clone(&case);
+    let answer = Setup::watched(setup, &model.inner, move |prepared| {
+        let Prepared::Cosserat(model, workspace) = prepared else { return Ok(None) };
+        let mut left = None;
+        if start.is_none() {
+            for step in of.steps().take(of.before.len()) {
+                left = Some(model.solve(&step, left.as_ref(), workspace)?);
             }
-            let start = start.or(left.as_ref());
-            model.solve_with_derivatives(&case, start, &parameters, workspace).map(Some)
-        })
-    });
-    let Some((solution, inner)) = answer.map_err(|error| errors::solve(py, &error))? else {
+        }
+        let start = start.as_deref().or(left.as_ref());
+        model.solve_with_derivatives(&of, start, &parameters, workspace).map(Some)
+    })?;
+    let Some((solution, inner)) = answer else {
         return Err(errors::not_by(py, model.inner.kind(), "derivatives"));
     };
     let solution = Solution::new(solution, &case);
@@ -62,7 +62,7 @@ pub fn derivatives(
         inner,
         solution: Arc::clone(&solution.inner),
         to_world: case.base.rotation,
-        parameters: parameters.len(),
+        parameters: count,
     };
     Ok((solution, derivatives))
 }
@@ -113,7 +113,7 @@ impl Derivatives {
     fn compliance<'py>(
         &self,
         py: Python<'py>,
-        station: Option<usize>,
+        station: Option<&Bound<'py, PyAny>>,
         hold: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let compliance = self.inner.compliance(self.place(py, station)?, held(py, hold)?);
@@ -125,7 +125,7 @@ impl Derivatives {
     fn stiffness<'py>(
         &self,
         py: Python<'py>,
-        station: Option<usize>,
+        station: Option<&Bound<'py, PyAny>>,
         hold: &str,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let stiffness = self.inner.stiffness(self.place(py, station)?, held(py, hold)?);
@@ -156,6 +156,7 @@ impl Derivatives {
                     format!("{name} must have the shape ({stations}, 3), but has {:?}", view.dim());
                 return Err(errors::input(py, name, message));
             }
+            finite(py, name, view.iter())?;
             let back = self.to_world.conjugate();
             Ok(view
                 .rows()
@@ -176,6 +177,7 @@ impl Derivatives {
                     format!("{name} must have the shape ({cables},), but has ({},)", values.len());
                 return Err(errors::input(py, name, message));
             }
+            finite(py, name, values.iter())?;
             Ok(values)
         };
         let cotangent = Cotangent {
@@ -228,15 +230,32 @@ impl Derivatives {
         array(py, values, [stations, 6, width])
     }
 
-    fn place(&self, py: Python<'_>, station: Option<usize>) -> PyResult<Place> {
+    fn place(&self, py: Python<'_>, station: Option<&Bound<'_, PyAny>>) -> PyResult<Place> {
+        let Some(station) = station else { return Ok(Place::Tip) };
         let stations = self.solution.shape.poses.len();
-        match station {
-            None => Ok(Place::Tip),
-            Some(i) if i < stations => Ok(Place::Station(i)),
-            Some(i) => {
-                let message = format!("there is no station {i}: they are 0 to {}", stations - 1);
+        match station.extract::<usize>() {
+            Ok(i) if i < stations => Ok(Place::Station(i)),
+            _ => {
+                let last = stations - 1;
+                let message =
+                    format!("there is no station {}: they are 0 to {last}", station.repr()?);
                 Err(errors::input(py, "at", message))
             }
+        }
+    }
+}
+
+/// Refuses sensitivities that are no numbers, or infinite.
+fn finite<'a>(
+    py: Python<'_>,
+    name: &str,
+    mut values: impl Iterator<Item = &'a f64>,
+) -> PyResult<()> {
+    match values.find(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(value) => {
+            let message = format!("{name} must be finite numbers, but holds {value}");
+            Err(errors::input(py, name, message))
         }
     }
 }

@@ -84,6 +84,16 @@ fn problems<'py>(py: Python<'py>, error: &FileError) -> PyResult<Bound<'py, PyLi
 pub fn batch(py: Python<'_>, error: &BatchError) -> PyErr {
     match error {
         BatchError::Model(error) => solve(py, error),
+        BatchError::NotFinite { name, row, value } => {
+            let name = match *name {
+                "positions" => "position",
+                "rotations" => "rotation",
+                "tensions" => "cable_tension",
+                _ => "cable_length",
+            };
+            let message = format!("{name} must be finite numbers, but holds {value} in row {row}");
+            input(py, name, message)
+        }
         other => input(py, "tensions", other.to_string()),
     }
 }

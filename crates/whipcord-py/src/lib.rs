@@ -11,6 +11,7 @@ mod figure;
 mod model;
 mod setup;
 mod solution;
+mod wait;
 
 use std::ffi::OsString;
 

@@ -1,7 +1,8 @@
 //! A robot and what is asked of it.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -17,6 +18,7 @@ use crate::convert::{self, array, commands, flat};
 use crate::errors;
 use crate::model::Model;
 use crate::solution::Solution;
+use crate::wait::{PERIOD, interruptible};
 
 /// A robot and what is asked of it, as one robot file describes them.
 #[pyclass(frozen, module = "whipcord._core")]
@@ -27,7 +29,17 @@ pub struct Setup {
     measured: Option<Measured>,
     reference: Option<Reference>,
     /// Models built for the robot, the last used one last. They hold nothing that an answer depends on.
-    prepared: Mutex<Vec<(whipcord::Model, Prepared)>>,
+    kept: Mutex<Vec<Kept>>,
+    /// Lengths in m of the cables before actuation, by the kinds of models that were asked for them.
+    initial_lengths: Mutex<Vec<(ModelKind, Vec<f64>)>>,
+}
+
+/// A model that was built.
+struct Kept {
+    model: whipcord::Model,
+    prepared: Prepared,
+    /// Whether its last answer took less than [`PERIOD`].
+    quick: bool,
 }
 
 /// Models that are kept.
@@ -35,8 +47,8 @@ const MOST_PREPARED: usize = 8;
 
 impl Setup {
     fn new(title: String, robot: Robot, case: Arc<Case>) -> Self {
-        let prepared = Mutex::default();
-        Self { title, robot, case, measured: None, reference: None, prepared }
+        let (kept, initial_lengths) = (Mutex::default(), Mutex::default());
+        Self { title, robot, case, measured: None, reference: None, kept, initial_lengths }
     }
 
     fn of_file(file: CaseFile) -> Self {
@@ -50,22 +62,54 @@ impl Setup {
         model: &whipcord::Model,
         work: impl FnOnce(&mut Prepared) -> Result<T, SolveError>,
     ) -> Result<T, SolveError> {
-        let kept = {
-            // What panics elsewhere leaves the list whole.
-            let mut list = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
-            list.iter().rposition(|(known, _)| known == model).map(|i| list.remove(i))
+        let known = {
+            let mut kept = self.kept();
+            kept.iter().rposition(|kept| kept.model == *model).map(|i| kept.remove(i))
         };
-        let (model, mut prepared) = match kept {
-            Some(kept) => kept,
-            None => (model.clone(), model.prepare(&self.robot, &self.case.loads)?),
+        let mut used = match known {
+            Some(known) => known,
+            None => {
+                let prepared = model.prepare(&self.robot, &self.case.loads)?;
+                Kept { model: model.clone(), prepared, quick: false }
+            }
         };
-        let result = work(&mut prepared);
-        let mut list = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
-        if list.len() >= MOST_PREPARED {
-            list.remove(0);
+        let result = work(&mut used.prepared);
+        let mut kept = self.kept();
+        if kept.len() >= MOST_PREPARED {
+            kept.remove(0);
         }
-        list.push((model, prepared));
+        kept.push(used);
         result
+    }
+
+    /// As [`Self::with`], for what may take long: Ctrl-C ends the waiting. A thread costs as much as a few
+    /// easy answers, so what was quick the last time is done without.
+    pub fn watched<T: Send + 'static>(
+        this: &Bound<'_, Self>,
+        model: &whipcord::Model,
+        work: impl FnOnce(&mut Prepared) -> Result<T, SolveError> + Send + 'static,
+    ) -> PyResult<T> {
+        let (py, setup) = (this.py(), this.get());
+        let quick = setup.kept().iter().any(|kept| kept.quick && kept.model == *model);
+        let begun = Instant::now();
+        let answer = if quick {
+            py.detach(|| setup.with(model, work))
+        } else {
+            let (setup, model) = (this.clone().unbind(), model.clone());
+            interruptible(py, move || setup.get().with(&model, work))?
+        };
+        let quick = begun.elapsed() < PERIOD;
+        setup
+            .kept()
+            .iter_mut()
+            .filter(|kept| kept.model == *model)
+            .for_each(|kept| kept.quick = quick);
+        answer.map_err(|error| errors::solve(py, &error))
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Vec<Kept>> {
+        // What panics elsewhere leaves the list whole.
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The case with other commands.
@@ -173,49 +217,41 @@ impl Setup {
     /// The answer, after all steps of the case unless it starts from another answer.
     #[pyo3(signature = (model, tension = None, shortening = None, start = None))]
     fn solve(
-        &self,
-        py: Python<'_>,
+        slf: &Bound<'_, Self>,
         model: &Model,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
         start: Option<&Solution>,
     ) -> PyResult<Solution> {
-        let case = self.commanded(tension, shortening)?;
-        let start = start.map(|solution| &*solution.inner);
-        let answer = py.detach(|| {
-            self.with(&model.inner, |prepared| {
-                if case.before.is_empty() || start.is_some() {
-                    return prepared.solve(&case, start);
-                }
-                let mut last = None;
-                prepared
-                    .solve_steps(&case, |solution| last = Some(solution))
-                    .map_err(|(_, e)| e)?;
-                last.map_or_else(|| prepared.solve(&case, None), Ok)
-            })
-        });
-        let answer = answer.map_err(|error| errors::solve(py, &error))?;
+        let case = slf.get().commanded(tension, shortening)?;
+        let start = start.map(|solution| Arc::clone(&solution.inner));
+        let of = Arc::clone(&case);
+        let answer = Self::watched(slf, &model.inner, move |prepared| {
+            if of.before.is_empty() || start.is_some() {
+                return prepared.solve(&of, start.as_deref());
+            }
+            let mut last = None;
+            prepared.solve_steps(&of, |solution| last = Some(solution)).map_err(|(_, e)| e)?;
+            last.map_or_else(|| prepared.solve(&of, None), Ok)
+        })?;
         Ok(Solution::new(answer, &case))
     }
 
     /// The answers to all steps of the case.
     #[pyo3(signature = (model, tension = None, shortening = None))]
     fn solve_steps(
-        &self,
-        py: Python<'_>,
+        slf: &Bound<'_, Self>,
         model: &Model,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<Solution>> {
-        let case = self.commanded(tension, shortening)?;
-        let answers = py.detach(|| {
-            self.with(&model.inner, |prepared| {
-                let mut all = Vec::new();
-                prepared.solve_steps(&case, |solution| all.push(solution)).map_err(|(_, e)| e)?;
-                Ok(all)
-            })
-        });
-        let answers = answers.map_err(|error| errors::solve(py, &error))?;
+        let case = slf.get().commanded(tension, shortening)?;
+        let of = Arc::clone(&case);
+        let answers = Self::watched(slf, &model.inner, move |prepared| {
+            let mut all = Vec::new();
+            prepared.solve_steps(&of, |solution| all.push(solution)).map_err(|(_, e)| e)?;
+            Ok(all)
+        })?;
         let steps = case.steps().map(Arc::new);
         Ok(answers
             .into_iter()
@@ -226,15 +262,25 @@ impl Setup {
 
     /// Length in m of each cable inside the robot before anything pulls or loads it.
     fn initial_lengths(&self, py: Python<'_>, model: &Model) -> PyResult<Vec<f64>> {
+        let kind = model.inner.kind();
+        {
+            // What panics elsewhere leaves the list whole.
+            let known = self.initial_lengths.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some((_, lengths)) = known.iter().find(|(of, _)| *of == kind) {
+                return Ok(lengths.clone());
+            }
+        }
         let count = self.robot.cables().len();
-        let slack = match model.inner.kind() {
+        let slack = match kind {
             ModelKind::FourBar => Case::with_shortenings(&vec![Shortening::Length(0.0); count]),
             _ => Case::with_tensions(&vec![0.0; count]),
         };
-        let kind = model.inner.kind();
         let model = whipcord::Model::new(kind, Default::default(), Default::default());
         let answer = model.solve(&self.robot, &slack).map_err(|error| errors::solve(py, &error))?;
-        Ok(answer.cables.iter().map(|cable| cable.initial_length).collect())
+        let lengths: Vec<_> = answer.cables.iter().map(|cable| cable.initial_length).collect();
+        let mut known = self.initial_lengths.lock().unwrap_or_else(PoisonError::into_inner);
+        known.push((kind, lengths.clone()));
+        Ok(lengths)
     }
 
     /// (m, 3) points of each cable over an answer.
@@ -267,11 +313,8 @@ impl Setup {
     fn with_parameters(&self, py: Python<'_>, values: Vec<(String, f64)>) -> PyResult<Self> {
         let (mut robot, mut case) = (self.robot.clone(), (*self.case).clone());
         for (path, value) in values {
-            let parameter = parameter(py, &path)?;
-            let moved = parameter
-                .value(&robot, &case)
-                .and_then(|now| parameter.moved(&robot, &case, value - now));
-            (robot, case) = moved.map_err(|error| errors::robot(py, &error))?;
+            let changed = parameter(py, &path)?.changed_to(&robot, &case, value);
+            (robot, case) = changed.map_err(|error| errors::robot(py, &error))?;
         }
         Ok(Self::new(self.title.clone(), robot, Arc::new(case)))
     }
@@ -279,16 +322,17 @@ impl Setup {
     /// How a place at this arc length in m moves and yields.
     #[pyo3(signature = (model, arc_length, tension = None, shortening = None))]
     fn local<'py>(
-        &self,
+        slf: &Bound<'py, Self>,
         py: Python<'py>,
         model: &Model,
         arc_length: Option<f64>,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(Solution, Bound<'py, PyDict>)> {
-        let case = self.commanded(tension, shortening)?;
-        let at = arc_length.unwrap_or(self.robot.backbone().length);
-        let answer = py.detach(|| model.inner.solve_at(&self.robot, &case, at));
+        let case = slf.get().commanded(tension, shortening)?;
+        let at = arc_length.unwrap_or(slf.get().robot.backbone().length);
+        let (setup, model, of) = (slf.clone().unbind(), model.inner.clone(), Arc::clone(&case));
+        let answer = interruptible(py, move || model.solve_at(&setup.get().robot, &of, at))?;
         let (solution, local) = answer.map_err(|error| errors::solve(py, &error))?;
         let values = PyDict::new(py);
         values.set_item("arc_length", at)?;
@@ -345,8 +389,10 @@ impl Setup {
     )> {
         let case = self.commanded(tension, shortening)?;
         let model = self.cosserat(py, model, "branches")?;
-        let found = py
-            .detach(|| model.branches(&case, &BranchOptions::default(), &mut Workspace::default()));
+        let of = Arc::clone(&case);
+        let found = interruptible(py, move || {
+            model.branches(&of, &BranchOptions::default(), &mut Workspace::default())
+        })?;
         let found = found.map_err(|error| errors::solve(py, &error))?;
         let equilibria = found.equilibria.into_iter().map(|equilibrium| {
             (equilibrium.branch, equilibrium.stable, Solution::new(equilibrium.solution, &case))

@@ -37,6 +37,17 @@ pub enum BatchError {
         needed: usize,
     },
 
+    /// A sensitivity is no finite number.
+    #[error("the sensitivities to {name} are {value} in row {row}: give finite numbers")]
+    NotFinite {
+        /// To what.
+        name: &'static str,
+        /// Row, from 0.
+        row: usize,
+        /// What is there: an infinity, or no number at all.
+        value: f64,
+    },
+
     /// The progress callback stopped the batch.
     #[error("the batch was stopped after {done} of {rows} rows")]
     Stopped {

@@ -14,7 +14,8 @@ use whipcord_numerics::{Twist, Vec3};
 /// Rows that one thread takes at a time.
 const ROWS: usize = 16;
 
-/// The sensitivity of one scalar for each row to that row's answer. An empty list is one of zeros.
+/// The sensitivity of one scalar for each row to that row's answer: finite numbers. An empty list is
+/// one of zeros.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sensitivities<'a> {
     /// Rows × stations × 3: to the positions, in the frame that shapes are in.
@@ -73,8 +74,11 @@ pub fn pull_back_batch(
         count,
         batch,
         || (model.clone(), Workspace::default(), rows.blank()),
-        |(first, by_commands, by_parameters, outcomes), (model, workspace, blank)| {
+        |(first, by_commands, by_parameters, outcomes), (model, workspace, blank), tally| {
             for (i, outcome) in outcomes.iter_mut().enumerate() {
+                if !tally.goes_on() {
+                    return;
+                }
                 let row = first + i;
                 let case = rows.case(row, cables, blank);
                 let to_base = case.base.rotation.conjugate();
@@ -99,8 +103,8 @@ pub fn pull_back_batch(
                     by_commands[i * cables..(i + 1) * cables].fill(0.0);
                     by_parameters[i * parameters.len()..(i + 1) * parameters.len()].fill(0.0);
                 }
+                tally.add(1);
             }
-            outcomes.len()
         },
     )?;
     Ok(outcomes)
@@ -112,14 +116,17 @@ fn size(name: &'static str, given: usize, needed: usize) -> Result<(), BatchErro
 
 impl Sensitivities<'_> {
     fn check(&self, rows: usize, stations: usize, cables: usize) -> Result<(), BatchError> {
-        for (name, given, needed) in [
-            ("positions", self.positions.len(), rows * stations * 3),
-            ("rotations", self.rotations.len(), rows * stations * 3),
-            ("tensions", self.tensions.len(), rows * cables),
-            ("lengths", self.lengths.len(), rows * cables),
+        for (name, given, width) in [
+            ("positions", self.positions, stations * 3),
+            ("rotations", self.rotations, stations * 3),
+            ("tensions", self.tensions, cables),
+            ("lengths", self.lengths, cables),
         ] {
-            if given > 0 {
-                size(name, given, needed)?;
+            if !given.is_empty() {
+                size(name, given.len(), rows * width)?;
+            }
+            if let Some(at) = given.iter().position(|value| !value.is_finite()) {
+                return Err(BatchError::NotFinite { name, row: at / width, value: given[at] });
             }
         }
         Ok(())

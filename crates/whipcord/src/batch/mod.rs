@@ -81,7 +81,7 @@ pub struct BatchOptions<'a> {
     pub no_lanes: bool,
     /// How many rows at a time the vectors carry, with the same answers.
     pub width: Width,
-    /// Called after every piece of the batch.
+    /// Called after every row that is solved by itself, and after every piece that is solved in vectors.
     pub progress: Option<Progress<'a>>,
 }
 
@@ -148,12 +148,15 @@ pub fn solve_robots(
         robots.len(),
         options,
         || (),
-        |(robots, solutions), ()| {
+        |(robots, solutions), (), tally| {
             for ((robot, case), solution) in robots.iter().zip(solutions) {
+                if !tally.goes_on() {
+                    return;
+                }
                 let prepared = model.prepare(robot, &case.loads);
                 *solution = Some(prepared.and_then(|mut model| model.solve(case, None)));
+                tally.add(1);
             }
-            robots.len()
         },
     )?;
     // A batch that was not stopped has solved every robot.

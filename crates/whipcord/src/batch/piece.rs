@@ -3,7 +3,7 @@
 use super::arrays::{Arrays, Solved};
 use super::error::BatchError;
 use super::rows::Rows;
-use super::run::run;
+use super::run::{Tally, run};
 use super::{BatchOptions, PATH_ROWS};
 use crate::case::{CableCommand, Case, Loads};
 use crate::cosserat::UnloadedLanes;
@@ -76,14 +76,14 @@ pub(super) fn solve_rows(
     }
     let batch = Batch { model, prepared, rows, options, sizes, lanes };
     let scratch = || Scratch { prepared: None, case: rows.blank(), solved: Vec::new() };
-    run(pieces, count, options, scratch, |mut piece, scratch| {
+    run(pieces, count, options, scratch, |mut piece, scratch, tally| {
         scratch.solved.clear();
         scratch.solved.resize(piece.outcomes.len(), false);
         if let Some(lanes) = &batch.lanes {
             batch.solve_in_lanes(lanes, &mut piece, &mut scratch.solved);
+            tally.add(scratch.solved.iter().filter(|&&solved| solved).count());
         }
-        batch.solve_one_by_one(&mut piece, scratch);
-        piece.outcomes.len()
+        batch.solve_one_by_one(&mut piece, scratch, tally);
     })
 }
 
@@ -147,11 +147,14 @@ impl Batch<'_> {
         });
     }
 
-    /// Solves the rows that are not solved.
-    fn solve_one_by_one(&self, piece: &mut Piece<'_>, scratch: &mut Scratch) {
+    /// Solves the rows that are not solved, as long as the batch goes on.
+    fn solve_one_by_one(&self, piece: &mut Piece<'_>, scratch: &mut Scratch, tally: &Tally<'_>) {
         let Scratch { prepared, case, solved } = scratch;
         let mut before: Option<Solution> = None;
         for row in (0..piece.outcomes.len()).filter(|&row| !solved[row]) {
+            if !tally.goes_on() {
+                return;
+            }
             let prepared = prepared.get_or_insert_with(|| self.prepared.clone());
             let case = self.rows.case(piece.first + row, self.sizes.1, case);
             let answer = solve_row(self.model, prepared, case, before.as_ref());
@@ -169,6 +172,7 @@ impl Batch<'_> {
                 }
                 Err(error) => (None, Err(error)),
             };
+            tally.add(1);
         }
     }
 }

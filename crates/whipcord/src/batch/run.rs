@@ -3,38 +3,61 @@
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use super::BatchOptions;
 use super::error::BatchError;
+use super::{BatchOptions, Progress};
+
+/// How far a batch is, and whether it goes on.
+pub(super) struct Tally<'a> {
+    done: AtomicUsize,
+    stopped: AtomicBool,
+    rows: usize,
+    progress: Option<Progress<'a>>,
+}
+
+impl Tally<'_> {
+    /// Whether the batch goes on. A row may take seconds: a job asks before each that it begins.
+    pub(super) fn goes_on(&self) -> bool {
+        !self.stopped.load(Ordering::Relaxed)
+    }
+
+    /// So many more rows are done.
+    pub(super) fn add(&self, count: usize) {
+        let done = self.done.fetch_add(count, Ordering::Relaxed) + count;
+        if self.progress.is_some_and(|goes_on| !goes_on(done, self.rows)) {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+    }
+}
 
 /// Does all jobs. Each thread makes its scratch memory once and takes the next job when it has done
-/// one; a job returns how many rows it did.
+/// one; a job adds the rows it has done to the tally.
 pub(super) fn run<J: Send, W>(
     jobs: Vec<J>,
     rows: usize,
     options: &BatchOptions<'_>,
     scratch: impl Fn() -> W + Sync + Send,
-    work: impl Fn(J, &mut W) -> usize + Sync + Send,
+    work: impl Fn(J, &mut W, &Tally<'_>) + Sync + Send,
 ) -> Result<(), BatchError> {
-    let done = AtomicUsize::new(0);
-    let stopped = AtomicBool::new(false);
+    let tally = Tally {
+        done: AtomicUsize::new(0),
+        stopped: AtomicBool::new(false),
+        rows,
+        progress: options.progress,
+    };
     let count = jobs.len();
     let queue = Mutex::new(jobs.into_iter());
     // What panics in a job ends the batch: the queue itself is whole.
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let worker = || {
         let mut memory = scratch();
-        while !stopped.load(Ordering::Relaxed)
+        while tally.goes_on()
             && let Some(job) = next()
         {
-            let count = work(job, &mut memory);
-            let done = done.fetch_add(count, Ordering::Relaxed) + count;
-            if options.progress.is_some_and(|goes_on| !goes_on(done, rows)) {
-                stopped.store(true, Ordering::Relaxed);
-            }
+            work(job, &mut memory, &tally);
         }
     };
     share(count, options, worker)?;
-    let done = done.into_inner();
+    let done = tally.done.into_inner();
     // Who stops the batch after its last row has all of it.
     if done < rows { Err(BatchError::Stopped { done, rows }) } else { Ok(()) }
 }

@@ -227,19 +227,51 @@ impl Parameter {
     /// [`RobotError`] when robot and case have no such quantity, when no robot file can express its
     /// change (a factor on a stiffness, an angle of one hole), or when it leaves its range.
     pub fn moved(&self, robot: &Robot, case: &Case, by: f64) -> Result<(Robot, Case), RobotError> {
+        self.rewritten(robot, case, |values| {
+            for value in values {
+                **value += by;
+            }
+        })
+    }
+
+    /// Robot and case with this parameter at `value`, in its unit, exactly. Of a parameter that stands
+    /// for several numbers the first gets this value, and the others change by as much.
+    ///
+    /// # Errors
+    /// As [`Self::moved`].
+    pub fn changed_to(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        value: f64,
+    ) -> Result<(Robot, Case), RobotError> {
+        self.rewritten(robot, case, |values| {
+            let before = values.first().map_or(value, |first| **first);
+            for each in values {
+                // Numbers that agree before agree afterwards; `before + (value - before)` would round.
+                **each = if **each == before { value } else { **each + (value - before) };
+            }
+        })
+    }
+
+    /// Robot and case with the numbers that the parameter stands for, at least one, written anew.
+    fn rewritten(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        write: impl FnOnce(&mut [&mut f64]),
+    ) -> Result<(Robot, Case), RobotError> {
         let mut parts = Parts {
             backbone: robot.backbone().clone(),
             disks: robot.disks().clone(),
             cables: robot.cables().to_vec(),
             case: case.clone(),
         };
-        let slots = self.slots(&mut parts);
+        let mut slots = self.slots(&mut parts);
         if slots.is_empty() {
             return Err(self.absent());
         }
-        for slot in slots {
-            *slot += by;
-        }
+        write(&mut slots);
         let Parts { backbone, disks, cables, case } = parts;
         let robot = Robot::new(backbone, disks, cables)?;
         case.check(&robot)?;

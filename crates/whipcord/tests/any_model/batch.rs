@@ -384,4 +384,13 @@ fn progress_is_told_and_can_stop() {
         BatchError::Stopped { done, rows } => assert!(done > 0 && done < rows),
         other => panic!("{other}"),
     }
+    // A row that is solved by itself may take seconds: no other begins.
+    let stopped = BatchError::Stopped { done: 1, rows: 2000 };
+    let alone = BatchOptions { no_lanes: true, ..options };
+    assert_eq!(solve_batch(&model, &robot, rows, &alone).unwrap_err(), stopped);
+    let path = BatchOptions { warm_path: true, ..options };
+    assert_eq!(solve_batch(&model, &robot, rows, &path).unwrap_err(), stopped);
+    let robots = vec![(robot, Case::with_tensions(&[1.0])); 20];
+    let error = solve_robots(&model, &robots, &options).unwrap_err();
+    assert_eq!(error, BatchError::Stopped { done: 1, rows: 20 });
 }

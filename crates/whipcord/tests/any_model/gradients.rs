@@ -90,3 +90,52 @@ fn arrays_of_another_size_are_refused() {
     let expected = BatchError::Size { name: "positions", given: 3, needed: 60 };
     assert_eq!(refused, Err(expected));
 }
+
+#[test]
+fn no_row_begins_after_the_batch_is_stopped() {
+    let robot = paper_robot(vec![straight(0.0)]);
+    let stop = |_: usize, _: usize| false;
+    let one = core::num::NonZeroUsize::new(1);
+    let stopped = pull_back_batch(
+        &Options::default(),
+        &robot,
+        Rows::Tensions { values: &[1.0; 8], case: &case() },
+        &[],
+        &BatchOptions { threads: one, progress: Some(&stop), ..BatchOptions::default() },
+        Sensitivities::default(),
+        Gradients { commands: &mut [0.0; 8], parameters: &mut [] },
+    );
+    assert_eq!(stopped, Err(BatchError::Stopped { done: 1, rows: 8 }));
+}
+
+#[test]
+fn sensitivities_that_are_no_numbers_are_refused() {
+    let robot = paper_robot(vec![straight(0.0)]);
+    let refused = pull_back_batch(
+        &Options::default(),
+        &robot,
+        Rows::Tensions { values: &[1.0, 2.0], case: &case() },
+        &[],
+        &BatchOptions::default(),
+        Sensitivities { tensions: &[1.0, f64::INFINITY], ..Sensitivities::default() },
+        Gradients { commands: &mut [0.0; 2], parameters: &mut [] },
+    );
+    let expected = BatchError::NotFinite { name: "tensions", row: 1, value: f64::INFINITY };
+    assert_eq!(refused, Err(expected));
+}
+
+#[test]
+fn a_parameter_is_set_to_the_very_value() {
+    let (robot, case) = (paper_robot(vec![straight(0.0)]), Case::with_tensions(&[1.0]));
+    // 1.1e9 + (1.1 - 1.1e9) is 1.10000002….
+    let (soft, case) = Parameter::YoungModulus.changed_to(&robot, &case, 1.1).unwrap();
+    assert_eq!(Parameter::YoungModulus.value(&soft, &case), Ok(1.1));
+    // Of several numbers the first is set, and the others keep their distance from it.
+    let mut disks = robot.disks().clone();
+    disks.hole_circle_radii[1] += 0.001;
+    let uneven = Robot::new(robot.backbone().clone(), disks, robot.cables().to_vec()).unwrap();
+    let (moved, _) = Parameter::HoleRadius.changed_to(&uneven, &case, 0.007).unwrap();
+    let radii = &moved.disks().hole_circle_radii;
+    assert_eq!((radii[0], radii[2]), (0.007, 0.007));
+    assert!((radii[1] - 0.008).abs() < 1e-12, "{}", radii[1]);
+}
