@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
 
 import matplotlib
@@ -9,6 +10,8 @@ import pytest
 import whipcord
 
 matplotlib.use("Agg")
+# Whoever starts the tests in the background has Ctrl-C ignored, here and in what they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = Path(__file__).resolve().parents[2]
 
