@@ -75,51 +75,46 @@ fn they_are_those_of_differences() {
     }
 }
 
+/// What becomes of a batch of tensions on a robot with one straight cable, without parameters.
+fn outcome(
+    tensions: &[f64],
+    options: &BatchOptions,
+    sensitivities: Sensitivities,
+) -> Result<(), BatchError> {
+    pull_back_batch(
+        &Options::default(),
+        &paper_robot(vec![straight(0.0)]),
+        Rows::Tensions { values: tensions, case: &case() },
+        &[],
+        options,
+        sensitivities,
+        Gradients { commands: &mut vec![0.0; tensions.len()], parameters: &mut [] },
+    )
+    .map(drop)
+}
+
 #[test]
 fn arrays_of_another_size_are_refused() {
-    let robot = paper_robot(vec![straight(0.0)]);
-    let refused = pull_back_batch(
-        &Options::default(),
-        &robot,
-        Rows::Tensions { values: &[1.0, 2.0], case: &case() },
-        &[],
-        &BatchOptions::default(),
-        Sensitivities { positions: &[1.0; 3], ..Sensitivities::default() },
-        Gradients { commands: &mut [0.0; 2], parameters: &mut [] },
-    );
+    let sensitivities = Sensitivities { positions: &[1.0; 3], ..Sensitivities::default() };
+    let refused = outcome(&[1.0, 2.0], &BatchOptions::default(), sensitivities);
     let expected = BatchError::Size { name: "positions", given: 3, needed: 60 };
     assert_eq!(refused, Err(expected));
 }
 
 #[test]
 fn no_row_begins_after_the_batch_is_stopped() {
-    let robot = paper_robot(vec![straight(0.0)]);
     let stop = |_: usize, _: usize| false;
     let one = core::num::NonZeroUsize::new(1);
-    let stopped = pull_back_batch(
-        &Options::default(),
-        &robot,
-        Rows::Tensions { values: &[1.0; 8], case: &case() },
-        &[],
-        &BatchOptions { threads: one, progress: Some(&stop), ..BatchOptions::default() },
-        Sensitivities::default(),
-        Gradients { commands: &mut [0.0; 8], parameters: &mut [] },
-    );
+    let options = BatchOptions { threads: one, progress: Some(&stop), ..BatchOptions::default() };
+    let stopped = outcome(&[1.0; 8], &options, Sensitivities::default());
     assert_eq!(stopped, Err(BatchError::Stopped { done: 1, rows: 8 }));
 }
 
 #[test]
 fn sensitivities_that_are_no_numbers_are_refused() {
-    let robot = paper_robot(vec![straight(0.0)]);
-    let refused = pull_back_batch(
-        &Options::default(),
-        &robot,
-        Rows::Tensions { values: &[1.0, 2.0], case: &case() },
-        &[],
-        &BatchOptions::default(),
-        Sensitivities { tensions: &[1.0, f64::INFINITY], ..Sensitivities::default() },
-        Gradients { commands: &mut [0.0; 2], parameters: &mut [] },
-    );
+    let sensitivities =
+        Sensitivities { tensions: &[1.0, f64::INFINITY], ..Sensitivities::default() };
+    let refused = outcome(&[1.0, 2.0], &BatchOptions::default(), sensitivities);
     let expected = BatchError::NotFinite { name: "tensions", row: 1, value: f64::INFINITY };
     assert_eq!(refused, Err(expected));
 }
