@@ -19,6 +19,7 @@ pub mod error;
 pub mod four_bar;
 pub mod kinematics;
 pub mod model;
+pub mod observation;
 pub mod parameter;
 pub mod robot;
 pub mod shape;
@@ -29,6 +30,7 @@ pub use case::{
 };
 pub use error::{LengthMiss, SolveError};
 pub use model::{Differentiable, Model, ModelKind, Prepared, Statics, Stations};
+pub use observation::{Observation, Place, Seen};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use robot::{
     Along, Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot,
