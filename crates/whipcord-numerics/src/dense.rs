@@ -124,16 +124,21 @@ pub fn symmetric_eigenvalues(n: usize, a: &mut [f64]) -> Vec<f64> {
     (0..n).map(|i| a[i * n + i]).collect()
 }
 
+/// Cosine and sine of Jacobi's rotation that makes the symmetric block of `xx`, `yy` and `xy` diagonal.
+pub(crate) fn separating_rotation(xx: f64, yy: f64, xy: f64) -> (f64, f64) {
+    let half = 0.5 * (yy - xx) / xy;
+    let tan = 1.0_f64.copysign(half) / (half.abs() + half.hypot(1.0));
+    let cos = 1.0 / (1.0 + tan * tan).sqrt();
+    (cos, tan * cos)
+}
+
 /// One Jacobi rotation in the plane of `i < j`.
 fn rotate_away(n: usize, a: &mut [f64], i: usize, j: usize) {
     let off = a[i * n + j];
     if off == 0.0 {
         return;
     }
-    let half = 0.5 * (a[j * n + j] - a[i * n + i]) / off;
-    let tan = 1.0_f64.copysign(half) / (half.abs() + half.hypot(1.0));
-    let cos = 1.0 / (1.0 + tan * tan).sqrt();
-    let sin = tan * cos;
+    let (cos, sin) = separating_rotation(a[i * n + i], a[j * n + j], off);
     for k in 0..n {
         let (x, y) = (a[k * n + i], a[k * n + j]);
         a[k * n + i] = cos * x - sin * y;
