@@ -10,6 +10,7 @@
 //! only for a [`batch`].
 
 pub mod batch;
+pub mod camera;
 pub mod case;
 pub mod cosserat;
 pub mod cosserat_disks;
@@ -24,6 +25,7 @@ pub mod parameter;
 pub mod robot;
 pub mod shape;
 
+pub use camera::{Camera, Lens};
 pub use case::{
     CableCommand, Case, DistributedLoad, Drive, LoadFrame, Loads, PointLoad, PointMass, Profile,
     Shortening,

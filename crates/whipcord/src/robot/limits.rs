@@ -70,6 +70,18 @@ pub const LINE_FORCE: Range = Range::either_way(1e12, "N/m");
 pub const LINE_MOMENT: Range = Range::either_way(1e12, "N·m/m");
 /// A component of the acceleration of gravity.
 pub const ACCELERATION: Range = Range::either_way(1e12, "m/s²");
+/// A focal length, in pixels.
+pub const FOCAL_LENGTH: Range = Range::from(1e-3, 1e9, "pixels");
+/// The scale of an orthographic image: from a pixel for 1000 km to one for 1 pm.
+pub const IMAGE_SCALE: Range = Range::from(1e-6, 1e12, "pixels/m");
+/// A coordinate in an image.
+pub const PIXEL: Range = Range::either_way(1e9, "pixels");
+/// Columns or rows of an image.
+pub const IMAGE_SIZE: Range = Range::from(1.0, 1e6, "pixels");
+/// A coefficient of a lens's distortion, but for its tilt.
+pub const DISTORTION_COEFFICIENT: Range = Range::either_way(1e6, "");
+/// A tilt of a camera's sensor: at a right angle it would be seen edge-on.
+pub const LENS_TILT: Range = Range::either_way(1.5, "rad");
 /// Greatest coefficient of a polynomial, whatever its power.
 const LARGEST_COEFFICIENT: f64 = 1e100;
 /// Least distance in m between neighbouring disks.

@@ -1,0 +1,5 @@
+//! What is seen of a robot: cameras.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod camera;
