@@ -22,6 +22,7 @@ pub mod kinematics;
 pub mod model;
 pub mod observation;
 pub mod parameter;
+pub mod registration;
 pub mod robot;
 pub mod shape;
 
