@@ -134,8 +134,12 @@ impl Plan {
         let fitting =
             [0.2, 0.5].map(|share| labels(range, share * self.tick)).into_iter().find(|finer| {
                 let widths = finer.iter().map(|(_, text)| font::width(text, TICK_SIZE, false));
-                let size = if vertical { TICK_SIZE } else { widths.fold(0.0, f64::max) };
-                finer.windows(2).all(|w| self.scale * (w[1].0 - w[0].0) >= size + LEAST_GAP)
+                let widest = widths.fold(0.0, f64::max);
+                let size = if vertical { TICK_SIZE } else { widest };
+                // Finer ticks may have a decimal or a sign more than the margin has room for.
+                let in_margin = !vertical || widest <= self.margin - LEFT;
+                let apart = |w: &[(f64, String)]| self.scale * (w[1].0 - w[0].0);
+                in_margin && finer.windows(2).all(|w| apart(w) >= size + LEAST_GAP)
             });
         fitting.unwrap_or(common)
     }

@@ -28,8 +28,10 @@ pub(crate) struct LogTick {
 }
 
 impl LogTick {
+    /// The number nearest to it, so that 3 · 10⁻¹ is written as 0.3.
     pub fn value(self) -> f64 {
-        f64::from(self.digit) * power_of_ten(self.exponent)
+        let Self { digit, exponent } = self;
+        format!("{digit}e{exponent}").parse().unwrap_or(f64::INFINITY)
     }
 }
 
@@ -272,6 +274,13 @@ mod tests {
                 prop_assert!(v > low - 1e-6 && v < high + 1e-6);
             }
         }
+    }
+
+    #[test]
+    fn ticks_below_one_are_short_numbers() {
+        let values: Vec<String> =
+            logarithmic(0.38, 0.56, 8).values.iter().map(|t| t.value().to_string()).collect();
+        assert_eq!(values, ["0.3", "0.4", "0.5", "0.6"]);
     }
 
     #[test]

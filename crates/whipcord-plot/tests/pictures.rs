@@ -442,6 +442,67 @@ fn what_cannot_be_drawn_is_refused() {
     }
 }
 
+/// A bent robot with helical cables.
+struct SomeRobot {
+    length: f64,
+    disks: usize,
+    /// Radius of the hole circles relative to the length.
+    slender: f64,
+    cables: usize,
+    bend: f64,
+    direction: f64,
+    twist: f64,
+    elevation: f64,
+}
+
+impl SomeRobot {
+    fn svg(&self) -> String {
+        let Self { length, disks, slender, cables, bend, direction, twist, elevation } = *self;
+        let ring = slender * length;
+        let backbone = Backbone {
+            section: Some(Section::rectangle(0.3 * ring, 0.9 * ring)),
+            ..Backbone::new(length)
+        };
+        let list = (0..cables).map(|k| {
+            let routing = Routing::Helix { start_angle: k as f64, turns: 0.3, radius: ring };
+            let end = (length * (k + 1) as f64 / cables as f64).min(length);
+            Cable { ends_at: Some(end), ..Cable::new(format!("cable {k}"), routing) }
+        });
+        let plates = Disks::equally_spaced(length, disks, ring).with_holes(8);
+        let robot = Robot::new(backbone, plates, list.collect()).unwrap();
+        let curvature = |s: f64| {
+            (towards(direction + twist * s / length, bend) + Vec3::Z * twist) * (1.0 / length)
+        };
+        let bent = view(&robot, "model", ViewStyle::Model, curvature);
+        let mut case = all_loads();
+        let place = |s: f64| s * length / 0.18;
+        for point in &mut case.loads.points {
+            point.at = place(point.at);
+        }
+        case.loads.masses[0].at = place(case.loads.masses[0].at);
+        case.loads.distributed = vec![DistributedLoad::uniform(length, towards(direction, 1.0))];
+        let loads =
+            if cables % 2 == 0 { Acting::on(&case, &bent.shape) } else { Acting::default() };
+        let options = FigureOptions { elevation, loads, ..Default::default() };
+        robot_figure(&robot, &[before(&robot), bent], &options).unwrap()
+    }
+}
+
+#[test]
+fn finer_ticks_stay_in_their_margin() {
+    let robot = SomeRobot {
+        length: 10_f64.powf(-2.1253958008671674),
+        disks: 2,
+        slender: 0.02,
+        cables: 0,
+        bend: 2.0561482393390764,
+        direction: 5.940164159964557,
+        twist: 4.538262302782928,
+        elevation: 0.0,
+    };
+    check(&robot.svg());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..Default::default() })]
 
@@ -457,31 +518,7 @@ proptest! {
         elevation in -1.5..1.5_f64,
     ) {
         let length = 10_f64.powf(length);
-        let ring = slender * length;
-        let backbone = Backbone {
-            section: Some(Section::rectangle(0.3 * ring, 0.9 * ring)),
-            ..Backbone::new(length)
-        };
-        let list = (0..cables).map(|k| {
-            let routing = Routing::Helix { start_angle: k as f64, turns: 0.3, radius: ring };
-            Cable { ends_at: Some((length * (k + 1) as f64 / cables as f64).min(length)), ..Cable::new(format!("cable {k}"), routing) }
-        });
-        let plates = Disks::equally_spaced(length, disks, ring).with_holes(8);
-        let robot = Robot::new(backbone, plates, list.collect()).unwrap();
-        let curvature = |s: f64| {
-            (towards(direction + twist * s / length, bend) + Vec3::Z * twist) * (1.0 / length)
-        };
-        let bent = view(&robot, "model", ViewStyle::Model, curvature);
-        let mut case = all_loads();
-        let place = |s: f64| s * length / 0.18;
-        for point in &mut case.loads.points {
-            point.at = place(point.at);
-        }
-        case.loads.masses[0].at = place(case.loads.masses[0].at);
-        case.loads.distributed = vec![DistributedLoad::uniform(length, towards(direction, 1.0))];
-        let loads = if cables % 2 == 0 { Acting::on(&case, &bent.shape) } else { Acting::default() };
-        let options = FigureOptions { elevation, loads, ..Default::default() };
-        check(&robot_figure(&robot, &[before(&robot), bent], &options).unwrap());
+        check(&SomeRobot { length, disks, slender, cables, bend, direction, twist, elevation }.svg());
     }
 
     #[test]
