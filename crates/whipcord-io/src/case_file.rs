@@ -88,10 +88,14 @@ fn read(
     let fields = check::table(entries, document.span, &ROOT, problems);
     steps(&fields, &document, problems);
     let parts = parts(&fields, &document, problems);
-    let disks = parts.as_ref().map(|parts| parts.disks.count());
-    let measured = fields.table("measured").and_then(|table| table.text("disks")).and_then(|csv| {
+    let robot = read::Extent {
+        disks: parts.as_ref().map(|parts| parts.disks.count()),
+        length: parts.as_ref().map(|parts| parts.backbone.length),
+        steps: fields.tables("steps").len(),
+    };
+    let measured = fields.table("measured").and_then(|table| {
         let named = document.locate("measured.disks").span;
-        read::measured(csv, named, disks, sources, problems)
+        read::measured(table, named, robot, sources, problems)
     });
     let reference = fields.table("reference").and_then(read::reference);
     if let Some(reference) = &reference {

@@ -13,6 +13,8 @@ use crate::source::{Sources, Span};
 
 /// A robot file takes a few kilobytes; one with a thousand disks and a hundred cables half of this.
 const LARGEST: usize = 1 << 20;
+/// A table of what was measured: a million lines.
+pub(crate) const LARGEST_TABLE: usize = 1 << 26;
 /// Files that may extend one another.
 const LONGEST_CHAIN: usize = 16;
 
@@ -23,7 +25,7 @@ struct Refusal {
     at: usize,
 }
 
-fn read(path: &Path) -> Result<String, Refusal> {
+fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
     let unreadable = |error: &io::Error| Refusal {
         problem: FileProblem::Unreadable {
             reason: reason(error),
@@ -41,14 +43,10 @@ fn read(path: &Path) -> Result<String, Refusal> {
     }
     let mut bytes = Vec::new();
     File::open(path)
-        .and_then(|file| file.take(LARGEST as u64 + 1).read_to_end(&mut bytes))
+        .and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes))
         .map_err(|error| unreadable(&error))?;
-    if bytes.len() > LARGEST {
-        return Err(Refusal {
-            problem: FileProblem::TooLarge { limit: LARGEST },
-            text: None,
-            at: 0,
-        });
+    if bytes.len() > limit {
+        return Err(Refusal { problem: FileProblem::TooLarge { limit }, text: None, at: 0 });
     }
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
@@ -71,14 +69,16 @@ fn reason(error: &io::Error) -> String {
     }
 }
 
-/// Reads a file that another one names at `named`. Returns its number and text.
+/// Reads a file that another one names at `named`, of no more than so many bytes. Returns its number
+/// and text.
 pub(crate) fn read_named(
     path: &Path,
+    limit: usize,
     named: Span,
     sources: &mut Sources,
     problems: &mut Problems,
 ) -> Option<(usize, String)> {
-    match read(path) {
+    match read(path, limit) {
         Ok(text) => Some((sources.add(path, Some(text.clone())), text)),
         Err(Refusal { problem: FileProblem::Unreadable { reason, missing }, .. }) => {
             let path = path.display().to_string();
@@ -98,7 +98,7 @@ pub(crate) fn read_first(
     sources: &mut Sources,
     problems: &mut Problems,
 ) -> Option<String> {
-    match read(path) {
+    match read(path, LARGEST) {
         Ok(text) => Some(text),
         Err(refusal) => {
             refuse(path, refusal, None, sources, problems);
@@ -145,7 +145,7 @@ pub(crate) fn document(
             return None;
         }
         chain.push(link);
-        let (file, text) = read_named(&path, named, sources, problems)?;
+        let (file, text) = read_named(&path, LARGEST, named, sources, problems)?;
         let mut lower = node::parse(file, &text, problems)?;
         extends = extended(&lower, problems)?;
         let lower = core::mem::take(lower.entries_mut()?);

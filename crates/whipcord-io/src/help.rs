@@ -21,7 +21,7 @@ impl FileProblem {
                 "check that it is a file and that you may read it".to_owned()
             }
             Self::TooLarge { .. } => {
-                "a robot file takes a few kilobytes: is this the file you meant?".to_owned()
+                "a robot file takes a few kilobytes, a table of what was measured a few megabytes: is this the file you meant?".to_owned()
             }
             Self::NotUtf8 { .. } => {
                 "is this the file you meant? If so, save it as UTF-8 text".to_owned()

@@ -4,10 +4,11 @@
 mod common;
 
 use whipcord::{
-    Along, CableCommand, DistributedLoad, Interpolation, LoadFrame, PointLoad, PointMass, Pose,
-    Profile, RestCurvature, Robot, Routing, Section, Shortening, Stiffness, UnitQuaternion, Vec3,
+    Along, CableCommand, DistributedLoad, Interpolation, LoadFrame, Observation, Place, PointLoad,
+    PointMass, Pose, Profile, RestCurvature, Robot, Routing, Section, Seen, Shortening, Stiffness,
+    UnitQuaternion, Vec3,
 };
-use whipcord_io::{CaseFile, load, parse};
+use whipcord_io::{CaseFile, MeasuredDisk, load, parse};
 
 use common::folder;
 
@@ -237,6 +238,55 @@ fn chains_and_folders() {
     assert_eq!(measured.disks.len(), 2);
     assert_eq!((measured.disks[0].disk, measured.disks[1].disk), (1, 3));
     assert_eq!(measured.disks[1].position, Vec3::new(0.01, -0.002, 0.17));
+}
+
+#[test]
+fn markers_seen_in_several_steps() {
+    const ROBOT: &str = "[backbone]
+length = '20 cm'
+[[cables]]
+holes = [1, 1, 1]
+[[steps]]
+tension = ['1 N']
+[[steps]]
+tension = ['2 N']
+[measured]
+disks = 'seen.csv'
+unit = 'mm'
+deviation = '0.3 mm'
+[disks]
+count = 3
+hole_circle_radius = 0.008
+holes = 4
+";
+    const SEEN: &str = "\
+step, disk, arc_length, offset_x, offset_y, x, y, z, deviation, confidence
+2, 3, , , , 1.5, -2, 199.7, , 0.9
+2, 2, , 0, 8, 1, 2, 3, 0.1, 0.8
+2, 2, , , , NaN, nan, , , 0
+1, , 150.00001, , , 0, 0, 150, ,
+2, 2, , 8, 0, 1, 2, 4, , 0.7
+";
+    let folder = folder(&[("case.toml", ROBOT.as_bytes()), ("seen.csv", SEEN.as_bytes())]);
+    let file = load(folder.path().join("case.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let measured = file.measured.unwrap();
+    let seen = |step, place, offset: [f64; 3], position: [f64; 3], deviation| Observation {
+        step,
+        place,
+        offset: Vec3::new(offset[0], offset[1], offset[2]),
+        seen: Seen::Position(Vec3::new(position[0], position[1], position[2])),
+        deviation: Some(deviation),
+    };
+    let expected = [
+        seen(0, Place::ArcLength(0.15000001), [0.0; 3], [0.0, 0.0, 0.15], 3e-4),
+        seen(1, Place::Disk(1), [0.0, 0.008, 0.0], [0.001, 0.002, 0.003], 1e-4),
+        seen(1, Place::Disk(1), [0.008, 0.0, 0.0], [0.001, 0.002, 0.004], 3e-4),
+        seen(1, Place::Disk(2), [0.0; 3], [0.0015, -0.002, 0.1997], 3e-4),
+    ];
+    assert_eq!(measured.observations, expected);
+    // A disk without an offset, in the last step.
+    let tip = MeasuredDisk { disk: 3, position: Vec3::new(0.0015, -0.002, 0.1997) };
+    assert_eq!(measured.disks, [tip]);
 }
 
 #[test]

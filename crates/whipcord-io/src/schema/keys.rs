@@ -5,6 +5,7 @@ use whipcord::robot::limits::{self, Range};
 use super::backbone_keys::BACKBONE;
 use super::load_keys::{BASE, LOADS};
 use super::{Key, Kind, Rule, Table};
+use crate::read::UNITS;
 use crate::units::Dimension;
 
 /// More disks than any robot has; it keeps a slip of the pen from filling the memory.
@@ -268,12 +269,26 @@ static STEP: Table = Table {
 static MEASURED: Table = Table {
     title: "[measured]",
     doc: "What the real robot did.",
-    keys: &[key(
-        "disks",
-        Kind::Text,
-        r#""case3_disks.csv""#,
-        "CSV file, relative to this one, with the columns disk, x, y, z: number of the disk from 1, and its measured position in m. Disks that were not measured may be missing.",
-    )],
+    keys: &[
+        key(
+            "disks",
+            Kind::Text,
+            r#""case3_disks.csv""#,
+            "CSV file, relative to this one. Its first line names the columns: disk (number from 1) or arc_length, and x, y, z, the position that was measured; where they are needed also step (number from 1 in the order of [[steps]]; by default the last), offset_x, offset_y, offset_z (where the marker is in the frame of its disk or cross-section), and deviation (standard deviation of its position). What was not seen is left out or empty.",
+        ),
+        key(
+            "unit",
+            Kind::Choice(&UNITS),
+            r#""mm""#,
+            "Unit of the lengths in the file; by default m.",
+        ),
+        key(
+            "deviation",
+            LENGTH,
+            r#""0.3 mm""#,
+            "Standard deviation of each coordinate of a position, where the file does not give it.",
+        ),
+    ],
     rules: &[Rule::Required("disks")],
 };
 

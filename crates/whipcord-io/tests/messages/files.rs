@@ -156,6 +156,15 @@ fn measured_positions() {
         ("disk-twice", "disk,x,y,z\n2,0,0,0.02\n2,0,0,0.02\n"),
         ("units", "disk,x,y,z\n2,0 mm,0 mm,20 mm\n"),
         ("too-far", "disk,x,y,z\n2,0,0,1e300\n"),
+        ("a-part", "disk,x,y,z\n2,0,nan,0.02\n"),
+        ("nothing", "disk,x,y,z\n2,,,\n3,NaN,NaN,NaN\n"),
+        ("no-place", "x,y,z\n0,0,0.02\n"),
+        ("which-place", "disk,arc_length,x,y,z\n2,0.02,0,0,0.02\n,,0,0,0.02\n"),
+        ("beyond", "arc_length,x,y,z\n0.19,0,0,0.02\n-0.01,0,0,0\n"),
+        ("slip", "disc,x,y,z\n1,0,0,0\n"),
+        ("index", ",disk,x,y,z\n0,1,0,0,0\n"),
+        ("steps", "step,disk,x,y,z\n2,1,0,0,0\n,2,0,0,0.02\n"),
+        ("deviation", "disk,x,y,z,deviation\n1,0,0,0,0\n2,0,0,0.02,-1e-3\n"),
     ];
     let folder = tempfile::tempdir().unwrap();
     let mut all = Vec::new();

@@ -1,0 +1,55 @@
+//! A table as it was read: names of columns, and cells that remember their place.
+
+use crate::source::Span;
+
+/// Columns and rows.
+#[derive(Debug)]
+pub(super) struct Grid {
+    pub columns: Vec<Cell>,
+    /// Each with as many cells as there are columns.
+    pub rows: Vec<Row>,
+    /// Where the names of the columns stand.
+    pub header: Span,
+}
+
+/// A row.
+#[derive(Debug)]
+pub(super) struct Row {
+    pub cells: Vec<Cell>,
+    pub span: Span,
+}
+
+/// A value and its place.
+#[derive(Debug)]
+pub(super) struct Cell {
+    pub value: Value,
+    pub span: Span,
+}
+
+/// What stands in a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    /// Nothing, as programs write it: an empty cell or a word for it.
+    Missing,
+    Text(String),
+}
+
+impl Value {
+    /// As a text says it.
+    pub fn of(text: &str) -> Self {
+        const MISSING: [&str; 6] = ["", "nan", "na", "n/a", "null", "none"];
+        let bare = text.strip_prefix('"').and_then(|t| t.strip_suffix('"')).unwrap_or(text).trim();
+        if MISSING.iter().any(|word| word.eq_ignore_ascii_case(bare)) {
+            Self::Missing
+        } else {
+            Self::Text(bare.to_owned())
+        }
+    }
+
+    pub fn text(&self) -> Option<&str> {
+        match self {
+            Self::Missing => None,
+            Self::Text(text) => Some(text),
+        }
+    }
+}

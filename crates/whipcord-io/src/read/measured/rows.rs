@@ -1,0 +1,318 @@
+//! What the rows of a table say that was seen.
+
+use std::collections::HashMap;
+
+use whipcord::robot::limits::{COORDINATE, LENGTH};
+use whipcord::{Observation, Place, Seen, Vec3};
+
+use super::Extent;
+use super::grid::{Cell, Grid, Row};
+use crate::error::{FileProblem, Problems};
+use crate::source::{Span, quoted};
+use crate::suggest;
+use crate::units::{Dimension, parse_quantity};
+
+/// What is known beside the table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    pub robot: Extent,
+    /// Name of the unit of lengths in the table.
+    pub unit: &'static str,
+    /// Standard deviation of a position in m, where a row does not give its own.
+    pub deviation: Option<f64>,
+}
+
+/// A column, and what stands in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Column {
+    Step,
+    Disk,
+    ArcLength,
+    Offset(usize),
+    Position(usize),
+    Deviation,
+    Confidence,
+}
+
+const COLUMNS: [(&str, Column); 11] = [
+    ("step", Column::Step),
+    ("disk", Column::Disk),
+    ("arc_length", Column::ArcLength),
+    ("offset_x", Column::Offset(0)),
+    ("offset_y", Column::Offset(1)),
+    ("offset_z", Column::Offset(2)),
+    ("x", Column::Position(0)),
+    ("y", Column::Position(1)),
+    ("z", Column::Position(2)),
+    ("deviation", Column::Deviation),
+    ("confidence", Column::Confidence),
+];
+
+pub(super) const HEADER: &str =
+    "the first line names the columns, `disk,x,y,z`; then one line per disk, positions in m";
+const NUMBERS: &str =
+    "write lengths as plain numbers with a decimal point, in m or in the `unit` of [measured]";
+
+pub(super) fn problem(message: impl Into<String>, help: &'static str) -> FileProblem {
+    FileProblem::Measured { message: message.into(), help }
+}
+
+/// All that was seen, by step, then by place. `None` when something was refused, which has been
+/// reported.
+pub(super) fn observations(
+    grid: &Grid,
+    known: &Known,
+    problems: &mut Problems,
+) -> Option<Vec<Observation>> {
+    let columns = columns(grid, problems)?;
+    let mut reader = Reader { columns, known, problems, refused: false };
+    let mut seen = Vec::new();
+    let mut first = HashMap::new();
+    for row in &grid.rows {
+        let Some(observation) = reader.row(row) else { continue };
+        let offset = observation.offset.to_array().map(f64::to_bits);
+        let key = (observation.step, order(observation.place).to_bits(), offset);
+        if let Some(first) = first.get(&key) {
+            let related = Some((*first, "it is first given here"));
+            let message = format!("{} is given twice", named(observation.place));
+            let help = "give each disk one line in each step, or markers beside it their offset";
+            reader.problems.push_related(row.span, related, || problem(message, help));
+            reader.refused = true;
+        } else {
+            first.insert(key, row.span);
+            seen.push(observation);
+        }
+    }
+    if reader.refused {
+        return None;
+    }
+    if seen.is_empty() {
+        let message = "nothing was measured: all positions are missing";
+        problems.push(grid.header, || problem(message, HEADER));
+        return None;
+    }
+    seen.sort_by(|a, b| a.step.cmp(&b.step).then(order(a.place).total_cmp(&order(b.place))));
+    Some(seen)
+}
+
+/// Disks by their number, then arc lengths.
+fn order(place: Place) -> f64 {
+    match place {
+        Place::Disk(disk) => disk as f64,
+        Place::ArcLength(arc_length) => 1e9 + arc_length,
+    }
+}
+
+fn named(place: Place) -> String {
+    match place {
+        Place::Disk(disk) => format!("disk {}", disk + 1),
+        Place::ArcLength(arc_length) => format!("the marker at arc length {arc_length} m"),
+    }
+}
+
+/// Which column each cell is of.
+fn columns(grid: &Grid, problems: &mut Problems) -> Option<Vec<Column>> {
+    let find = |name: &str| COLUMNS.iter().find(|(known, _)| *known == name).map(|(_, c)| *c);
+    let names = || grid.columns.iter().map(|cell| cell.value.text().unwrap_or_default());
+    if names().all(|name| find(name).is_none()) {
+        problems.push(grid.header, || problem("this line must name the columns", HEADER));
+        return None;
+    }
+    let mut columns = Vec::new();
+    for (name, cell) in names().zip(&grid.columns) {
+        match find(name) {
+            Some(column) if columns.contains(&column) => {
+                let message = format!("the column `{name}` is there twice");
+                problems.push(cell.span, || problem(message, HEADER));
+            }
+            Some(column) => columns.push(column),
+            None if name.is_empty() => {
+                let help = "name it; or leave out row numbers, as pandas does with index=False";
+                problems.push(cell.span, || problem("this column has no name", help));
+            }
+            None => {
+                let near = suggest::nearest(name, COLUMNS.iter().map(|(known, _)| *known));
+                let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+                let message = format!("there is no column `{}`{near}", quoted(name));
+                let help = "the columns are step, disk or arc_length, offset_x, offset_y, offset_z, x, y, z, deviation and confidence";
+                problems.push(cell.span, || problem(message, help));
+            }
+        }
+    }
+    let has = |column| columns.contains(&column);
+    let mut complete = columns.len() == grid.columns.len();
+    if complete && !has(Column::Disk) && !has(Column::ArcLength) {
+        let message = "there must be a column `disk` or `arc_length`";
+        problems.push(grid.header, || problem(message, HEADER));
+        complete = false;
+    }
+    if complete && !(0..3).all(|axis| has(Column::Position(axis))) {
+        let message = "the columns must be `disk`, `x`, `y` and `z`, each once";
+        problems.push(grid.header, || problem(message, HEADER));
+        complete = false;
+    }
+    complete.then_some(columns)
+}
+
+struct Reader<'a> {
+    columns: Vec<Column>,
+    known: &'a Known,
+    problems: &'a mut Problems,
+    refused: bool,
+}
+
+impl Reader<'_> {
+    /// What a row says that was seen; `None` when the marker was not seen, or the row is refused.
+    fn row(&mut self, row: &Row) -> Option<Observation> {
+        let before = self.refused;
+        self.refused = false;
+        let step = self.step(row);
+        let place = self.place(row);
+        let offset =
+            self.lengths(row, Column::Offset).map(|offset| offset.map(|x| x.unwrap_or(0.0)));
+        let position = self.position(row);
+        let deviation = match self.length(row, Column::Deviation) {
+            Some(value) if value <= 0.0 => {
+                let span = self.cell(row, Column::Deviation).map_or(row.span, |cell| cell.span);
+                self.refuse(
+                    span,
+                    format!("a standard deviation must be above 0, but is {value} m"),
+                    NUMBERS,
+                );
+                None
+            }
+            given => given.or(self.known.deviation),
+        };
+        let refused = core::mem::replace(&mut self.refused, before);
+        self.refused |= refused;
+        let ([x, y, z], place, step) = (offset?, place?, step?);
+        let seen = Seen::Position(position?);
+        let offset = Vec3::new(x, y, z);
+        (!refused).then_some(Observation { step, place, offset, seen, deviation })
+    }
+
+    fn cell<'r>(&self, row: &'r Row, column: Column) -> Option<&'r Cell> {
+        self.columns.iter().position(|c| *c == column).and_then(|i| row.cells.get(i))
+    }
+
+    fn refuse(&mut self, span: Span, message: String, help: &'static str) {
+        self.problems.push(span, || problem(message, help));
+        self.refused = true;
+    }
+
+    /// A number; `None` when it is missing or refused.
+    fn number(&mut self, row: &Row, column: Column, help: &'static str) -> Option<f64> {
+        let cell = self.cell(row, column)?;
+        let text = cell.value.text()?;
+        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+        if number.is_none() {
+            self.refuse(cell.span, format!("`{}` is not a finite number", quoted(text)), help);
+        }
+        number
+    }
+
+    /// A length in m.
+    fn length(&mut self, row: &Row, column: Column) -> Option<f64> {
+        self.number(row, column, NUMBERS)?;
+        let cell = self.cell(row, column)?;
+        // The decimal digits are shifted, so that 0.3 mm is the very number that 0.0003 m is.
+        let text = format!("{} {}", cell.value.text()?, self.known.unit);
+        let (value, _) = parse_quantity(&text, &[Dimension::Length]).ok()?;
+        if let Some(problem) = COORDINATE.problem(value) {
+            self.refuse(cell.span, format!("a length {problem}"), NUMBERS);
+            return None;
+        }
+        Some(value)
+    }
+
+    /// Three lengths in m, each of which may be missing; `None` when one is refused.
+    fn lengths(&mut self, row: &Row, column: fn(usize) -> Column) -> Option<[Option<f64>; 3]> {
+        let before = core::mem::replace(&mut self.refused, false);
+        let values = [0, 1, 2].map(|axis| self.length(row, column(axis)));
+        let refused = core::mem::replace(&mut self.refused, before);
+        self.refused |= refused;
+        (!refused).then_some(values)
+    }
+
+    fn position(&mut self, row: &Row) -> Option<Vec3> {
+        match self.lengths(row, Column::Position)? {
+            [Some(x), Some(y), Some(z)] => Some(Vec3::new(x, y, z)),
+            [None, None, None] => None,
+            _ => {
+                let message = "a part of the position is missing".to_owned();
+                let help =
+                    "give x, y and z, or leave all three empty where the marker was not seen";
+                self.refuse(row.span, message, help);
+                None
+            }
+        }
+    }
+
+    fn step(&mut self, row: &Row) -> Option<usize> {
+        const HELP: &str = "steps are numbered from 1, in the order of [[steps]]";
+        let most = self.known.robot.steps.max(1);
+        let Some(cell) = self.cell(row, Column::Step) else { return Some(most - 1) };
+        let Some(step) = self.number(row, Column::Step, HELP) else {
+            if cell.value.text().is_none() {
+                self.refuse(row.span, "this line has no step".to_owned(), HELP);
+            }
+            return None;
+        };
+        if step.fract() != 0.0 || step < 1.0 || step > most as f64 {
+            let message = format!("there is no step {step}: the file has steps 1 to {most}");
+            self.refuse(cell.span, message, HELP);
+            return None;
+        }
+        Some(step as usize - 1)
+    }
+
+    fn place(&mut self, row: &Row) -> Option<Place> {
+        const HELP: &str = "disks are numbered from 1, the base disk";
+        let given = |reader: &Self, column| {
+            reader.cell(row, column).filter(|cell| cell.value.text().is_some())
+        };
+        match (given(self, Column::Disk), given(self, Column::ArcLength)) {
+            (Some(cell), None) => {
+                let disk = self.number(row, Column::Disk, HELP)?;
+                let most = self.known.robot.disks.unwrap_or(usize::MAX);
+                if disk.fract() != 0.0 || disk < 1.0 || disk > most as f64 {
+                    let message = match self.known.robot.disks {
+                        Some(count) => {
+                            format!("there is no disk {disk}: the robot has disks 1 to {count}")
+                        }
+                        None => format!("there is no disk {disk}"),
+                    };
+                    self.refuse(cell.span, message, HELP);
+                    return None;
+                }
+                Some(Place::Disk(disk as usize - 1))
+            }
+            (None, Some(cell)) => {
+                let arc_length = self.length(row, Column::ArcLength)?;
+                let most = self.known.robot.length.unwrap_or(LENGTH.greatest);
+                // Rounding by whoever wrote the table puts no marker beyond the tip.
+                if arc_length < 0.0 || arc_length > most * (1.0 + 1e-6) {
+                    let message = format!(
+                        "there is no arc length {arc_length} m: the backbone goes from 0 to {most} m"
+                    );
+                    self.refuse(
+                        cell.span,
+                        message,
+                        "arc lengths are those of the straight backbone, from its base",
+                    );
+                    return None;
+                }
+                Some(Place::ArcLength(arc_length.min(most)))
+            }
+            (disk, _) => {
+                let message = if disk.is_some() {
+                    "this line has both a disk and an arc length"
+                } else {
+                    "this line does not say where on the robot the marker is"
+                };
+                self.refuse(row.span, message.to_owned(), "give its `disk` or its `arc_length`");
+                None
+            }
+        }
+    }
+}
