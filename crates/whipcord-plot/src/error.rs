@@ -59,6 +59,19 @@ pub enum PlotError {
         largest: u32,
     },
 
+    /// Bytes that are no photograph.
+    #[error("the photograph is neither a PNG nor a JPEG file")]
+    Photograph,
+
+    /// A camera sees nothing of what it should.
+    #[error(
+        "no disk of `{what}` is in the photograph: check the camera's pose, its lens and the size of the image"
+    )]
+    NotSeen {
+        /// Which shape.
+        what: String,
+    },
+
     /// The SVG cannot be read.
     #[error("the SVG cannot be read: {0}")]
     Svg(String),

@@ -1,6 +1,7 @@
 //! Pictures of cable-driven continuum robots, and of tables about them, as SVG and PNG.
 //!
-//! [`robot_figure`] draws a robot in space with three orthogonal views; [`distance_chart`],
+//! [`robot_figure`] draws a robot in space with three orthogonal views, [`overlay_figure`] over a
+//! photograph; [`distance_chart`],
 //! [`timing_chart`] and [`accuracy_chart`] draw tables, and [`Chart`] is what they are made with.
 //! Each returns an SVG document, which [`png`] turns into pixels. Input is in SI units; pictures
 //! show mm. The same input gives the same bytes on every machine.
@@ -22,6 +23,7 @@ mod legend;
 mod load_marks;
 mod marker;
 mod orthogonal;
+mod overlay;
 mod png;
 mod projection;
 mod robot_figure;
@@ -42,6 +44,7 @@ pub use distance::{DistanceSeries, distance_chart};
 pub use ellipsoid::{Ellipsoid, Quantity};
 pub use error::PlotError;
 pub use marker::Marker;
+pub use overlay::{OverlayOptions, Photograph, overlay_figure};
 pub use png::png;
 pub use robot_figure::{
     CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, robot_figure,

@@ -202,7 +202,7 @@ const MARGIN: f64 = 14.0;
 /// The views leave at least this to a legend that needs it, in px.
 const LEGEND_WIDTH: f64 = 210.0;
 /// Colour of the measured positions.
-const MEASURED: Colour = Colour::INK;
+pub(crate) const MEASURED: Colour = Colour::INK;
 
 /// The robot in space and in three orthogonal views of one scale: backbone (in its true diameter
 /// where that is known), disks with their holes, and cables; several models in different colours,
@@ -285,7 +285,7 @@ fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
 }
 
 /// Who has which colour.
-struct Colours {
+pub(crate) struct Colours {
     views: Vec<Colour>,
     cables: Vec<Colour>,
     /// Number of the first colour that is left.
@@ -293,7 +293,7 @@ struct Colours {
 }
 
 impl Colours {
-    fn new(robot: &Robot, views: &[RobotView]) -> Self {
+    pub fn new(robot: &Robot, views: &[RobotView]) -> Self {
         let mut models = 0;
         let views = views
             .iter()
@@ -312,6 +312,14 @@ impl Colours {
     }
 
     fn legend(&self, robot: &Robot, views: &[RobotView], options: &FigureOptions) -> Vec<Entry> {
+        let mut entries = self.legend_of(robot, views, !options.measured.is_empty());
+        entries.extend(Ellipsoids::legend(&options.ellipsoids, self.free));
+        entries.extend(LoadMarks::legend(&options.loads));
+        entries
+    }
+
+    /// The views, the cables, and what was measured if anything was.
+    pub fn legend_of(&self, robot: &Robot, views: &[RobotView], measured: bool) -> Vec<Entry> {
         let mut entries = Vec::new();
         for (view, &colour) in views.iter().zip(&self.views) {
             let colour = match view.style {
@@ -325,7 +333,7 @@ impl Colours {
             let swatches = vec![Swatch::Line(Stroke::new(colour, 1.5))];
             entries.push(Entry { label: format!("cable {}", cable.name), swatches });
         }
-        if !options.measured.is_empty() {
+        if measured {
             let marker = Swatch::Marker(
                 Marker::Diamond,
                 Fill::new(Colour::WHITE),
@@ -333,14 +341,16 @@ impl Colours {
             );
             entries.push(Entry { label: "measured".to_owned(), swatches: vec![marker] });
         }
-        entries.extend(Ellipsoids::legend(&options.ellipsoids, self.free));
-        entries.extend(LoadMarks::legend(&options.loads));
         entries
     }
 }
 
 /// Bodies with their looks.
-fn bodies(robot: &Robot, views: &[RobotView], colours: &Colours) -> Result<Bodies, PlotError> {
+pub(crate) fn bodies(
+    robot: &Robot,
+    views: &[RobotView],
+    colours: &Colours,
+) -> Result<Bodies, PlotError> {
     let mut bodies = Vec::with_capacity(views.len());
     for (view, &colour) in views.iter().zip(&colours.views) {
         let body = Body::new(robot, view)?;

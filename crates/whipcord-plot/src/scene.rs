@@ -240,13 +240,13 @@ fn keep(points: &[Point], tolerance: f64, kept: &mut Vec<Point>) {
         return;
     };
     let (dx, dy) = (bx - ax, by - ay);
-    let length = dx.hypot(dy);
+    let length_squared = dx * dx + dy * dy;
+    // To the stretch between the ends: the rim of a disk that is seen from its side goes there and
+    // back on one line.
     let distance = |&[x, y]: &Point| {
-        if length < 1e-9 {
-            (x - ax).hypot(y - ay)
-        } else {
-            ((x - ax) * dy - (y - ay) * dx).abs() / length
-        }
+        let along = (x - ax) * dx + (y - ay) * dy;
+        let t = if along > 0.0 { (along / length_squared).min(1.0) } else { 0.0 };
+        (x - ax - t * dx).hypot(y - ay - t * dy)
     };
     let farthest =
         points.iter().enumerate().map(|(i, p)| (i, distance(p))).max_by(|a, b| a.1.total_cmp(&b.1));
@@ -277,6 +277,10 @@ mod tests {
             .collect();
         let kept = simplified(&arc, 0.1);
         assert!((5..40).contains(&kept.len()), "{}", kept.len());
+        let there_and_back: Vec<Point> =
+            (0..=48).map(|k| [0.0, (f64::from(k) * core::f64::consts::TAU / 48.0).sin()]).collect();
+        let ends = simplified(&there_and_back, 0.01);
+        assert!(ends.contains(&[0.0, 1.0]) && ends.contains(&[0.0, -1.0]), "{ends:?}");
     }
 
     #[test]

@@ -127,6 +127,26 @@ impl Svg {
         let _ = writeln!(self.body, "<g class=\"{}\">", escape(class));
     }
 
+    /// Starts a group of this class of which nothing is seen outside a box.
+    pub fn open_within(&mut self, class: &str, at: Point, size: Point) {
+        let class = escape(class);
+        let _ = write!(self.body, "<clipPath id=\"{class}-box\">");
+        self.rect(at, size, None, None);
+        let _ = writeln!(self.body, "</clipPath>");
+        let _ = writeln!(self.body, "<g class=\"{class}\" clip-path=\"url(#{class}-box)\">");
+    }
+
+    /// A picture, by its address, stretched to this size.
+    pub fn image(&mut self, at: Point, size: Point, address: &str) {
+        self.body.push_str("<image preserveAspectRatio=\"none\"");
+        self.attribute("x", at[0]);
+        self.attribute("y", at[1]);
+        self.attribute("width", size[0]);
+        self.attribute("height", size[1]);
+        let _ = write!(self.body, " href=\"{}\"", escape(address));
+        self.end();
+    }
+
     /// Ends the group.
     pub fn close(&mut self) {
         self.body.push_str("</g>\n");

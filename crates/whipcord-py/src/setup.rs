@@ -188,7 +188,7 @@ impl Setup {
         &self,
         py: Python<'py>,
     ) -> PyResult<Option<(Vec<usize>, Bound<'py, PyArray2<f64>>, PathBuf)>> {
-        let Some(Measured { disks, path }) = &self.measured else { return Ok(None) };
+        let Some(Measured { disks, path, .. }) = &self.measured else { return Ok(None) };
         let positions = flat(disks.iter().map(|disk| disk.position));
         let positions = array(py, positions, [disks.len(), 3])?;
         Ok(Some((disks.iter().map(|disk| disk.disk).collect(), positions, path.clone())))
