@@ -251,6 +251,14 @@ pub enum FileProblem {
         /// What to do.
         help: &'static str,
     },
+    /// A camera that its file does not describe.
+    #[error("{message}")]
+    Camera {
+        /// What is wrong.
+        message: String,
+        /// What to do.
+        help: String,
+    },
     /// A line of a table of measured positions.
     #[error("{message}")]
     Measured {

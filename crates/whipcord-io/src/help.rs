@@ -27,6 +27,7 @@ impl FileProblem {
                 "is this the file you meant? If so, save it as UTF-8 text".to_owned()
             }
             Self::Syntax { help, .. }
+            | Self::Camera { help, .. }
             | Self::UnknownKey { help, .. }
             | Self::WrongType { help, .. } => help.clone(),
             Self::TooDeep => "no robot file needs more than three levels: is this the file you meant?".to_owned(),

@@ -1,9 +1,10 @@
 //! Files of whipcord: robot files with units and messages that point at the place, the JSON
-//! Schema of robot files, and answers as JSON and CSV.
+//! Schema of robot files, cameras in OpenCV's YAML and JSON, and answers as JSON and CSV.
 //!
 //! There are no mechanics here, and no judgement of what a robot can be: [`load`] reads what a
 //! file says into the types of the [`whipcord`] crate, which checks them.
 
+mod camera;
 mod case_file;
 mod check;
 mod document;
@@ -22,6 +23,7 @@ mod syntax;
 mod units;
 mod validate;
 
+pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
 pub use case_file::{CaseFile, load, parse};
 pub use document::{Inexpressible, Item, Table, describe, table_in_si, toml};
 pub use error::{Diagnostic, FileError, FileProblem};

@@ -2,12 +2,13 @@
 //! group of files; read them as a user would.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod cameras;
 #[path = "../common/mod.rs"]
 mod common;
 mod files;
 mod models;
 
-use whipcord_io::parse;
+use whipcord_io::{FileError, parse};
 
 /// A file without fault, into which the cases put one.
 const BACKBONE: &str = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\n";
@@ -18,26 +19,32 @@ const CABLE: &str = "[[cables]]\nname = \"pull\"\nholes = [1, 2, 3]\ntension = \
 fn message(text: &str) -> String {
     match parse(text, "robot.toml") {
         Ok(_) => panic!("this file must be refused:\n{text}"),
-        Err(error) => {
-            assert!(!error.problems.is_empty());
-            for problem in &error.problems {
-                let source = error.sources.get(problem.span.file).unwrap();
-                let position = source.position(problem.span.start);
-                let place =
-                    format!("{}:{}:{}: error:", source.name(), position.line, position.column);
-                assert!(error.to_string().contains(&place) || error.problems.len() > 10, "{place}");
-                assert!(!problem.problem.help().is_empty());
-            }
-            error.to_string()
-        }
+        Err(error) => told(&error),
     }
+}
+
+/// The message of an error, whose every problem must have a place and a remedy.
+fn told(error: &FileError) -> String {
+    assert!(!error.problems.is_empty());
+    for problem in &error.problems {
+        let source = error.sources.get(problem.span.file).unwrap();
+        let position = source.position(problem.span.start);
+        let place = format!("{}:{}:{}: error:", source.name(), position.line, position.column);
+        assert!(error.to_string().contains(&place) || error.problems.len() > 10, "{place}");
+        assert!(!problem.problem.help().is_empty());
+    }
+    error.to_string()
 }
 
 /// The messages of several texts, each under its name.
 fn messages<T: AsRef<str>>(cases: &[(&str, T)]) -> String {
-    let sections = cases.iter().map(|(name, text)| {
+    sections(cases.iter().map(|(name, text)| (*name, message(text.as_ref()))))
+}
+
+fn sections<'a>(messages: impl Iterator<Item = (&'a str, String)>) -> String {
+    let sections = messages.map(|(name, message)| {
         let rule = "=".repeat(name.len());
-        format!("{name}\n{rule}\n{}", message(text.as_ref()))
+        format!("{name}\n{rule}\n{message}")
     });
     sections.collect::<Vec<_>>().join("\n")
 }
