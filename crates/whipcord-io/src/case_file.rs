@@ -94,8 +94,7 @@ fn read(
         steps: fields.tables("steps").len(),
     };
     let measured = fields.table("measured").and_then(|table| {
-        let named = document.locate("measured.disks").span;
-        read::measured(table, named, robot, sources, problems)
+        read::measured(table, document.locate("measured"), robot, sources, problems)
     });
     let reference = fields.table("reference").and_then(read::reference);
     if let Some(reference) = &reference {

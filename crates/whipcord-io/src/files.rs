@@ -12,7 +12,7 @@ use crate::schema::ROOT;
 use crate::source::{Sources, Span};
 
 /// A robot file takes a few kilobytes; one with a thousand disks and a hundred cables half of this.
-const LARGEST: usize = 1 << 20;
+pub(crate) const LARGEST: usize = 1 << 20;
 /// A table of what was measured: a million lines.
 pub(crate) const LARGEST_TABLE: usize = 1 << 26;
 /// Files that may extend one another.

@@ -290,6 +290,52 @@ step, disk, arc_length, offset_x, offset_y, x, y, z, deviation, confidence
 }
 
 #[test]
+fn markers_seen_by_cameras() {
+    const ROBOT: &str = "[backbone]
+length = '20 cm'
+[disks]
+count = 3
+[measured]
+disks = 'seen.csv'
+pixel_deviation = 0.3
+[[measured.cameras]]
+name = 'side'
+file = 'side.yml'
+[[measured.cameras]]
+name = 'top'
+file = 'top.json'
+";
+    const SIDE: &str = "%YAML:1.0\n---\nprojection: orthographic\npixels_per_metre: 4000.\nprincipal_point: [ 320., 240. ]\n";
+    const TOP: &str = r#"{"camera_matrix": {"type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d",
+        "data": [800.0, 0.0, 320.0, 0.0, 810.0, 240.0, 0.0, 0.0, 1.0]}}"#;
+    const SEEN: &str =
+        "disk,camera,u,v,deviation\n3,top,10.25,20,\n3,\"side\",30,40.5,0.2\n2,side,,,\n";
+    let folder = folder(&[
+        ("case.toml", ROBOT.as_bytes()),
+        ("seen.csv", SEEN.as_bytes()),
+        ("side.yml", SIDE.as_bytes()),
+        ("top.json", TOP.as_bytes()),
+    ]);
+    let file = load(folder.path().join("case.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let measured = file.measured.unwrap();
+    let seen = |camera, pixel, deviation| Observation {
+        step: 0,
+        place: Place::Disk(2),
+        offset: Vec3::ZERO,
+        seen: Seen::Pixel { camera, pixel },
+        deviation: Some(deviation),
+    };
+    let expected = [seen(1, [10.25, 20.0], 0.3), seen(0, [30.0, 40.5], 0.2)];
+    assert_eq!(measured.observations, expected);
+    assert!(measured.disks.is_empty());
+    let names: Vec<&str> = measured.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!(names, ["side", "top"]);
+    let [side, top] = &measured.cameras[..] else { panic!() };
+    assert_eq!(side.camera.project(Vec3::new(0.01, 0.02, 1.0)), Ok([360.0, 320.0]));
+    assert_eq!(top.camera.project(Vec3::new(0.01, 0.02, 1.0)), Ok([328.0, 256.2]));
+}
+
+#[test]
 fn every_stiffness() {
     let stiffness = |lines: &str| {
         let text = format!(

@@ -38,7 +38,24 @@ pub fn load_camera(path: impl AsRef<Path>) -> Result<Camera, FileError> {
 pub fn parse_camera(path: impl AsRef<Path>, text: &str) -> Result<Camera, FileError> {
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
     let file = sources.add(path.as_ref(), Some(text.to_owned()));
-    let camera = if text.trim_start().starts_with('<') {
+    let camera = checked(file, text, &mut problems);
+    camera.filter(|_| problems.is_empty()).ok_or_else(|| problems.into_error(sources))
+}
+
+/// Reads the camera that a robot file names at `named`.
+pub(crate) fn read_named(
+    path: &Path,
+    named: Span,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<Camera> {
+    let (file, text) = files::read_named(path, files::LARGEST, named, sources, problems)?;
+    checked(file, &text, problems)
+}
+
+/// The camera in the text of file number `file`; every mistake goes to `problems`.
+fn checked(file: usize, text: &str, problems: &mut Problems) -> Option<Camera> {
+    if text.trim_start().starts_with('<') {
         problems.push(Span::new(file, 0, 1), || FileProblem::Camera {
             message: "camera files in XML are not read".to_owned(),
             help: "let OpenCV write the camera as YAML or JSON: cv2.FileStorage(\"camera.yml\", cv2.FILE_STORAGE_WRITE)"
@@ -46,8 +63,7 @@ pub fn parse_camera(path: impl AsRef<Path>, text: &str) -> Result<Camera, FileEr
         });
         None
     } else {
-        tree::parse(file, text, &mut problems)
-            .and_then(|root| read::Reader { root: &root, problems: &mut problems }.camera())
-    };
-    camera.filter(|_| problems.is_empty()).ok_or_else(|| problems.into_error(sources))
+        tree::parse(file, text, problems)
+            .and_then(|root| read::Reader { root: &root, problems }.camera())
+    }
 }

@@ -274,7 +274,7 @@ static MEASURED: Table = Table {
             "disks",
             Kind::Text,
             r#""case3_disks.csv""#,
-            "CSV file, relative to this one. Its first line names the columns: disk (number from 1) or arc_length, and x, y, z, the position that was measured; where they are needed also step (number from 1 in the order of [[steps]]; by default the last), offset_x, offset_y, offset_z (where the marker is in the frame of its disk or cross-section), and deviation (standard deviation of its position). What was not seen is left out or empty.",
+            "CSV file, relative to this one. Its first line names the columns: disk (number from 1) or arc_length, and x, y, z, the position that was measured, or camera, u, v, the name of a camera and the column and row of its image in pixels; where they are needed also step (number from 1 in the order of [[steps]]; by default the last), offset_x, offset_y, offset_z (where the marker is in the frame of its disk or cross-section), and deviation (standard deviation of its position). What was not seen is left out or empty.",
         ),
         key(
             "unit",
@@ -288,8 +288,35 @@ static MEASURED: Table = Table {
             r#""0.3 mm""#,
             "Standard deviation of each coordinate of a position, where the file does not give it.",
         ),
+        key(
+            "pixel_deviation",
+            Kind::Number,
+            "0.3",
+            "Standard deviation in pixels of each coordinate of a place in an image, where the file does not give it.",
+        ),
+        key(
+            "cameras",
+            Kind::Tables(&MEASURING_CAMERA),
+            MEASURING_CAMERA.title,
+            MEASURING_CAMERA.doc,
+        ),
     ],
     rules: &[Rule::Required("disks")],
+};
+
+static MEASURING_CAMERA: Table = Table {
+    title: "[[measured.cameras]]",
+    doc: "A camera that saw the robot.",
+    keys: &[
+        key("name", Kind::Text, r#""side""#, "What the file with what was measured calls it."),
+        key(
+            "file",
+            Kind::Text,
+            r#""side.yml""#,
+            "Camera file, relative to this one: YAML or JSON of OpenCV with the lens and where the camera was.",
+        ),
+    ],
+    rules: &[Rule::Required("name"), Rule::Required("file")],
 };
 
 static REFERENCE: Table = Table {

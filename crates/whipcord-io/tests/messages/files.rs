@@ -183,3 +183,46 @@ fn measured_positions() {
     let text = all.join("\n");
     insta::assert_snapshot!(text);
 }
+
+#[cfg(unix)]
+#[test]
+fn markers_in_images() {
+    const CAMERAS: &str = "[[measured.cameras]]\nname = \"side\"\nfile = \"side.yml\"\n[[measured.cameras]]\nname = \"top\"\nfile = \"side.yml\"\n";
+    let two = |name: &str, table: &str| (name.to_owned(), CAMERAS.to_owned(), table.to_owned());
+    let cases = [
+        ("no-camera".to_owned(), String::new(), "disk,u,v\n1,0,0\n".to_owned()),
+        two("which-camera", "disk,u,v\n1,0,0\n"),
+        two("no-name", "disk,camera,u,v\n1,,0,0\n"),
+        two("other-name", "disk,camera,u,v\n1,front,0,0\n"),
+        two("a-half", "disk,camera,u,v\n1,side,0,\n"),
+        two("both", "disk,camera,u,v,x,y,z\n1,side,0,0,0,0,0\n"),
+        two("twice", "disk,camera,u,v\n1,side,0,0\n1,top,0,0\n1,side,0,0\n"),
+        two("too-far", "disk,camera,u,v\n1,side,1e7,0\n"),
+        two("no-accuracy", "disk,camera,u,v,deviation\n1,side,1,0,0\n"),
+        (
+            "two-names".to_owned(),
+            CAMERAS.replace("top", "side"),
+            "disk,camera,u,v\n1,side,0,0\n".to_owned(),
+        ),
+        (
+            "no-file".to_owned(),
+            CAMERAS.replace("side.yml", "none.yml"),
+            "disk,camera,u,v\n1,side,0,0\n".to_owned(),
+        ),
+        (
+            "accuracy".to_owned(),
+            "pixel_deviation = -1\n".to_owned(),
+            "disk,x,y,z\n1,0,0,0\n".to_owned(),
+        ),
+    ];
+    let side = "%YAML:1.0\n---\nprojection: orthographic\npixels_per_metre: 4000.\nprincipal_point: [ 320., 240. ]\n";
+    let folder = folder(&[("side.yml", side.as_bytes())]);
+    let told = cases.map(|(name, cameras, table)| {
+        let robot = format!("{BACKBONE}{DISKS}[measured]\ndisks = \"{name}.csv\"\n{cameras}");
+        fs::write(folder.path().join(format!("{name}.toml")), robot).unwrap();
+        fs::write(folder.path().join(format!("{name}.csv")), table).unwrap();
+        let text = loaded(folder.path(), &format!("{name}.toml"));
+        format!("{name}\n{}\n{text}", "=".repeat(name.len()))
+    });
+    insta::assert_snapshot!(told.join("\n"));
+}

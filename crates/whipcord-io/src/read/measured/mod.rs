@@ -6,12 +6,14 @@ mod rows;
 
 use std::path::PathBuf;
 
+use whipcord::camera::Camera;
 use whipcord::{Observation, Place, Seen, Vec3};
 
 use crate::check::Fields;
 use crate::error::Problems;
 use crate::files;
-use crate::source::{Sources, Span};
+use crate::node::Node;
+use crate::source::{Sources, quoted};
 use rows::Known;
 
 /// What was seen of the real robot.
@@ -21,7 +23,20 @@ pub struct Measured {
     pub observations: Vec<Observation>,
     /// The centres of disks whose positions were measured in the last step, in ascending order.
     pub disks: Vec<MeasuredDisk>,
+    /// The cameras that saw them, in the order in which observations number them.
+    pub cameras: Vec<MeasuringCamera>,
     /// The file they were read from.
+    pub path: PathBuf,
+}
+
+/// A camera that saw the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuringCamera {
+    /// What it is called.
+    pub name: String,
+    /// Its lens and where it was.
+    pub camera: Camera,
+    /// The file it was read from.
     pub path: PathBuf,
 }
 
@@ -48,27 +63,71 @@ pub(crate) struct Extent {
 /// Units that lengths may have in a table.
 pub(crate) const UNITS: [&str; 5] = ["m", "cm", "mm", "um", "in"];
 
-/// Reads the file that `[measured]` names. `named` is where it does so.
+/// Reads the files that `[measured]`, the table at `node`, names.
 pub(crate) fn read(
     fields: &Fields,
-    named: Span,
+    node: &Node,
     robot: Extent,
     sources: &mut Sources,
     problems: &mut Problems,
 ) -> Option<Measured> {
+    let cameras = cameras(fields, node, sources, problems);
+    let pixel_deviation = fields.number("pixel_deviation");
+    if let Some(value) = pixel_deviation.filter(|value| *value <= 0.0) {
+        let message = format!("`pixel_deviation` must be above 0, but is {value}");
+        let help = "give the standard deviation of a place in an image in pixels, say 0.3";
+        problems.push(node.locate("pixel_deviation").span, || rows::problem(message, help));
+    }
+    let named = node.locate("disks").span;
     let path = sources.resolve(named.file, fields.text("disks")?);
     let (file, text) = files::read_named(&path, files::LARGEST_TABLE, named, sources, problems)?;
     let grid = csv::grid(&text, file, problems)?;
     let unit = fields.text("unit").unwrap_or("m");
+    // A camera that could not be read has been reported; what names it is right nevertheless.
+    let names: Vec<&str> =
+        fields.tables("cameras").iter().filter_map(|camera| camera.text("name")).collect();
     let known = Known {
         robot,
         unit: UNITS.into_iter().find(|name| *name == unit)?,
         deviation: fields.number("deviation"),
+        pixel_deviation,
+        cameras: &names,
     };
     let observations = rows::observations(&grid, &known, problems)?;
     let last = robot.steps.saturating_sub(1);
     let disks = observations.iter().filter(|seen| seen.step == last).filter_map(centre).collect();
-    Some(Measured { observations, disks, path })
+    Some(Measured { observations, disks, cameras: cameras?, path })
+}
+
+/// `[[measured.cameras]]`; `None` when one is refused.
+fn cameras(
+    fields: &Fields,
+    node: &Node,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<Vec<MeasuringCamera>> {
+    let mut cameras: Vec<Option<MeasuringCamera>> = Vec::new();
+    for (k, table) in fields.tables("cameras").iter().enumerate() {
+        let (Some(name), Some(file)) = (table.text("name"), table.text("file")) else {
+            cameras.push(None);
+            continue;
+        };
+        let span = |key: &str| node.locate(&format!("cameras[{k}].{key}")).span;
+        let same = |other: &Fields| other.text("name") == Some(name);
+        if let Some(first) = fields.tables("cameras")[..k].iter().position(same) {
+            let first = node.locate(&format!("cameras[{first}].name")).span;
+            let related = Some((first, "it is first given here"));
+            let message = format!("there are two cameras `{}`", quoted(name));
+            problems.push_related(span("name"), related, || {
+                rows::problem(message, "give each camera a name of its own")
+            });
+        }
+        let named = span("file");
+        let path = sources.resolve(named.file, file);
+        let camera = crate::camera::read_named(&path, named, sources, problems);
+        cameras.push(camera.map(|camera| MeasuringCamera { name: name.to_owned(), camera, path }));
+    }
+    cameras.into_iter().collect()
 }
 
 /// The centre of a disk, where that is what was seen.

@@ -10,17 +10,24 @@ use super::grid::{Cell, Grid, Row};
 use crate::error::{FileProblem, Problems};
 use crate::source::{Span, quoted};
 use crate::suggest;
-use crate::units::{Dimension, parse_quantity};
+use crate::units::{Dimension, listed, parse_quantity};
 
 /// What is known beside the table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
+pub(super) struct Known<'a> {
     pub robot: Extent,
     /// Name of the unit of lengths in the table.
     pub unit: &'static str,
     /// Standard deviation of a position in m, where a row does not give its own.
     pub deviation: Option<f64>,
+    /// That of a place in an image in pixels.
+    pub pixel_deviation: Option<f64>,
+    /// Names of the cameras.
+    pub cameras: &'a [&'a str],
 }
+
+/// No image is so large.
+const FARTHEST_PIXEL: f64 = 1e6;
 
 /// A column, and what stands in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,11 +37,13 @@ enum Column {
     ArcLength,
     Offset(usize),
     Position(usize),
+    Pixel(usize),
+    Camera,
     Deviation,
     Confidence,
 }
 
-const COLUMNS: [(&str, Column); 11] = [
+const COLUMNS: [(&str, Column); 14] = [
     ("step", Column::Step),
     ("disk", Column::Disk),
     ("arc_length", Column::ArcLength),
@@ -44,12 +53,17 @@ const COLUMNS: [(&str, Column); 11] = [
     ("x", Column::Position(0)),
     ("y", Column::Position(1)),
     ("z", Column::Position(2)),
+    ("u", Column::Pixel(0)),
+    ("v", Column::Pixel(1)),
+    ("camera", Column::Camera),
     ("deviation", Column::Deviation),
     ("confidence", Column::Confidence),
 ];
 
 pub(super) const HEADER: &str =
     "the first line names the columns, `disk,x,y,z`; then one line per disk, positions in m";
+const PIXELS: &str =
+    "u is the column and v the row in pixels, the centre of the first pixel at (0, 0)";
 const NUMBERS: &str =
     "write lengths as plain numbers with a decimal point, in m or in the `unit` of [measured]";
 
@@ -61,17 +75,21 @@ pub(super) fn problem(message: impl Into<String>, help: &'static str) -> FilePro
 /// reported.
 pub(super) fn observations(
     grid: &Grid,
-    known: &Known,
+    known: &Known<'_>,
     problems: &mut Problems,
 ) -> Option<Vec<Observation>> {
-    let columns = columns(grid, problems)?;
+    let columns = columns(grid, known, problems)?;
     let mut reader = Reader { columns, known, problems, refused: false };
     let mut seen = Vec::new();
     let mut first = HashMap::new();
     for row in &grid.rows {
         let Some(observation) = reader.row(row) else { continue };
         let offset = observation.offset.to_array().map(f64::to_bits);
-        let key = (observation.step, order(observation.place).to_bits(), offset);
+        let camera = match observation.seen {
+            Seen::Position(_) => None,
+            Seen::Pixel { camera, .. } => Some(camera),
+        };
+        let key = (observation.step, order(observation.place).to_bits(), offset, camera);
         if let Some(first) = first.get(&key) {
             let related = Some((*first, "it is first given here"));
             let message = format!("{} is given twice", named(observation.place));
@@ -111,7 +129,7 @@ fn named(place: Place) -> String {
 }
 
 /// Which column each cell is of.
-fn columns(grid: &Grid, problems: &mut Problems) -> Option<Vec<Column>> {
+fn columns(grid: &Grid, known: &Known<'_>, problems: &mut Problems) -> Option<Vec<Column>> {
     let find = |name: &str| COLUMNS.iter().find(|(known, _)| *known == name).map(|(_, c)| *c);
     let names = || grid.columns.iter().map(|cell| cell.value.text().unwrap_or_default());
     if names().all(|name| find(name).is_none()) {
@@ -134,7 +152,7 @@ fn columns(grid: &Grid, problems: &mut Problems) -> Option<Vec<Column>> {
                 let near = suggest::nearest(name, COLUMNS.iter().map(|(known, _)| *known));
                 let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
                 let message = format!("there is no column `{}`{near}", quoted(name));
-                let help = "the columns are step, disk or arc_length, offset_x, offset_y, offset_z, x, y, z, deviation and confidence";
+                let help = "the columns are step, disk or arc_length, offset_x, offset_y, offset_z, then x, y, z or camera, u, v, and deviation, confidence";
                 problems.push(cell.span, || problem(message, help));
             }
         }
@@ -146,9 +164,27 @@ fn columns(grid: &Grid, problems: &mut Problems) -> Option<Vec<Column>> {
         problems.push(grid.header, || problem(message, HEADER));
         complete = false;
     }
-    if complete && !(0..3).all(|axis| has(Column::Position(axis))) {
-        let message = "the columns must be `disk`, `x`, `y` and `z`, each once";
+    let positions = (0..3).filter(|&axis| has(Column::Position(axis))).count();
+    let pixels = (0..2).filter(|&axis| has(Column::Pixel(axis))).count();
+    if complete && !matches!((positions, pixels), (3, 0 | 2) | (0, 2)) {
+        let message = "the columns must be `disk`, `x`, `y` and `z`, each once; or `u` and `v` for places in an image";
         problems.push(grid.header, || problem(message, HEADER));
+        complete = false;
+    }
+    if complete && pixels > 0 && known.cameras.is_empty() {
+        let help =
+            "add [[measured.cameras]] with `name` and `file`, the camera that took the image";
+        problems.push(grid.header, || problem("places in an image need a camera", help));
+        complete = false;
+    }
+    if complete && pixels > 0 && known.cameras.len() > 1 && !has(Column::Camera) {
+        let message = format!(
+            "there must be a column `camera`: the file has {}",
+            listed(known.cameras.iter().copied(), "and")
+        );
+        problems.push(grid.header, || {
+            problem(message, "say in each line which camera saw it, by its name")
+        });
         complete = false;
     }
     complete.then_some(columns)
@@ -156,7 +192,7 @@ fn columns(grid: &Grid, problems: &mut Problems) -> Option<Vec<Column>> {
 
 struct Reader<'a> {
     columns: Vec<Column>,
-    known: &'a Known,
+    known: &'a Known<'a>,
     problems: &'a mut Problems,
     refused: bool,
 }
@@ -170,25 +206,97 @@ impl Reader<'_> {
         let place = self.place(row);
         let offset =
             self.lengths(row, Column::Offset).map(|offset| offset.map(|x| x.unwrap_or(0.0)));
-        let position = self.position(row);
-        let deviation = match self.length(row, Column::Deviation) {
-            Some(value) if value <= 0.0 => {
-                let span = self.cell(row, Column::Deviation).map_or(row.span, |cell| cell.span);
-                self.refuse(
-                    span,
-                    format!("a standard deviation must be above 0, but is {value} m"),
-                    NUMBERS,
-                );
-                None
-            }
-            given => given.or(self.known.deviation),
-        };
+        let seen = self.seen(row);
+        let deviation = self.deviation(row, seen);
         let refused = core::mem::replace(&mut self.refused, before);
         self.refused |= refused;
-        let ([x, y, z], place, step) = (offset?, place?, step?);
-        let seen = Seen::Position(position?);
+        let ([x, y, z], place, step, seen) = (offset?, place?, step?, seen?);
         let offset = Vec3::new(x, y, z);
         (!refused).then_some(Observation { step, place, offset, seen, deviation })
+    }
+
+    /// Standard deviation in m or pixels.
+    fn deviation(&mut self, row: &Row, seen: Option<Seen>) -> Option<f64> {
+        let (given, usual, unit) = match seen? {
+            Seen::Position(_) => (self.length(row, Column::Deviation), self.known.deviation, "m"),
+            Seen::Pixel { .. } => {
+                let given = self.number(row, Column::Deviation, PIXELS);
+                (given, self.known.pixel_deviation, "pixels")
+            }
+        };
+        if let Some(value) = given.filter(|value| *value <= 0.0) {
+            let span = self.cell(row, Column::Deviation).map_or(row.span, |cell| cell.span);
+            let message = format!("a standard deviation must be above 0, but is {value} {unit}");
+            self.refuse(span, message, "leave it empty where it is not known");
+        }
+        given.or(usual)
+    }
+
+    /// The position or the place in an image; `None` when the marker was not seen, or is refused.
+    fn seen(&mut self, row: &Row) -> Option<Seen> {
+        let (position, pixel) = (self.position(row), self.pixel(row));
+        match (position, pixel) {
+            (Some(_), Some(_)) => {
+                let message = "this line has both a position and a place in an image".to_owned();
+                self.refuse(row.span, message, "write them on two lines");
+                None
+            }
+            (position, pixel) => position.map(Seen::Position).or(pixel),
+        }
+    }
+
+    fn pixel(&mut self, row: &Row) -> Option<Seen> {
+        let pixel = [0, 1].map(|axis| self.number(row, Column::Pixel(axis), PIXELS));
+        let pixel = match pixel {
+            [Some(u), Some(v)] => [u, v],
+            [None, None] => return None,
+            _ if self.refused => return None,
+            _ => {
+                let message = "a part of the place in the image is missing".to_owned();
+                self.refuse(
+                    row.span,
+                    message,
+                    "give u and v, or leave both empty where the marker was not seen",
+                );
+                return None;
+            }
+        };
+        let most = FARTHEST_PIXEL;
+        if let Some(value) = pixel.into_iter().find(|value| value.abs() > most) {
+            self.refuse(
+                row.span,
+                format!("a pixel must be at most {most}, but is {value}"),
+                PIXELS,
+            );
+            return None;
+        }
+        Some(Seen::Pixel { camera: self.camera(row)?, pixel })
+    }
+
+    /// Number of the camera that is named.
+    fn camera(&mut self, row: &Row) -> Option<usize> {
+        let cell = self.cell(row, Column::Camera);
+        let named = cell.and_then(|cell| Some((cell.value.text()?, cell.span)));
+        let cameras = self.known.cameras;
+        let Some((name, span)) = named else {
+            if cameras.len() > 1 {
+                let message = "this line does not say which camera saw the marker".to_owned();
+                self.refuse(row.span, message, "give the camera's name");
+                return None;
+            }
+            return Some(0);
+        };
+        let found = cameras.iter().position(|camera| *camera == name);
+        if found.is_none() {
+            let known = listed(cameras.iter().copied(), "and");
+            let message = format!("there is no camera `{}`: the file has {known}", quoted(name));
+            self.refuse(
+                span,
+                message,
+                "cameras have the names that [[measured.cameras]] gives them",
+            );
+        }
+        found
     }
 
     fn cell<'r>(&self, row: &'r Row, column: Column) -> Option<&'r Cell> {
