@@ -7,6 +7,7 @@
 mod distortion;
 mod error;
 mod lens;
+mod locate;
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
@@ -15,6 +16,7 @@ use crate::robot::limits::{COORDINATE, IMAGE_SIZE};
 pub use distortion::Distortion;
 pub use error::{CameraError, ViewError};
 pub use lens::{Lens, Orthographic, Pinhole};
+pub use locate::{Alternative, LocateError, Located, Sighting, locate, locate_orthographic};
 
 /// Coordinates beyond this are not computed with, in m and in pixels.
 const FARTHEST: f64 = 1e9;
