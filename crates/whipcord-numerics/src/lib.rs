@@ -17,6 +17,7 @@ mod pose;
 mod quadrature;
 mod quaternion;
 mod runge_kutta;
+mod student;
 mod sym3;
 mod vec3;
 
@@ -31,5 +32,6 @@ pub use pose::{Pose, Twist};
 pub use quadrature::{GAUSS_2, GAUSS_3, GaussRule};
 pub use quaternion::UnitQuaternion;
 pub use runge_kutta::{BUTCHER_5, ExplicitTableau};
+pub use student::student_quantile;
 pub use sym3::Sym3;
 pub use vec3::Vec3;

@@ -52,6 +52,26 @@ impl Loss {
             }
         }
     }
+
+    /// `ρ″` at the square of a norm.
+    #[must_use]
+    pub fn curvature(self, square: f64) -> f64 {
+        match self {
+            Self::Squares => 0.0,
+            Self::Huber { scale } => {
+                let norm = square.sqrt();
+                if norm <= scale { 0.0 } else { -0.5 * scale / (norm * square) }
+            }
+            Self::SoftL1 { scale } => {
+                let ratio = square / (scale * scale);
+                -0.5 / (scale * scale) * (1.0 + ratio).powf(-1.5)
+            }
+            Self::Cauchy { scale } => {
+                let below = 1.0 + square / (scale * scale);
+                -1.0 / (scale * scale * below * below)
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -70,6 +90,9 @@ mod tests {
                 let (value, exact) = loss.of(square);
                 assert!((slope - exact).abs() < 1e-5 * exact, "{loss:?} {square}");
                 assert!(value <= square && exact <= 1.0);
+                let slope = (loss.of(square + h).1 - loss.of(square - h).1) / (2.0 * h);
+                let exact = loss.curvature(square);
+                assert!((slope - exact).abs() <= 1e-5 * exact.abs(), "{loss:?} {square}");
             }
             let (value, slope) = loss.of(1e-12);
             assert!((value / 1e-12 - 1.0).abs() < 1e-9 && (slope - 1.0).abs() < 1e-9);

@@ -39,6 +39,11 @@ pub trait Residuals {
     fn block(&self, _first: usize) -> usize {
         1
     }
+
+    /// Whether the loss counts the block that begins at this residual; else it is counted by its square.
+    fn takes_loss(&self, _first: usize) -> bool {
+        true
+    }
 }
 
 /// How, and how far, to minimise.

@@ -1,5 +1,5 @@
 use super::step::{Linear, Room, Step, is_held};
-use super::{NoResiduals, Options, Outcome, Residuals, Status};
+use super::{Loss, NoResiduals, Options, Outcome, Residuals, Status};
 use crate::orthogonal::{norm, triangularise};
 
 /// The first radius, as a multiple of the size of the unknowns and of the residuals.
@@ -109,15 +109,15 @@ impl Workspace {
 /// `½ Σ ρ`.
 fn cost<P: Residuals>(problem: &P, options: &Options, residuals: &[f64]) -> f64 {
     let mut sum = 0.0;
-    for_blocks(problem, residuals, |block| sum += options.loss.of(square(block)).0);
+    for_blocks(problem, options, residuals, |block, loss| sum += loss.of(square(block)).0);
     0.5 * sum
 }
 
 /// The weight `ρ′` of each residual.
 fn weigh<P: Residuals>(problem: &P, options: &Options, residuals: &[f64], weights: &mut Vec<f64>) {
     weights.clear();
-    for_blocks(problem, residuals, |block| {
-        weights.resize(weights.len() + block.len(), options.loss.of(square(block)).1);
+    for_blocks(problem, options, residuals, |block, loss| {
+        weights.resize(weights.len() + block.len(), loss.of(square(block)).1);
     });
 }
 
@@ -125,11 +125,17 @@ fn square(block: &[f64]) -> f64 {
     block.iter().map(|x| x * x).sum()
 }
 
-fn for_blocks<P: Residuals>(problem: &P, residuals: &[f64], mut each: impl FnMut(&[f64])) {
+fn for_blocks<P: Residuals>(
+    problem: &P,
+    options: &Options,
+    residuals: &[f64],
+    mut each: impl FnMut(&[f64], Loss),
+) {
     let mut first = 0;
     while first < residuals.len() {
         let end = (first + problem.block(first).max(1)).min(residuals.len());
-        each(&residuals[first..end]);
+        let loss = if problem.takes_loss(first) { options.loss } else { Loss::Squares };
+        each(&residuals[first..end], loss);
         first = end;
     }
 }
