@@ -18,6 +18,7 @@ pub mod differences;
 mod digits;
 pub mod error;
 pub mod four_bar;
+pub mod identification;
 pub mod kinematics;
 pub mod model;
 pub mod observation;

@@ -126,6 +126,17 @@ impl Model {
         }
     }
 
+    /// The same model, giving the shape at other stations.
+    #[must_use]
+    pub fn at(&self, stations: Stations) -> Self {
+        let mut model = self.clone();
+        match &mut model {
+            Self::Cosserat(options) | Self::CosseratDisks(options) => options.stations = stations,
+            Self::FourBar(options) => options.stations = stations,
+        }
+        model
+    }
+
     /// Which model it is.
     #[must_use]
     pub const fn kind(&self) -> ModelKind {

@@ -284,9 +284,11 @@ fn descend<P: Residuals>(
         if promised <= small && gained.abs() <= small && !radius.is_of_refusal {
             return Some(Status::Cost);
         }
+        if ws.step.is_full && length <= options.step * extent {
+            return Some(Status::Step);
+        }
         if taken {
-            let still = ws.step.is_full && length <= options.step * extent;
-            return still.then_some(Status::Step);
+            return None;
         }
         if radius.size <= SHORTEST * extent || length == 0.0 {
             return Some(Status::Stalled);

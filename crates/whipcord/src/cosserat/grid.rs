@@ -352,7 +352,7 @@ fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, SolveError>
 }
 
 /// Stiffness that follows from section and material.
-fn of_material(robot: &Robot, s: f64, inside: f64) -> Result<Stiffness, SolveError> {
+pub(crate) fn of_material(robot: &Robot, s: f64, inside: f64) -> Result<Stiffness, SolveError> {
     let missing = |path: &str, advice| SolveError::Missing {
         model: ModelKind::Cosserat,
         path: format!("backbone.{path}"),

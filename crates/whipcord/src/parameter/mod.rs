@@ -3,6 +3,7 @@
 mod path;
 
 pub use path::UnknownParameter;
+pub(crate) use path::numbered;
 
 use whipcord_numerics::Vec3;
 

@@ -1,0 +1,167 @@
+//! The least-squares problem: what the model says less what was seen, in units of the noise, and priors.
+
+use whipcord_numerics::least_squares::Residuals;
+
+use super::error::{NoAnswer, NoAnswerReason};
+use super::forward::{Forward, measured};
+use super::logarithm::Logarithms;
+
+/// Eq. (i4). The rows are those of the observations in their order, and after them the priors.
+pub(super) struct Problem<'f, 'a> {
+    forward: &'f mut Forward<'a>,
+    /// Deviation of every number whose observation does not say it, in m or pixels.
+    noise: f64,
+    scales: &'f [f64],
+    logarithms: &'f Logarithms,
+    /// The unknowns that were tried last.
+    x: Vec<f64>,
+    /// Count of the numbers of each observation, at its first row.
+    blocks: Vec<usize>,
+    /// Deviation of the number in each row.
+    deviations: Vec<f64>,
+    /// What was seen, in each row.
+    seen: Vec<f64>,
+    /// The exact columns at the numbers that were tried last.
+    columns: Vec<f64>,
+}
+
+impl<'f, 'a> Problem<'f, 'a> {
+    pub(super) fn new(
+        forward: &'f mut Forward<'a>,
+        logarithms: &'f Logarithms,
+        scales: &'f [f64],
+    ) -> Self {
+        let (mut blocks, mut deviations, mut seen) = (Vec::new(), Vec::new(), Vec::new());
+        for observation in forward.experiments.iter().flat_map(|of| &of.observations) {
+            let count = observation.numbers();
+            for (i, value) in measured(observation)[..count].iter().enumerate() {
+                blocks.push(count - i);
+                deviations.push(observation.deviation.unwrap_or(1.0));
+                seen.push(*value);
+            }
+        }
+        let columns = vec![0.0; seen.len() * forward.unknowns.len()];
+        let x = vec![0.0; forward.unknowns.len()];
+        Self { forward, noise: 1.0, scales, logarithms, x, blocks, deviations, seen, columns }
+    }
+
+    /// What is searched, of these unknowns.
+    pub(super) fn searched(&self, x: &[f64]) -> Vec<f64> {
+        x.iter().enumerate().map(|(j, x)| self.logarithms.searched(j, *x)).collect()
+    }
+
+    /// The unknowns, of what is searched.
+    pub(super) fn found(&self, y: &[f64], x: &mut [f64]) {
+        self.logarithms.unknowns(y, x);
+    }
+
+    /// Takes this deviation for the numbers whose observations do not say one.
+    pub(super) fn set_noise(&mut self, noise: f64) {
+        self.noise = noise;
+    }
+
+    /// Count of the numbers that were seen.
+    pub(super) fn seen(&self) -> usize {
+        self.seen.len()
+    }
+
+    /// Count of the unknowns.
+    pub(super) fn unknowns(&self) -> usize {
+        self.forward.unknowns.len()
+    }
+
+    /// Count of the priors.
+    pub(super) fn priors(&self) -> usize {
+        self.forward.unknowns.iter().filter(|unknown| unknown.prior.is_some()).count()
+    }
+
+    /// The residuals of each observation.
+    pub(super) fn blocks<'r>(&'r self, residuals: &'r [f64]) -> impl Iterator<Item = &'r [f64]> {
+        let mut first = 0;
+        core::iter::from_fn(move || {
+            let count = *self.blocks.get(first)?;
+            first += count;
+            Some(&residuals[first - count..first])
+        })
+    }
+
+    /// The largest number that was seen.
+    pub(super) fn extent(&self) -> f64 {
+        self.seen.iter().fold(0.0, |most, seen| seen.abs().max(most))
+    }
+
+    /// Whether every observation says how exact it is.
+    pub(super) fn is_noise_known(&self) -> bool {
+        let mut all = self.forward.experiments.iter().flat_map(|of| &of.observations);
+        all.all(|seen| seen.deviation.is_some())
+    }
+}
+
+impl Residuals for Problem<'_, '_> {
+    type Refusal = NoAnswer;
+
+    fn count(&self) -> usize {
+        self.seen() + self.priors()
+    }
+
+    fn block(&self, first: usize) -> usize {
+        self.blocks.get(first).copied().unwrap_or(1)
+    }
+
+    fn takes_loss(&self, first: usize) -> bool {
+        first < self.seen()
+    }
+
+    fn residuals(&mut self, y: &[f64], into: &mut [f64]) -> Result<(), NoAnswer> {
+        self.logarithms.unknowns(y, &mut self.x);
+        let (n, x) = (y.len(), &self.x);
+        for experiment in 0..self.forward.experiments.len() {
+            let rows = self.forward.first_rows[experiment]..self.forward.first_rows[experiment + 1];
+            let columns = &mut self.columns[rows.start * n..rows.end * n];
+            self.forward
+                .predict_with_columns(experiment, x, &mut into[rows], columns)
+                .map_err(|reason| NoAnswer { experiment, reason })?;
+        }
+        for ((value, seen), deviation) in into.iter_mut().zip(&self.seen).zip(&self.deviations) {
+            *value = (*value - seen) / (deviation * self.noise);
+        }
+        let priors = self.forward.unknowns.iter().zip(x);
+        let priors = priors.filter_map(|(unknown, value)| Some((unknown.prior?, value)));
+        for (row, (prior, value)) in into[self.seen.len()..].iter_mut().zip(priors) {
+            *row = (value - prior.mean) / prior.deviation;
+        }
+        Ok(())
+    }
+
+    fn jacobian(&mut self, y: &[f64], into: &mut [f64]) -> Result<(), NoAnswer> {
+        let (n, x) = (y.len(), &self.x);
+        for experiment in 0..self.forward.experiments.len() {
+            let rows = self.forward.first_rows[experiment] * n
+                ..self.forward.first_rows[experiment + 1] * n;
+            self.forward
+                .add_differences(experiment, x, self.scales, &mut self.columns[rows])
+                .map_err(|reason| NoAnswer { experiment, reason })?;
+        }
+        into.fill(0.0);
+        let rows = into.chunks_exact_mut(n).zip(self.columns.chunks_exact(n));
+        for ((row, column), deviation) in rows.zip(&self.deviations) {
+            for (entry, value) in row.iter_mut().zip(column) {
+                *entry = value / (deviation * self.noise);
+            }
+        }
+        let priors = self.forward.unknowns.iter().enumerate();
+        let priors = priors.filter_map(|(j, unknown)| Some((j, unknown.prior?)));
+        for (row, (j, prior)) in into.chunks_exact_mut(n).skip(self.seen.len()).zip(priors) {
+            row[j] = 1.0 / prior.deviation;
+        }
+        for row in into.chunks_exact_mut(n) {
+            for (j, (entry, x)) in row.iter_mut().zip(x).enumerate() {
+                *entry *= self.logarithms.slope(j, *x);
+            }
+        }
+        if into.iter().any(|entry| !entry.is_finite()) {
+            return Err(NoAnswer { experiment: 0, reason: NoAnswerReason::NotFinite });
+        }
+        Ok(())
+    }
+}
