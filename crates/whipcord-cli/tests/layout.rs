@@ -9,12 +9,13 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 6] = [
+const ALLOWED: [(&str, &[&str]); 7] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-io", &["whipcord"]),
     ("whipcord-plot", &["whipcord"]),
-    ("whipcord-cli", &["whipcord", "whipcord-io", "whipcord-plot"]),
+    ("whipcord-vision", &["whipcord", "whipcord-numerics"]),
+    ("whipcord-cli", &["whipcord", "whipcord-io", "whipcord-plot", "whipcord-vision"]),
     ("whipcord-py", &["whipcord", "whipcord-io", "whipcord-plot", "whipcord-cli"]),
 ];
 

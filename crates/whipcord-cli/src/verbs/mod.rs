@@ -4,6 +4,7 @@
 pub mod bench;
 pub mod check;
 pub mod compare;
+pub mod measure;
 pub mod schema;
 pub mod solve;
 pub mod stiffness;

@@ -1,0 +1,331 @@
+//! `whipcord measure`: where the disks or markers are in a photograph.
+
+use std::fs;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::{Value, json};
+use whipcord::camera::Camera;
+use whipcord_io::{Cell, CsvTable, load_camera};
+use whipcord_vision::detect::{
+    Base, DetectError, Expected, Kind, Mark, Mask, Search, colour, find, in_order,
+};
+use whipcord_vision::{Photo, annotated};
+
+use crate::failure::Failure;
+use crate::files::{no_result, write};
+use crate::inputs::{message, read_one};
+use crate::quantity::fixed;
+use crate::style::Style;
+use crate::table::{Align, Table};
+
+/// Find disks or markers in a photograph
+///
+/// Prints column and row of each in pixels, from base to tip; the centre of the first pixel is (0, 0). With -o
+/// they go to a CSV file as [measured] tables take it, with --annotated into a copy of the photograph. When there are
+/// too few, too many, or no order can be told, standard error says what was found and where, and nothing is
+/// written.
+#[derive(Debug, Args)]
+pub struct MeasureArgs {
+    /// Photograph, PNG or JPEG
+    photo: PathBuf,
+    /// Robot file: it has as many disks as must be found, and their distances
+    #[arg(long, value_name = "FILE", conflicts_with = "count")]
+    robot: Option<PathBuf>,
+    /// How many must be found; without this or a robot, however many lie in an even row
+    #[arg(long, value_name = "N")]
+    count: Option<usize>,
+    /// What to look for: disks from the side, coloured dots, or small circles
+    #[arg(long, value_name = "KIND", default_value = "disks", value_parser = kind_parser())]
+    kind: Kind,
+    /// Colour of the disks or dots, as "#d02020"; without, disks and circles are found by contrast, and dots by
+    /// the most vivid colour
+    #[arg(long, value_name = "COLOUR", value_parser = parse_colour)]
+    colour: Option<[u8; 3]>,
+    /// Radius of a disk or marker in pixels, to a third; without, what most have
+    #[arg(long, value_name = "PIXELS", value_parser = parse_radius)]
+    radius: Option<f64>,
+    /// Picture of the same size, white where to look
+    #[arg(long, value_name = "FILE")]
+    mask: Option<PathBuf>,
+    /// Where the base is: left, right, top, bottom, or a pixel near it, as 512,980
+    #[arg(long, value_name = "WHERE", value_parser = parse_base, allow_hyphen_values = true)]
+    base: Option<Base>,
+    /// Camera file: with a robot, the base is where this camera sees it, unless --base is given
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
+    /// Name of the camera in the CSV file; by default that of its file
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// Step of actuation that the photograph shows, from 1, for the CSV file
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
+    step: Option<u32>,
+    /// Write a CSV file
+    #[arg(short, long, value_name = "OUT.csv")]
+    output: Option<PathBuf>,
+    /// Write the photograph with what was found drawn into it
+    #[arg(long, value_name = "OUT.png", value_parser = png_path)]
+    annotated: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// A photograph of many megapixels has tens of megabytes.
+const LARGEST_FILE: u64 = 1 << 28;
+/// What is less sure is pointed at.
+const UNSURE: f64 = 0.6;
+
+fn kind_parser() -> impl clap::builder::TypedValueParser<Value = Kind> {
+    use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+    PossibleValuesParser::new(Kind::ALL.map(Kind::name)).try_map(|name| name.parse::<Kind>())
+}
+
+fn parse_colour(text: &str) -> Result<[u8; 3], String> {
+    let wrong = || String::from("write a colour as \"#d02020\"");
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    if digits.len() != 6 || !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+        return Err(wrong());
+    }
+    let channel = |i: usize| u8::from_str_radix(&digits[i..i + 2], 16).map_err(|_| wrong());
+    Ok([channel(0)?, channel(2)?, channel(4)?])
+}
+
+fn parse_radius(text: &str) -> Result<f64, String> {
+    let radius = text.parse::<f64>().ok().filter(|r| (1.0..=10_000.0).contains(r));
+    radius.ok_or_else(|| String::from("give a number of pixels from 1 to 10000"))
+}
+
+fn parse_base(text: &str) -> Result<Base, String> {
+    let pixel = || {
+        let (u, v) = text.split_once(',')?;
+        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.abs() < 1e6);
+        Some(Base::Near([number(u)?, number(v)?]))
+    };
+    match text {
+        "left" => Ok(Base::Left),
+        "right" => Ok(Base::Right),
+        "top" => Ok(Base::Top),
+        "bottom" => Ok(Base::Bottom),
+        _ => pixel()
+            .ok_or_else(|| String::from("give left, right, top, bottom, or a pixel as 512,980")),
+    }
+}
+
+fn png_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    if png { Ok(path) } else { Err(String::from("the name must end in .png")) }
+}
+
+/// Finds, writes the files, and returns what standard output shows.
+pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
+    for out in [&args.output, &args.annotated].into_iter().flatten() {
+        let same =
+            [Some(&args.photo), args.mask.as_ref(), args.robot.as_ref(), args.camera.as_ref()];
+        if same.contains(&Some(out)) {
+            let out = out.display();
+            return Err(Failure::Input(format!("error: {out} is read: write to another file")));
+        }
+    }
+    let photo = read_photo(&args.photo)?;
+    let mask = args.mask.as_deref().map(read_photo).transpose()?;
+    let mask = mask.as_ref().map(Mask::light_of);
+    let camera = match &args.camera {
+        None => None,
+        Some(path) => {
+            let camera = load_camera(path).map_err(|error| Failure::Input(message(&error)))?;
+            check_size(path, &camera, args, &photo)?;
+            Some(camera)
+        }
+    };
+    let robot = args.robot.as_deref().map(read_one).transpose()?;
+    let seen_base = match (&camera, &robot) {
+        (Some(camera), Some(file)) => camera.project(file.case.base.position).ok(),
+        _ => None,
+    };
+    let expected = Expected {
+        count: robot.as_ref().map(|file| file.robot.disks().count()).or(args.count),
+        places: robot.as_ref().map(|file| file.robot.disks().arc_lengths.as_slice()),
+        base: args.base.or(seen_base.map(Base::Near)),
+    };
+    let search = Search {
+        kind: args.kind,
+        colour: args.colour.map(colour),
+        radius: args.radius,
+        mask: mask.as_ref(),
+    };
+    let marks = find(&photo, &search)
+        .and_then(|marks| in_order(&marks, &expected))
+        .map_err(|error| refusal(args, &error))?;
+
+    let camera_name = args.name.clone().or_else(|| {
+        let stem = args.camera.as_deref()?.file_stem()?;
+        Some(stem.to_string_lossy().into_owned())
+    });
+    let text = if args.json {
+        format!("{:#}\n", object(args, &photo, camera_name.as_deref(), &marks))
+    } else {
+        summary(args, &photo, &marks, style)
+    };
+    // What can fail but for the disk has been done before anything is written.
+    let csv = table(args, camera_name.as_deref(), &marks).to_csv();
+    let csv = csv.map_err(|error| no_result(&error))?;
+    if let Some(path) = &args.annotated {
+        let picture = annotated(&photo, args.kind, &marks).to_png();
+        let picture = picture.map_err(|error| {
+            Failure::Input(format!("error: cannot draw {}: {error}", path.display()))
+        })?;
+        write(path, &picture)?;
+    }
+    if let Some(path) = &args.output {
+        write(path, csv.as_bytes())?;
+    }
+    Ok(text)
+}
+
+/// The photograph in a file, which is one and not too large.
+fn read_photo(path: &Path) -> Result<Photo, Failure> {
+    let failed = |error: &std::io::Error| Failure::path("read", path, error);
+    let refused =
+        |why: &dyn std::fmt::Display| Failure::Input(format!("error: {}: {why}", path.display()));
+    // A pipe without a writer would be waited for, and a device may have no end.
+    let about = fs::metadata(path).map_err(|error| failed(&error))?;
+    if !about.is_file() {
+        return Err(refused(&"it is not a file with content of its own"));
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path)
+        .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
+        .map_err(|error| failed(&error))?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(refused(&format!("the file is larger than {} MiB", LARGEST_FILE >> 20)));
+    }
+    Photo::decode(&bytes).map_err(|error| refused(&error))
+}
+
+/// Pixels of a camera mean nothing in a photograph of another size.
+fn check_size(
+    path: &Path,
+    camera: &Camera,
+    args: &MeasureArgs,
+    photo: &Photo,
+) -> Result<(), Failure> {
+    let taken = [photo.width(), photo.height()];
+    match camera.size().map(|size| size.map(|n| n as usize)) {
+        Some(size) if size != taken => Err(Failure::Input(format!(
+            "error: {} is of pictures of {}×{} pixels, but {} has {}×{}",
+            path.display(),
+            size[0],
+            size[1],
+            args.photo.display(),
+            taken[0],
+            taken[1]
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// What was found is no answer: how to ask for another.
+fn refusal(args: &MeasureArgs, error: &DetectError) -> Failure {
+    let text = format!("error: {}: {error}", args.photo.display());
+    let help = match error {
+        DetectError::MaskSize { .. } | DetectError::EmptyMask | DetectError::TooSmall { .. } => {
+            return Failure::Input(text);
+        }
+        DetectError::AmbiguousBase { .. } => "--base left, right, top, bottom, or a pixel near it",
+        DetectError::Mirrored { .. } => "--base at the other end, or the right --robot",
+        DetectError::TooMany { .. } | DetectError::NoRow { .. } => {
+            "--mask with a picture that is white around the robot, --colour, or --radius in pixels"
+        }
+        DetectError::Gap { .. } => "--count or --robot, and --mask where something else is found",
+        DetectError::NoEvenBackground { .. } => "--mask, or --colour",
+        DetectError::TooFew { .. } | DetectError::NoneFound { .. } => {
+            "--kind, --colour, --radius in pixels, or the right --count"
+        }
+        DetectError::NothingStandsOut
+        | DetectError::ColourLikeBackground
+        | DetectError::NoVividColour => "--colour or --kind",
+    };
+    Failure::Solve(format!("{text}\nhelp: {help}"))
+}
+
+fn table(args: &MeasureArgs, camera: Option<&str>, marks: &[Mark]) -> CsvTable {
+    let step = args.step.map(|step| step as usize);
+    let columns = ["step"].into_iter().filter(|_| step.is_some()).chain(["disk"]);
+    let columns = columns.chain(["camera"].into_iter().filter(|_| camera.is_some()));
+    let mut table = CsvTable::new(columns.chain(["u", "v", "confidence"]));
+    for (i, mark) in marks.iter().enumerate() {
+        let mut row: Vec<Cell> = step.map(Cell::from).into_iter().collect();
+        row.push(Cell::from(i + 1));
+        row.extend(camera.map(Cell::from));
+        row.extend([mark.pixel[0], mark.pixel[1], mark.confidence].map(Cell::from));
+        table.push(row);
+    }
+    table
+}
+
+fn object(args: &MeasureArgs, photo: &Photo, camera: Option<&str>, marks: &[Mark]) -> Value {
+    let marks: Vec<Value> = marks
+        .iter()
+        .enumerate()
+        .map(|(i, mark)| {
+            json!({
+                "disk": i + 1,
+                "u": mark.pixel[0],
+                "v": mark.pixel[1],
+                "radius": mark.radius,
+                "confidence": mark.confidence,
+            })
+        })
+        .collect();
+    json!({
+        "photo": args.photo.display().to_string(),
+        "width": photo.width(),
+        "height": photo.height(),
+        "kind": args.kind.name(),
+        "camera": camera,
+        "step": args.step,
+        "marks": marks,
+    })
+}
+
+fn summary(args: &MeasureArgs, photo: &Photo, marks: &[Mark], style: Style) -> String {
+    let name = args.photo.display();
+    let mut text = format!("{}\n", style.heading(&name));
+    let (count, kind) = (marks.len(), args.kind.name());
+    text += &format!(
+        "{count} {kind} in {}×{} pixels, from base to tip\n\n",
+        photo.width(),
+        photo.height()
+    );
+    let columns = ["disk", "column", "row", "radius", "confidence"];
+    let mut table = Table::new(columns.map(|name| (name, Align::Right)));
+    for (i, mark) in marks.iter().enumerate() {
+        table.row(vec![
+            (i + 1).to_string(),
+            fixed(mark.pixel[0], 2),
+            fixed(mark.pixel[1], 2),
+            fixed(mark.radius, 1),
+            fixed(mark.confidence, 2),
+        ]);
+    }
+    text += &table.text(style);
+    let unsure: Vec<String> = marks
+        .iter()
+        .enumerate()
+        .filter(|(_, mark)| mark.confidence < UNSURE)
+        .map(|(i, _)| (i + 1).to_string())
+        .collect();
+    if !unsure.is_empty() {
+        text +=
+            &format!("\nnote: look at {}: they do not look quite like {kind}\n", unsure.join(", "));
+    }
+    for (what, path) in [("measured", &args.output), ("picture", &args.annotated)] {
+        if let Some(path) = path {
+            text += &format!("\n{what}: {}\n", path.display());
+        }
+    }
+    text
+}

@@ -1,0 +1,181 @@
+//! A photograph: linear light in three channels.
+
+use std::io::Cursor;
+
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, RgbImage};
+use thiserror::Error;
+
+/// A photograph. Each pixel is linear light in red, green and blue, 0 black and 1 white.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Photo {
+    width: usize,
+    height: usize,
+    pixels: Vec<[f32; 3]>,
+}
+
+/// Why bytes are no photograph.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum PhotoError {
+    /// There are no bytes.
+    #[error("the file is empty")]
+    Empty,
+    /// They are in none of the formats that are read.
+    #[error("this is not a picture that can be read: it is neither PNG nor JPEG")]
+    NotAnImage,
+    /// They begin as a picture does, but cannot be decoded.
+    #[error("the picture is broken: {reason}")]
+    Broken {
+        /// What the decoder says.
+        reason: String,
+    },
+    /// More pixels than are worked on.
+    #[error("the picture has {width}×{height} pixels; at most {most} a side are read")]
+    TooLarge {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Greatest number of either.
+        most: u32,
+    },
+    /// It could not be written.
+    #[error("the picture cannot be encoded: {reason}")]
+    Encoding {
+        /// What the encoder says.
+        reason: String,
+    },
+}
+
+impl Photo {
+    /// Greatest number of columns and of rows.
+    pub const LARGEST_SIDE: u32 = 12_000;
+
+    /// A photograph of one colour.
+    #[must_use]
+    pub fn uniform(width: usize, height: usize, colour: [f32; 3]) -> Self {
+        Self { width, height, pixels: vec![colour; width * height] }
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// All pixels, row by row.
+    #[must_use]
+    pub fn pixels(&self) -> &[[f32; 3]] {
+        &self.pixels
+    }
+
+    /// All pixels, row by row.
+    pub fn pixels_mut(&mut self) -> &mut [[f32; 3]] {
+        &mut self.pixels
+    }
+
+    /// The photograph in these bytes, a PNG or JPEG file, turned upright as its Exif data ask for.
+    ///
+    /// # Errors
+    /// [`PhotoError`] when they are none.
+    pub fn decode(bytes: &[u8]) -> Result<Self, PhotoError> {
+        if bytes.is_empty() {
+            return Err(PhotoError::Empty);
+        }
+        let broken = |error: ImageError| PhotoError::Broken { reason: error.to_string() };
+        let mut reader = ImageReader::new(Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|error| PhotoError::Broken { reason: error.to_string() })?;
+        match reader.format() {
+            Some(ImageFormat::Png) => {}
+            // The decoder takes what is missing at the end of a file for grey.
+            Some(ImageFormat::Jpeg) if !is_whole_jpeg(bytes) => {
+                return Err(PhotoError::Broken { reason: "the file ends too early".to_owned() });
+            }
+            Some(ImageFormat::Jpeg) => {}
+            _ => return Err(PhotoError::NotAnImage),
+        }
+        // The size is looked at below, where the message can name it.
+        reader.limits(Limits::no_limits());
+        let mut decoder = reader.into_decoder().map_err(broken)?;
+        let (width, height) = decoder.dimensions();
+        if width.max(height) > Self::LARGEST_SIDE {
+            return Err(PhotoError::TooLarge { width, height, most: Self::LARGEST_SIDE });
+        }
+        if width == 0 || height == 0 {
+            return Err(PhotoError::Broken { reason: "it has no pixels".to_owned() });
+        }
+        let orientation = decoder.orientation().map_err(broken)?;
+        let mut image = DynamicImage::from_decoder(decoder).map_err(broken)?;
+        image.apply_orientation(orientation);
+        let rgb = image.to_rgb32f();
+        let pixels = rgb.pixels().map(|pixel| pixel.0.map(linear)).collect();
+        Ok(Self { width: rgb.width() as usize, height: rgb.height() as usize, pixels })
+    }
+
+    /// The photograph as a PNG file of eight bits a channel.
+    ///
+    /// # Errors
+    /// [`PhotoError::Encoding`] when there is nothing to encode.
+    pub fn to_png(&self) -> Result<Vec<u8>, PhotoError> {
+        self.encode(ImageFormat::Png)
+    }
+
+    /// The photograph as a JPEG file.
+    ///
+    /// # Errors
+    /// [`PhotoError::Encoding`] when there is nothing to encode.
+    pub fn to_jpeg(&self) -> Result<Vec<u8>, PhotoError> {
+        self.encode(ImageFormat::Jpeg)
+    }
+
+    fn encode(&self, format: ImageFormat) -> Result<Vec<u8>, PhotoError> {
+        let failed = |reason: String| PhotoError::Encoding { reason };
+        let bytes: Vec<u8> = self.pixels.iter().flat_map(|pixel| pixel.map(quantised)).collect();
+        let image = RgbImage::from_raw(self.width as u32, self.height as u32, bytes)
+            .ok_or_else(|| failed("its size is out of range".to_owned()))?;
+        let mut out = Cursor::new(Vec::new());
+        image.write_to(&mut out, format).map_err(|error| failed(error.to_string()))?;
+        Ok(out.into_inner())
+    }
+}
+
+/// Whether the scan of a JPEG file has an end (ITU-T T.81, annex B): segments with their lengths up to the start of
+/// scan, and after that, where no byte FF stands before anything else but a zero or a restart, the end of image.
+fn is_whole_jpeg(bytes: &[u8]) -> bool {
+    const START_OF_SCAN: u8 = 0xda;
+    const END_OF_IMAGE: [u8; 2] = [0xff, 0xd9];
+    let mut at = 2;
+    while let Some(&[0xff, marker, high, low]) = bytes.get(at..at + 4) {
+        // Bytes FF may fill up before a marker.
+        if marker == 0xff {
+            at += 1;
+            continue;
+        }
+        at += 2 + usize::from(u16::from_be_bytes([high, low]));
+        if marker == START_OF_SCAN {
+            let scan = bytes.get(at..).unwrap_or_default();
+            return scan.windows(2).any(|pair| pair == END_OF_IMAGE);
+        }
+    }
+    false
+}
+
+/// Linear light of an sRGB value from 0 to 1 (IEC 61966-2-1).
+#[must_use]
+pub fn linear(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The inverse of [`linear`], in 255 steps.
+fn quantised(light: f32) -> u8 {
+    let light = light.clamp(0.0, 1.0);
+    let encoded =
+        if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * encoded).round() as u8
+}

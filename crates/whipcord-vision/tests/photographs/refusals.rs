@@ -1,0 +1,90 @@
+//! What is no photograph, or not of a robot.
+
+use whipcord_vision::detect::{DetectError, Kind, Mask, Search, find};
+use whipcord_vision::render::Noise;
+use whipcord_vision::{Photo, PhotoError};
+
+use crate::scenes::{Shot, any, found, rms};
+
+#[test]
+fn bytes_that_are_no_picture_are_refused() {
+    assert_eq!(Photo::decode(&[]), Err(PhotoError::Empty));
+    assert_eq!(Photo::decode(b"[backbone]\nlength = 1\n"), Err(PhotoError::NotAnImage));
+    let whole = Shot::of(1, 0.0, 0.0).take().photo;
+    for bytes in [whole.to_png().unwrap(), whole.to_jpeg().unwrap()] {
+        let half = &bytes[..bytes.len() / 2];
+        let broken = Photo::decode(half);
+        assert!(matches!(broken, Err(PhotoError::Broken { .. })), "{:?}", broken.err());
+        assert_eq!(Photo::decode(&bytes).unwrap().width(), 720);
+    }
+}
+
+/// What is written is read back to half a step of eight bits.
+#[test]
+fn light_survives_a_file() {
+    let mut photo = Photo::uniform(64, 32, [0.0; 3]);
+    for (i, pixel) in photo.pixels_mut().iter_mut().enumerate() {
+        *pixel = [i as f32 / 2048.0, 0.5, 1.0 - i as f32 / 2048.0];
+    }
+    let again = Photo::decode(&photo.to_png().unwrap()).unwrap();
+    for (a, b) in photo.pixels().iter().flatten().zip(again.pixels().iter().flatten()) {
+        // The sRGB curve is at most 2.275 steep, in steps of 1/255.
+        assert!((a - b).abs() <= 0.51 * 2.275 / 255.0, "{a} {b}");
+    }
+}
+
+#[test]
+fn photographs_without_a_robot_are_refused() {
+    let empty = |noise| {
+        let mut shot = Shot::of(1, 0.0, noise);
+        let wall = shot.scene.paint.background;
+        let paint = &mut shot.scene.paint;
+        (paint.backbone, paint.disks, paint.cables) = (wall, wall, wall);
+        // The faces of disks are lighter than their rims.
+        shot.scene.disk_radius = 1e-6;
+        shot.scene.backbone_diameter = 1e-6;
+        shot.take().photo
+    };
+    for noise in [0.0, 0.03, 0.1] {
+        let photo = empty(noise);
+        for kind in Kind::ALL {
+            let outcome = find(&photo, &any(kind));
+            assert!(outcome.is_err(), "{kind:?} {noise}: {outcome:?}");
+        }
+    }
+    let noise = {
+        let mut shot = Shot::of(1, 0.0, 0.0);
+        shot.scene.noise = Noise { dark: 0.5, bright: 0.5, seed: 3 };
+        shot.take().photo
+    };
+    for kind in Kind::ALL {
+        let outcome = find(&noise, &any(kind));
+        assert!(outcome.is_err(), "{kind:?}: {:?}", outcome.map(|marks| marks.len()));
+    }
+}
+
+/// A mask leaves a part of the robot, or nothing, or is of another picture.
+#[test]
+fn masks_are_obeyed() {
+    let rendered = Shot::of(1, 0.0, 0.03).take();
+    let mut picture = Photo::uniform(720, 660, [0.0; 3]);
+    for (i, pixel) in picture.pixels_mut().iter_mut().enumerate() {
+        // All below the fifth disk.
+        if i / 720 > 394 {
+            *pixel = [1.0; 3];
+        }
+    }
+    let mask = Mask::light_of(&picture);
+    let search = Search { mask: Some(&mask), ..any(Kind::Disks) };
+    let marks = find(&rendered.photo, &search).unwrap();
+    assert!(rms(&marks, &rendered.disks[..4]) < 0.1);
+    assert_eq!(found(&rendered.photo, Kind::Disks).len(), 10);
+
+    let black = Mask::light_of(&Photo::uniform(720, 660, [0.0; 3]));
+    let search = Search { mask: Some(&black), ..any(Kind::Disks) };
+    assert_eq!(find(&rendered.photo, &search), Err(DetectError::EmptyMask));
+    let other = Mask::light_of(&Photo::uniform(20, 30, [1.0; 3]));
+    let search = Search { mask: Some(&other), ..any(Kind::Disks) };
+    let expected = DetectError::MaskSize { mask: [20, 30], photo: [720, 660] };
+    assert_eq!(find(&rendered.photo, &search), Err(expected));
+}
