@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from . import errors, models
 from ._core import VERSION as __version__
 from .batch import Batch, Gradients
+from .camera import Camera, Located
 from .case import Case, load
 from .cases import solve_cases
 from .comparison import Comparison, Run, compare
@@ -35,6 +36,7 @@ __all__ = [
     "Branches",
     "Cable",
     "CableState",
+    "Camera",
     "Case",
     "Comparison",
     "CriticalPoint",
@@ -49,6 +51,7 @@ __all__ = [
     "Gradients",
     "InputError",
     "Loads",
+    "Located",
     "Measured",
     "ModelError",
     "Place",

@@ -1,6 +1,6 @@
 """The extension module: thin bindings of the library. Nothing here is meant to be used directly."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -12,12 +12,14 @@ _Array = npt.NDArray[np.float64]
 
 __all__ = [
     "VERSION",
+    "Camera",
     "Derivatives",
     "Model",
     "Outcomes",
     "Setup",
     "Solution",
     "derivatives",
+    "locate_orthographic",
     "main",
     "parse_quantity",
     "pull_back_batch",
@@ -201,3 +203,50 @@ class Derivatives:
         tension: _Array | None = None,
         length: _Array | None = None,
     ) -> dict[str, Any]: ...
+
+_Place = tuple[list[float], list[float]]
+_Located = tuple[Camera, _Array, float, tuple[Camera, float] | None, bool]
+
+def locate_orthographic(
+    points: _Array,
+    pixels: _Array,
+    size: Sequence[int] | None = None,
+    view: Sequence[float] | None = None,
+) -> _Located: ...
+
+@final
+class Camera:
+    @staticmethod
+    def pinhole(
+        focal: Sequence[float],
+        centre: Sequence[float],
+        distortion: Sequence[float],
+        place: tuple[Sequence[float], Sequence[float]],
+        size: Sequence[int] | None,
+    ) -> Camera: ...
+    @staticmethod
+    def orthographic(
+        scale: float,
+        centre: Sequence[float],
+        place: tuple[Sequence[float], Sequence[float]],
+        size: Sequence[int] | None,
+    ) -> Camera: ...
+    @staticmethod
+    def load(path: str) -> Camera: ...
+    def text(self, path: str) -> str: ...
+    @property
+    def lens(self) -> tuple[list[float], list[float]] | None: ...
+    @property
+    def scale(self) -> float | None: ...
+    @property
+    def centre(self) -> list[float]: ...
+    @property
+    def place(self) -> _Place: ...
+    @property
+    def extrinsics(self) -> tuple[list[float], list[float]]: ...
+    @property
+    def size(self) -> list[int] | None: ...
+    def project(self, points: _Array) -> _Array: ...
+    def undistort(self, pixels: _Array) -> _Array: ...
+    def rays(self, pixels: _Array) -> _Array: ...
+    def locate(self, points: _Array, pixels: _Array, view: Sequence[float] | None = None) -> _Located: ...

@@ -1,0 +1,314 @@
+"""Cameras: how a photograph sees the world."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._files import write
+from .errors import InputError
+
+__all__ = ["Camera", "Located"]
+
+Array = npt.NDArray[np.float64]
+
+
+class Camera:
+    """A pinhole camera with OpenCV's distortion, or a scaled orthographic one. It does not change.
+
+    The camera's frame has x to the right of the image, y down and z along the view. Pixels are (column, row), and the
+    centre of the first pixel is (0, 0).
+
+    Parameters
+    ----------
+    focal
+        Focal lengths (fx, fy) in pixels.
+    centre
+        Principal point (cx, cy) in pixels.
+    distortion
+        OpenCV's 4, 5, 8, 12 or 14 coefficients in its order, or none.
+    position
+        Where the camera is in the world, in m.
+    orientation
+        Quaternion (w, x, y, z) that turns the camera's frame into the world's.
+    size
+        Columns and rows of its images.
+
+    Examples
+    --------
+    >>> camera = Camera(focal=(800, 800), centre=(319.5, 239.5), distortion=(-0.2, 0.05, 0, 0), size=(640, 480))
+    >>> pixels = camera.project([[0.05, -0.02, 0.5]])
+    >>> camera.undistort(pixels)
+    array([[ 0.1 , -0.04]])
+    >>> camera.save("lens.yml")  # doctest: +SKIP
+    """
+
+    __slots__ = ("_camera",)
+    _camera: _core.Camera
+
+    def __init__(
+        self,
+        *,
+        focal: Sequence[float],
+        centre: Sequence[float],
+        distortion: Sequence[float] = (),
+        position: Sequence[float] = (0.0, 0.0, 0.0),
+        orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+        size: Sequence[int] | None = None,
+    ) -> None:
+        place = (_numbers(position, 3, "position"), _numbers(orientation, 4, "orientation"))
+        coefficients = [float(value) for value in np.ravel(distortion)]
+        focal, centre = _numbers(focal, 2, "focal"), _numbers(centre, 2, "centre")
+        self._hold(_core.Camera.pinhole(focal, centre, coefficients, place, _pixels(size)))
+
+    @classmethod
+    def orthographic(
+        cls,
+        *,
+        scale: float,
+        centre: Sequence[float] = (0.0, 0.0),
+        position: Sequence[float] = (0.0, 0.0, 0.0),
+        orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+        size: Sequence[int] | None = None,
+    ) -> Camera:
+        """A camera whose image is a parallel projection, with `scale` pixels per metre."""
+        place = (_numbers(position, 3, "position"), _numbers(orientation, 4, "orientation"))
+        centre = _numbers(centre, 2, "centre")
+        return cls._of(_core.Camera.orthographic(float(scale), centre, place, _pixels(size)))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Camera:
+        """The camera of a file in OpenCV's YAML or JSON."""
+        return cls._of(_core.Camera.load(os.fspath(path)))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the camera in OpenCV's YAML (``.yml``, ``.yaml``) or JSON (``.json``)."""
+        write(path, self._camera.text(os.fspath(path)))
+
+    @property
+    def projection(self) -> str:
+        """``"pinhole"`` or ``"orthographic"``."""
+        return "pinhole" if self._camera.lens else "orthographic"
+
+    @property
+    def focal(self) -> tuple[float, ...] | None:
+        """Focal lengths (fx, fy) in pixels of a pinhole."""
+        return tuple(self._camera.lens[0]) if self._camera.lens else None
+
+    @property
+    def distortion(self) -> tuple[float, ...]:
+        """Distortion coefficients in OpenCV's order."""
+        return tuple(self._camera.lens[1]) if self._camera.lens else ()
+
+    @property
+    def scale(self) -> float | None:
+        """Pixels per metre of an orthographic camera."""
+        return self._camera.scale
+
+    @property
+    def centre(self) -> tuple[float, ...]:
+        """Principal point (cx, cy) in pixels."""
+        return tuple(self._camera.centre)
+
+    @property
+    def position(self) -> Array:
+        """(3,) where the camera is in the world, in m."""
+        return np.array(self._camera.place[0])
+
+    @property
+    def orientation(self) -> Array:
+        """(4,) quaternion (w, x, y, z) that turns the camera's frame into the world's."""
+        return np.array(self._camera.place[1])
+
+    @property
+    def size(self) -> tuple[int, ...] | None:
+        """Columns and rows of its images."""
+        return tuple(self._camera.size) if self._camera.size else None
+
+    @property
+    def matrix(self) -> Array | None:
+        """(3, 3) OpenCV's camera matrix of a pinhole."""
+        if not self._camera.lens:
+            return None
+        (fx, fy), (cx, cy) = self._camera.lens[0], self._camera.centre
+        return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+    @property
+    def rvec(self) -> Array:
+        """(3,) OpenCV's rotation vector from the world to the camera, in rad."""
+        return np.array(self._camera.extrinsics[0])
+
+    @property
+    def tvec(self) -> Array:
+        """(3,) OpenCV's translation from the world to the camera, in m."""
+        return np.array(self._camera.extrinsics[1])
+
+    def project(self, points: npt.ArrayLike) -> Array:
+        """(..., 2) pixels at which (..., 3) points of the world, in m, are seen.
+
+        A point that the camera does not see, behind it or where the distortion folds the image, is an
+        :class:`~whipcord.InputError`.
+        """
+        return _by_rows(self._camera.project, points, 3, 2, "points")
+
+    def undistort(self, pixels: npt.ArrayLike) -> Array:
+        """(..., 2) ideal images of (..., 2) pixels, as ``cv2.undistortPoints`` gives them: tangents of a pinhole, metres
+        of an orthographic camera.
+        """
+        return _by_rows(self._camera.undistort, pixels, 2, 2, "pixels")
+
+    def rays(self, pixels: npt.ArrayLike) -> tuple[Array, Array]:
+        """(..., 3) origins in m and (..., 3) directions, in the world, of all that is seen at (..., 2) pixels."""
+        both = _by_rows(self._camera.rays, pixels, 2, 6, "pixels")
+        return both[..., :3], both[..., 3:]
+
+    def locate(
+        self, points: npt.ArrayLike, pixels: npt.ArrayLike, *, view: Sequence[float] | None = None
+    ) -> Located:
+        """The same camera in the place from which it sees (n, 3) points of the world, in m, at (n, 2) pixels.
+
+        The squares of the distances in the image are least. Points on one line, such as the centres of the disks of a
+        straight robot, look the same from all sides of it: they need `view`, the direction of the world in which the
+        camera looks. Of an orthographic camera the scale is sought, too.
+
+        Examples
+        --------
+        >>> camera = Camera(focal=(800, 800), centre=(320, 240), position=(0, 0, -0.5))
+        >>> points = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1], [0.1, 0.1, 0.05], [0.1, 0, 0.1]]
+        >>> found = Camera(focal=(800, 800), centre=(320, 240)).locate(points, camera.project(points))
+        >>> bool(np.allclose(found.camera.position, [0, 0, -0.5]))
+        True
+        """
+        points, pixels = _pairs(points, pixels)
+        return Located._of(self._camera.locate(points, pixels, _view(view)))
+
+    @staticmethod
+    def locate_orthographic(
+        points: npt.ArrayLike,
+        pixels: npt.ArrayLike,
+        *,
+        size: Sequence[int] | None = None,
+        view: Sequence[float] | None = None,
+    ) -> Located:
+        """The orthographic camera that sees (n, 3) points of the world, in m, at (n, 2) pixels: its scale and its place.
+
+        With `view`, the direction of the world in which it looks, two points do.
+        """
+        points, pixels = _pairs(points, pixels)
+        return Located._of(_core.locate_orthographic(points, pixels, _pixels(size), _view(view)))
+
+    def __repr__(self) -> str:
+        arguments = [f"{name}={value!r}" for name, value in self._arguments().items()]
+        kind = "Camera" if self._camera.lens else "Camera.orthographic"
+        return f"{kind}({', '.join(arguments)})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Camera) and self._arguments() == other._arguments()
+
+    def __hash__(self) -> int:
+        return hash(tuple(self._arguments().items()))
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a camera does not change: make another one with another `{name}`")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_again, (self.projection, self._arguments()))
+
+    def _arguments(self) -> dict[str, Any]:
+        position, orientation = self._camera.place
+        lens = {"scale": self.scale} if self._camera.scale else {"focal": self.focal}
+        coefficients = {"distortion": self.distortion} if self.distortion else {}
+        place = {"position": tuple(position), "orientation": tuple(orientation)}
+        size = {"size": self.size} if self.size else {}
+        return {**lens, "centre": self.centre, **coefficients, **place, **size}
+
+    def _hold(self, core: _core.Camera) -> None:
+        object.__setattr__(self, "_camera", core)
+
+    @classmethod
+    def _of(cls, core: _core.Camera) -> Camera:
+        camera = object.__new__(cls)
+        camera._hold(core)
+        return camera
+
+
+def _again(projection: str, arguments: dict[str, Any]) -> Camera:
+    return Camera(**arguments) if projection == "pinhole" else Camera.orthographic(**arguments)
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """A camera in its place, and how well it explains what was seen."""
+
+    camera: Camera
+    """The camera."""
+    residuals: Array
+    """(n, 2) columns and rows by which each point was seen beside where the camera has it."""
+    rms: float
+    """The root of their mean square distance, in pixels."""
+    other: Camera | None
+    """The next best pose, where there is one: a plane looks much the same from two sides."""
+    other_rms: float | None
+    """The RMS distance that it leaves, in pixels."""
+    is_ambiguous: bool
+    """Whether what was seen does not tell the two apart."""
+
+    @classmethod
+    def _of(
+        cls, found: tuple[_core.Camera, Array, float, tuple[_core.Camera, float] | None, bool]
+    ) -> Located:
+        camera, residuals, rms, other, ambiguous = found
+        next_best, other_rms = (Camera._of(other[0]), other[1]) if other else (None, None)
+        return cls(Camera._of(camera), residuals, rms, next_best, other_rms, ambiguous)
+
+
+def _numbers(given: Sequence[float], count: int, name: str) -> list[float]:
+    try:
+        values = [float(value) for value in given]
+    except (TypeError, ValueError):
+        values = []
+    if len(values) != count:
+        raise InputError(f"{name} must be {count} numbers, but is {given!r}", path=name)
+    return values
+
+
+def _pixels(size: Sequence[int] | None) -> list[int] | None:
+    if size is None:
+        return None
+    whole = [int(value) for value in size]
+    if len(whole) != 2 or whole != list(size) or not all(0 < value <= 1_000_000 for value in whole):
+        raise InputError(f"size must be the columns and rows of the images, but is {size!r}", path="size")
+    return whole
+
+
+def _view(view: Sequence[float] | None) -> list[float] | None:
+    return None if view is None else _numbers(view, 3, "view")
+
+
+def _rows(given: npt.ArrayLike, width: int, name: str) -> Array:
+    try:
+        rows = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be an array of numbers", path=name) from None
+    if rows.ndim == 0 or rows.shape[-1] != width:
+        raise InputError(f"{name} must have the shape (..., {width}), but has {rows.shape}", path=name)
+    return rows
+
+
+def _by_rows(each: Any, given: npt.ArrayLike, width: int, wide: int, name: str) -> Array:
+    rows = _rows(given, width, name)
+    found: Array = each(rows.reshape(-1, width))
+    return found.reshape(*rows.shape[:-1], wide)
+
+
+def _pairs(points: npt.ArrayLike, pixels: npt.ArrayLike) -> tuple[Array, Array]:
+    rows = _rows(points, 3, "points").reshape(-1, 3), _rows(pixels, 2, "pixels").reshape(-1, 2)
+    if len(rows[0]) != len(rows[1]):
+        raise InputError(f"{len(rows[0])} points are seen at {len(rows[1])} pixels", path="pixels")
+    return rows
