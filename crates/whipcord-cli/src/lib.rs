@@ -28,7 +28,7 @@ use clap::{Parser, Subcommand};
 
 use crate::failure::Failure;
 use crate::style::Style;
-use crate::verbs::{bench, check, compare, measure, schema, solve, stiffness};
+use crate::verbs::{bench, camera, check, compare, measure, schema, solve, stiffness};
 
 /// Mechanics of cable-driven continuum robots with any cable routing
 #[derive(Debug, Parser)]
@@ -44,6 +44,7 @@ enum Verb {
     Stiffness(stiffness::StiffnessArgs),
     Compare(compare::CompareArgs),
     Measure(measure::MeasureArgs),
+    Camera(camera::CameraArgs),
     Bench(bench::BenchArgs),
     Check(check::CheckArgs),
     Schema(schema::SchemaArgs),
@@ -80,6 +81,7 @@ where
         Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Measure(args) => measure::run(&args, style),
+        Verb::Camera(args) => camera::run(&args, style),
         Verb::Bench(args) => bench::run(&args, style),
         Verb::Check(args) => check::run(&args, style),
         Verb::Schema(args) => schema::run(&args),

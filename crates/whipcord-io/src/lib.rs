@@ -31,7 +31,7 @@ pub use output::{
     Beside, Cell, CsvTable, NonFinite, answer_json, remove_unfinished, shape_csv, solution_json,
     steps_csv, stiffness_json, write_atomically,
 };
-pub use read::{Measured, MeasuredDisk, MeasuringCamera, Reference};
+pub use read::{Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers};
 pub use render::render;
 pub use schema::schema;
 pub use source::{Position, Source, Sources, Span};

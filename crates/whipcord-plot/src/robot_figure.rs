@@ -1,8 +1,6 @@
 //! A robot in space and in three orthogonal views.
 
-use whipcord::{
-    Case, Drive, Model, ModelKind, Pose, Robot, Shape, Solution, Statics as _, Stations, Vec3,
-};
+use whipcord::{ModelKind, Pose, Robot, Shape, Solution, Stations, Vec3, at_rest};
 
 use crate::acting::Acting;
 use crate::body::{Body, Part};
@@ -119,13 +117,8 @@ impl RobotView {
     #[must_use]
     pub fn at_rest(robot: &Robot, base: Pose) -> Self {
         let stations = Stations::Equal(FINE_STATIONS);
-        let case = Case { base, ..Case::with_tensions(&vec![0.0; robot.cables().len()]) };
-        // Cables that rub are for the second one.
-        let rest = [ModelKind::Cosserat, ModelKind::CosseratDisks].into_iter().find_map(|kind| {
-            Model::new(kind, stations.clone(), Drive::Tension).solve(robot, &case).ok()
-        });
         let label = "before actuation";
-        match rest {
+        match at_rest(robot, base, &stations) {
             Some(solution) => Self::model(label, &solution).before(),
             // A robot without section or material is known to a geometric model only, for which the
             // backbone is straight.

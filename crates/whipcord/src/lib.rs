@@ -33,7 +33,7 @@ pub use case::{
     Shortening,
 };
 pub use error::{LengthMiss, SolveError};
-pub use model::{Differentiable, Model, ModelKind, Prepared, Statics, Stations};
+pub use model::{Differentiable, Model, ModelKind, Prepared, Statics, Stations, at_rest};
 pub use observation::{Observation, Place, Seen};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use robot::{

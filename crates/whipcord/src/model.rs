@@ -3,6 +3,8 @@
 use core::fmt;
 use core::str::FromStr;
 
+use whipcord_numerics::Pose;
+
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::kinematics::Local;
@@ -146,6 +148,17 @@ impl Model {
             Self::FourBar(_) => ModelKind::FourBar,
         }
     }
+}
+
+/// The robot before actuation and load, on a base of this pose: by the Cosserat model, or with cables that rub
+/// by the one with cables from hole to hole. `None` for a robot without section or material, which is known
+/// to a geometric model only.
+#[must_use]
+pub fn at_rest(robot: &Robot, base: Pose, stations: &Stations) -> Option<Solution> {
+    let case = Case { base, ..Case::with_tensions(&vec![0.0; robot.cables().len()]) };
+    [ModelKind::Cosserat, ModelKind::CosseratDisks].into_iter().find_map(|kind| {
+        Model::new(kind, stations.clone(), Drive::Tension).solve(robot, &case).ok()
+    })
 }
 
 /// A model built for one robot, with the scratch memory of its solves: what many cases of a robot

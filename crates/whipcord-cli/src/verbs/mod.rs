@@ -2,6 +2,7 @@
 //! when it fails.
 
 pub mod bench;
+pub mod camera;
 pub mod check;
 pub mod compare;
 pub mod measure;

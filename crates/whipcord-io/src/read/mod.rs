@@ -14,7 +14,7 @@ pub(crate) use cables::{cable, command, step};
 pub(crate) use disks::disks;
 pub(crate) use loads::loads;
 pub(crate) use measured::{Extent, UNITS, read as measured};
-pub use measured::{Measured, MeasuredDisk, MeasuringCamera};
+pub use measured::{Measured, MeasuredDisk, MeasuringCamera, load_markers};
 pub use reference::Reference;
 pub(crate) use reference::reference;
 

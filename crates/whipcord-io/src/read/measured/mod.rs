@@ -4,13 +4,13 @@ mod csv;
 mod grid;
 mod rows;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use whipcord::camera::Camera;
-use whipcord::{Observation, Place, Seen, Vec3};
+use whipcord::{Observation, Place, Robot, Seen, Vec3};
 
 use crate::check::Fields;
-use crate::error::Problems;
+use crate::error::{FileError, Problems};
 use crate::files;
 use crate::node::Node;
 use crate::source::{Sources, quoted};
@@ -97,6 +97,40 @@ pub(crate) fn read(
     let last = robot.steps.saturating_sub(1);
     let disks = observations.iter().filter(|seen| seen.step == last).filter_map(centre).collect();
     Some(Measured { observations, disks, cameras: cameras?, path })
+}
+
+/// Reads a table of markers of a robot as one camera saw them, with the columns of a table that `[measured]`
+/// names: `disk` or `arc_length`, `offset_x`, `offset_y` and `offset_z` in m, `u` and `v` in pixels.
+///
+/// # Errors
+/// [`FileError`] with the place of each mistake.
+pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observation>, FileError> {
+    let path = path.as_ref();
+    let (mut sources, mut problems) = (Sources::default(), Problems::default());
+    let known = Known {
+        robot: Extent {
+            disks: Some(robot.disks().arc_lengths.len()),
+            length: Some(robot.backbone().length),
+            steps: 0,
+        },
+        unit: UNITS[0],
+        deviation: None,
+        pixel_deviation: None,
+        cameras: &["camera"],
+    };
+    let markers = files::read_first(path, &mut sources, &mut problems).and_then(|text| {
+        let file = sources.add(path, Some(text.clone()));
+        let grid = csv::grid(&text, file, &mut problems)?;
+        let markers = rows::observations(&grid, &known, &mut problems)?;
+        let in_image = markers.iter().all(|marker| matches!(marker.seen, Seen::Pixel { .. }));
+        if !in_image {
+            problems.push(grid.header, || {
+                rows::problem("markers in a photograph have the columns `u` and `v`", rows::PIXELS)
+            });
+        }
+        Some(markers)
+    });
+    markers.filter(|_| problems.is_empty()).ok_or_else(|| problems.into_error(sources))
 }
 
 /// `[[measured.cameras]]`; `None` when one is refused.

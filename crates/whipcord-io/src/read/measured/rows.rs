@@ -62,7 +62,7 @@ const COLUMNS: [(&str, Column); 14] = [
 
 pub(super) const HEADER: &str =
     "the first line names the columns, `disk,x,y,z`; then one line per disk, positions in m";
-const PIXELS: &str =
+pub(super) const PIXELS: &str =
     "u is the column and v the row in pixels, the centre of the first pixel at (0, 0)";
 const NUMBERS: &str =
     "write lengths as plain numbers with a decimal point, in m or in the `unit` of [measured]";

@@ -1,0 +1,187 @@
+//! `whipcord camera`: where a camera is.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use whipcord::camera::{self, Camera, Lens, Located, Sighting};
+use whipcord::{Observation, Place, Pose, Robot, Seen, Shape, Stations, Vec3, at_rest};
+use whipcord_io::{CameraFormat, camera_text, load_camera, load_markers};
+
+use crate::failure::Failure;
+use crate::files;
+use crate::inputs::{self, read_one};
+use crate::quantity::{number, vector};
+use crate::style::Style;
+
+/// Cameras that photograph the robot
+#[derive(Debug, Args)]
+pub struct CameraArgs {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    Locate(LocateArgs),
+}
+
+/// Find where a camera is, from a photograph of the robot before actuation
+///
+/// The robot of the file at rest, without its loads, is what the camera sees: its disks, or markers on
+/// its backbone. Writes the camera with its place, in OpenCV's format, for [[measured.cameras]] and for
+/// pictures.
+#[derive(Debug, Args)]
+struct LocateArgs {
+    /// Robot file
+    file: PathBuf,
+    /// Where the markers are in the photograph: CSV with the columns disk or arc_length, u, v, and offset_x, offset_y,
+    /// offset_z (m) of markers beside the axis
+    #[arg(long, value_name = "CSV")]
+    markers: PathBuf,
+    /// Camera file with the lens, as OpenCV calibrates it; without one the camera is scaled orthographic, and
+    /// its scale is found, too
+    #[arg(long, value_name = "CAMERA")]
+    lens: Option<PathBuf>,
+    /// Direction x,y,z of the world in which the camera looks, needed where all markers are on one line
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    view: Option<Vec3>,
+    /// Camera file to write, .yml or .json
+    #[arg(short, long, value_name = "CAMERA")]
+    output: Option<PathBuf>,
+}
+
+/// What was done, in words.
+pub fn run(args: &CameraArgs, style: Style) -> Result<String, Failure> {
+    match &args.task {
+        Task::Locate(args) => locate(args, style),
+    }
+}
+
+fn direction(text: &str) -> Result<Vec3, String> {
+    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match parts.as_deref() {
+        Ok(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
+        _ => Err(String::from("give three numbers, such as -1,0,0")),
+    }
+}
+
+fn locate(args: &LocateArgs, style: Style) -> Result<String, Failure> {
+    let format = args.output.as_deref().map(format_of).transpose()?;
+    let file = read_one(&args.file)?;
+    let unusable = |error| Failure::Input(inputs::message(&error));
+    let lens = args.lens.as_deref().map(load_camera).transpose().map_err(unusable)?;
+    let markers = load_markers(&args.markers, &file.robot).map_err(unusable)?;
+    let seen = sightings(&file.robot, file.case.base, &markers);
+    let size = lens.as_ref().and_then(Camera::size);
+    let found = match lens.as_ref().map(Camera::lens) {
+        Some(Lens::Pinhole(lens)) => camera::locate(lens, size, &seen, args.view),
+        _ => camera::locate_orthographic(size, &seen, args.view),
+    };
+    let found = found.map_err(|error| {
+        Failure::Input(format!("error: {}: {error}{}", args.markers.display(), hint(&error)))
+    })?;
+    if let Some((path, format)) = args.output.as_deref().zip(format) {
+        files::write(path, camera_text(&found.camera, format).as_bytes())?;
+    }
+    Ok(words(args, &found, &markers, style))
+}
+
+fn hint(error: &camera::LocateError) -> &'static str {
+    match error {
+        camera::LocateError::FreeTurn { .. } => " (--view)",
+        _ => "",
+    }
+}
+
+fn format_of(path: &Path) -> Result<CameraFormat, Failure> {
+    CameraFormat::of(path).ok_or_else(|| {
+        let path = path.display();
+        Failure::Input(format!("error: {path}: a camera file ends in .yml, .yaml or .json"))
+    })
+}
+
+/// Where the markers are on the robot at rest, and where they were seen.
+fn sightings(robot: &Robot, base: Pose, markers: &[Observation]) -> Vec<Sighting> {
+    let arc_length = |place: Place| match place {
+        Place::Disk(disk) => robot.disks().arc_lengths[disk],
+        Place::ArcLength(arc_length) => arc_length,
+    };
+    let mut stations: Vec<f64> = markers.iter().map(|seen| arc_length(seen.place)).collect();
+    stations.sort_by(f64::total_cmp);
+    stations.dedup();
+    let rest = at_rest(robot, base, &Stations::At(stations.clone()))
+        .map_or_else(|| Shape::straight(&stations).moved(base), |solution| solution.shape);
+    let sighting = |marker: &Observation| {
+        let Seen::Pixel { pixel, .. } = marker.seen else { return None };
+        let at = stations.binary_search_by(|s| s.total_cmp(&arc_length(marker.place))).ok()?;
+        Some(Sighting { point: rest.poses[at].transform(marker.offset), pixel })
+    };
+    markers.iter().filter_map(sighting).collect()
+}
+
+fn words(args: &LocateArgs, found: &Located, markers: &[Observation], style: Style) -> String {
+    let mut lines = vec![("place", in_place(&found.camera))];
+    if let Lens::Orthographic(lens) = found.camera.lens() {
+        lines.push(("scale", format!("{} pixels/mm", number(1e-3 * lens.scale(), 6))));
+    }
+    lines.push(("error", format!("{} RMS", pixels(found.rms))));
+    let farthest = found
+        .residuals
+        .iter()
+        .map(|[u, v]| u.hypot(*v))
+        .zip(markers)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((distance, marker)) = farthest {
+        lines.push(("farthest", format!("{}, {}", named(marker), pixels(distance))));
+    }
+    if let Some(other) = &found.other {
+        let verdict = if found.is_ambiguous() {
+            "the markers do not tell the two apart: check which one it is"
+        } else {
+            "the markers tell it apart"
+        };
+        let place = in_place(&other.camera);
+        lines.push(("next best", format!("{place}: {} RMS; {verdict}", pixels(other.rms))));
+    }
+    if let Some(path) = &args.output {
+        lines.push(("written", path.display().to_string()));
+    }
+    let title = format!("camera of {}, from {} markers", args.file.display(), markers.len());
+    let mut text = format!("{}\n", style.heading(title));
+    for (name, value) in lines {
+        let padding = " ".repeat("next best".len() - name.len());
+        text += &format!("  {}{padding}  {value}\n", style.faint(name.to_owned()));
+    }
+    text
+}
+
+/// `at (700, 0, 90) mm, looking along (-1, 0, 0)`; where an orthographic camera is says nothing.
+fn in_place(camera: &Camera) -> String {
+    let pose = camera.pose();
+    // Nothing finer is known of a camera.
+    let rounded = |v: Vec3, unit: f64| {
+        let [x, y, z] = v.to_array().map(|c| (c * unit).round() / unit + 0.0);
+        vector(Vec3::new(x, y, z))
+    };
+    let along = rounded(pose.rotation.rotate(Vec3::Z), 1e4);
+    match camera.lens() {
+        Lens::Pinhole(_) => {
+            format!("at {} mm, looking along {along}", rounded(pose.position * 1e3, 1e2))
+        }
+        Lens::Orthographic(_) => format!("looking along {along}"),
+    }
+}
+
+/// No finer than a thousandth of a pixel.
+fn pixels(distance: f64) -> String {
+    format!("{} pixels", number((distance * 1e3).round() / 1e3, 4))
+}
+
+fn named(marker: &Observation) -> String {
+    match marker.place {
+        Place::Disk(disk) => format!("disk {}", disk + 1),
+        Place::ArcLength(arc_length) => {
+            format!("the marker at {}", crate::quantity::millimetres(arc_length))
+        }
+    }
+}
