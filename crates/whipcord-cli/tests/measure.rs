@@ -9,7 +9,7 @@ use std::path::Path;
 use serde_json::Value;
 use support::{Scratch, fail, root, succeed};
 use whipcord::camera::{Camera, Lens, Orthographic};
-use whipcord::{Drive, Model, ModelKind, Pose, Stations, UnitQuaternion, Vec3};
+use whipcord::{Drive, Model, ModelKind, Pose, Seen, Stations, UnitQuaternion, Vec3};
 use whipcord_io::{CameraFormat, camera_text, load};
 use whipcord_vision::Photo;
 use whipcord_vision::render::{Blur, Noise, Rendered, Scene};
@@ -82,6 +82,22 @@ fn disks_are_written_as_a_table_a_picture_and_json() {
     }
     assert!((squares / 10.0).sqrt() < 0.3, "{squares}");
     assert_eq!((table.lines().count(), lines.next()), (11, None));
+
+    // What was written is what a robot file takes.
+    let case = root().join(ROBOT).canonicalize().unwrap();
+    let measured = format!(
+        "extends = '{}'\n[measured]\ndisks = \"disks.csv\"\n[[measured.cameras]]\nname = \"side\"\nfile = \"side.yml\"\n",
+        case.display()
+    );
+    let file = load(scratch.write("measured.toml", &measured)).unwrap();
+    let observations = file.measured.unwrap().observations;
+    assert_eq!(observations.len(), 10);
+    for (observation, truth) in observations.iter().zip(&rendered.disks) {
+        match observation.seen {
+            Seen::Pixel { camera: 0, pixel } => assert!((pixel[0] - truth[0]).abs() < 0.5),
+            seen => panic!("{seen:?}"),
+        }
+    }
 
     let drawn = Photo::decode(&std::fs::read(&picture).unwrap()).unwrap();
     assert_eq!((drawn.width(), drawn.height()), (450, 460));

@@ -136,9 +136,10 @@ fn write(
     marks: &[Mark],
 ) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
-    let found = annotated(after, Kind::Disks, marks);
-    for (name, photo) in [("before", before), ("after", after), ("found", &found)] {
+    for (name, photo) in [("before", before), ("after", after)] {
         std::fs::write(folder.join(format!("case-{number}-{name}.png")), photo.to_png()?)?;
     }
+    let found = annotated(after, Kind::Disks, marks);
+    std::fs::write(folder.join(format!("case-{number}-found.jpg")), found.to_jpeg()?)?;
     Ok(())
 }
