@@ -12,7 +12,7 @@ use whipcord::camera::{Camera, Lens, Orthographic};
 use whipcord::{Drive, Model, ModelKind, Pose, Seen, Stations, UnitQuaternion, Vec3};
 use whipcord_io::{CameraFormat, camera_text, load};
 use whipcord_vision::Photo;
-use whipcord_vision::render::{Blur, Noise, Rendered, Scene};
+use whipcord_vision::render::{Blur, Noise, Occluder, Rendered, Scene};
 
 const ROBOT: &str = "examples/table1/case-1.toml";
 
@@ -26,10 +26,11 @@ fn camera() -> Camera {
 
 /// The paper's Case I.
 fn photograph() -> Rendered {
-    photograph_of(&root().join(ROBOT))
+    photograph_of(&root().join(ROBOT), &[])
 }
 
-fn photograph_of(robot: &Path) -> Rendered {
+/// A robot, with cards of this size before these pixels.
+fn photograph_of(robot: &Path, cards: &[[f64; 2]]) -> Rendered {
     let file = load(robot).unwrap();
     let model = Model::new(ModelKind::Cosserat, Stations::Equal(46), Drive::Natural);
     let mut prepared = model.prepare(&file.robot, &file.case.loads).unwrap();
@@ -37,6 +38,16 @@ fn photograph_of(robot: &Path) -> Rendered {
     let mut scene = Scene::of(&file.robot);
     scene.blur = Blur { deviation: 0.8, motion: [0.0, 0.0] };
     scene.noise = Noise::of(0.02, 11);
+    let card = |&[u, v]: &[f64; 2]| Occluder {
+        corners: vec![
+            [u - 30.0, v - 12.0],
+            [u + 30.0, v - 12.0],
+            [u + 30.0, v + 12.0],
+            [u - 30.0, v + 12.0],
+        ],
+        colour: scene.paint.background,
+    };
+    scene.occluders = cards.iter().map(card).collect();
     scene.photograph(&file.robot, &solution, &camera()).unwrap()
 }
 
@@ -178,7 +189,7 @@ fn a_mirrored_order_is_refused() {
     let places = places.map(|place| format!("\"{place} mm\"")).join(", ");
     let robot = robot.replace("count = 10  ", &format!("positions = [{places}] "));
     let robot = scratch.write("uneven.toml", &robot);
-    let rendered = photograph_of(Path::new(&robot));
+    let rendered = photograph_of(Path::new(&robot), &[]);
     let photo = write(&scratch, "photo.png", &rendered.photo.to_png().unwrap());
     let measure = ["measure", &photo, "--robot", &robot];
     let message = fail(1, &[&measure[..], &["--base", "top"]].concat());
@@ -189,5 +200,33 @@ fn a_mirrored_order_is_refused() {
         let object: Value = serde_json::from_str(&text).unwrap();
         let first = &object["marks"][0];
         assert!((first["v"].as_f64().unwrap() - rendered.disks[0][1]).abs() < 0.5, "{first}");
+    }
+}
+
+/// Disks behind cards: refused, until it is said which they are.
+#[test]
+fn hidden_disks_are_left_out_when_they_are_named() {
+    let scratch = Scratch::new();
+    let truth = photograph().disks;
+    let rendered = photograph_of(&root().join(ROBOT), &[truth[0], truth[4]]);
+    let photo = write(&scratch, "photo.png", &rendered.photo.to_png().unwrap());
+    let measure = ["measure", &photo, "--robot", ROBOT, "--base", "bottom"];
+    let message = fail(1, &measure);
+    assert!(message.contains("8 were found where there must be 10"), "{message}");
+    assert!(message.contains("--hidden"), "{message}");
+    let message = fail(2, &[&measure[..], &["--hidden", "1,11"]].concat());
+    assert!(message.contains("--hidden 11: there are disks 1 to 10"), "{message}");
+    let message = fail(2, &["measure", &photo, "--base", "bottom", "--hidden", "1"]);
+    assert!(message.contains("needs --robot or --count"), "{message}");
+
+    let text = succeed(&[&measure[..], &["--hidden", "1,5", "--json"]].concat());
+    let object: Value = serde_json::from_str(&text).unwrap();
+    let marks = object["marks"].as_array().unwrap();
+    let numbers: Vec<u64> = marks.iter().map(|mark| mark["disk"].as_u64().unwrap()).collect();
+    assert_eq!(numbers, [2, 3, 4, 6, 7, 8, 9, 10]);
+    for (mark, number) in marks.iter().zip(numbers) {
+        let [u, v] = truth[number as usize - 1];
+        let off = (mark["u"].as_f64().unwrap() - u).hypot(mark["v"].as_f64().unwrap() - v);
+        assert!(off < 0.5, "{mark}");
     }
 }

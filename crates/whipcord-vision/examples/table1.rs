@@ -139,7 +139,8 @@ fn write(
     for (name, photo) in [("before", before), ("after", after)] {
         std::fs::write(folder.join(format!("case-{number}-{name}.png")), photo.to_png()?)?;
     }
-    let found = annotated(after, Kind::Disks, marks);
+    let numbered: Vec<_> = (1..).zip(marks.iter().copied()).collect();
+    let found = annotated(after, Kind::Disks, &numbered);
     std::fs::write(folder.join(format!("case-{number}-found.jpg")), found.to_jpeg()?)?;
     Ok(())
 }

@@ -10,16 +10,16 @@ const CROSS: [f32; 3] = [0.85, 0.08, 0.02];
 const INK: [f32; 3] = [0.02, 0.02, 0.02];
 const HALO: [f32; 3] = [1.0, 1.0, 1.0];
 
-/// The photograph with each mark, its number from 1, and the row from the first to the last.
+/// The photograph with each mark, its number, and the row from the first to the last.
 #[must_use]
-pub fn annotated(photo: &Photo, kind: Kind, marks: &[Mark]) -> Photo {
+pub fn annotated(photo: &Photo, kind: Kind, marks: &[(usize, Mark)]) -> Photo {
     let mut pen = Pen { photo: photo.clone(), coverage: Coverage::default() };
     // As large as suits the picture, so that numbers can be read and marks are not hidden.
     let unit = (photo.width().max(photo.height()) as f64 / 1100.0).clamp(0.5, 4.0);
     for pair in marks.windows(2) {
-        pen.line(pair[0].pixel, pair[1].pixel, 1.2 * unit, LINE);
+        pen.line(pair[0].1.pixel, pair[1].1.pixel, 1.2 * unit, LINE);
     }
-    for mark in marks {
+    for (_, mark) in marks {
         let [a, b] = mark.axis;
         let at = |u: f64, v: f64| [mark.pixel[0] + u * a - v * b, mark.pixel[1] + u * b + v * a];
         let r = mark.radius;
@@ -43,10 +43,10 @@ pub fn annotated(photo: &Photo, kind: Kind, marks: &[Mark]) -> Photo {
         pen.line(at(-arm, 0.0), at(arm, 0.0), 0.8 * unit, HALO);
         pen.line(at(0.0, -arm), at(0.0, arm), 0.8 * unit, HALO);
     }
-    for (i, mark) in marks.iter().enumerate() {
+    for (i, (number, mark)) in marks.iter().enumerate() {
         // Beside the mark, where the row does not run: along a disk, across the row else.
-        let before = marks[i.saturating_sub(1)].pixel;
-        let after = marks[(i + 1).min(marks.len() - 1)].pixel;
+        let before = marks[i.saturating_sub(1)].1.pixel;
+        let after = marks[(i + 1).min(marks.len() - 1)].1.pixel;
         let (x, y) = (after[0] - before[0], after[1] - before[1]);
         let length = x.hypot(y);
         let mut aside = if length > 0.0 { [y / length, -x / length] } else { [0.0, -1.0] };
@@ -56,7 +56,7 @@ pub fn annotated(photo: &Photo, kind: Kind, marks: &[Mark]) -> Photo {
         }
         let away = mark.radius + 17.0 * unit;
         let centre = [0, 1].map(|k| mark.pixel[k] + away * aside[k]);
-        pen.number(i + 1, centre, 15.0 * unit);
+        pen.number(*number, centre, 15.0 * unit);
     }
     pen.photo
 }

@@ -36,6 +36,9 @@ pub struct MeasureArgs {
     /// How many must be found; without this or a robot, however many lie in an even row
     #[arg(long, value_name = "N")]
     count: Option<usize>,
+    /// Numbers of disks that the photograph does not show, as 1,5: the others are found and keep their numbers
+    #[arg(long, value_name = "K,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    hidden: Vec<u32>,
     /// What to look for: disks from the side, coloured dots, or small circles
     #[arg(long, value_name = "KIND", default_value = "disks", value_parser = kind_parser())]
     kind: Kind,
@@ -145,9 +148,15 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         (Some(camera), Some(file)) => camera.project(file.case.base.position).ok(),
         _ => None,
     };
+    let count = robot.as_ref().map(|file| file.robot.disks().count()).or(args.count);
+    let numbers = shown(&args.hidden, count)?;
+    let places: Option<Vec<f64>> = robot.as_ref().map(|file| {
+        let places = &file.robot.disks().arc_lengths;
+        numbers.iter().flatten().map(|number| places[number - 1]).collect()
+    });
     let expected = Expected {
-        count: robot.as_ref().map(|file| file.robot.disks().count()).or(args.count),
-        places: robot.as_ref().map(|file| file.robot.disks().arc_lengths.as_slice()),
+        count: numbers.as_ref().map(Vec::len),
+        places: places.as_deref(),
         base: args.base.or(seen_base.map(Base::Near)),
     };
     let search = Search {
@@ -159,6 +168,8 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
     let marks = find(&photo, &search)
         .and_then(|marks| in_order(&marks, &expected))
         .map_err(|error| refusal(args, &error))?;
+    let numbers = numbers.unwrap_or_else(|| (1..=marks.len()).collect());
+    let marks: Vec<(usize, Mark)> = numbers.into_iter().zip(marks).collect();
 
     let camera_name = args.name.clone().or_else(|| {
         let stem = args.camera.as_deref()?.file_stem()?;
@@ -183,6 +194,24 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         write(path, csv.as_bytes())?;
     }
     Ok(text)
+}
+
+/// Numbers, from 1, of the disks that can be found, where it is known how many there are.
+fn shown(hidden: &[u32], count: Option<usize>) -> Result<Option<Vec<usize>>, Failure> {
+    let hidden: Vec<usize> = hidden.iter().map(|&number| number as usize).collect();
+    let refused = |why: String| Err(Failure::Input(format!("error: --hidden {why}")));
+    let Some(count) = count else {
+        return match hidden.first() {
+            Some(_) => {
+                refused("needs --robot or --count: how many disks there are in all".to_owned())
+            }
+            None => Ok(None),
+        };
+    };
+    if let Some(number) = hidden.iter().find(|&&number| number > count) {
+        return refused(format!("{number}: there are disks 1 to {count}"));
+    }
+    Ok(Some((1..=count).filter(|number| !hidden.contains(number)).collect()))
 }
 
 /// The photograph in a file, which is one and not too large.
@@ -242,7 +271,7 @@ fn refusal(args: &MeasureArgs, error: &DetectError) -> Failure {
         DetectError::Gap { .. } => "--count or --robot, and --mask where something else is found",
         DetectError::NoEvenBackground { .. } => "--mask, or --colour",
         DetectError::TooFew { .. } | DetectError::NoneFound { .. } => {
-            "--kind, --colour, --radius in pixels, or the right --count"
+            "--hidden with the numbers of what cannot be seen, --kind, --colour, --radius in pixels, or the right --count"
         }
         DetectError::NothingStandsOut
         | DetectError::ColourLikeBackground
@@ -251,14 +280,14 @@ fn refusal(args: &MeasureArgs, error: &DetectError) -> Failure {
     Failure::Solve(format!("{text}\nhelp: {help}"))
 }
 
-fn table(args: &MeasureArgs, camera: Option<&str>, marks: &[Mark]) -> CsvTable {
+fn table(args: &MeasureArgs, camera: Option<&str>, marks: &[(usize, Mark)]) -> CsvTable {
     let step = args.step.map(|step| step as usize);
     let columns = ["step"].into_iter().filter(|_| step.is_some()).chain(["disk"]);
     let columns = columns.chain(["camera"].into_iter().filter(|_| camera.is_some()));
     let mut table = CsvTable::new(columns.chain(["u", "v", "confidence"]));
-    for (i, mark) in marks.iter().enumerate() {
+    for (number, mark) in marks {
         let mut row: Vec<Cell> = step.map(Cell::from).into_iter().collect();
-        row.push(Cell::from(i + 1));
+        row.push(Cell::from(*number));
         row.extend(camera.map(Cell::from));
         row.extend([mark.pixel[0], mark.pixel[1], mark.confidence].map(Cell::from));
         table.push(row);
@@ -266,13 +295,17 @@ fn table(args: &MeasureArgs, camera: Option<&str>, marks: &[Mark]) -> CsvTable {
     table
 }
 
-fn object(args: &MeasureArgs, photo: &Photo, camera: Option<&str>, marks: &[Mark]) -> Value {
+fn object(
+    args: &MeasureArgs,
+    photo: &Photo,
+    camera: Option<&str>,
+    marks: &[(usize, Mark)],
+) -> Value {
     let marks: Vec<Value> = marks
         .iter()
-        .enumerate()
-        .map(|(i, mark)| {
+        .map(|(number, mark)| {
             json!({
-                "disk": i + 1,
+                "disk": number,
                 "u": mark.pixel[0],
                 "v": mark.pixel[1],
                 "radius": mark.radius,
@@ -291,7 +324,7 @@ fn object(args: &MeasureArgs, photo: &Photo, camera: Option<&str>, marks: &[Mark
     })
 }
 
-fn summary(args: &MeasureArgs, photo: &Photo, marks: &[Mark], style: Style) -> String {
+fn summary(args: &MeasureArgs, photo: &Photo, marks: &[(usize, Mark)], style: Style) -> String {
     let name = args.photo.display();
     let mut text = format!("{}\n", style.heading(&name));
     let (count, kind) = (marks.len(), args.kind.name());
@@ -302,9 +335,9 @@ fn summary(args: &MeasureArgs, photo: &Photo, marks: &[Mark], style: Style) -> S
     );
     let columns = ["disk", "column", "row", "radius", "confidence"];
     let mut table = Table::new(columns.map(|name| (name, Align::Right)));
-    for (i, mark) in marks.iter().enumerate() {
+    for (number, mark) in marks {
         table.row(vec![
-            (i + 1).to_string(),
+            number.to_string(),
             fixed(mark.pixel[0], 2),
             fixed(mark.pixel[1], 2),
             fixed(mark.radius, 1),
@@ -314,9 +347,8 @@ fn summary(args: &MeasureArgs, photo: &Photo, marks: &[Mark], style: Style) -> S
     text += &table.text(style);
     let unsure: Vec<String> = marks
         .iter()
-        .enumerate()
         .filter(|(_, mark)| mark.confidence < UNSURE)
-        .map(|(i, _)| (i + 1).to_string())
+        .map(|(number, _)| number.to_string())
         .collect();
     if !unsure.is_empty() {
         text +=
