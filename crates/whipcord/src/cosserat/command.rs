@@ -16,6 +16,11 @@ pub(crate) enum Command {
 }
 
 impl Command {
+    /// Whether the cable is driven by its length.
+    pub const fn is_length(&self) -> bool {
+        matches!(self, Self::Length { .. })
+    }
+
     /// Slackness `g` of a cable whose path has this length.
     pub fn slackness(&self, tension: f64, length: f64) -> f64 {
         match *self {

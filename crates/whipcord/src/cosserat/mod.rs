@@ -8,7 +8,8 @@
 //! `antagonists` what they do under load;
 //! `statics` finds equilibrium under `loads`, by single `shooting` with the Newton step of `newton` from a
 //! `guess`, from the rod `without_load` or along the path of `continuation`, where `chain` shoots from many
-//! starts at once, with the linear algebra of `elimination` and `shared` on the points of `state`;
+//! starts at once, with the linear algebra of `elimination` and `shared` on the points of `state`, and `foreseen`
+//! says which cables a step makes pull;
 //! `arc_length` follows the path where the load cannot be raised, `kink` round the
 //! corners where cables go slack or taut, `search` looks for what no path leads to, `branches` collects what lies on it;
 //! `stability` says whether the equilibrium is one to stay in; `trace` records iterations; `refinement`
@@ -24,6 +25,7 @@ pub(crate) mod continuation;
 mod contradiction;
 pub mod derivatives;
 pub(crate) mod elimination;
+pub(crate) mod foreseen;
 pub(crate) mod grid;
 mod guess;
 mod independent;

@@ -6,6 +6,7 @@ use whipcord_numerics::{DenseLu, Vec3};
 use super::chain::{Step, Task};
 use super::command::Command;
 use super::elimination::Elimination;
+use super::foreseen::Foreseen;
 use super::loaded::Shot;
 use super::newton::Scales;
 use super::state::{State, scaled, weight};
@@ -21,6 +22,9 @@ pub(super) struct Shared {
     /// The load where it is free, then the change of every tension.
     pub theta: Vec<f64>,
     lu: DenseLu,
+    /// The cables that are driven by their length, and which of them a step makes pull.
+    held: Vec<usize>,
+    foreseen: Foreseen,
     /// Sign of the determinant of the last system at fixed load.
     pub negative: bool,
 }
@@ -61,6 +65,33 @@ impl Shared {
         }
     }
 
+    /// Finds which cables pull after a step at this load; `false` where that is not to be known.
+    fn foresee(
+        &mut self,
+        commands: &[Command],
+        state: &State,
+        shot: &Shot,
+        scales: &Scales,
+    ) -> bool {
+        let wide = commands.len() + 1;
+        let Self { lengths, held, foreseen, .. } = self;
+        held.clear();
+        held.extend((0..commands.len()).filter(|&i| commands[i].is_length()));
+        let gives = |row: usize, column: usize| {
+            let (i, j) = (held[row], held[column]);
+            let by = lengths[i * wide + j];
+            let own = if i == j { REGULARISATION * by.min(0.0) } else { 0.0 };
+            -(by + own + Command::stretch(commands, i, j))
+        };
+        let slack = |row: usize| {
+            let i = held[row];
+            let closing = lengths[i * wide + commands.len()];
+            commands[i].slackness(state.tensions[i], shot.lengths[i]) - closing
+        };
+        let tension = |row: usize| state.tensions[held[row]];
+        foreseen.solve(held.len(), tension, gives, slack, scales.of_cables())
+    }
+
     /// The load factor, where it is free, and the tensions of eq. (7): cables that are slack go to
     /// no tension. `theta` holds the load where it is free, then the change of every tension.
     pub fn solve(
@@ -79,8 +110,16 @@ impl Shared {
         self.theta.clear();
         self.theta.resize(load + cables, 0.0);
         self.free.clear();
+        let foreseen = matches!(by, Step::Close)
+            && cables > 0
+            && self.foresee(task.commands, state, shot, scales);
         for (i, command) in task.commands.iter().enumerate().take(cables) {
-            if command.is_led(i, &state.tensions, &shot.lengths, scales.of_cables()) {
+            let led = if foreseen {
+                self.held.binary_search(&i).is_ok_and(|at| self.foreseen.is_pulling(at))
+            } else {
+                command.is_led(i, &state.tensions, &shot.lengths, scales.of_cables())
+            };
+            if led {
                 self.free.push(load + i);
             } else if moves && matches!(command, Command::Length { .. }) {
                 self.theta[load + i] = -state.tensions[i];

@@ -8,13 +8,14 @@
 //! δℓᵢ − cᵢ δτᵢ = gᵢ   where it is taut,      τᵢ + δτᵢ = 0   where it is slack                  (8)
 //! ```
 //!
-//! and which of the two is decided by what is the greater, the tension or the slackness, each on its
-//! scale: a semismooth Newton method for `min(τ, g) = 0`.
+//! and which of the two is decided for all cables together by [`crate::cosserat::foreseen`], or where that has
+//! no answer by what is the greater, the tension or the slackness, each on its scale.
 
 use whipcord_numerics::DenseLu;
 
 use super::chain::{Scales, Task};
 use crate::cosserat::command::Command;
+use crate::cosserat::foreseen::Foreseen;
 
 /// The step of the tensions, and memory.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +30,7 @@ pub(super) struct Held {
     matrix: Vec<f64>,
     right: Vec<f64>,
     lu: DenseLu,
+    foreseen: Foreseen,
 }
 
 /// Of a cable's own compliance: keeps the step defined where more cables are taut than lengths are
@@ -68,13 +70,30 @@ impl Held {
     pub fn solve(&mut self, task: &Task<'_>, tensions: &[f64], lengths: &[f64]) -> bool {
         let scales = Scales::of(task.frame, task.mesh);
         let backbone = task.frame.rod.backbone().length;
-        let Self { cables, lengths: by, change, taut, matrix, right, lu } = self;
+        let Self { cables, lengths: by, change, taut, matrix, right, lu, foreseen } = self;
         let wide = cables.len() + 1;
         change.clear();
         change.resize(cables.len(), 0.0);
         taut.clear();
+        let units = [scales.force, backbone];
+        let gives = |row: usize, column: usize| {
+            let by = by[row * wide + column];
+            let own = if row == column { REGULARISATION * by.min(0.0) } else { 0.0 };
+            -(by + own + Command::stretch(task.commands, cables[row], cables[column]))
+        };
+        let slack = |row: usize| {
+            let i = cables[row];
+            task.commands[i].slackness(tensions[i], lengths[i]) - by[(row + 1) * wide - 1]
+        };
+        let tension = |row: usize| tensions[cables[row]];
+        let known = foreseen.solve(cables.len(), tension, gives, slack, units);
         for (row, &i) in cables.iter().enumerate() {
-            if task.commands[i].is_led(i, tensions, lengths, [scales.force, backbone]) {
+            let led = if known {
+                foreseen.is_pulling(row)
+            } else {
+                task.commands[i].is_led(i, tensions, lengths, units)
+            };
+            if led {
                 taut.push(row);
             } else {
                 change[row] = -tensions[i];

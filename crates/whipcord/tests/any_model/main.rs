@@ -1,4 +1,4 @@
-//! What is asked of every model: the pose of the base, batches, and the ends of what quantities may be.
+//! What is asked of every model: the pose of the base, batches, cables locked in number, and the ends of what quantities may be.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -10,3 +10,4 @@ mod base_pose;
 mod batch;
 mod gradients;
 mod limits;
+mod locked;
