@@ -6,6 +6,7 @@ mod benchmark;
 mod comparison;
 mod failure;
 mod files;
+mod fitting;
 mod html;
 mod inputs;
 mod paths;
@@ -28,7 +29,7 @@ use clap::{Parser, Subcommand};
 
 use crate::failure::Failure;
 use crate::style::Style;
-use crate::verbs::{bench, camera, check, compare, measure, schema, solve, stiffness};
+use crate::verbs::{bench, camera, check, compare, fit, measure, schema, solve, stiffness};
 
 /// Mechanics of cable-driven continuum robots with any cable routing
 #[derive(Debug, Parser)]
@@ -43,6 +44,7 @@ enum Verb {
     Solve(solve::SolveArgs),
     Stiffness(stiffness::StiffnessArgs),
     Compare(compare::CompareArgs),
+    Fit(fit::FitArgs),
     Measure(measure::MeasureArgs),
     Camera(camera::CameraArgs),
     Bench(bench::BenchArgs),
@@ -80,6 +82,7 @@ where
         Verb::Solve(args) => solve::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Compare(args) => compare::run(&args, style),
+        Verb::Fit(args) => fit::run(&args, style),
         Verb::Measure(args) => measure::run(&args, style),
         Verb::Camera(args) => camera::run(&args, style),
         Verb::Bench(args) => bench::run(&args, style),

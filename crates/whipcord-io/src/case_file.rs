@@ -9,7 +9,7 @@ use crate::check::{self, Fields};
 use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::{Node, Value};
-use crate::read::{self, Measured, Reference};
+use crate::read::{self, Fit, Measured, Reference};
 use crate::schema::{DURATION, ROOT};
 use crate::source::Sources;
 use crate::validate::{Parts, assemble, refusal};
@@ -27,6 +27,8 @@ pub struct CaseFile {
     pub measured: Option<Measured>,
     /// What others have published for this case.
     pub reference: Option<Reference>,
+    /// What is to be estimated.
+    pub fit: Option<Fit>,
     /// The file it was read from.
     pub path: PathBuf,
     document: Node,
@@ -34,6 +36,16 @@ pub struct CaseFile {
 }
 
 impl CaseFile {
+    /// What the file and those that it extends say together.
+    pub(crate) fn document(&self) -> &Node {
+        &self.document
+    }
+
+    /// The text of the file itself.
+    pub(crate) fn text(&self) -> Option<&str> {
+        self.sources.get(0)?.text.as_deref()
+    }
+
     /// What a model that refuses the robot or the case says, with its place in the file. `None`
     /// where nothing in the file is at fault: when a solve failed, or an option is refused.
     #[must_use]
@@ -97,6 +109,7 @@ fn read(
         read::measured(table, document.locate("measured"), robot, sources, problems)
     });
     let reference = fields.table("reference").and_then(read::reference);
+    let fit = fields.table("fit").map(|table| read::fit(table, &document, problems));
     if let Some(reference) = &reference {
         published(reference, &document, problems);
     }
@@ -112,6 +125,7 @@ fn read(
         case,
         measured,
         reference,
+        fit,
         path: path.to_owned(),
         document,
         // Those that were read are put in when all is well.

@@ -33,10 +33,7 @@ pub(crate) struct Fields {
 
 impl Fields {
     pub(crate) fn text(&self, name: &str) -> Option<&str> {
-        match self.values.get(name)? {
-            Data::Text(text) => Some(text),
-            _ => None,
-        }
+        self.values.get(name)?.as_text()
     }
 
     /// False when it is not given.
@@ -104,6 +101,13 @@ impl Fields {
 }
 
 impl Data {
+    pub(crate) fn as_text(&self) -> Option<&str> {
+        match self {
+            Self::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
     pub(crate) fn as_number(&self) -> Option<f64> {
         self.as_quantity().map(|(value, _)| value)
     }

@@ -105,6 +105,20 @@ pub enum FileProblem {
         /// What to do.
         help: String,
     },
+    /// A path of nothing that can be estimated.
+    #[error("`{path}` is nothing that can be estimated")]
+    UnknownQuantity {
+        /// The path.
+        path: String,
+        /// The path that is most like it.
+        near: Option<&'static str>,
+    },
+    /// Something is said of an unknown that is none.
+    #[error("`{path}` is not estimated")]
+    NotEstimated {
+        /// The path.
+        path: String,
+    },
     /// A key that must be there.
     #[error("{table} has no {key}")]
     Missing {

@@ -30,6 +30,9 @@ impl FileProblem {
             | Self::Camera { help, .. }
             | Self::UnknownKey { help, .. }
             | Self::WrongType { help, .. } => help.clone(),
+            Self::UnknownQuantity { near: Some(near), .. } => format!("did you mean `{near}`?"),
+            Self::UnknownQuantity { near: None, .. } => "give a path of the robot file such as backbone.young_modulus, cables[0].tension_offset or base.position[2], counting from 0".to_owned(),
+            Self::NotEstimated { .. } => "name it in `parameters` or `each` as well, or take this table out".to_owned(),
             Self::TooDeep => "no robot file needs more than three levels: is this the file you meant?".to_owned(),
             Self::CyclicExtends { .. } => {
                 "remove one `extends` of the circle: the file that describes the bare robot extends nothing".to_owned()

@@ -65,22 +65,31 @@ impl Node {
         matches!(&self.value, Value::Table(entries) if entries.contains_key(key))
     }
 
+    /// The value on a path such as `cables[1].holes[3]`, if it is there.
+    pub(crate) fn find(&self, path: &str) -> Option<&Self> {
+        path.split(['.', '[']).try_fold(self, |node, part| node.part(part))
+    }
+
     /// The deepest value on a path such as `cables[1].holes[3]` that is there.
     pub(crate) fn locate(&self, path: &str) -> &Self {
         let mut node = self;
         for part in path.split(['.', '[']) {
-            let part = part.trim_end_matches(']');
-            let next = match &node.value {
-                Value::Table(entries) => entries.get(part).map(|entry| &entry.node),
-                Value::List(items) => part.parse().ok().and_then(|i: usize| items.get(i)),
-                _ => None,
-            };
-            match next {
+            match node.part(part) {
                 Some(next) => node = next,
                 None => break,
             }
         }
         node
+    }
+
+    /// The value of a key, or the entry of a list of a number that a bracket may follow.
+    fn part(&self, part: &str) -> Option<&Self> {
+        let part = part.trim_end_matches(']');
+        match &self.value {
+            Value::Table(entries) => entries.get(part).map(|entry| &entry.node),
+            Value::List(items) => part.parse().ok().and_then(|i: usize| items.get(i)),
+            _ => None,
+        }
     }
 }
 

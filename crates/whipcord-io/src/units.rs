@@ -353,6 +353,19 @@ pub fn parse_quantity(
     Err(QuantityError::UnknownUnit { unit: crate::source::quoted(unit), near })
 }
 
+/// The text of a quantity with this number of SI units in place of its own, in its unit.
+pub(crate) fn with_number(text: &str, value: f64) -> Option<String> {
+    let (_, _, rest) = split_number(text.trim())?;
+    let unit = rest.trim();
+    if unit.is_empty() {
+        // Zero, which needs no unit, and a share.
+        return (value == 0.0).then(|| "0".to_owned());
+    }
+    let (one, _) = parse_quantity(&format!("1 {unit}"), &Dimension::ALL).ok()?;
+    let number: f64 = format!("{:.10e}", value / one).parse().ok()?;
+    Some(format!("{number} {unit}"))
+}
+
 /// Digits with sign and point, the exponent, and what follows.
 fn split_number(text: &str) -> Option<(&str, i64, &str)> {
     let bytes = text.as_bytes();

@@ -5,6 +5,7 @@ pub mod bench;
 pub mod camera;
 pub mod check;
 pub mod compare;
+pub mod fit;
 pub mod measure;
 pub mod schema;
 pub mod solve;

@@ -3,10 +3,12 @@
 
 mod check;
 mod describe;
+mod fitted;
 mod text;
 
 pub use check::table_in_si;
 pub use describe::{Inexpressible, describe};
+pub use fitted::FittedFile;
 pub use text::toml;
 
 /// A value of a robot file.

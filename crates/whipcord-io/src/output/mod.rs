@@ -2,6 +2,7 @@
 
 mod atomic;
 mod csv;
+mod fit;
 mod json;
 mod path;
 mod stiffness;
@@ -10,6 +11,7 @@ use thiserror::Error;
 
 pub use atomic::{remove_unfinished, write_atomically};
 pub use csv::{Cell, CsvTable, shape_csv, steps_csv};
+pub use fit::fit_json;
 pub use json::solution_json;
 pub use path::{Beside, answer_json};
 pub use stiffness::stiffness_json;

@@ -65,6 +65,7 @@ pub(crate) static ROOT: Table = Table {
         key("steps", Kind::Tables(&STEP), STEP.title, STEP.doc),
         key("measured", Kind::Table(&MEASURED), MEASURED.title, MEASURED.doc),
         key("reference", Kind::Table(&REFERENCE), REFERENCE.title, REFERENCE.doc),
+        key("fit", Kind::Table(&FIT), FIT.title, FIT.doc),
     ],
     rules: &[Rule::Required("backbone"), Rule::Required("disks")],
 };
@@ -340,4 +341,48 @@ static REFERENCE: Table = Table {
         key("time_cosserat", PUBLISHED_TIME, r#""10.07 s""#, "Solve time of the Cosserat model."),
     ],
     rules: &[Rule::Required("source")],
+};
+
+static FIT: Table = Table {
+    title: "[fit]",
+    doc: "What `whipcord fit` estimates from what was measured.",
+    keys: &[
+        key(
+            "parameters",
+            Kind::List(&Kind::Text, 1),
+            r#"["backbone.diameter", "cables.friction"]"#,
+            "Paths of what is estimated, once for all files that are fitted together, counting from 0: numbers of this file such as backbone.young_modulus, disks.hole_circle_radius, cables[0].routing.radius, loads.tip_force[2] or base.position[0]; and cables.friction (of all cables alike), cables[0].tension_offset, cables[0].shortening_offset (slack is negative), base.turn[0] (about x, then y, then z of the world), backbone.torsion_factor and bending_factor.",
+        ),
+        key(
+            "each",
+            Kind::List(&Kind::Text, 1),
+            r#"["base.position[0]"]"#,
+            "Paths of what is estimated for each file by itself, such as where the base was.",
+        ),
+        key("known", Kind::Tables(&KNOWN), KNOWN.title, KNOWN.doc),
+    ],
+    rules: &[Rule::AtLeastOne(&["parameters", "each"])],
+};
+
+static KNOWN: Table = Table {
+    title: "[[fit.known]]",
+    doc: "What is known of an unknown before it is estimated; numbers in SI.",
+    keys: &[
+        key("parameter", Kind::Text, r#""backbone.young_modulus""#, "Its path."),
+        key(
+            "start",
+            Kind::Number,
+            "1.2e9",
+            "Where the search starts; by default what the file says.",
+        ),
+        key("least", Kind::Number, "1.0e9", "Least value."),
+        key("greatest", Kind::Number, "2.0e9", "Greatest value."),
+        key("value", Kind::Number, "1.1e9", "What it is known to be, within `deviation`."),
+        key("deviation", Kind::Number, "0.1e9", "Standard deviation of `value`."),
+    ],
+    rules: &[
+        Rule::Required("parameter"),
+        Rule::Needs("value", &["deviation"]),
+        Rule::Needs("deviation", &["value"]),
+    ],
 };

@@ -61,6 +61,10 @@ fn with_cable(lines: &str) -> String {
     format!("{BACKBONE}{DISKS}\n[[cables]]\n{lines}\n")
 }
 
+fn fit(lines: &str) -> String {
+    format!("{BACKBONE}{DISKS}\n[fit]\n{lines}\n")
+}
+
 fn with_loads(lines: &str) -> String {
     format!("{BACKBONE}{DISKS}\n[loads]\n{lines}\n")
 }
@@ -222,6 +226,23 @@ fn both_or_neither() {
         ("no such interpolation", with_cable("holes = [1, 2]\ninterpolation = \"linear\"")),
         ("a load nowhere", with_loads("[[loads.point]]\nforce = [1, 0, 0]")),
         ("a load of nothing", with_loads("[[loads.point]]\nat = \"90 mm\"")),
+        (
+            "a prior without deviation",
+            fit(
+                "parameters = [\"disks.mass\"]\n[[fit.known]]\nparameter = \"disks.mass\"\nvalue = 1",
+            ),
+        ),
+        ("nothing to fit", fit("")),
+        (
+            "no such parameter",
+            fit("parameters = [\"backbone.diamter\", \"a\"]\neach = [\"base.positoin[0]\"]"),
+        ),
+        (
+            "known of what is not fitted",
+            fit(
+                "parameters = [\"disks.mass\"]\n[[fit.known]]\nparameter = \"backbone.diameter\"\nleast = 1e-3",
+            ),
+        ),
         ("values without a source", format!("{BACKBONE}{DISKS}[reference]\nrms_cosserat = 1e-3")),
     ]);
     insta::assert_snapshot!(text);

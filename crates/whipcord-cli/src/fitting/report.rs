@@ -1,0 +1,44 @@
+//! The report: one HTML file that needs no other and no network.
+
+use super::figures::Figure;
+use super::{Fit, tables};
+use crate::html::{escape, page};
+
+/// The report of a fit with its figures.
+pub fn html(fit: &Fit<'_>, figures: &[Figure]) -> String {
+    let mut body = String::from("<h1>Fit</h1>\n");
+    body += &format!("<p>{}</p>\n<ul>\n", escape(&tables::heading(fit)));
+    for case in fit.cases {
+        let (title, path) = (escape(&case.title), escape(&case.path.display().to_string()));
+        body += &format!("<li>{title} <span class=\"path\">{path}</span></li>\n");
+    }
+    body += "</ul>\n<h2>Estimates</h2>\n";
+    body += &tables::estimates(fit).html();
+    let notes = tables::notes(fit);
+    if !notes.is_empty() {
+        body += "<ul class=\"notes\">\n";
+        for note in notes {
+            body += &format!("<li>{}</li>\n", escape(&note));
+        }
+        body += "</ul>\n";
+    }
+    body += "<h2>Correlations</h2>\n";
+    body += &tables::correlations(fit).html();
+    for (title, table) in
+        [("Models", tables::models(fit)), ("Held out in turn", tables::held_out(fit))]
+    {
+        if !table.is_empty() {
+            body += &format!("<h2>{title}</h2>\n{}", table.html());
+        }
+    }
+    body += "<h2>What is left</h2>\n";
+    for figure in figures {
+        let caption = escape(figure.caption);
+        body += &format!("<figure>{}<figcaption>{caption}</figcaption></figure>\n", figure.svg);
+    }
+    body += &format!(
+        "<footer>whipcord {}. Every number, in SI, is in the CSV files beside this report.</footer>\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    page("Whipcord: fit", &body)
+}

@@ -1,0 +1,318 @@
+//! `whipcord fit`: what the robot is, from what was measured.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use whipcord::identification::{
+    Experiment, Identified, IdentifyError, Quantity, Robustness, Settings, Unknown, compare_models,
+    cross_validate, identify,
+};
+use whipcord::{Model, ModelKind, Stations};
+use whipcord_io::{CaseFile, FittedFile, Inexpressible, fit_json, quantity};
+
+use super::solve::{Actuation, drive, model_parser};
+use crate::failure::{Failure, refuses};
+use crate::files::{self, Folder, unique_names};
+use crate::fitting::{Fit, figures, report, tables};
+use crate::inputs::Inputs;
+use crate::style::Style;
+
+/// Estimate parameters of the robot from what was measured
+///
+/// The files describe the same robot in different cases, each with [measured]. What is estimated stands in [fit],
+/// or is given by --parameter and --each. Prints the estimates with intervals of confidence and correlations,
+/// and says what the measurements cannot tell apart.
+#[derive(Debug, Args)]
+pub struct FitArgs {
+    /// Robot files, or folders of them
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Model
+    #[arg(long, value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
+    model: ModelKind,
+    /// What drives all cables; by default what the model is driven by, where the file gives it
+    #[arg(long, value_name = "WHAT")]
+    actuation: Option<Actuation>,
+    /// What to estimate, once for all files: a path such as backbone.diameter, counting from 0; instead of [fit]
+    #[arg(long = "parameter", value_name = "PATH", value_parser = path)]
+    parameters: Vec<Quantity>,
+    /// What to estimate for each file by itself, such as base.position[0]; instead of [fit]
+    #[arg(long, value_name = "PATH", value_parser = path)]
+    each: Vec<Quantity>,
+    /// How much measurements count that are far off
+    #[arg(long, value_name = "LOSS", default_value = "squares")]
+    loss: Loss,
+    /// Fit again without each file, or each step, in turn, and say how far off it is
+    #[arg(long)]
+    cross_validate: bool,
+    /// Fit by the other models too
+    #[arg(long)]
+    compare_models: bool,
+    /// Write the robot file with the estimates; of several files, use --out
+    #[arg(short, long, value_name = "FITTED")]
+    output: Option<PathBuf>,
+    /// Folder for a report, figures, CSV, and the robot files with the estimates
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Loss {
+    /// By their square
+    Squares,
+    /// Linearly beyond the noise
+    Huber,
+    /// The same, smoothly
+    SoftL1,
+    /// Hardly at all
+    Cauchy,
+}
+
+fn path(text: &str) -> Result<Quantity, String> {
+    quantity(text).map_err(|near| match near {
+        Some(near) => format!("nothing of this path can be estimated; did you mean {near}?"),
+        None => String::from(
+            "nothing of this path can be estimated; give one such as backbone.young_modulus or cables[0].tension_offset, counting from 0",
+        ),
+    })
+}
+
+/// Fits, writes the files, and returns what standard output shows.
+pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
+    let Inputs { cases, .. } = Inputs::read(&args.files)?;
+    if args.output.is_some() && cases.len() > 1 {
+        return Err(Failure::Input(String::from(
+            "error: --output is for one file; with several give --out, the folder for all of them",
+        )));
+    }
+    same_robot(&cases)?;
+    let experiments = cases.iter().map(experiment).collect::<Result<Vec<_>, _>>()?;
+    let unknowns = unknowns(args, &cases)?;
+    let model = |kind| Model::new(kind, Stations::Disks, drive(args.actuation));
+    let settings = Settings {
+        robustness: match args.loss {
+            Loss::Squares => Robustness::Squares,
+            Loss::Huber => Robustness::Huber,
+            Loss::SoftL1 => Robustness::SoftL1,
+            Loss::Cauchy => Robustness::Cauchy,
+        },
+        ..Settings::new(model(args.model))
+    };
+    let robot = &cases[0].robot;
+    let fail = |error: IdentifyError| failure(&cases, &error);
+    let found = identify(robot, &experiments, &unknowns, &settings).map_err(fail)?;
+    if !found.status.is_converged() {
+        return Err(Failure::Solve(not_converged(&cases, &found)));
+    }
+    let validated = match args.cross_validate {
+        true => Some(cross_validate(robot, &experiments, &unknowns, &settings).map_err(fail)?),
+        false => None,
+    };
+    let compared = match args.compare_models {
+        true => {
+            let models: Vec<Model> = ModelKind::ALL.into_iter().map(model).collect();
+            compare_models(robot, &experiments, &unknowns, &models, &settings)
+        }
+        false => Vec::new(),
+    };
+    let names = unique_names(cases.iter().map(|case| case.path.as_path()));
+    let fit =
+        Fit { cases: &cases, names: &names, experiments: &experiments, found, validated, compared };
+    write(args, &fit, &unknowns, style)
+}
+
+/// Makes all there is to write, then writes it, or nothing.
+fn write(
+    args: &FitArgs,
+    fit: &Fit<'_>,
+    unknowns: &[Unknown],
+    style: Style,
+) -> Result<String, Failure> {
+    let mut notes = Vec::new();
+    let mut fitted = |i: usize, folder: &Path, target: &Path| -> Result<FittedFile, Failure> {
+        let file = with_estimates(&fit.cases[i], &fit.found, i, folder)?;
+        let how = if file.keeps_text {
+            ""
+        } else {
+            " (written anew, without what the old one says besides)"
+        };
+        notes.push(format!("fitted: {}{how}", target.display()));
+        Ok(file)
+    };
+    let mut written: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    if let Some(path) = &args.output {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        written.push((path.clone(), fitted(0, folder, path)?.text.into_bytes()));
+    }
+    if let Some(out) = &args.out {
+        let folder = Folder::create(out)?;
+        let figures = figures::figures(fit).map_err(|error| files::plot_failure(out, &error))?;
+        for (i, name) in fit.names.iter().enumerate() {
+            let path = out.join(format!("{name}-fitted.toml"));
+            let file = fitted(i, out, &path)?;
+            written.push((path, file.text.into_bytes()));
+        }
+        let (estimates, residuals) = (tables::estimates_csv(fit), tables::residuals_csv(fit));
+        for (name, table) in [("estimates.csv", estimates), ("residuals.csv", residuals)] {
+            let text = table.to_csv().map_err(|error| files::no_result(&error))?;
+            written.push((out.join(name), text.into_bytes()));
+        }
+        let html = report::html(fit, &figures);
+        for figure in &figures {
+            folder.write_figure(figure.name, &figure.svg)?;
+        }
+        written.push((out.join("report.html"), html.into_bytes()));
+        notes.push(format!("report: {}", out.join("report.html").display()));
+    }
+    let text = if args.json {
+        let json = fit_json(&fit.found, fit.names, fit.validated.as_ref(), &fit.compared);
+        format!("{:#}\n", json.map_err(|error| files::no_result(&error))?)
+    } else {
+        let mut text = tables::summary(fit, unknowns, style);
+        for note in notes {
+            text += &format!("{note}\n");
+        }
+        text
+    };
+    for (path, bytes) in written {
+        files::write(&path, &bytes)?;
+    }
+    Ok(text)
+}
+
+/// The file with the estimates that belong to it.
+fn with_estimates(
+    file: &CaseFile,
+    found: &Identified,
+    experiment: usize,
+    folder: &Path,
+) -> Result<FittedFile, Failure> {
+    let failed =
+        |error: Inexpressible| Failure::Input(format!("error: {}: {error}", file.path.display()));
+    file.with_numbers_of(&found.robot, &found.cases[experiment], folder).map_err(failed)
+}
+
+/// What was measured in a case.
+fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
+    let Some(measured) = file.measured.as_ref().filter(|m| !m.observations.is_empty()) else {
+        return Err(Failure::Input(format!(
+            "error: {} has no measurements: name the file with them in [measured]",
+            file.path.display()
+        )));
+    };
+    Ok(Experiment {
+        case: file.case.clone(),
+        cameras: measured.cameras.iter().map(|of| of.camera).collect(),
+        observations: measured.observations.clone(),
+    })
+}
+
+/// What is estimated: as the arguments say, else as the files do.
+fn unknowns(args: &FitArgs, cases: &[CaseFile]) -> Result<Vec<Unknown>, Failure> {
+    let mut unknowns: Vec<Unknown> = Vec::new();
+    let known = |quantity: Quantity| {
+        let all = cases.iter().filter_map(|case| case.fit.as_ref());
+        let of = all.flat_map(|fit| fit.shared.iter().chain(&fit.each));
+        let own = of.into_iter().find(|unknown| unknown.quantity == quantity);
+        own.cloned().unwrap_or_else(|| Unknown::new(quantity))
+    };
+    let mut add = |unknown: Unknown| {
+        let same = |other: &Unknown| {
+            (other.quantity, other.experiment) == (unknown.quantity, unknown.experiment)
+        };
+        if !unknowns.iter().any(same) {
+            unknowns.push(unknown);
+        }
+    };
+    if args.parameters.is_empty() && args.each.is_empty() {
+        let fits = cases.iter().enumerate().filter_map(|(e, case)| Some((e, case.fit.as_ref()?)));
+        for (_, fit) in fits.clone() {
+            fit.shared.iter().cloned().for_each(&mut add);
+        }
+        for (e, fit) in fits {
+            for unknown in &fit.each {
+                add(Unknown { experiment: Some(e), ..unknown.clone() });
+            }
+        }
+    }
+    for quantity in &args.parameters {
+        add(known(*quantity));
+    }
+    for quantity in &args.each {
+        for e in 0..cases.len() {
+            add(Unknown { experiment: Some(e), ..known(*quantity) });
+        }
+    }
+    if unknowns.is_empty() {
+        return Err(Failure::Input(String::from(
+            "error: nothing is to be estimated: give --parameter, such as --parameter backbone.diameter, or [fit] in the file",
+        )));
+    }
+    Ok(unknowns)
+}
+
+/// Refuses files that describe different robots.
+fn same_robot(cases: &[CaseFile]) -> Result<(), Failure> {
+    let Some((first, others)) = cases.split_first() else { return Ok(()) };
+    for other in others {
+        let (a, b) = (&first.robot, &other.robot);
+        let what = if a.backbone() != b.backbone() {
+            "backbone"
+        } else if a.disks() != b.disks() {
+            "disks"
+        } else if a.cables() != b.cables() {
+            "cables"
+        } else {
+            continue;
+        };
+        return Err(Failure::Input(format!(
+            "error: {} and {} describe different robots: the {what} differ; let both extend one file with the robot",
+            first.path.display(),
+            other.path.display()
+        )));
+    }
+    Ok(())
+}
+
+fn not_converged(cases: &[CaseFile], found: &Identified) -> String {
+    let why = match &found.refusal {
+        Some(answer) => format!(
+            "; the last step was shortened because {} has no answer: {}",
+            cases[answer.experiment].path.display(),
+            answer.reason
+        ),
+        None => String::new(),
+    };
+    let unresolved: String =
+        found.unresolved.iter().map(|unresolved| format!("\n  {unresolved}")).collect();
+    format!(
+        "error: the fit has not converged ({:?} after {} steps){why}; start nearer, give bounds, or estimate less{unresolved}",
+        found.status, found.iterations
+    )
+}
+
+/// With the file in place of the number of the case.
+fn failure(cases: &[CaseFile], error: &IdentifyError) -> Failure {
+    use whipcord::identification::NoAnswerReason as Reason;
+    match error {
+        IdentifyError::NoAnswerAtStart(answer) => {
+            let path = cases[answer.experiment].path.display();
+            let message = format!(
+                "error: {path}: no answer with the values to start from: {}",
+                answer.reason
+            );
+            match &answer.reason {
+                Reason::Solve(error) if refuses(error) => Failure::Input(message),
+                _ => Failure::Solve(message),
+            }
+        }
+        IdentifyError::Observation { experiment, observation, problem } => {
+            let path = cases[*experiment].path.display();
+            Failure::Input(format!("error: {path}: measurement {}: {problem}", observation + 1))
+        }
+        error => Failure::Input(format!("error: {error}")),
+    }
+}

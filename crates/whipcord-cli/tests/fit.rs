@@ -1,0 +1,146 @@
+//! `whipcord fit`.
+
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod support;
+
+use serde_json::Value;
+use support::{Scratch, fail, robot, settings, succeed};
+
+/// A robot file with a comment and units, whose rod is this thick, pulled by this much, with what was
+/// measured in a file beside it.
+fn file(scratch: &Scratch, name: &str, diameter: &str, tension: &str, fit: &str) -> String {
+    let measured = format!("tension = \"{tension}\"\n\n[measured]\ndisks = \"{name}.csv\"\n{fit}");
+    let text = robot(&measured)
+        .replace("diameter = \"3 mm\"", &format!("diameter = \"{diameter}\" # with a gauge"));
+    scratch.write(&format!("{name}.toml"), &text)
+}
+
+/// What the real robot, 3 mm thick, does: its disks, moved by up to `noise` mm to and fro.
+fn measure(scratch: &Scratch, name: &str, tension: &str, noise: f64) {
+    let real = scratch.write("real.toml", &robot(&format!("tension = \"{tension}\"")));
+    let json: Value = serde_json::from_str(&succeed(&["solve", &real, "--json"])).unwrap();
+    let mut csv = String::from("disk,x,y,z\n");
+    for (i, disk) in json["disks"].as_array().unwrap().iter().enumerate() {
+        let at = |axis: usize| {
+            let wave = ((7 * i + 3 * axis + name.len()) as f64 * 1.9).sin();
+            disk["position"][axis].as_f64().unwrap() + noise * 1e-3 * wave
+        };
+        csv += &format!("{},{},{},{}\n", i + 1, at(0), at(1), at(2));
+    }
+    scratch.write(&format!("{name}.csv"), &csv);
+}
+
+const FIT: &str = "\n[fit]\nparameters = [\"backbone.diameter\", \"base.position[1]\"]\n";
+
+#[test]
+fn a_fit_is_printed_written_and_reported() {
+    let scratch = Scratch::new();
+    measure(&scratch, "a", "2 N", 0.2);
+    measure(&scratch, "two", "3 N", 0.2);
+    let files =
+        [file(&scratch, "a", "2.9 mm", "2 N", FIT), file(&scratch, "two", "2.9 mm", "3 N", "")];
+    let out = scratch.path().join("out");
+    let text = succeed(&[
+        "fit",
+        &files[0],
+        &files[1],
+        "--out",
+        out.to_str().unwrap(),
+        "--cross-validate",
+        "--compare-models",
+    ]);
+    settings(Some(&out)).bind(|| insta::assert_snapshot!("two_cases", text));
+    let report = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(report.contains("<svg") && !report.contains("NaN"));
+    for name in ["estimates.csv", "residuals.csv", "distances.png", "coordinates.svg"] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+    // The fitted files keep their text but for what was fitted, find their measurements, and solve.
+    let fitted = std::fs::read_to_string(out.join("a-fitted.toml")).unwrap();
+    assert!(fitted.contains("# with a gauge"), "{fitted}");
+    assert!(fitted.contains("disks = \"../a.csv\""), "{fitted}");
+    let diameter = fitted.lines().find(|line| line.starts_with("diameter")).unwrap();
+    assert!(diameter.starts_with("diameter = \"2.99") || diameter.starts_with("diameter = \"3.0"));
+}
+
+#[test]
+fn what_is_fitted_again_stays() {
+    let scratch = Scratch::new();
+    measure(&scratch, "a", "2 N", 0.1);
+    let first = file(&scratch, "a", "2.9 mm", "2 N", "");
+    let (fitted, again) = (scratch.file("fitted.toml"), scratch.file("again.toml"));
+    let what = ["--parameter", "backbone.diameter", "--parameter", "cables[0].tension_offset"];
+    let args = |from: &str, to: &str| {
+        let text = succeed(&["fit", from, what[0], what[1], "-o", to, "--json"]);
+        serde_json::from_str::<Value>(&text).unwrap()
+    };
+    let (one, two) = (args(&first, &fitted), args(&fitted, &again));
+    let value = |json: &Value| json["estimates"][0]["value"].as_f64().unwrap();
+    assert!((value(&one) / value(&two) - 1.0).abs() < 1e-8);
+    assert_eq!(two["status"], "converged");
+    assert!((value(&one) - 0.003).abs() < 1e-5);
+    // What a single pull cannot tell apart is said, whether the search ends or not.
+    let both = support::run(&["fit", &first, what[0], what[1], what[2], what[3]]);
+    let said = both.stdout + &both.stderr;
+    assert!(
+        said.contains("hardly anything that was measured changes when backbone.diameter"),
+        "{said}"
+    );
+    assert_eq!(one["residuals"].as_array().unwrap().len(), 10);
+    assert!(one["noise"]["level"].as_f64().unwrap() > 1e-5);
+}
+
+#[test]
+fn refusals_write_nothing() {
+    let scratch = Scratch::new();
+    measure(&scratch, "a", "2 N", 0.2);
+    let good = file(&scratch, "a", "2.9 mm", "2 N", "");
+    let out = scratch.file("out");
+    let with = |args: &[&str]| {
+        let mut all = vec!["fit"];
+        all.extend(args);
+        all.extend(["--out", &out]);
+        let message = fail(2, &all);
+        assert!(!scratch.path().join("out").exists(), "{message}");
+        message
+    };
+    let diameter = ["--parameter", "backbone.diameter"];
+    assert!(with(&[&good]).contains("nothing is to be estimated"));
+    let unmeasured = scratch.write("unmeasured.toml", &robot("tension = \"1 N\""));
+    let message = with(&[&unmeasured, diameter[0], diameter[1]]);
+    assert!(message.contains("unmeasured.toml has no measurements"), "{message}");
+    let message = with(&[&good, "--parameter", "backbone.diamter"]);
+    assert!(message.contains("did you mean backbone.diameter?"), "{message}");
+    let other = file(&scratch, "a2", "4 mm", "2 N", "");
+    measure(&scratch, "a2", "2 N", 0.2);
+    let message = with(&[&good, &other, diameter[0], diameter[1]]);
+    assert!(message.contains("describe different robots: the backbone differ"), "{message}");
+    let message = with(&[&good, &good, diameter[0], diameter[1], "-o", "x.toml"]);
+    assert!(message.contains("--output is for one file"), "{message}");
+    let message = with(&[&good, "--parameter", "cables[1].friction", "--model", "cosserat-disks"]);
+    assert!(message.contains("cable 2"), "{message}");
+    scratch.write("few.csv", "disk,x,y,z\n10,0,0.05,0.15\n");
+    let few = file(&scratch, "few", "3 mm", "2 N", "");
+    let paths = ["backbone.diameter", "base.position[0]", "base.position[1]"];
+    let message =
+        with(&[&few, "--parameter", paths[0], "--parameter", paths[1], "--parameter", paths[2]]);
+    assert!(message.contains("3 numbers were measured, too few for 3 unknowns"), "{message}");
+
+    let folded = file(&scratch, "a3", "0.1 mm", "2 N", "");
+    measure(&scratch, "a3", "2 N", 0.2);
+    let message = fail(1, &["fit", &folded, diameter[0], diameter[1], "--out", &out]);
+    assert!(message.contains("no answer with the values to start from"), "{message}");
+    assert!(!scratch.path().join("out").exists());
+}
+
+#[test]
+fn mistakes_in_the_table_are_shown() {
+    let scratch = Scratch::new();
+    measure(&scratch, "a", "2 N", 0.2);
+    let table = "\n[fit]\nparameters = [\"backbone.young_modulu\"]\n\n[[fit.known]]\nparameter = \"disks.mass\"\nleast = 0\n";
+    let wrong = file(&scratch, "a", "2.9 mm", "2 N", table);
+    let message = fail(2, &["fit", &wrong]);
+    assert!(message.contains("did you mean `backbone.young_modulus`?"), "{message}");
+    assert!(message.contains("`disks.mass` is not estimated"), "{message}");
+}

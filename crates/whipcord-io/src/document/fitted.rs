@@ -1,0 +1,198 @@
+//! The text of a robot file with other numbers in it.
+
+use std::path::{Component, Path, PathBuf};
+
+use whipcord::{Case, Robot};
+
+use super::describe::{Inexpressible, describe};
+use super::{Item, Table, toml};
+use crate::case_file::{CaseFile, parse};
+use crate::node::{Node, Value};
+use crate::source::Span;
+use crate::units::with_number;
+
+/// A robot file that says what was fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedFile {
+    /// Its text.
+    pub text: String,
+    /// Whether it is the text of the old file with other numbers, units and comments kept; else it is
+    /// written anew and has only robot and case.
+    pub keeps_text: bool,
+}
+
+/// How near a number that is read again must be to the one that was written.
+const NEAR: f64 = 1e-9;
+
+impl CaseFile {
+    /// The text of this file with the numbers of another robot and case, for the folder it goes to: where
+    /// the numbers stand in this file they are changed in place, in their units; else the file is written anew.
+    ///
+    /// # Errors
+    /// [`Inexpressible`] for what no robot file can say.
+    pub fn with_numbers_of(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        folder: &Path,
+    ) -> Result<FittedFile, Inexpressible> {
+        let new = describe(None, robot, case)?;
+        let old = describe(None, &self.robot, &self.case)?;
+        if let Some(text) = self.edited(&old, &new, folder) {
+            // The proof of the text is in reading it, where the files are that it names.
+            let name = folder.join("fitted.toml");
+            let again = parse(&text, &name)
+                .ok()
+                .and_then(|again| describe(None, &again.robot, &again.case).ok());
+            if again.is_some_and(|again| is_near(&Item::Table(again), &Item::Table(new.clone()))) {
+                return Ok(FittedFile { text, keeps_text: true });
+            }
+        }
+        let mut file = Table::default();
+        file.insert("title", self.title.as_str());
+        file.entries.extend(new.entries);
+        Ok(FittedFile { text: toml(&file), keeps_text: false })
+    }
+
+    /// The text of this file with the numbers in which the two differ changed, and the paths it names seen from
+    /// another folder; `None` where it has no place for one of them.
+    fn edited(&self, old: &Table, new: &Table, folder: &Path) -> Option<String> {
+        let (mut edits, mut added) = (Vec::new(), Table::default());
+        for (key, item) in &new.entries {
+            match old.get(key) {
+                Some(before) => self.differ(key, before, item, &mut edits)?,
+                None if self.document().find(key).is_none() => added.insert(key, item.clone()),
+                None => return None,
+            }
+        }
+        if !old.entries.iter().all(|(key, _)| new.get(key).is_some()) {
+            return None;
+        }
+        let cameras = (0..).map(|i| format!("measured.cameras[{i}].file"));
+        let cameras = cameras.take_while(|path| self.document().find(path).is_some());
+        for path in ["extends".to_owned(), "measured.disks".to_owned()].into_iter().chain(cameras) {
+            if let Some(Node { span, value: Value::Text(named) }) = self.document().find(&path)
+                && span.file == 0
+            {
+                let target = self.path.parent().unwrap_or(Path::new("")).join(named);
+                edits.push((*span, quoted(&relative(&target, folder)?)));
+            }
+        }
+        let mut text = self.text()?.to_owned();
+        edits.sort_by_key(|(span, _)| core::cmp::Reverse(span.start));
+        for (span, value) in edits {
+            text.replace_range(
+                text.get(span.start..span.end).map(|_| span.start..span.end)?,
+                &value,
+            );
+        }
+        if !added.is_empty() {
+            text = format!("{}\n\n{}", text.trim_end(), toml(&added));
+        }
+        Some(text)
+    }
+
+    /// Where the numbers differ, and what is to stand there.
+    fn differ(
+        &self,
+        path: &str,
+        old: &Item,
+        new: &Item,
+        edits: &mut Vec<(Span, String)>,
+    ) -> Option<()> {
+        match (old, new) {
+            _ if old == new => Some(()),
+            (Item::Table(a), Item::Table(b)) if keys(a).eq(keys(b)) => {
+                a.entries.iter().zip(&b.entries).try_for_each(|((key, a), (_, b))| {
+                    let dot = if path.is_empty() { "" } else { "." };
+                    self.differ(&format!("{path}{dot}{key}"), a, b, edits)
+                })
+            }
+            (Item::List(a), Item::List(b)) if a.len() == b.len() => {
+                // One number may stand for a list of the same ones, which stay the same.
+                if let Some(node) = self.document().find(path)
+                    && !matches!(node.value, Value::List(_))
+                {
+                    let uniform =
+                        b.iter().all(|each| *each == b[0]) && a.iter().all(|each| *each == a[0]);
+                    return if uniform { self.differ(path, &a[0], &b[0], edits) } else { None };
+                }
+                a.iter()
+                    .zip(b)
+                    .enumerate()
+                    .try_for_each(|(i, (a, b))| self.differ(&format!("{path}[{i}]"), a, b, edits))
+            }
+            (Item::Number(_) | Item::Text(_), Item::Number(_) | Item::Text(_)) => {
+                let node = self.document().find(path).filter(|node| node.span.file == 0)?;
+                let written = match &node.value {
+                    Value::Text(text) => quoted(&with_number(text, in_si(new)?)?),
+                    Value::Integer(_) | Value::Number(_) => short(in_si(new)?),
+                    _ => return None,
+                };
+                edits.push((node.span, written));
+                Some(())
+            }
+            _ => None,
+        }
+    }
+}
+
+fn keys(table: &Table) -> impl Iterator<Item = &str> {
+    table.entries.iter().map(|(key, _)| key.as_str())
+}
+
+/// The number in SI of a number, or of a share in per cent.
+fn in_si(item: &Item) -> Option<f64> {
+    match item {
+        Item::Number(number) => Some(*number),
+        Item::Text(text) => {
+            crate::units::parse_quantity(text, &crate::Dimension::ALL).ok().map(|(value, _)| value)
+        }
+        _ => None,
+    }
+}
+
+/// A number with as many digits as matter, as TOML has numbers.
+pub(crate) fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.10e}").parse().unwrap_or(value);
+    format!("{rounded:?}")
+}
+
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// A path as it is seen from a folder; as it is from the root where the two have nothing in common.
+fn relative(target: &Path, folder: &Path) -> Option<String> {
+    let real = |path: &Path| {
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        path.canonicalize().ok()
+    };
+    let (target, folder) = (real(target)?, real(folder)?);
+    let (mut to, mut from) = (target.components().peekable(), folder.components().peekable());
+    while to.peek().is_some() && to.peek() == from.peek() {
+        to.next();
+        from.next();
+    }
+    let up = from.map(|_| Component::ParentDir);
+    let path: PathBuf = up.chain(to).collect();
+    Some(path.to_str()?.replace('\\', "/"))
+}
+
+/// Whether two trees say the same, numbers to within what is written of them.
+fn is_near(a: &Item, b: &Item) -> bool {
+    match (a, b) {
+        (Item::Table(a), Item::Table(b)) => {
+            keys(a).eq(keys(b))
+                && a.entries.iter().zip(&b.entries).all(|((_, a), (_, b))| is_near(a, b))
+        }
+        (Item::List(a), Item::List(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_near(a, b))
+        }
+        _ if a == b => true,
+        _ => match (in_si(a), in_si(b)) {
+            (Some(a), Some(b)) => (a - b).abs() <= NEAR * a.abs().max(b.abs()),
+            _ => false,
+        },
+    }
+}

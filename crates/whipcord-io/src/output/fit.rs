@@ -1,0 +1,117 @@
+use serde_json::{Value, json};
+use whipcord::identification::{Compared, Identified, Status, Validated};
+
+use super::NonFinite;
+use super::json::{number, numbers, optional};
+
+/// What was identified, as the JSON object that `whipcord fit --json` prints; SI, and pixels. `names` are
+/// those of the experiments.
+///
+/// # Errors
+/// [`NonFinite`] with the place of a number that is not finite.
+pub fn fit_json(
+    found: &Identified,
+    names: &[String],
+    validated: Option<&Validated>,
+    compared: &[Compared],
+) -> Result<Value, NonFinite> {
+    let estimates = found.estimates.iter().enumerate().map(|(i, estimate)| {
+        let path = |name: &str| format!("estimates[{i}].{name}");
+        let interval =
+            estimate.interval.map(|ends| numbers(&path("interval"), &ends)).transpose()?;
+        Ok(json!({
+            "parameter": estimate.unknown.quantity.to_string(),
+            "case": estimate.unknown.experiment.and_then(|e| names.get(e)),
+            "unit": estimate.unknown.quantity.unit(),
+            "value": number(|| path("value"), estimate.value)?,
+            "deviation": optional(|| path("deviation"), estimate.deviation)?,
+            "interval": interval,
+            "at_bound": estimate.is_at_bound,
+            "derivatives": if estimate.by_differences { "differences" } else { "exact" },
+        }))
+    });
+    let correlations = found.correlations.iter().enumerate().map(|(i, row)| {
+        let cell = |(j, value): (usize, &Option<f64>)| {
+            optional(|| format!("correlations[{i}][{j}]"), *value)
+        };
+        row.iter().enumerate().map(cell).collect::<Result<Vec<_>, _>>()
+    });
+    let residuals = found.residuals.iter().enumerate().map(|(i, residual)| {
+        let path = |name: &str| format!("residuals[{i}].{name}");
+        Ok(json!({
+            "case": names.get(residual.experiment),
+            "observation": residual.observation + 1,
+            "difference": numbers(&path("difference"), &residual.difference)?,
+            "weight": number(|| path("weight"), residual.weight)?,
+        }))
+    });
+    let unresolved = found.unresolved.iter().enumerate().map(|(i, unresolved)| {
+        let path = format!("unresolved[{i}].collinearity");
+        Ok(json!({
+            "what": unresolved.to_string(),
+            "parameters": unresolved.shares.iter().map(|share| &share.name).collect::<Vec<_>>(),
+            "collinearity": optional(|| path, unresolved.collinearity)?,
+        }))
+    });
+    let folds = |validated: &Validated| -> Result<Value, NonFinite> {
+        let all = validated.folds.iter().enumerate().map(|(i, fold)| {
+            let path = |name: &str| format!("cross_validation.held_out[{i}].{name}");
+            Ok(json!({
+                "case": names.get(fold.experiment),
+                "step": fold.step.map(|step| step + 1),
+                "values": numbers(&path("values"), &fold.values)?,
+                "rms_distance": optional(|| path("rms_distance"), fold.rms_distance)?,
+                "rms_pixels": optional(|| path("rms_pixels"), fold.rms_pixels)?,
+            }))
+        });
+        let path = |name: &str| format!("cross_validation.{name}");
+        Ok(json!({
+            "held_out": all.collect::<Result<Vec<_>, NonFinite>>()?,
+            "rms_distance": optional(|| path("rms_distance"), validated.rms_distance)?,
+            "rms_pixels": optional(|| path("rms_pixels"), validated.rms_pixels)?,
+        }))
+    };
+    let models = compared.iter().enumerate().map(|(i, each)| {
+        let path = |name: &str| format!("models[{i}].{name}");
+        let fit = each.fit.as_ref();
+        Ok(json!({
+            "model": each.model.name(),
+            "error": fit.err().map(ToString::to_string),
+            "rms_distance": optional(|| path("rms_distance"), fit.ok().and_then(|fit| fit.rms_distance))?,
+            "rms_pixels": optional(|| path("rms_pixels"), fit.ok().and_then(|fit| fit.rms_pixels))?,
+            "aic_above_best": optional(|| path("aic_above_best"), each.aic_above_best)?,
+            "bic_above_best": optional(|| path("bic_above_best"), each.bic_above_best)?,
+        }))
+    });
+    Ok(json!({
+        "model": found.model.name(),
+        "status": status(found.status),
+        "iterations": found.iterations,
+        "evaluations": found.evaluations,
+        "estimates": estimates.collect::<Result<Vec<_>, NonFinite>>()?,
+        "correlations": correlations.collect::<Result<Vec<_>, NonFinite>>()?,
+        "noise": {
+            "level": number(|| "noise.level".to_owned(), found.noise.level)?,
+            "estimated": found.noise.is_estimated,
+            "degrees_of_freedom": found.noise.freedom,
+        },
+        "rms_distance": optional(|| "rms_distance".to_owned(), found.rms_distance)?,
+        "rms_pixels": optional(|| "rms_pixels".to_owned(), found.rms_pixels)?,
+        "aic": optional(|| "aic".to_owned(), found.aic)?,
+        "bic": optional(|| "bic".to_owned(), found.bic)?,
+        "unresolved": unresolved.collect::<Result<Vec<_>, NonFinite>>()?,
+        "residuals": residuals.collect::<Result<Vec<_>, NonFinite>>()?,
+        "cross_validation": validated.map(folds).transpose()?,
+        "models": models.collect::<Result<Vec<_>, NonFinite>>()?,
+        "version": env!("CARGO_PKG_VERSION"),
+    }))
+}
+
+const fn status(status: Status) -> &'static str {
+    match status {
+        Status::Gradient | Status::Step | Status::Cost => "converged",
+        Status::Stalled => "stalled",
+        Status::Refused => "refused",
+        Status::IterationLimit => "iteration limit",
+    }
+}
