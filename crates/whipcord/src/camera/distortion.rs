@@ -148,6 +148,30 @@ impl Distortion {
         regular.then_some(bent)
     }
 
+    /// Eq. (k3): derivatives of (x″, y″) by the first twelve coefficients, in their order.
+    pub(super) fn by_coefficients(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 12] {
+        let [k1, k2, _, _, k3, k4, k5, k6, ..] = self.coefficients;
+        let q = x * x + y * y;
+        let below = 1.0 + q * (k4 + q * (k5 + q * k6));
+        let radial = (1.0 + q * (k1 + q * (k2 + q * k3))) / below;
+        let above = |power: i32| [x, y].map(|c| c * q.powi(power) / below);
+        let under = |power: i32| [x, y].map(|c| -c * radial * q.powi(power) / below);
+        [
+            above(1),
+            above(2),
+            [2.0 * x * y, q + 2.0 * y * y],
+            [q + 2.0 * x * x, 2.0 * x * y],
+            above(3),
+            under(1),
+            under(2),
+            under(3),
+            [q, 0.0],
+            [q * q, 0.0],
+            [0.0, q],
+            [0.0, q * q],
+        ]
+    }
+
     /// The ideal point that is seen at `seen`, by Newton's method; `None` where it finds none.
     ///
     /// An answer is one: its last step is below 10⁻¹² of the coordinates, at a point within the reach

@@ -142,4 +142,22 @@ impl Pinhole {
         };
         Ok(([pixel(0), pixel(1)], [row(0), row(1)]))
     }
+
+    /// Derivatives of the pixel of a point in the camera's frame, which it sees, by the focal
+    /// lengths, the principal point and the first twelve coefficients of a lens without tilt.
+    pub(super) fn by_parameters(&self, point: Vec3) -> [[f64; 2]; 16] {
+        let ideal = [point.x / point.z, point.y / point.z];
+        let [fx, fy] = self.focal;
+        let mut all = [[0.0; 2]; 16];
+        if let Some(bent) = self.distortion.bend(ideal) {
+            all[0] = [bent.at[0], 0.0];
+            all[1] = [0.0, bent.at[1]];
+        }
+        all[2] = [1.0, 0.0];
+        all[3] = [0.0, 1.0];
+        for (entry, [x, y]) in all[4..].iter_mut().zip(self.distortion.by_coefficients(ideal)) {
+            *entry = [fx * x, fy * y];
+        }
+        all
+    }
 }

@@ -4,6 +4,7 @@
 //! down and z along the view. Pixels are (column, row), and the centre of the first pixel is (0, 0),
 //! as in OpenCV.
 
+mod calibrate;
 mod distortion;
 mod error;
 mod lens;
@@ -13,6 +14,7 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use crate::robot::Problem;
 use crate::robot::limits::{COORDINATE, IMAGE_SIZE};
+pub use calibrate::{CalibrateError, Calibrated, calibrate};
 pub use distortion::Distortion;
 pub use error::{CameraError, ViewError};
 pub use lens::{Lens, Orthographic, Pinhole};

@@ -10,8 +10,8 @@ use whipcord_numerics::{Pose, Vec3};
 use super::lens::{Lens, Orthographic, Pinhole};
 use super::{Camera, check_range};
 pub use error::LocateError;
-use refine::Freedoms;
-use start::Cloud;
+pub(super) use refine::{Freedoms, InImage};
+pub(super) use start::{Cloud, plane_columns};
 
 /// Poses that are turned by less than this against one another, in rad, are the same minimum.
 const SAME: f64 = 1e-4;

@@ -9,7 +9,7 @@ use crate::camera::{Camera, Lens, Orthographic, ViewError};
 /// How the camera may move: shifts along, and turns about, directions of the world; and whether its
 /// scale is sought.
 #[derive(Clone, Debug)]
-pub(super) struct Freedoms {
+pub(in crate::camera) struct Freedoms {
     shifts: Vec<Vec3>,
     turns: Vec<Vec3>,
     scale: bool,
@@ -18,7 +18,7 @@ pub(super) struct Freedoms {
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 
 impl Freedoms {
-    pub(super) fn all() -> Self {
+    pub(in crate::camera) fn all() -> Self {
         Self { shifts: AXES.to_vec(), turns: AXES.to_vec(), scale: false }
     }
 
@@ -54,11 +54,11 @@ pub(super) fn across(axis: Vec3) -> (Vec3, Vec3) {
 }
 
 /// What is made small: the distances in the image, while the camera moves about the points' centre.
-struct InImage<'a> {
-    start: &'a Camera,
-    seen: &'a [Sighting],
-    pivot: Vec3,
-    freedoms: &'a Freedoms,
+pub(in crate::camera) struct InImage<'a> {
+    pub(in crate::camera) start: &'a Camera,
+    pub(in crate::camera) seen: &'a [Sighting],
+    pub(in crate::camera) pivot: Vec3,
+    pub(in crate::camera) freedoms: &'a Freedoms,
 }
 
 impl InImage<'_> {
@@ -68,7 +68,7 @@ impl InImage<'_> {
         turns.fold(Vec3::ZERO, |sum, (&x, &axis)| sum + x * axis)
     }
 
-    fn camera(&self, unknowns: &[f64]) -> Result<Camera, ViewError> {
+    pub(in crate::camera) fn camera(&self, unknowns: &[f64]) -> Result<Camera, ViewError> {
         let shift = unknowns
             .iter()
             .zip(&self.freedoms.shifts)

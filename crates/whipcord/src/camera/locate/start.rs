@@ -13,8 +13,8 @@ const THIN: f64 = 0.1;
 
 /// How the points lie: their centre, and their principal axes.
 #[derive(Clone, Debug)]
-pub(super) struct Cloud {
-    pub(super) centre: Vec3,
+pub(in crate::camera) struct Cloud {
+    pub(in crate::camera) centre: Vec3,
     /// Unit vectors, the one along which the points spread most last.
     pub(super) axes: [Vec3; 3],
     /// Root mean square distances from the centre along each.
@@ -22,7 +22,7 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    pub(super) fn of(seen: &[Sighting]) -> Self {
+    pub(in crate::camera) fn of(seen: &[Sighting]) -> Self {
         let weight = 1.0 / seen.len() as f64;
         let centre = seen.iter().fold(Vec3::ZERO, |sum, at| sum + at.point) * weight;
         let inertia = seen.iter().fold(Mat3::ZERO, |sum, at| {
@@ -39,11 +39,11 @@ impl Cloud {
         self.spreads[2] <= (1e3 * f64::EPSILON * self.centre.max_abs()).max(1e-12)
     }
 
-    pub(super) fn is_line(&self) -> bool {
+    pub(in crate::camera) fn is_line(&self) -> bool {
         self.spreads[1] <= FLAT * self.spreads[2]
     }
 
-    fn is_plane(&self) -> bool {
+    pub(in crate::camera) fn is_plane(&self) -> bool {
         self.spreads[0] <= FLAT * self.spreads[2]
     }
 
@@ -164,17 +164,7 @@ fn direct(cloud: &Cloud, seen: &[Sighting], ideal: &[[f64; 2]]) -> Option<Pose> 
 
 /// Eq. (l4): the pose of a plane from its homography.
 fn homography(cloud: &Cloud, seen: &[Sighting], ideal: &[[f64; 2]]) -> Option<Pose> {
-    let mut rows = Vec::with_capacity(18 * seen.len());
-    for (at, [x, y]) in seen.iter().zip(ideal) {
-        let p = cloud.local(at.point);
-        let point = [p.y, p.z, 1.0];
-        let zeros = [0.0; 3];
-        rows.extend(point.iter().chain(&zeros).copied().chain(point.map(|c| -x * c)));
-        rows.extend(zeros.iter().chain(&point).copied().chain(point.map(|c| -y * c)));
-    }
-    let found = SingularValues::of(9, &rows);
-    let h = found.direction(8);
-    let [middle, large, origin] = [0, 1, 2].map(|k| Vec3::new(h[k], h[k + 3], h[k + 6]));
+    let [middle, large, origin] = plane_columns(cloud, seen, ideal);
     let sign = if origin.z < 0.0 { -1.0 } else { 1.0 };
     let (middle, large) = (middle * sign, large * sign);
     let size = 0.5 * (middle.norm() + large.norm());
@@ -183,6 +173,25 @@ fn homography(cloud: &Cloud, seen: &[Sighting], ideal: &[[f64; 2]]) -> Option<Po
     }
     let thin = middle.cross(large) * (1.0 / size);
     scaled(cloud, Mat3::from_columns(thin, middle, large), origin * sign)
+}
+
+/// The columns of the homography of a plane, up to a factor: for its two axes and for its centre.
+pub(in crate::camera) fn plane_columns(
+    cloud: &Cloud,
+    seen: &[Sighting],
+    image: &[[f64; 2]],
+) -> [Vec3; 3] {
+    let mut rows = Vec::with_capacity(18 * seen.len());
+    for (at, [x, y]) in seen.iter().zip(image) {
+        let p = cloud.local(at.point);
+        let point = [p.y, p.z, 1.0];
+        let zeros = [0.0; 3];
+        rows.extend(point.iter().chain(&zeros).copied().chain(point.map(|c| -x * c)));
+        rows.extend(zeros.iter().chain(&point).copied().chain(point.map(|c| -y * c)));
+    }
+    let found = SingularValues::of(9, &rows);
+    let h = found.direction(8);
+    [0, 1, 2].map(|k| Vec3::new(h[k], h[k + 3], h[k + 6]))
 }
 
 /// The pose of a matrix that is a rotation times a factor, and of the origin times the same.
