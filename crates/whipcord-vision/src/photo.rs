@@ -5,6 +5,8 @@ use std::io::Cursor;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, RgbImage};
 use thiserror::Error;
 
+use crate::plane::Plane;
+
 /// A photograph. Each pixel is linear light in red, green and blue, 0 black and 1 white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photo {
@@ -77,6 +79,17 @@ impl Photo {
     /// All pixels, row by row.
     pub fn pixels_mut(&mut self) -> &mut [[f32; 3]] {
         &mut self.pixels
+    }
+
+    /// Changes each channel by itself.
+    pub(crate) fn change_channels(&mut self, change: impl Fn(Plane) -> Plane) {
+        for channel in 0..3 {
+            let values = self.pixels.iter().map(|pixel| pixel[channel]).collect();
+            let plane = change(Plane { width: self.width, height: self.height, values });
+            for (pixel, value) in self.pixels.iter_mut().zip(plane.values) {
+                pixel[channel] = value;
+            }
+        }
     }
 
     /// The photograph in these bytes, a PNG or JPEG file, turned upright as its Exif data ask for.

@@ -136,7 +136,7 @@ pub(super) fn standing(
 }
 
 /// Deviation of what varies between places this many pixels apart: on the background that is noise.
-fn noise(plane: &Plane, apart: usize) -> f64 {
+pub(super) fn noise(plane: &Plane, apart: usize) -> f64 {
     let mut differences: Vec<f32> = (0..plane.values.len().saturating_sub(apart))
         .step_by(7)
         .map(|i| [plane.values[i], plane.values[i + apart]])

@@ -4,7 +4,9 @@
 //! too long, is a spot; the level at which it is cleanest counts. Its centre is the centroid of how far each pixel
 //! stands between what surrounds the spot and what the spot is.
 
-use super::background::{Background, standing};
+use std::borrow::Cow;
+
+use super::background::{Background, noise, standing};
 use super::bars::distance;
 use super::{DetectError, Mark, Mask, Search, luminance, usual_radius};
 use crate::photo::{Photo, linear};
@@ -23,14 +25,36 @@ const FULLNESS: [f64; 2] = [0.93, 1.08];
 /// Spots whose radius differs by more from the usual one are something else.
 const RADIUS_SPREAD: f64 = 0.5;
 
+/// Noise beside the light that is the middle one at which colours are looked at pixel by pixel.
+const QUIET: f64 = 0.07;
+
 /// Dots of one colour.
 pub(super) fn dots(photo: &Photo, search: &Search<'_>) -> Result<Vec<Mark>, DetectError> {
+    let (photo, spread) = calmed(photo);
+    let photo = photo.as_ref();
     let colour = match search.colour {
         Some(colour) => colour,
         None => vivid(photo, search.mask)?,
     };
-    let share = standing(photo, search.mask, Some(colour))?;
-    Ok(usual(spots(&share.share, share.noise, 0.3, search), search))
+    let share = standing(photo, search.mask, Some(colour))?.share;
+    // A blur of deviation σ leaves one independent value for each 4πσ² pixels.
+    let noise = noise(&share, 5) * (2.0 * core::f64::consts::PI.sqrt() * spread).max(1.0);
+    Ok(usual(spots(&share, noise, 0.3, search), search))
+}
+
+/// The photograph, blurred so far that noise leaves colours what they are: under strong noise each pixel has another. With the
+/// deviation of that blur.
+fn calmed(photo: &Photo) -> (Cow<'_, Photo>, f64) {
+    let light = luminance(photo);
+    let middle = super::median(&mut light.values.clone());
+    let relative = noise(&light, 1) / f64::from(middle).max(1e-3);
+    if relative < QUIET {
+        return (Cow::Borrowed(photo), 0.0);
+    }
+    let mut calm = photo.clone();
+    let spread = (relative / QUIET).clamp(1.0, 2.0);
+    calm.change_channels(|plane| plane.blurred(spread));
+    (Cow::Owned(calm), spread)
 }
 
 /// Spots that are darker or lighter than what is around them; which, most of them decide.
@@ -52,9 +76,7 @@ pub(super) fn circles(photo: &Photo, search: &Search<'_>) -> Result<Vec<Mark>, D
             }
         }
     }
-    let mut differences: Vec<f32> =
-        light.values.windows(2).step_by(7).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    let noise = f64::from(super::median(&mut differences)) / 0.954;
+    let noise = noise(&light, 1);
     let dark = Plane { values: light.values.iter().map(|v| 1.0 - v).collect(), ..light };
     let light = Plane { values: dark.values.iter().map(|v| 1.0 - v).collect(), ..dark };
     let found = [dark, light].map(|plane| usual(spots(&plane, noise, 0.08, search), search));

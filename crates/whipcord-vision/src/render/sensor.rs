@@ -43,19 +43,11 @@ impl Noise {
 
 pub(super) fn expose(photo: &mut Photo, light: Light, blur: Blur, noise: Noise) {
     illuminate(photo, light);
-    let (width, height) = (photo.width(), photo.height());
     if blur != Blur::default() {
-        for channel in 0..3 {
-            let values = photo.pixels().iter().map(|pixel| pixel[channel]).collect();
-            let mut plane = Plane { width, height, values };
-            if blur.deviation > 0.0 {
-                plane = plane.blurred(blur.deviation);
-            }
-            plane = moved(plane, blur.motion);
-            for (pixel, value) in photo.pixels_mut().iter_mut().zip(plane.values) {
-                pixel[channel] = value;
-            }
-        }
+        photo.change_channels(|plane| {
+            let sharp = blur.deviation <= 0.0;
+            moved(if sharp { plane } else { plane.blurred(blur.deviation) }, blur.motion)
+        });
     }
     let mut random = Random(noise.seed);
     let (dark, bright) = (noise.dark * noise.dark, noise.bright * noise.bright);
