@@ -9,13 +9,16 @@ mod files;
 mod fitting;
 mod html;
 mod inputs;
+mod markers;
 mod paths;
+mod photographs;
 mod progress;
 mod quantity;
 mod rubbing;
 mod statistics;
 mod steps;
 mod style;
+mod superposition;
 mod table;
 mod timing;
 mod verbs;
@@ -29,7 +32,9 @@ use clap::{Parser, Subcommand};
 
 use crate::failure::Failure;
 use crate::style::Style;
-use crate::verbs::{bench, camera, check, compare, fit, measure, schema, solve, stiffness};
+use crate::verbs::{
+    bench, camera, check, compare, fit, measure, overlay, schema, solve, stiffness,
+};
 
 /// Mechanics of cable-driven continuum robots with any cable routing
 #[derive(Debug, Parser)]
@@ -47,6 +52,7 @@ enum Verb {
     Fit(fit::FitArgs),
     Measure(measure::MeasureArgs),
     Camera(camera::CameraArgs),
+    Overlay(overlay::OverlayArgs),
     Bench(bench::BenchArgs),
     Check(check::CheckArgs),
     Schema(schema::SchemaArgs),
@@ -85,6 +91,7 @@ where
         Verb::Fit(args) => fit::run(&args, style),
         Verb::Measure(args) => measure::run(&args, style),
         Verb::Camera(args) => camera::run(&args, style),
+        Verb::Overlay(args) => overlay::run(&args, style),
         Verb::Bench(args) => bench::run(&args, style),
         Verb::Check(args) => check::run(&args, style),
         Verb::Schema(args) => schema::run(&args),

@@ -173,6 +173,70 @@ fn measured_disks_are_compared_with() {
     assert!(rms > 1e-4 && rms < 0.05);
 }
 
+/// RMS distance to the measurement of the first model, and what the report says of it.
+fn measured(scratch: &Scratch, lines: &str, table: &str) -> (f64, String) {
+    scratch.write("seen.csv", table);
+    let text = format!("tension = \"400 gf\"\n[measured]\ndisks = \"seen.csv\"\n{lines}");
+    let file = scratch.write("moved.toml", &robot(&text));
+    let out = scratch.file("report");
+    let text = succeed(&["compare", &file, "--out", &out]);
+    let cases = rows(&std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap());
+    let column = cases[0].iter().position(|name| name == "rms_to_measured").unwrap();
+    (cases[1][column].parse().unwrap_or(f64::INFINITY), text)
+}
+
+#[test]
+fn measurements_are_moved_onto_the_model_where_asked() {
+    let scratch = Scratch::new();
+    let bare = scratch.write("bare.toml", &robot("tension = \"400 gf\""));
+    let text = succeed(&["solve", &bare, "--json"]);
+    let object: serde_json::Value = serde_json::from_str(&text).unwrap();
+    // In mm, turned by a right angle about z and shifted: (x, y, z) → (−y, x, z) + (100, 20, −30).
+    let mut table = String::from("disk,offset_x,x,y,z\n");
+    for (i, disk) in object["disks"].as_array().unwrap().iter().enumerate() {
+        let [x, y, z] = [0, 1, 2].map(|k| 1e3 * disk["position"][k].as_f64().unwrap());
+        table += &format!("{},0,{},{},{}\n", i + 1, 100.0 - y, 20.0 + x, z - 30.0);
+    }
+    // A second marker on the base, 10 mm along its x.
+    table += "1,10,100,30,-30\n";
+    let unit = "unit = \"mm\"\n";
+    let (as_it_is, text) = measured(&scratch, unit, &table);
+    assert!(as_it_is > 0.05 && !text.contains("moved"), "{as_it_is} {text}");
+    let (rigid, text) = measured(&scratch, &format!("{unit}registration = \"rigid\"\n"), &table);
+    assert!(rigid < 1e-8, "{rigid}");
+    assert!(
+        text.contains("measurement moved by 106.3") && text.contains("turned by 90°"),
+        "{text}"
+    );
+    // The least turn that brings the two markers on the base to their places is the one about z.
+    let (base, _) = measured(&scratch, &format!("{unit}registration = \"base\"\n"), &table);
+    assert!(base < 1e-8, "{base}");
+    // One alone says nothing of how the base is turned.
+    let one = table.lines().filter(|line| !line.starts_with("1,10")).collect::<Vec<_>>().join("\n");
+    let (shifted, text) = measured(&scratch, &format!("{unit}registration = \"base\"\n"), &one);
+    assert!(shifted > 0.01 && text.contains("turned by 0°"), "{shifted} {text}");
+    // Too few for a motion: the models are shown, and why there is no distance.
+    let (none, text) = measured(&scratch, "registration = \"rigid\"\n", "disk,x,y,z\n4,0,0,0.06\n");
+    assert!(none.is_infinite() && text.contains("cannot be moved"), "{text}");
+}
+
+#[test]
+fn markers_between_disks_are_compared_with() {
+    let scratch = Scratch::new();
+    let bare = scratch.write("bare.toml", &robot("tension = \"400 gf\""));
+    let text = succeed(&["solve", &bare, "--stations", "9", "--json"]);
+    let object: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let mut table = String::from("arc_length,x,y,z\n");
+    for k in 1..9 {
+        let s = &object["shape"]["arc_length"][k];
+        let [x, y, z] =
+            [0, 1, 2].map(|axis| object["shape"]["position"][k][axis].as_f64().unwrap());
+        table += &format!("{s},{},{y},{z}\n", x + 1e-3);
+    }
+    let (rms, _) = measured(&scratch, "", &table);
+    assert!((rms - 1e-3).abs() < 1e-8, "{rms}");
+}
+
 #[test]
 fn a_case_that_no_model_solves_has_status_1() {
     let scratch = Scratch::new();

@@ -31,7 +31,9 @@ pub use output::{
     Beside, Cell, CsvTable, NonFinite, answer_json, fit_json, remove_unfinished, shape_csv,
     solution_json, steps_csv, stiffness_json, write_atomically,
 };
-pub use read::{Fit, Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers, quantity};
+pub use read::{
+    Alignment, Fit, Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers, quantity,
+};
 pub use render::render;
 pub use schema::schema;
 pub use source::{Position, Source, Sources, Span};

@@ -176,7 +176,7 @@ fn poses(
                 let to = |other: Vec3| (pose.position - other).norm();
                 let first = reference.and_then(|shape| shape.poses.get(i));
                 row.push(Cell::from(first.map(|first| to(first.position))));
-                row.push(Cell::from(study.measured_at(i + 1).map(to)));
+                row.push(Cell::from(solved.measured_at(i + 1).map(to)));
             }
             csv.push(row);
         }

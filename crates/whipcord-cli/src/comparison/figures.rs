@@ -37,10 +37,11 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         cables: CableCourse::of(solved.solution.model),
         style: ViewStyle::Model,
     }));
-    let measured = study.file.measured.as_ref();
+    // Moved, where that was asked for, onto the first model.
+    let measured = reference.measured.iter().flatten().flat_map(|against| &against.markers);
     let options = FigureOptions {
         title: study.file.title.clone(),
-        measured: measured.map_or_else(Vec::new, |m| m.disks.iter().map(|d| d.position).collect()),
+        measured: measured.map(|marker| marker.measured).collect(),
         loads: Acting::on(&study.file.case, &reference.fine),
         ..FigureOptions::default()
     };
@@ -72,7 +73,7 @@ fn distances(study: &Study) -> Vec<DistanceSeries> {
         // As in the figure of the robot; paler where the colour is taken by the distance to the
         // measurement.
         let (colour, marker) = (Colour::nth(index), Marker::nth(index));
-        let pale = if study.file.measured.is_some() { colour.tint(0.5) } else { colour };
+        let pale = if solved.measured.is_some() { colour.tint(0.5) } else { colour };
         let shape = &solved.solution.disks;
         if study.distance_to_reference(run, solved).is_some() {
             series.push(DistanceSeries {
@@ -88,7 +89,7 @@ fn distances(study: &Study) -> Vec<DistanceSeries> {
         let to_measured: Vec<(usize, f64)> = shape
             .positions()
             .enumerate()
-            .filter_map(|(i, p)| Some((i + 1, (p - study.measured_at(i + 1)?).norm())))
+            .filter_map(|(i, p)| Some((i + 1, (p - solved.measured_at(i + 1)?).norm())))
             .collect();
         if !to_measured.is_empty() {
             let label = format!("{} to measured", run.label());

@@ -2,6 +2,7 @@
 
 pub mod csv;
 pub mod figures;
+pub mod measured;
 pub mod report;
 pub mod study;
 pub mod tables;

@@ -92,10 +92,10 @@ fn disk_table(study: &Study) -> Table {
             row.extend(distances.map(|d| fixed_millimetres(d, 2)));
             table.row(row);
         }
-        if study.file.measured.is_some() {
+        if solved.measured.is_some() {
             let mut row = vec![format!("{} to measured, mm", run.label())];
             row.extend(shape.positions().enumerate().map(|(i, p)| {
-                let measured = study.measured_at(i + 1);
+                let measured = solved.measured_at(i + 1);
                 measured.map_or_else(String::new, |m| fixed_millimetres((p - m).norm(), 2))
             }));
             table.row(row);

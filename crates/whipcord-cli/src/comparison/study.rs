@@ -5,10 +5,10 @@ use whipcord::{
     Stations, Vec3,
 };
 
-use crate::statistics::mean;
+use super::measured::{Against, against};
 use crate::timing::{self, TimedSolution, Timing};
 use crate::words::driven_by;
-use whipcord_io::CaseFile;
+use whipcord_io::{CaseFile, Measured};
 use whipcord_plot::FINE_STATIONS;
 
 /// A case and what the models say of it.
@@ -58,6 +58,16 @@ pub struct Solved {
     pub solve: Timing,
     /// How long building the model takes, once for a robot.
     pub build: Timing,
+    /// What was measured in space beside it, or why they cannot be compared; `None` where nothing was.
+    pub measured: Option<Result<Against, String>>,
+}
+
+impl Solved {
+    /// Where the real robot's disk number `disk`, from 1, was measured, moved onto this answer where that
+    /// was asked for.
+    pub fn measured_at(&self, disk: usize) -> Option<Vec3> {
+        self.measured.as_ref()?.as_ref().ok()?.disk(disk)
+    }
 }
 
 impl Run {
@@ -78,11 +88,12 @@ impl Run {
 impl Study {
     /// Solves the case with every model.
     pub fn new(file: CaseFile, stem: String) -> Self {
-        let CaseFile { robot, case, .. } = &file;
+        let CaseFile { robot, case, measured, .. } = &file;
+        let run = |kind, case, commands| run(kind, robot, case, commands, measured.as_ref());
         let mut runs: Vec<Run> =
-            ModelKind::ALL.into_iter().map(|kind| run(kind, robot, case, Commands::File)).collect();
+            ModelKind::ALL.into_iter().map(|kind| run(kind, case, Commands::File)).collect();
         if let Some(case) = like_for_like(robot, &runs) {
-            runs.push(run(ModelKind::FourBar, robot, &case, Commands::CosseratShape));
+            runs.push(run(ModelKind::FourBar, &case, Commands::CosseratShape));
         }
         Self { file, stem, runs }
     }
@@ -104,27 +115,19 @@ impl Study {
         (!is_first).then(|| solved.solution.disks.rms_distance(&reference.solution.disks))
     }
 
-    /// Where the real robot's disk number `disk`, from 1, was measured.
-    pub fn measured_at(&self, disk: usize) -> Option<Vec3> {
-        let disks = &self.file.measured.as_ref()?.disks;
-        Some(disks.iter().find(|measured| measured.disk == disk)?.position)
-    }
-
-    /// RMS distance in m to the measured disks, without the base disk.
+    /// RMS distance in m to what was measured, without the base.
     pub fn distance_to_measured(&self, solved: &Solved) -> Option<f64> {
-        let squares: Vec<f64> = solved
-            .solution
-            .disks
-            .positions()
-            .enumerate()
-            .skip(1)
-            .filter_map(|(i, p)| Some((p - self.measured_at(i + 1)?).norm_squared()))
-            .collect();
-        (!squares.is_empty()).then(|| mean(&squares).sqrt())
+        solved.measured.as_ref()?.as_ref().ok()?.rms()
     }
 }
 
-fn run(kind: ModelKind, robot: &Robot, case: &Case, commands: Commands) -> Run {
+fn run(
+    kind: ModelKind,
+    robot: &Robot,
+    case: &Case,
+    commands: Commands,
+    measured: Option<&Measured>,
+) -> Run {
     let model = Model::new(kind, Stations::Disks, Drive::Natural);
     let outcome = timing::solve(&model, robot, case).map(|timed| {
         let smooth = Model::new(kind, Stations::Equal(FINE_STATIONS), Drive::Natural);
@@ -132,7 +135,8 @@ fn run(kind: ModelKind, robot: &Robot, case: &Case, commands: Commands) -> Run {
         let TimedSolution { solution, solve, build, .. } = timed;
         let is_smooth = fine.is_some();
         let fine = fine.unwrap_or_else(|| solution.shape.clone());
-        Solved { solution, fine, is_smooth, solve, build }
+        let measured = measured.and_then(|seen| against(kind, robot, case, &solution, seen));
+        Solved { solution, fine, is_smooth, solve, build, measured }
     });
     let outcome = outcome.map_err(|(_, error)| error);
     Run { model: kind, commands, driven_by: driven_by(kind, Drive::Natural, case), outcome }

@@ -1,6 +1,7 @@
 //! What the models say, in tables for people.
 
-use whipcord::ModelKind;
+use whipcord::{ModelKind, Observation, Seen};
+use whipcord_io::Measured;
 
 use super::study::{Commands, Run, Study};
 use crate::quantity::{fixed, fixed_millimetres};
@@ -13,7 +14,8 @@ const UNSTABLE: &str = "†";
 /// The one table: a group for each case, a row for each model. Columns for measurements and published
 /// values are there when any case has them.
 pub fn summary(studies: &[Study]) -> Table {
-    let measured = studies.iter().any(|s| s.file.measured.is_some());
+    let solved = || studies.iter().flat_map(Study::solved);
+    let measured = solved().any(|(_, solved)| solved.measured.is_some());
     let published = studies.iter().any(|s| s.file.reference.is_some());
     let mut columns = vec![
         ("case", Align::Left),
@@ -126,16 +128,42 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
         ));
     }
     for study in studies {
-        for run in &study.runs {
-            let what = match &run.outcome {
-                Err(error) => error.to_string(),
-                Ok(solved) if !solved.is_smooth => String::from(
-                    "drawn through its disks alone, as no answer was found near it with more stations.",
-                ),
-                Ok(_) => continue,
-            };
-            notes.push(format!("{}, {}: {what}", study.file.title, run.label()));
+        let in_images =
+            |m: &Measured| !m.observations.is_empty() && m.observations.iter().all(is_pixel);
+        if study.file.measured.as_ref().is_some_and(in_images) {
+            notes.push(format!(
+                "{}: measured in images, which `whipcord overlay` compares with.",
+                study.file.title
+            ));
         }
+        for run in &study.runs {
+            for what in notes_of(run) {
+                notes.push(format!("{}, {}: {what}", study.file.title, run.label()));
+            }
+        }
+    }
+    notes
+}
+
+fn is_pixel(observation: &Observation) -> bool {
+    matches!(observation.seen, Seen::Pixel { .. })
+}
+
+fn notes_of(run: &Run) -> Vec<String> {
+    let solved = match &run.outcome {
+        Err(error) => return vec![error.to_string()],
+        Ok(solved) => solved,
+    };
+    let mut notes = Vec::new();
+    if !solved.is_smooth {
+        notes.push(String::from(
+            "drawn through its disks alone, as no answer was found near it with more stations.",
+        ));
+    }
+    match &solved.measured {
+        Some(Ok(against)) => notes.extend(against.moved()),
+        Some(Err(why)) => notes.push(why.clone()),
+        None => {}
     }
     notes
 }

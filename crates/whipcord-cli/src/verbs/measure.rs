@@ -1,12 +1,9 @@
 //! `whipcord measure`: where the disks or markers are in a photograph.
 
-use std::fs;
-use std::io::Read as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
-use whipcord::camera::Camera;
 use whipcord_io::{Cell, CsvTable, load_camera};
 use whipcord_vision::detect::{
     Base, DetectError, Expected, Kind, Mark, Mask, Search, colour, find, in_order,
@@ -16,6 +13,7 @@ use whipcord_vision::{Photo, annotated};
 use crate::failure::Failure;
 use crate::files::{no_result, write};
 use crate::inputs::{message, read_one};
+use crate::photographs::Photograph;
 use crate::quantity::fixed;
 use crate::style::Style;
 use crate::table::{Align, Table};
@@ -75,8 +73,6 @@ pub struct MeasureArgs {
     json: bool,
 }
 
-/// A photograph of many megapixels has tens of megabytes.
-const LARGEST_FILE: u64 = 1 << 28;
 /// What is less sure is pointed at.
 const UNSURE: f64 = 0.6;
 
@@ -132,14 +128,15 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
             return Err(Failure::Input(format!("error: {out} is read: write to another file")));
         }
     }
-    let photo = read_photo(&args.photo)?;
-    let mask = args.mask.as_deref().map(read_photo).transpose()?;
-    let mask = mask.as_ref().map(Mask::light_of);
+    let photograph = Photograph::read(&args.photo)?;
+    let photo = &photograph.photo;
+    let mask = args.mask.as_deref().map(Photograph::read).transpose()?;
+    let mask = mask.as_ref().map(|mask| Mask::light_of(&mask.photo));
     let camera = match &args.camera {
         None => None,
         Some(path) => {
             let camera = load_camera(path).map_err(|error| Failure::Input(message(&error)))?;
-            check_size(path, &camera, args, &photo)?;
+            photograph.check_camera(&path.display(), &camera)?;
             Some(camera)
         }
     };
@@ -165,7 +162,7 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         radius: args.radius,
         mask: mask.as_ref(),
     };
-    let marks = find(&photo, &search)
+    let marks = find(photo, &search)
         .and_then(|marks| in_order(&marks, &expected))
         .map_err(|error| refusal(args, &error))?;
     let numbers = numbers.unwrap_or_else(|| (1..=marks.len()).collect());
@@ -176,15 +173,15 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         Some(stem.to_string_lossy().into_owned())
     });
     let text = if args.json {
-        format!("{:#}\n", object(args, &photo, camera_name.as_deref(), &marks))
+        format!("{:#}\n", object(args, photo, camera_name.as_deref(), &marks))
     } else {
-        summary(args, &photo, &marks, style)
+        summary(args, photo, &marks, style)
     };
     // What can fail but for the disk has been done before anything is written.
     let csv = table(args, camera_name.as_deref(), &marks).to_csv();
     let csv = csv.map_err(|error| no_result(&error))?;
     if let Some(path) = &args.annotated {
-        let picture = annotated(&photo, args.kind, &marks).to_png();
+        let picture = annotated(photo, args.kind, &marks).to_png();
         let picture = picture.map_err(|error| {
             Failure::Input(format!("error: cannot draw {}: {error}", path.display()))
         })?;
@@ -212,48 +209,6 @@ fn shown(hidden: &[u32], count: Option<usize>) -> Result<Option<Vec<usize>>, Fai
         return refused(format!("{number}: there are disks 1 to {count}"));
     }
     Ok(Some((1..=count).filter(|number| !hidden.contains(number)).collect()))
-}
-
-/// The photograph in a file, which is one and not too large.
-fn read_photo(path: &Path) -> Result<Photo, Failure> {
-    let failed = |error: &std::io::Error| Failure::path("read", path, error);
-    let refused =
-        |why: &dyn std::fmt::Display| Failure::Input(format!("error: {}: {why}", path.display()));
-    // A pipe without a writer would be waited for, and a device may have no end.
-    let about = fs::metadata(path).map_err(|error| failed(&error))?;
-    if !about.is_file() {
-        return Err(refused(&"it is not a file with content of its own"));
-    }
-    let mut bytes = Vec::new();
-    fs::File::open(path)
-        .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
-        .map_err(|error| failed(&error))?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err(refused(&format!("the file is larger than {} MiB", LARGEST_FILE >> 20)));
-    }
-    Photo::decode(&bytes).map_err(|error| refused(&error))
-}
-
-/// Pixels of a camera mean nothing in a photograph of another size.
-fn check_size(
-    path: &Path,
-    camera: &Camera,
-    args: &MeasureArgs,
-    photo: &Photo,
-) -> Result<(), Failure> {
-    let taken = [photo.width(), photo.height()];
-    match camera.size().map(|size| size.map(|n| n as usize)) {
-        Some(size) if size != taken => Err(Failure::Input(format!(
-            "error: {} is of pictures of {}×{} pixels, but {} has {}×{}",
-            path.display(),
-            size[0],
-            size[1],
-            args.photo.display(),
-            taken[0],
-            taken[1]
-        ))),
-        _ => Ok(()),
-    }
 }
 
 /// What was found is no answer: how to ask for another.

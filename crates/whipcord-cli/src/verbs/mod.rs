@@ -7,6 +7,7 @@ pub mod check;
 pub mod compare;
 pub mod fit;
 pub mod measure;
+pub mod overlay;
 pub mod schema;
 pub mod solve;
 pub mod stiffness;

@@ -284,6 +284,12 @@ static MEASURED: Table = Table {
             "Unit of the lengths in the file; by default m.",
         ),
         key(
+            "registration",
+            Kind::Choice(&["none", "rigid", "base"]),
+            r#""rigid""#,
+            "How positions are moved onto a model before they are compared: not at all, as they were measured in the frame of the world (none, the default); by the rigid motion that brings all of them nearest to it (rigid); or by that of the markers on the base, one alone by a shift (base).",
+        ),
+        key(
             "deviation",
             LENGTH,
             r#""0.3 mm""#,

@@ -9,6 +9,7 @@ mod distortion;
 mod error;
 mod lens;
 mod locate;
+mod miss;
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
@@ -19,6 +20,7 @@ pub use distortion::Distortion;
 pub use error::{CameraError, ViewError};
 pub use lens::{Lens, Orthographic, Pinhole};
 pub use locate::{Alternative, LocateError, Located, Sighting, locate, locate_orthographic};
+pub use miss::Miss;
 
 /// Coordinates beyond this are not computed with, in m and in pixels.
 const FARTHEST: f64 = 1e9;

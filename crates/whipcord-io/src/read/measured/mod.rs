@@ -25,8 +25,22 @@ pub struct Measured {
     pub disks: Vec<MeasuredDisk>,
     /// The cameras that saw them, in the order in which observations number them.
     pub cameras: Vec<MeasuringCamera>,
+    /// How the frame of the measurement is brought to that of the robot.
+    pub alignment: Alignment,
     /// The file they were read from.
     pub path: PathBuf,
+}
+
+/// How what was measured is moved onto a model's answer before they are compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Alignment {
+    /// Not at all: it was measured in the frame of the world.
+    #[default]
+    None,
+    /// By the rigid motion that brings all markers nearest to the answer.
+    Rigid,
+    /// By that which brings the markers on the base to it; one alone by a shift.
+    Base,
 }
 
 /// A camera that saw the robot.
@@ -96,7 +110,12 @@ pub(crate) fn read(
     let observations = rows::observations(&grid, &known, problems)?;
     let last = robot.steps.saturating_sub(1);
     let disks = observations.iter().filter(|seen| seen.step == last).filter_map(centre).collect();
-    Some(Measured { observations, disks, cameras: cameras?, path })
+    let alignment = match fields.text("registration") {
+        Some("rigid") => Alignment::Rigid,
+        Some("base") => Alignment::Base,
+        _ => Alignment::None,
+    };
+    Some(Measured { observations, disks, cameras: cameras?, alignment, path })
 }
 
 /// Reads a table of markers of a robot as one camera saw them, with the columns of a table that `[measured]`

@@ -1,0 +1,46 @@
+//! Where a model has the markers that were seen of a robot.
+
+use whipcord::{
+    Case, Drive, Model, ModelKind, Observation, Place, Robot, Solution, SolveError, Stations, Vec3,
+};
+
+/// The places in m, in the world, at which an answer of the model, at the disks, has the markers. For those
+/// between disks it is solved for once more, from the answer.
+///
+/// # Errors
+/// [`SolveError`] where it is not found between the disks.
+pub fn places(
+    kind: ModelKind,
+    robot: &Robot,
+    case: &Case,
+    solution: &Solution,
+    markers: &[&Observation],
+) -> Result<Vec<Vec3>, SolveError> {
+    let between = |marker: &&Observation| match marker.place {
+        Place::ArcLength(s) => Some(s),
+        Place::Disk(_) => None,
+    };
+    let stations: Vec<f64> = markers.iter().filter_map(between).collect();
+    let mut there = Vec::new();
+    if !stations.is_empty() {
+        let model = Model::new(kind, Stations::At(stations), Drive::Natural);
+        there = model.prepare(robot, &case.loads)?.solve(case, Some(solution))?.shape.poses;
+    }
+    let mut there = there.into_iter();
+    let place = |marker: &&Observation| {
+        let pose = match marker.place {
+            Place::Disk(disk) => solution.disks.poses.get(disk).copied(),
+            Place::ArcLength(_) => there.next(),
+        };
+        pose.map(|pose| pose.transform(marker.offset))
+    };
+    Ok(markers.iter().filter_map(place).collect())
+}
+
+/// Where on the backbone a marker sits, in m.
+pub fn arc_length(robot: &Robot, marker: &Observation) -> f64 {
+    match marker.place {
+        Place::Disk(disk) => robot.disks().arc_lengths[disk],
+        Place::ArcLength(s) => s,
+    }
+}

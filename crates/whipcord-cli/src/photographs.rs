@@ -1,0 +1,73 @@
+//! Photographs that verbs read, and the cameras that took them.
+
+use std::fmt::Display;
+use std::fs;
+use std::io::{Error, Read as _};
+use std::path::{Path, PathBuf};
+
+use whipcord::camera::Camera;
+use whipcord_vision::Photo;
+
+use crate::failure::Failure;
+
+/// A photograph of many megapixels has tens of megabytes.
+const LARGEST_FILE: u64 = 1 << 28;
+
+/// A photograph and the file it was read from.
+#[derive(Debug)]
+pub struct Photograph {
+    pub path: PathBuf,
+    pub bytes: Vec<u8>,
+    pub photo: Photo,
+}
+
+impl Photograph {
+    /// Reads the photograph in a file, which is one and not too large.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] when it cannot be read, or is none.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let failed = |error: &Error| Failure::path("read", path, error);
+        let refused =
+            |why: &dyn Display| Failure::Input(format!("error: {}: {why}", path.display()));
+        // A pipe without a writer would be waited for, and a device may have no end.
+        let about = fs::metadata(path).map_err(|error| failed(&error))?;
+        if !about.is_file() {
+            return Err(refused(&"it is not a file with content of its own"));
+        }
+        let mut bytes = Vec::new();
+        fs::File::open(path)
+            .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
+            .map_err(|error| failed(&error))?;
+        if bytes.len() as u64 > LARGEST_FILE {
+            return Err(refused(&format!("the file is larger than {} MiB", LARGEST_FILE >> 20)));
+        }
+        let photo = Photo::decode(&bytes).map_err(|error| refused(&error))?;
+        Ok(Self { path: path.to_owned(), bytes, photo })
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        // A picture that has been decoded has no more than 2³² of them.
+        [self.photo.width(), self.photo.height()].map(|n| u32::try_from(n).unwrap_or(u32::MAX))
+    }
+
+    /// Pixels of a camera mean nothing in a photograph of another size.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a camera, of this name, whose images are of another size.
+    pub fn check_camera(&self, name: &dyn Display, camera: &Camera) -> Result<(), Failure> {
+        let taken = self.size();
+        match camera.size() {
+            Some(size) if size != taken => Err(Failure::Input(format!(
+                "error: {name} is of pictures of {}×{} pixels, but {} has {}×{}",
+                size[0],
+                size[1],
+                self.path.display(),
+                taken[0],
+                taken[1]
+            ))),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! `whipcord overlay`: the models over a photograph of the robot.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use whipcord::{Case, ModelKind, SolveError};
+use whipcord_io::CaseFile;
+use whipcord_plot::{
+    Colour, DistanceSeries, Marker as Sign, OverlayOptions, Photograph as Stored, RobotView,
+    distance_chart, overlay_figure,
+};
+
+use super::solve::model_parser;
+use crate::failure::Failure;
+use crate::files::{self, Folder};
+use crate::inputs::read_one;
+use crate::photographs::Photograph;
+use crate::quantity::millimetres;
+use crate::style::Style;
+use crate::superposition::seen::{self, Marker};
+use crate::superposition::{Run, tables};
+
+/// Lay the models over a photograph of the robot
+///
+/// Draws the backbone, the disks and the cables of each model as the camera would see them. Where [measured]
+/// says at which pixels disks or markers were found, prints how far each model is from them: in pixels,
+/// and in mm from the line of sight; with the root mean square over all but the base disk, in mm and in % of the length.
+/// Writes the picture and a chart of the distances as SVG and PNG, and the numbers as CSV.
+#[derive(Debug, Args)]
+pub struct OverlayArgs {
+    /// Photograph, PNG or JPEG
+    photograph: PathBuf,
+    /// Robot file
+    file: PathBuf,
+    /// Camera that took it: a name in [[measured.cameras]], or a camera file; by default the only one there
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// Step of actuation that it shows, from 1; by default the last
+    #[arg(long, value_name = "K")]
+    step: Option<usize>,
+    /// Model, several times for several; by default every one that can take the case
+    #[arg(long, value_name = "NAME", value_parser = model_parser())]
+    model: Vec<ModelKind>,
+    /// Folder for the pictures and the CSV file
+    #[arg(long, value_name = "DIR", default_value = "whipcord-overlay")]
+    out: PathBuf,
+}
+
+/// Solves, writes the files, and returns the table.
+pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
+    let file = read_one(&args.file)?;
+    let photograph = Photograph::read(&args.photograph)?;
+    let (camera, number) = seen::camera(&file, args.camera.as_deref())?;
+    let called = args.camera.as_deref().unwrap_or("the camera");
+    photograph.check_camera(&called, &camera)?;
+    let (step, case) = step(&file, args.step)?;
+    let markers = number.map_or_else(Vec::new, |camera| seen::markers(&file, camera, step));
+    let kinds = if args.model.is_empty() { ModelKind::ALL.to_vec() } else { args.model.clone() };
+    let runs: Vec<Run> =
+        kinds.iter().map(|kind| Run::new(*kind, &file, &case, &camera, &markers)).collect();
+    refuse_unsolved(&file, &runs, !args.model.is_empty())?;
+
+    let length = file.robot.backbone().length;
+    let answered = || runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().ok()?)));
+    let views: Vec<RobotView> =
+        answered().map(|(run, superposed)| superposed.view(run.label(&markers, length))).collect();
+    let options = OverlayOptions {
+        title: file.title.clone(),
+        measured: markers.iter().map(|marker| marker.pixel).collect(),
+        ..OverlayOptions::default()
+    };
+    let stored = Stored { bytes: &photograph.bytes, size: photograph.size() };
+    let draw = |error| files::plot_failure(&args.photograph, &error);
+    let picture = overlay_figure(&file.robot, &camera, stored, &views, &options).map_err(draw)?;
+    let chart = chart(&file, &runs, &markers).transpose().map_err(draw)?;
+
+    let folder = Folder::create(&args.out)?;
+    let stem = args.photograph.file_stem().unwrap_or_default().to_string_lossy();
+    folder.write_figure(&format!("{stem}-overlay"), &picture)?;
+    let mut text = String::new();
+    if let Some(chart) = chart {
+        folder.write_figure(&format!("{stem}-distances"), &chart)?;
+    }
+    if markers.is_empty() {
+        text += &format!(
+            "{} does not say where this camera saw the robot in step {}: nothing to measure the models by\n",
+            file.path.display(),
+            step + 1
+        );
+    } else {
+        folder.write_table(&format!("{stem}-distances.csv"), &tables::csv(&runs, &markers))?;
+        text += &tables::table(&runs, &markers, length).text(style);
+        text += &format!(
+            "\nDistance in the image, and of the model's disk from the line of sight; RMS without the base disk, \
+             length {}.\n",
+            millimetres(length)
+        );
+    }
+    for (run, error) in runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().err()?))) {
+        text += &format!("{}: {error}\n", run.model);
+    }
+    text += &format!("\npictures and numbers: {}\n", folder.path().display());
+    Ok(text)
+}
+
+/// The step that is asked for, from 0, and its case.
+fn step(file: &CaseFile, asked: Option<usize>) -> Result<(usize, Case), Failure> {
+    let count = file.case.before.len() + 1;
+    let step = asked.unwrap_or(count);
+    let case = step.checked_sub(1).and_then(|step| Some((step, file.case.steps().nth(step)?)));
+    case.ok_or_else(|| {
+        Failure::Input(format!(
+            "error: there is no step {step}: {} has steps 1 to {count}",
+            file.path.display()
+        ))
+    })
+}
+
+/// A model that was asked for by name must have an answer, and else at least one.
+fn refuse_unsolved(file: &CaseFile, runs: &[Run], named: bool) -> Result<(), Failure> {
+    let failed: Vec<&SolveError> =
+        runs.iter().filter_map(|run| run.outcome.as_ref().err()).collect();
+    match failed.first() {
+        Some(first) if named || failed.len() == runs.len() => Err(Failure::from_solve(file, first)),
+        _ => Ok(()),
+    }
+}
+
+/// Distance at each disk; `None` where none was seen.
+fn chart(
+    file: &CaseFile,
+    runs: &[Run],
+    markers: &[Marker],
+) -> Option<Result<String, whipcord_plot::PlotError>> {
+    let mut series = Vec::new();
+    for run in runs {
+        let Ok(superposed) = &run.outcome else { continue };
+        let disks: Vec<(usize, f64)> = markers
+            .iter()
+            .zip(&superposed.misses)
+            .filter_map(|(marker, miss)| Some((marker.disk()?, (*miss)?.distance)))
+            .collect();
+        if !disks.is_empty() {
+            let look = Some((Colour::nth(series.len()), Sign::nth(series.len())));
+            series.push(DistanceSeries { label: run.model.to_string(), disks, look });
+        }
+    }
+    (!series.is_empty()).then(|| distance_chart(&file.title, &series))
+}
