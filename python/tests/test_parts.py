@@ -209,6 +209,26 @@ def test_notebooks_get_a_picture(case: whipcord.Case) -> None:
         assert page.startswith("<div") and "<svg" in page and page.endswith("</div>")
 
 
+CAMERA = """%YAML:1.0
+---
+projection: orthographic
+pixels_per_metre: 4000.
+principal_point: [ 320., 240. ]
+"""
+
+MEASURED_BY_CAMERA = """
+[measured]
+disks = "mm.csv"
+unit = "mm"
+deviation = "0.3 mm"
+pixel_deviation = 0.5
+registration = "rigid"
+[[measured.cameras]]
+name = "side"
+file = "side.yml"
+"""
+
+
 def test_measurements_are_read_and_written(case: whipcord.Case, tmp_path: Path) -> None:
     solution = case.solve()
     lines = [f"{i + 1},{x!r},{y!r},{z!r}" for i, (x, y, z) in enumerate(solution.position.tolist())]
@@ -225,6 +245,23 @@ def test_measurements_are_read_and_written(case: whipcord.Case, tmp_path: Path) 
     assert copy.measured is not None and np.array_equal(copy.measured.position, measured.measured.position)
     comparison = whipcord.compare(measured)
     assert comparison["cosserat"].distance_to_measured == 0.0
+    # What the table says beside it is kept, and the same in the other folder.
+    positions = (1e3 * solution.position).tolist()
+    millimetres = [f"{i + 1},{x!r},{y!r},{z!r}" for i, (x, y, z) in enumerate(positions)]
+    (tmp_path / "mm.csv").write_text("disk,x,y,z\n" + "\n".join(millimetres) + "\n")
+    (tmp_path / "side.yml").write_text(CAMERA)
+    text = case.to_toml() + MEASURED_BY_CAMERA
+    (tmp_path / "mm.toml").write_text(text)
+    there = whipcord.load(tmp_path / "mm.toml")
+    there.save(tmp_path / "below" / "mm.toml")
+    again = whipcord.load(tmp_path / "below" / "mm.toml")
+    for seen in (there.measured, again.measured, pickle.loads(pickle.dumps(again)).measured):
+        assert seen is not None
+        assert np.allclose(seen.position, solution.position, rtol=0, atol=1e-15)
+        assert (seen.unit, seen.deviation, seen.pixel_deviation, seen.registration) == ("mm", 3e-4, 0.5, "rigid")
+        assert [name for name, _ in seen.cameras] == ["side"]
+        assert Path(seen.cameras[0][1]).samefile(tmp_path / "side.yml")
+    assert whipcord.compare(again)["cosserat"].distance_to_measured is None
     # It stays as long as it is what the robot did.
     path = "backbone.young_modulus"
     for same in (copy.replace(title="again"), copy.with_parameters({path: 1e9}), copy.solve().case):

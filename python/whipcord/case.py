@@ -122,7 +122,7 @@ class Case:
         measured, reference = setup.measured, setup.reference
         self._keep(
             setup,
-            None if measured is None else Measured(tuple(measured[0]), measured[1], str(measured[2])),
+            None if measured is None else Measured.of(measured),
             None if reference is None else Reference(**reference),
         )
         return self

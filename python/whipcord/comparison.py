@@ -32,7 +32,8 @@ class Run:
     distance: float | None
     """RMS distance in m over the disks, without the base disk, to the first model that has an answer."""
     distance_to_measured: float | None
-    """RMS distance in m to the disks that were measured, without the base disk."""
+    """RMS distance in m to the disks that were measured, without the base disk. None where the measurement must first be
+    moved onto the model (``registration``): the command ``whipcord compare`` does that."""
 
     @property
     def unstable(self) -> bool:
@@ -165,18 +166,11 @@ def _name(model: ModelLike) -> str:
 
 
 def _to_measured(case: Case, position: npt.NDArray[np.float64]) -> float | None:
-    if case.measured is None:
+    if case.measured is None or case.measured.registration != "none":
         return None
     pairs = [(i, p) for i, p in zip(case.measured.disks, case.measured.position) if i > 1]
     if not pairs:
         return None
-    # Measurements are in the frame of the base, shapes in the world.
-    inside = case.base
     rest = np.array([p for _, p in pairs])
     there = position[[i - 1 for i, _ in pairs]]
-    if inside.position is not None or inside.orientation is not None:
-        from .solution import rotation
-
-        turn = rotation(np.array(inside.orientation or (1.0, 0.0, 0.0, 0.0)))
-        there = (there - np.array(inside.position or (0.0, 0.0, 0.0))) @ turn
     return float(np.sqrt(np.mean(np.sum((there - rest) ** 2, axis=1))))

@@ -22,9 +22,26 @@ class Measured:
     disks: tuple[int, ...]
     """Numbers of the disks that were measured, from 1."""
     position: npt.NDArray[np.float64]
-    """(k, 3) positions in m, in the frame of the base."""
+    """(k, 3) positions in m, in the frame of the world: that of the base, where the case does not place it."""
     path: str
     """The file they stand in."""
+    unit: str = "m"
+    """Unit of the lengths in that file."""
+    deviation: float | None = None
+    """Standard deviation of a coordinate in m, where the file does not give it."""
+    pixel_deviation: float | None = None
+    """Standard deviation of a place in an image in pixels, where the file does not give it."""
+    registration: str = "none"
+    """How positions are moved onto a model before they are compared: ``"none"``, ``"rigid"`` or ``"base"``."""
+    cameras: tuple[tuple[str, str], ...] = ()
+    """Names and files of the cameras whose images the file refers to."""
+
+    @classmethod
+    def of(cls, given: dict[str, Any]) -> Measured:
+        """As the extension module has it."""
+        cameras = tuple((name, str(path)) for name, path in given["cameras"])
+        disks, path = tuple(given["disks"]), str(given["path"])
+        return cls(**{**given, "disks": disks, "path": path, "cameras": cameras})
 
 
 @dataclass(frozen=True)
@@ -47,11 +64,22 @@ def published(measured: Measured | None, reference: Reference | None, folder: st
     """Their tables of a robot file in this folder."""
     tables: dict[str, Any] = {}
     if measured:
-        there = os.path.abspath(measured.path)
-        tables["measured"] = {"disks": os.path.relpath(there, folder) if folder else there}
+        table: dict[str, Any] = {"disks": _seen_from(folder, measured.path)}
+        for name in ("unit", "deviation", "pixel_deviation", "registration"):
+            table[name] = getattr(measured, name)
+        if measured.cameras:
+            cameras = measured.cameras
+            table["cameras"] = [{"name": name, "file": _seen_from(folder, path)} for name, path in cameras]
+        tables["measured"] = {name: value for name, value in table.items() if value is not None}
     if reference:
         tables["reference"] = vars(reference)
     return tables
+
+
+def _seen_from(folder: str | None, path: str) -> str:
+    """The path of a file as a robot file in this folder names it."""
+    there = os.path.abspath(path)
+    return os.path.relpath(there, folder) if folder else there
 
 
 def still_true(case: Case, other: Case) -> tuple[Measured | None, Reference | None]:

@@ -57,7 +57,7 @@ pub enum ViewStyle {
 pub struct FigureOptions {
     /// Above the figure; may be empty.
     pub title: String,
-    /// Where the disks of the real robot were found, in m in the base frame.
+    /// Where the disks of the real robot were found, in m in the world.
     pub measured: Vec<Vec3>,
     /// What acts on one of the shapes, by [`Acting::on`]; drawn over all of them.
     pub loads: Acting,

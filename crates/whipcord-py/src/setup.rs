@@ -181,17 +181,26 @@ impl Setup {
         &self.title
     }
 
-    /// Numbers of the measured disks, from 1, their (k, 3) positions in m, and the file they stand in.
+    /// What was measured: numbers of the disks, from 1, their (k, 3) positions in m, and what the table says
+    /// beside them.
     #[getter]
-    #[expect(clippy::type_complexity, reason = "a row of a table")]
-    fn measured<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<Option<(Vec<usize>, Bound<'py, PyArray2<f64>>, PathBuf)>> {
-        let Some(Measured { disks, path, .. }) = &self.measured else { return Ok(None) };
+    fn measured<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(measured) = &self.measured else { return Ok(None) };
+        let disks = &measured.disks;
+        let numbers: Vec<usize> = disks.iter().map(|disk| disk.disk).collect();
         let positions = flat(disks.iter().map(|disk| disk.position));
-        let positions = array(py, positions, [disks.len(), 3])?;
-        Ok(Some((disks.iter().map(|disk| disk.disk).collect(), positions, path.clone())))
+        let cameras: Vec<(&str, &PathBuf)> =
+            measured.cameras.iter().map(|camera| (camera.name.as_str(), &camera.path)).collect();
+        let values = PyDict::new(py);
+        values.set_item("disks", numbers)?;
+        values.set_item("position", array(py, positions, [disks.len(), 3])?)?;
+        values.set_item("path", &measured.path)?;
+        values.set_item("unit", measured.unit)?;
+        values.set_item("deviation", measured.deviation)?;
+        values.set_item("pixel_deviation", measured.pixel_deviation)?;
+        values.set_item("registration", measured.alignment.name())?;
+        values.set_item("cameras", cameras)?;
+        Ok(Some(values))
     }
 
     /// What others have published for this case.

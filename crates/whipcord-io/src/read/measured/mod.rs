@@ -27,6 +27,12 @@ pub struct Measured {
     pub cameras: Vec<MeasuringCamera>,
     /// How the frame of the measurement is brought to that of the robot.
     pub alignment: Alignment,
+    /// Unit of the lengths in the file.
+    pub unit: &'static str,
+    /// Standard deviation of a coordinate in m, where the file does not give it.
+    pub deviation: Option<f64>,
+    /// The same of a place in an image, in pixels.
+    pub pixel_deviation: Option<f64>,
     /// The file they were read from.
     pub path: PathBuf,
 }
@@ -41,6 +47,21 @@ pub enum Alignment {
     Rigid,
     /// By that which brings the markers on the base to it; one alone by a shift.
     Base,
+}
+
+impl Alignment {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::None, Self::Rigid, Self::Base];
+
+    /// As robot files name it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Rigid => "rigid",
+            Self::Base => "base",
+        }
+    }
 }
 
 /// A camera that saw the robot.
@@ -107,15 +128,24 @@ pub(crate) fn read(
         pixel_deviation,
         cameras: &names,
     };
+    let Known { unit, deviation, .. } = known;
     let observations = rows::observations(&grid, &known, problems)?;
     let last = robot.steps.saturating_sub(1);
     let disks = observations.iter().filter(|seen| seen.step == last).filter_map(centre).collect();
-    let alignment = match fields.text("registration") {
-        Some("rigid") => Alignment::Rigid,
-        Some("base") => Alignment::Base,
-        _ => Alignment::None,
-    };
-    Some(Measured { observations, disks, cameras: cameras?, alignment, path })
+    let asked = fields.text("registration");
+    let alignment = Alignment::ALL.into_iter().find(|way| asked == Some(way.name()));
+    let alignment = alignment.unwrap_or_default();
+    let cameras = cameras?;
+    Some(Measured {
+        observations,
+        disks,
+        cameras,
+        alignment,
+        unit,
+        deviation,
+        pixel_deviation,
+        path,
+    })
 }
 
 /// Reads a table of markers of a robot as one camera saw them, with the columns of a table that `[measured]`
