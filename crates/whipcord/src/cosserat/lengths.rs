@@ -162,7 +162,8 @@ fn limit(
         .fold(1.0, f64::min);
     let mut reached = 0.0;
     let mut good = tensions.to_vec();
-    while missed - reached > LIMIT_TOLERANCE * missed {
+    // Where nothing can be had, halving what is asked for would not come to an end.
+    while missed - reached > LIMIT_TOLERANCE * missed && missed > LIMIT_TOLERANCE {
         let middle = 0.5 * (reached + missed);
         tensions.copy_from_slice(&good);
         let part = Given { commands: &scaled(middle), ..*given };
