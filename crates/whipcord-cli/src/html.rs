@@ -1,5 +1,32 @@
 //! The frame of a self-contained HTML page.
 
+/// A figure and what it shows.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// For file names.
+    pub name: &'static str,
+    /// What it shows.
+    pub caption: String,
+    /// The picture.
+    pub svg: String,
+}
+
+impl Figure {
+    /// With its caption below.
+    pub fn html(&self) -> String {
+        let caption = escape(&self.caption);
+        format!("<figure>{}<figcaption>{caption}</figcaption></figure>\n", self.svg)
+    }
+}
+
+/// What a report ends with.
+pub fn footer() -> String {
+    format!(
+        "<footer>whipcord {}. Every number, in SI, is in the CSV files beside this report.</footer>\n",
+        env!("CARGO_PKG_VERSION")
+    )
+}
+
 /// A page with this title and body.
 pub fn page(title: &str, body: &str) -> String {
     format!(

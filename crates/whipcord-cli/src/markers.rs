@@ -36,11 +36,3 @@ pub fn places(
     };
     Ok(markers.iter().filter_map(place).collect())
 }
-
-/// Where on the backbone a marker sits, in m.
-pub fn arc_length(robot: &Robot, marker: &Observation) -> f64 {
-    match marker.place {
-        Place::Disk(disk) => robot.disks().arc_lengths[disk],
-        Place::ArcLength(s) => s,
-    }
-}

@@ -2,6 +2,8 @@
 
 use whipcord_numerics::Vec3;
 
+use crate::robot::Disks;
+
 /// One marker, seen once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
@@ -26,6 +28,17 @@ pub enum Place {
     ArcLength(f64),
 }
 
+impl Place {
+    /// Where on the backbone it is, in m. The disk is one of these.
+    #[must_use]
+    pub fn arc_length(self, disks: &Disks) -> f64 {
+        match self {
+            Self::Disk(disk) => disks.arc_lengths[disk],
+            Self::ArcLength(arc_length) => arc_length,
+        }
+    }
+}
+
 /// What was seen of a marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen {
@@ -38,4 +51,12 @@ pub enum Seen {
         /// Column and row in pixels; the centre of the first pixel is (0, 0).
         pixel: [f64; 2],
     },
+}
+
+impl Seen {
+    /// Whether it is a place in an image.
+    #[must_use]
+    pub const fn is_in_image(self) -> bool {
+        matches!(self, Self::Pixel { .. })
+    }
 }

@@ -8,17 +8,8 @@ use whipcord_plot::{
 use super::study::Study;
 use crate::failure::Failure;
 use crate::files::plot_failure;
-
-/// A figure and what it shows.
-#[derive(Clone, Debug)]
-pub struct Figure {
-    /// For file names.
-    pub name: &'static str,
-    /// What it shows.
-    pub caption: String,
-    /// The picture.
-    pub svg: String,
-}
+use crate::html::Figure;
+use crate::words::label;
 
 /// The robot with the shapes of all models, and their distances at the disks; none of a case
 /// without an answer.
@@ -31,7 +22,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
     let fail = |error: PlotError| plot_failure(&study.file.path, &error);
     let mut views = vec![RobotView::at_rest(&study.file.robot, study.file.case.base)];
     views.extend(study.solved().map(|(run, solved)| RobotView {
-        label: if run.is_unstable() { format!("{}, unstable", run.label()) } else { run.label() },
+        label: label(run.label(), &solved.solution),
         shape: solved.fine.clone(),
         disks: solved.solution.disks.clone(),
         cables: CableCourse::of(solved.solution.model),

@@ -4,7 +4,7 @@ use whipcord::registration::{RegistrationError, register_by_least_turn};
 use whipcord::{Case, ModelKind, Observation, Place, Pose, Robot, Seen, Solution, Vec3};
 use whipcord_io::{Alignment, Measured};
 
-use crate::markers::{arc_length, places};
+use crate::markers::places;
 use crate::quantity::{degrees, millimetres};
 use crate::statistics::mean;
 
@@ -92,7 +92,7 @@ pub fn against(
             },
             measured,
             model,
-            at_base: arc_length(robot, seen) == 0.0,
+            at_base: seen.place.arc_length(robot.disks()) == 0.0,
         })
         .collect();
     let motion = match motion(&markers, measured.alignment) {

@@ -1,9 +1,8 @@
 //! The report: one HTML file that needs no other and no network.
 
-use super::figures::Figure;
 use super::study::{Commands, Study};
 use super::tables;
-use crate::html::{escape, page};
+use crate::html::{Figure, escape, footer, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
 use crate::words::{describe, instability};
@@ -28,10 +27,7 @@ pub fn html(studies: &[Study], figures: &[Vec<Figure>], passed_over: &[String]) 
     for (i, (study, figures)) in studies.iter().zip(figures).enumerate() {
         body += &section(i + 1, study, figures);
     }
-    body += &format!(
-        "<footer>whipcord {}. Every number, in SI, is in the CSV files beside this report.</footer>\n",
-        env!("CARGO_PKG_VERSION")
-    );
+    body += &footer();
     page("Whipcord: models side by side", &body)
 }
 
@@ -47,11 +43,7 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
     }
     html += "</dl>\n";
     for figure in figures {
-        html += &format!(
-            "<figure>{}<figcaption>{}</figcaption></figure>\n",
-            figure.svg,
-            escape(&figure.caption)
-        );
+        html += &figure.html();
     }
     let disks = disk_table(study);
     if !disks.is_empty() {

@@ -1,6 +1,6 @@
 //! What the models say, in tables for people.
 
-use whipcord::{ModelKind, Observation, Seen};
+use whipcord::ModelKind;
 use whipcord_io::Measured;
 
 use super::study::{Commands, Run, Study};
@@ -128,8 +128,10 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
         ));
     }
     for study in studies {
-        let in_images =
-            |m: &Measured| !m.observations.is_empty() && m.observations.iter().all(is_pixel);
+        let in_images = |m: &Measured| {
+            !m.observations.is_empty()
+                && m.observations.iter().all(|observation| observation.seen.is_in_image())
+        };
         if study.file.measured.as_ref().is_some_and(in_images) {
             notes.push(format!(
                 "{}: measured in images, which `whipcord overlay` compares with.",
@@ -143,10 +145,6 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
         }
     }
     notes
-}
-
-fn is_pixel(observation: &Observation) -> bool {
-    matches!(observation.seen, Seen::Pixel { .. })
 }
 
 fn notes_of(run: &Run) -> Vec<String> {

@@ -1,20 +1,10 @@
 //! What is left of the markers, drawn.
 
-use whipcord::Seen;
 use whipcord_plot::{AxisSpec, Chart, Layer, PlotError, Series};
 
 use super::Fit;
 use super::tables::arc_length;
-
-/// A figure and what it shows.
-pub struct Figure {
-    /// For file names.
-    pub name: &'static str,
-    /// What it shows.
-    pub caption: &'static str,
-    /// The picture.
-    pub svg: String,
-}
+use crate::html::Figure;
 
 /// Distances along the backbone, and the coordinates of what is left one after the other: where the model
 /// is right they show no pattern.
@@ -35,7 +25,7 @@ pub fn figures(fit: &Fit<'_>) -> Result<Vec<Figure>, PlotError> {
                 let of = &fit.experiments[residual.experiment].observations;
                 (residual, &of[residual.observation])
             })
-            .filter(|(_, seen)| matches!(seen.seen, Seen::Pixel { .. }) == pixels)
+            .filter(|(_, seen)| seen.seen.is_in_image() == pixels)
             .collect();
         if residuals.is_empty() {
             continue;
@@ -49,7 +39,9 @@ pub fn figures(fit: &Fit<'_>) -> Result<Vec<Figure>, PlotError> {
         });
         figures.push(Figure {
             name: names[0],
-            caption: "Distance of each marker from where the fitted model has it, along the backbone.",
+            caption: String::from(
+                "Distance of each marker from where the fitted model has it, along the backbone.",
+            ),
             svg: Chart {
                 title: String::from("What is left of each marker"),
                 x: AxisSpec::linear("arc length (mm)"),
@@ -68,7 +60,7 @@ pub fn figures(fit: &Fit<'_>) -> Result<Vec<Figure>, PlotError> {
         });
         figures.push(Figure {
             name: names[1],
-            caption: "Fitted model less measurement, coordinate by coordinate, in the order of the files, steps and places: noise has no pattern.",
+            caption: String::from("Fitted model less measurement, coordinate by coordinate, in the order of the files, steps and places: noise has no pattern."),
             svg: Chart {
                 title: String::from("What is left of each coordinate"),
                 x: AxisSpec::linear("marker"),

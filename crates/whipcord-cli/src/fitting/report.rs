@@ -1,8 +1,7 @@
 //! The report: one HTML file that needs no other and no network.
 
-use super::figures::Figure;
 use super::{Fit, tables};
-use crate::html::{escape, page};
+use crate::html::{Figure, escape, footer, page};
 
 /// The report of a fit with its figures.
 pub fn html(fit: &Fit<'_>, figures: &[Figure]) -> String {
@@ -33,12 +32,8 @@ pub fn html(fit: &Fit<'_>, figures: &[Figure]) -> String {
     }
     body += "<h2>What is left</h2>\n";
     for figure in figures {
-        let caption = escape(figure.caption);
-        body += &format!("<figure>{}<figcaption>{caption}</figcaption></figure>\n", figure.svg);
+        body += &figure.html();
     }
-    body += &format!(
-        "<footer>whipcord {}. Every number, in SI, is in the CSV files beside this report.</footer>\n",
-        env!("CARGO_PKG_VERSION")
-    );
+    body += &footer();
     page("Whipcord: fit", &body)
 }

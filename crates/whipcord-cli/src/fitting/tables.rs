@@ -1,7 +1,7 @@
 //! A fit in tables, for people and as CSV.
 
 use whipcord::identification::{Estimate, Unknown};
-use whipcord::{Observation, Place, Seen};
+use whipcord::{Observation, Seen};
 use whipcord_io::{Cell, CsvTable};
 
 use super::Fit;
@@ -257,8 +257,5 @@ pub fn residuals_csv(fit: &Fit<'_>) -> CsvTable {
 
 /// Where a marker sits, in m.
 pub fn arc_length(fit: &Fit<'_>, experiment: usize, seen: &Observation) -> f64 {
-    match seen.place {
-        Place::Disk(disk) => fit.cases[experiment].robot.disks().arc_lengths[disk],
-        Place::ArcLength(s) => s,
-    }
+    seen.place.arc_length(fit.cases[experiment].robot.disks())
 }

@@ -14,6 +14,7 @@ use crate::markers::places;
 use crate::statistics::mean;
 use crate::superposition::seen::Marker;
 use crate::timing;
+use crate::words::label;
 
 /// A model on the case of a photograph.
 #[derive(Debug)]
@@ -60,16 +61,14 @@ impl Run {
     /// What the picture's legend says.
     pub fn label(&self, markers: &[Marker], length: f64) -> String {
         let Ok(superposed) = &self.outcome else { return self.model.to_string() };
-        let unstable =
-            if superposed.solution.diagnostics.is_unstable() { ", unstable" } else { "" };
+        let name = label(self.model, &superposed.solution);
         match superposed.rms(markers) {
             Some(Rms { distance, .. }) => format!(
-                "{}{unstable}: RMS {:.2} mm, {:.2} % of the length",
-                self.model,
+                "{name}: RMS {:.2} mm, {:.2} % of the length",
                 1e3 * distance,
                 1e2 * distance / length
             ),
-            None => format!("{}{unstable}", self.model),
+            None => name,
         }
     }
 }

@@ -8,7 +8,6 @@ use whipcord_io::{CaseFile, MeasuringCamera, load_camera};
 
 use crate::failure::Failure;
 use crate::inputs;
-use crate::markers::arc_length;
 use crate::quantity::{millimetres, number};
 
 /// A marker in the photograph.
@@ -94,7 +93,7 @@ pub fn markers(file: &CaseFile, camera: usize, step: usize) -> Vec<Marker> {
     let seen = seen.filter(|observation| observation.step == step);
     seen.filter_map(|observation| match observation.seen {
         Seen::Pixel { camera: by, pixel } if by == camera => {
-            let arc_length = arc_length(&file.robot, observation);
+            let arc_length = observation.place.arc_length(file.robot.disks());
             Some(Marker { seen: *observation, arc_length, pixel })
         }
         _ => None,

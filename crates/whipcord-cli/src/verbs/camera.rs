@@ -102,10 +102,7 @@ fn format_of(path: &Path) -> Result<CameraFormat, Failure> {
 
 /// Where the markers are on the robot at rest, and where they were seen.
 fn sightings(robot: &Robot, base: Pose, markers: &[Observation]) -> Vec<Sighting> {
-    let arc_length = |place: Place| match place {
-        Place::Disk(disk) => robot.disks().arc_lengths[disk],
-        Place::ArcLength(arc_length) => arc_length,
-    };
+    let arc_length = |place: Place| place.arc_length(robot.disks());
     let mut stations: Vec<f64> = markers.iter().map(|seen| arc_length(seen.place)).collect();
     stations.sort_by(f64::total_cmp);
     stations.dedup();

@@ -7,11 +7,12 @@ use std::thread;
 
 use clap::Args;
 
-use crate::comparison::figures::{Figure, figures};
+use crate::comparison::figures::figures;
 use crate::comparison::study::Study;
 use crate::comparison::{csv, report, tables};
 use crate::failure::Failure;
 use crate::files::{Folder, unique_names};
+use crate::html::Figure;
 use crate::inputs::Inputs;
 use crate::progress;
 use crate::style::Style;

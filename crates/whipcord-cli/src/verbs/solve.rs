@@ -19,7 +19,7 @@ use crate::steps;
 use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
-use crate::words::{driven_by, instability};
+use crate::words::{driven_by, instability, label};
 
 /// Solve one case with one model
 ///
@@ -204,10 +204,8 @@ fn draw(
     let drawn = shapes.into_iter().zip(answers).map(|(shape, answer)| shape.unwrap_or(answer));
     give(&mut timed, drawn.collect());
     let TimedSolution { solution, steps, .. } = &timed;
-    let view = |name: String, solution: &Solution| {
-        let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
-        RobotView::model(format!("{name}{unstable}"), solution)
-    };
+    let view =
+        |name: String, solution: &Solution| RobotView::model(label(name, solution), solution);
     let mut views = vec![RobotView::at_rest(&file.robot, file.case.base)];
     if steps.len() > MOST_STEPS_DRAWN || steps.is_empty() {
         views.push(view(solution.model.to_string(), solution));

@@ -21,7 +21,7 @@ use crate::inputs::read_one;
 use crate::quantity::{fixed_millimetres, millimetres, number};
 use crate::style::Style;
 use crate::table::{Align, Table};
-use crate::words::{driven_by, instability};
+use crate::words::{driven_by, instability, label};
 
 /// How a place moves with the cables and yields to loads
 ///
@@ -132,8 +132,7 @@ fn draw(
         ellipsoids: ellipsoids(solution, local, file.case.base.rotation),
         ..FigureOptions::default()
     };
-    let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
-    let view = RobotView::model(format!("{}{unstable}", solution.model), &fine);
+    let view = RobotView::model(label(solution.model, solution), &fine);
     let svg = robot_figure(&file.robot, &[view], &options)
         .map_err(|error| files::plot_failure(path, &error))?;
     files::picture(&svg, path)

@@ -10,7 +10,7 @@ use super::{Experiment, Settings, Unknown};
 use crate::camera::Camera;
 use crate::case::Case;
 use crate::model::{Model, ModelKind, Prepared, Stations};
-use crate::observation::{Observation, Place, Seen};
+use crate::observation::{Observation, Seen};
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::Solution;
@@ -57,10 +57,7 @@ impl<'a> Forward<'a> {
         unknowns: &'a [Unknown],
         settings: &Settings,
     ) -> Result<Self, IdentifyError> {
-        let arc_length = |seen: &Observation| match seen.place {
-            Place::Disk(disk) => robot.disks().arc_lengths[disk],
-            Place::ArcLength(s) => s,
-        };
+        let arc_length = |seen: &Observation| seen.place.arc_length(robot.disks());
         let observations = || experiments.iter().flat_map(|experiment| &experiment.observations);
         let mut places: Vec<f64> = observations().map(arc_length).collect();
         places.sort_by(f64::total_cmp);

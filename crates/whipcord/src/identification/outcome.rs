@@ -13,7 +13,6 @@ use super::unresolved::Unresolved;
 use super::{Settings, Unknown};
 use crate::case::Case;
 use crate::model::ModelKind;
-use crate::observation::Seen;
 use crate::robot::Robot;
 
 /// What was found.
@@ -155,7 +154,7 @@ pub(super) fn tell(
         let of = residuals.iter().filter(|residual| {
             let experiment = &forward.experiments[residual.experiment];
             let seen = experiment.observations[residual.observation].seen;
-            matches!(seen, Seen::Pixel { .. }) == pixels
+            seen.is_in_image() == pixels
         });
         let (sum, count) =
             of.fold((0.0, 0.0), |(sum, count), of| (sum + of.distance().powi(2), count + 1.0));

@@ -4,7 +4,7 @@ use super::check;
 use super::error::{IdentifyError, NoAnswer};
 use super::forward::{Forward, measured};
 use super::{Experiment, Settings, Unknown, identify};
-use crate::observation::{Observation, Seen};
+use crate::observation::Observation;
 use crate::robot::Robot;
 
 /// What is held out in turn, and how far off it is.
@@ -40,7 +40,7 @@ struct Misses([(f64, usize); 2]);
 
 impl Misses {
     fn add(&mut self, seen: &Observation, distance: f64) {
-        let (sum, count) = &mut self.0[usize::from(matches!(seen.seen, Seen::Pixel { .. }))];
+        let (sum, count) = &mut self.0[usize::from(seen.seen.is_in_image())];
         *sum += distance * distance;
         *count += 1;
     }

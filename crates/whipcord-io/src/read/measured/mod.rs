@@ -171,7 +171,7 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
         let file = sources.add(path, Some(text.clone()));
         let grid = csv::grid(&text, file, &mut problems)?;
         let markers = rows::observations(&grid, &known, &mut problems)?;
-        let in_image = markers.iter().all(|marker| matches!(marker.seen, Seen::Pixel { .. }));
+        let in_image = markers.iter().all(|marker| marker.seen.is_in_image());
         if !in_image {
             problems.push(grid.header, || {
                 rows::problem("markers in a photograph have the columns `u` and `v`", rows::PIXELS)
