@@ -258,14 +258,22 @@ def test_measurements_are_read_and_written(case: whipcord.Case, tmp_path: Path) 
     for seen in (there.measured, again.measured, pickle.loads(pickle.dumps(again)).measured):
         assert seen is not None
         assert np.allclose(seen.position, solution.position, rtol=0, atol=1e-15)
-        assert (seen.unit, seen.deviation, seen.pixel_deviation, seen.registration) == ("mm", 3e-4, 0.5, "rigid")
+        assert (seen.unit, seen.deviation, seen.pixel_deviation, seen.registration) == (
+            "mm",
+            3e-4,
+            0.5,
+            "rigid",
+        )
         assert [name for name, _ in seen.cameras] == ["side"]
         assert Path(seen.cameras[0][1]).samefile(tmp_path / "side.yml")
-    assert whipcord.compare(again)["cosserat"].distance_to_measured is None
+    # Moved onto the model, what was computed by it is where it has it.
+    run = whipcord.compare(again)["cosserat"]
+    assert run.distance_to_measured is not None and run.distance_to_measured < 1e-12
     # It stays as long as it is what the robot did.
     path = "backbone.young_modulus"
     for same in (copy.replace(title="again"), copy.with_parameters({path: 1e9}), copy.solve().case):
-        assert same.measured is copy.measured
+        assert same.measured is not None and copy.measured is not None
+        assert same.measured.observations == copy.measured.observations
     for other in (
         copy.replace(tension=[1.0]),
         copy.replace(loads=Loads(tip_force=[0.01, 0, 0])),

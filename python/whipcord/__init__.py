@@ -20,11 +20,11 @@ from .batch import Batch, Gradients
 from .camera import Camera, Located
 from .case import Case, load
 from .cases import solve_cases
-from .comparison import Comparison, Run, compare
+from .comparison import Comparison, Distances, Run, compare
 from .derivatives import Derivatives, Dexterity, Gradient, Place
 from .errors import FileError, InputError, ModelError, SolveError, WhipcordError
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
-from .published import Measured, Reference
+from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
 from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution
 
@@ -44,6 +44,7 @@ __all__ = [
     "Dexterity",
     "Diagnostics",
     "Disks",
+    "Distances",
     "DistributedLoad",
     "Equilibrium",
     "FileError",
@@ -54,6 +55,7 @@ __all__ = [
     "Located",
     "Measured",
     "ModelError",
+    "Observation",
     "Place",
     "PointLoad",
     "PointMass",

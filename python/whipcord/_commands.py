@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any, Union
 
@@ -63,6 +64,14 @@ def shortening_for(
             raise InputError(message, path="length")
         driven.append(start - metres(long, "length"))
     return driven
+
+
+def whole(value: Any, name: str, what: str = "a whole number") -> int:
+    """A whole number, of any of the types that are one."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise InputError(f"{name} must be {what}, but is {value!r}", path=name) from None
 
 
 def metres(value: Quantity, name: str) -> float:

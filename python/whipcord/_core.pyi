@@ -19,6 +19,7 @@ __all__ = [
     "Setup",
     "Solution",
     "derivatives",
+    "distances",
     "locate_orthographic",
     "main",
     "parse_quantity",
@@ -117,6 +118,8 @@ class Setup:
     def measured(self) -> dict[str, Any] | None: ...
     @property
     def reference(self) -> dict[str, Any] | None: ...
+    def beside(self, other: Setup, measured: bool, reference: bool) -> Setup: ...
+    def with_measured(self, measured: dict[str, Any]) -> Setup: ...
     def stations(self, model: Model) -> _Array: ...
     def solve(
         self,
@@ -203,6 +206,19 @@ class Derivatives:
         tension: _Array | None = None,
         length: _Array | None = None,
     ) -> dict[str, Any]: ...
+
+def distances(
+    setup: Setup, solution: Solution
+) -> (
+    tuple[
+        float | None,
+        list[tuple[int | None, bool]],
+        _Array,
+        _Array,
+        tuple[list[float], list[float]] | None,
+    ]
+    | None
+): ...
 
 _Place = tuple[list[float], list[float]]
 _Located = tuple[Camera, _Array, float, tuple[Camera, float] | None, bool]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._commands import whole
 from ._packages import needed
 from .errors import InputError, SolveError
 
@@ -233,10 +233,7 @@ def _bar(rows: int, show: bool) -> Iterator[Callable[[int], None] | None]:
 def _threads(threads: int | None) -> int | None:
     if threads is None:
         return None
-    try:
-        count = operator.index(threads)
-    except TypeError:
-        raise InputError(f"threads must be a whole number, but is {threads!r}", path="threads") from None
+    count = whole(threads, "threads")
     if count < 1:
         raise InputError(f"threads must be at least 1, but is {threads}", path="threads")
     return count

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from functools import cached_property
-from typing import Any
+from collections.abc import Sequence
 
 import numpy.typing as npt
 
 from . import _core, models
-from ._commands import Commands, each, listed, metres, paths, shortening_for
-from ._files import write
-from ._html import picture
-from ._tables import Quantity, part, parts, plain
+from ._commands import Commands, listed, metres, paths, shortening_for
+from ._description import Description
+from ._tables import Quantity
 from .batch import Batch, Gradients, pull_back_batch, solve_batch
 from .derivatives import Derivatives, Place
-from .errors import InputError
-from .loads import Base, Loads, Step
 from .models import ModelLike, StationsLike
-from .published import Measured, Reference, published, still_true
-from .robot import Robot
 from .solution import Branches, Solution, begun
 
 __all__ = ["Case", "load"]
@@ -43,7 +36,7 @@ def load(path: str | os.PathLike[str]) -> Case:
     return Case._of(_core.Setup.load(os.fspath(path)))
 
 
-class Case:
+class Case(Description):
     """A robot and what is asked of it. It never changes.
 
     Parameters
@@ -66,6 +59,7 @@ class Case:
 
     Examples
     --------
+    >>> from whipcord import Loads
     >>> robot = load("examples/table1/case-3.toml").robot
     >>> case = Case(robot, tension=["400 gf"], loads=Loads(tip_force=["0.05 N", 0, 0]))
     >>> case.tension
@@ -73,159 +67,6 @@ class Case:
     >>> case.replace(tension=[2.0]).solve().tension
     array([2.])
     """
-
-    _setup: _core.Setup
-    _measured: Measured | None
-    _reference: Reference | None
-
-    def __init__(
-        self,
-        robot: Robot,
-        *,
-        tension: Commands | None = None,
-        shortening: Commands | None = None,
-        loads: Loads | None = None,
-        base: Base | None = None,
-        steps: Sequence[Step] = (),
-        title: str = "case",
-    ) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError(f"robot must be a Robot, but is {robot!r}", path="robot")
-        cables = [plain(cable) for cable in robot.cables]
-        for key, values in (("tension", tension), ("shortening", shortening)):
-            for cable, value in zip(cables, each(values, robot.cables, key)):
-                cable[key] = value
-        tables = {
-            "title": title,
-            "backbone": plain(robot.backbone),
-            "disks": plain(robot.disks),
-            "cables": cables or None,
-            "base": part(base, Base, "base") or None,
-            "loads": part(loads, Loads, "loads") or None,
-            "steps": parts(steps, Step, "steps"),
-        }
-        self._keep(_core.Setup.of_tables(tables, "Case"))
-
-    def _keep(
-        self,
-        setup: _core.Setup,
-        measured: Measured | None = None,
-        reference: Reference | None = None,
-    ) -> None:
-        object.__setattr__(self, "_setup", setup)
-        object.__setattr__(self, "_measured", measured)
-        object.__setattr__(self, "_reference", reference)
-
-    @classmethod
-    def _of(cls, setup: _core.Setup) -> Case:
-        self = cls.__new__(cls)
-        measured, reference = setup.measured, setup.reference
-        self._keep(
-            setup,
-            None if measured is None else Measured.of(measured),
-            None if reference is None else Reference(**reference),
-        )
-        return self
-
-    @classmethod
-    def from_toml(cls, text: str, path: str | os.PathLike[str] = "text") -> Case:
-        """Reads the text of a robot file; files it names are looked for in the folder of `path`."""
-        return cls._of(_core.Setup.parse(text, os.fspath(path)))
-
-    @cached_property
-    def _tables(self) -> dict[str, Any]:
-        return self._setup.tables()
-
-    @property
-    def title(self) -> str:
-        """What it is."""
-        return self._setup.title
-
-    @cached_property
-    def robot(self) -> Robot:
-        """The robot."""
-        return Robot._of(self._tables)
-
-    @cached_property
-    def loads(self) -> Loads:
-        """What acts from outside."""
-        return Loads._of(self._tables.get("loads", {}))
-
-    @cached_property
-    def base(self) -> Base:
-        """Where the base is."""
-        return Base._of(self._tables.get("base", {}))
-
-    @cached_property
-    def steps(self) -> tuple[Step, ...]:
-        """Steps of actuation; none where the case is a single one."""
-        return tuple(Step._of(step) for step in self._tables.get("steps", ()))
-
-    @property
-    def tension(self) -> tuple[float | None, ...]:
-        """Tension of each cable in N, where it is given."""
-        return self._commands("tension")
-
-    @property
-    def shortening(self) -> tuple[Quantity | None, ...]:
-        """Shortening of each cable in m, or a text in per cent, where it is given."""
-        return self._commands("shortening")
-
-    @property
-    def measured(self) -> Measured | None:
-        """What the real robot did, where the file says so."""
-        return self._measured
-
-    @property
-    def reference(self) -> Reference | None:
-        """What others have published for the case, where the file says so."""
-        return self._reference
-
-    def _commands(self, key: str) -> tuple[Any, ...]:
-        cables = self._tables.get("cables", ())
-        if self.steps:
-            return getattr(self.steps[-1], key) or (None,) * len(cables)
-        return tuple(cable.get(key) for cable in cables)
-
-    def replace(self, **changes: Any) -> Case:
-        """The same case with another robot, other commands, loads, base, steps or title.
-
-        Other commands take the place of the steps, and with them of what friction keeps of the steps before.
-        What was measured stays as long as commands, loads, base and the places of the disks do; what was
-        published, as long as the whole robot does too.
-        """
-        given: dict[str, Any] = {"loads": self.loads, "base": self.base, "title": self.title}
-        if {"tension", "shortening"} & changes.keys() and "steps" not in changes:
-            changes = {"steps": (), **changes}
-        if self.steps:
-            given["steps"] = self.steps
-        else:
-            given.update(tension=self.tension, shortening=self.shortening)
-        if changes.get("steps"):
-            given.update(tension=None, shortening=None)
-        robot = changes.pop("robot", self.robot)
-        return self._with_published(Case(robot, **{**given, **changes}))
-
-    def _with_published(self, other: Case) -> Case:
-        other._keep(other._setup, *still_true(self, other))
-        return other
-
-    def to_toml(self) -> str:
-        """The text of a robot file; read again, it gives the identical robot and case.
-
-        >>> case = load("examples/tapered-arm.toml")
-        >>> Case.from_toml(case.to_toml()) == case
-        True
-        """
-        return self._text(None)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a robot file, whole or not at all."""
-        folder = os.path.dirname(os.path.abspath(path))
-        write(path, self._text(folder))
-
-    def _text(self, folder: str | None) -> str:
-        return _core.toml({**self._tables, **published(self.measured, self.reference, folder)})
 
     def solve(
         self,
@@ -468,66 +309,3 @@ class Case:
         chosen = models.core("cosserat")
         given = listed(tension, "tension"), listed(shortening, "shortening")
         return Branches._of(self, chosen, self._setup.branches(chosen, *given))
-
-    def parameter(self, path: str) -> float:
-        """The value of a quantity of robot or case, by its path.
-
-        >>> load("examples/table1/case-3.toml").parameter("backbone.diameter")
-        0.003
-        """
-        return self._setup.parameter(*paths([path]))
-
-    def with_parameters(self, values: Mapping[str, float]) -> Case:
-        """The same case with these quantities changed, by their paths; measurements as for :meth:`replace`.
-
-        >>> case = load("examples/table1/case-3.toml")
-        >>> case.with_parameters({"backbone.young_modulus": 2e9}).robot.backbone.young_modulus
-        2000000000.0
-        """
-        if not isinstance(values, Mapping):
-            message = f"values must be a dict of paths and numbers, but is {values!r}"
-            raise InputError(message, path="values")
-        return self._with_published(Case._of(self._setup.with_parameters(list(values.items()))))
-
-    def _answered(self, answer: _core.Solution) -> Case:
-        """The case that an answer is the answer to."""
-        return self._with_published(Case._of(self._setup.of_answer(answer)))
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"a case never changes: use replace({name}=...)")
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Case) and self.to_toml() == other.to_toml()
-
-    def __hash__(self) -> int:
-        return hash(self.to_toml())
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (_unpickled, (_core.toml(self._tables), self._measured, self._reference))
-
-    def __repr__(self) -> str:
-        cables = self.robot.cables
-        names = ", ".join(cable.name for cable in cables)
-        given = []
-        for key in ("tension", "shortening"):
-            values = getattr(self, key)
-            if any(value is not None for value in values):
-                given.append(f"{key}={values!r}")
-        if self.steps:
-            given.append(f"{len(self.steps)} steps")
-        if self.loads != Loads():
-            given.append(f"loads={self.loads!r}")
-        if self.base != Base():
-            given.append(f"base={self.base!r}")
-        length = self.robot.backbone.length
-        asked = "".join(f", {item}" for item in given)
-        return f"<Case {self.title!r}: robot of {length} m, cables [{names}]{asked}>"
-
-    def _repr_html_(self) -> str:
-        return picture(_core.svg(self._setup, [], 620.0))
-
-
-def _unpickled(text: str, measured: Measured | None, reference: Reference | None) -> Case:
-    case = Case.__new__(Case)
-    case._keep(_core.Setup.parse(text, "case"), measured, reference)
-    return case

@@ -9,14 +9,41 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import models
+from . import _core, models
 from ._packages import needed
 from .case import Case
 from .errors import InputError, WhipcordError
 from .models import ModelLike
 from .solution import Solution
 
-__all__ = ["Comparison", "Run", "compare"]
+__all__ = ["Comparison", "Distances", "Run", "compare"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Distances:
+    """An answer beside what was measured in space after the last step."""
+
+    disk: tuple[int | None, ...]
+    """Numbers of the disks, from 1, whose centres the markers are; None for other markers."""
+    at_base: tuple[bool, ...]
+    """Whether each does not move with the robot."""
+    measured: Array
+    """(k, 3) where each was measured, in m, after the measurement was moved."""
+    model: Array
+    """(k, 3) where the model has it."""
+    rms: float | None
+    """RMS distance in m over the markers that are not at the base; None where there are none."""
+    motion: tuple[Array, Array] | None
+    """The (3,) translation in m and the (4,) quaternion (w, x, y, z) by which the measurement was moved."""
+
+    @classmethod
+    def _of(cls, given: tuple[Any, ...]) -> Distances:
+        rms, kinds, measured, model, motion = given
+        disk, at_base = tuple(disk for disk, _ in kinds), tuple(at_base for _, at_base in kinds)
+        moved = None if motion is None else (np.array(motion[0]), np.array(motion[1]))
+        return cls(disk, at_base, measured, model, rms, moved)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +59,10 @@ class Run:
     distance: float | None
     """RMS distance in m over the disks, without the base disk, to the first model that has an answer."""
     distance_to_measured: float | None
-    """RMS distance in m to the disks that were measured, without the base disk. None where the measurement must first be
-    moved onto the model (``registration``): the command ``whipcord compare`` does that."""
+    """RMS distance in m to the markers that were measured, without those on the base."""
+    measured: Distances | InputError | None = None
+    """Where they were, moved onto the model where ``registration`` asks for it, or why that cannot be told; None where
+    nothing was measured in space."""
 
     @property
     def unstable(self) -> bool:
@@ -152,8 +181,9 @@ def compare(case: Case, *, by: Sequence[ModelLike] = models.NAMES) -> Comparison
             continue
         distance = None if first is None else solution.rms_distance(first)
         first = first or solution
-        measured = _to_measured(case, solution.disks.position)
-        runs.append(Run(_name(model), solution, None, distance, measured))
+        measured = _to_measured(solution)
+        rms = measured.rms if isinstance(measured, Distances) else None
+        runs.append(Run(_name(model), solution, None, distance, rms, measured))
     return Comparison(case, runs)
 
 
@@ -165,12 +195,9 @@ def _name(model: ModelLike) -> str:
     return model if isinstance(model, str) else models.core(model).kind
 
 
-def _to_measured(case: Case, position: npt.NDArray[np.float64]) -> float | None:
-    if case.measured is None or case.measured.registration != "none":
-        return None
-    pairs = [(i, p) for i, p in zip(case.measured.disks, case.measured.position) if i > 1]
-    if not pairs:
-        return None
-    rest = np.array([p for _, p in pairs])
-    there = position[[i - 1 for i, _ in pairs]]
-    return float(np.sqrt(np.mean(np.sum((there - rest) ** 2, axis=1))))
+def _to_measured(solution: Solution) -> Distances | InputError | None:
+    try:
+        found = _core.distances(solution.case._setup, solution._answer)
+    except InputError as error:
+        return error
+    return None if found is None else Distances._of(found)

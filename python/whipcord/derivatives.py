@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._commands import whole
 from .batch import numbers
 from .errors import InputError
 
@@ -119,10 +119,7 @@ class Derivatives:
         """The number from 0 of a station that is counted from the end where it is negative, as in NumPy."""
         if at is None:
             return None
-        try:
-            number = operator.index(at)
-        except TypeError:
-            raise InputError(f"at must be the number of a station, but is {at!r}", path="at") from None
+        number = whole(at, "at", "the number of a station")
         if number >= 0:
             return number
         stations = len(self.twist_by_command)

@@ -9,10 +9,48 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    from .case import Case
+from .camera import Camera
 
-__all__ = ["Measured", "Reference"]
+if TYPE_CHECKING:
+    from ._description import Description
+
+__all__ = ["Measured", "Observation", "Reference"]
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A marker of the real robot, seen once."""
+
+    step: int
+    """Step of actuation, from 1."""
+    disk: int | None
+    """Number of the disk, from 1, that it sits on; None where it sits between disks."""
+    arc_length: float | None
+    """Or where on the backbone it sits, in m."""
+    offset: tuple[float, ...]
+    """(3,) where it is in the frame at its place, in m."""
+    position: tuple[float, ...] | None
+    """(3,) where it was, in m, in the frame of the measurement."""
+    camera: str | None
+    """Or the camera that saw it,"""
+    pixel: tuple[float, ...] | None
+    """and at which column and row."""
+    deviation: float | None
+    """Standard deviation of each number, in m or pixels, where it is known."""
+
+    @classmethod
+    def _of(cls, given: tuple[Any, ...], cameras: tuple[tuple[str, str], ...]) -> Observation:
+        step, disk, arc_length, offset, position, camera, pixel, deviation = given
+        return cls(
+            step + 1,
+            None if disk is None else disk + 1,
+            arc_length,
+            tuple(offset),
+            None if position is None else tuple(position),
+            None if camera is None else cameras[camera][0],
+            None if pixel is None else tuple(pixel),
+            deviation,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +73,24 @@ class Measured:
     """How positions are moved onto a model before they are compared: ``"none"``, ``"rigid"`` or ``"base"``."""
     cameras: tuple[tuple[str, str], ...] = ()
     """Names and files of the cameras whose images the file refers to."""
+    views: tuple[Camera, ...] = ()
+    """These cameras."""
+    observations: tuple[Observation, ...] = ()
+    """All that was seen, in space or in images, in all steps."""
 
     @classmethod
     def of(cls, given: dict[str, Any]) -> Measured:
         """As the extension module has it."""
         cameras = tuple((name, str(path)) for name, path in given["cameras"])
-        disks, path = tuple(given["disks"]), str(given["path"])
-        return cls(**{**given, "disks": disks, "path": path, "cameras": cameras})
+        seen = [Observation._of(one, cameras) for one in given["observations"]]
+        kept = {
+            "disks": tuple(given["disks"]),
+            "path": str(given["path"]),
+            "cameras": cameras,
+            "views": tuple(Camera._of(camera) for camera in given["views"]),
+            "observations": tuple(seen),
+        }
+        return cls(**{**given, **kept})
 
 
 @dataclass(frozen=True)
@@ -82,13 +131,13 @@ def _seen_from(folder: str | None, path: str) -> str:
     return os.path.relpath(there, folder) if folder else there
 
 
-def still_true(case: Case, other: Case) -> tuple[Measured | None, Reference | None]:
-    """What was measured and published for a case, as far as it is so for another."""
+def still_true(case: Description, other: Description) -> tuple[bool, bool]:
+    """Whether what was measured and what was published for a case is so for another."""
     if case.measured is None and case.reference is None:
-        return None, None
+        return False, False
     asked = ("tension", "shortening", "steps", "loads", "base")
     same = all(getattr(case, name) == getattr(other, name) for name in asked)
     disks = ("count", "positions")
     if not same or any(getattr(case.robot.disks, n) != getattr(other.robot.disks, n) for n in disks):
-        return None, None
-    return case.measured, case.reference if case.robot == other.robot else None
+        return False, False
+    return True, case.robot == other.robot

@@ -9,7 +9,6 @@ mod files;
 mod fitting;
 mod html;
 mod inputs;
-mod markers;
 mod paths;
 mod photographs;
 mod progress;

@@ -4,14 +4,13 @@ use whipcord::cosserat::{
     BranchOptions, Branches, Cosserat, CriticalKind, Equilibrium, TraceEvent, Workspace,
 };
 use whipcord::cosserat_disks::{self, CosseratDisks};
-use whipcord::{Diagnostics, Model, SolveError};
+use whipcord::{Case, Diagnostics, Model, SolveError};
 use whipcord_io::CaseFile;
 
 use crate::failure::Failure;
 use crate::quantity::{fixed_millimetres, number};
 use crate::style::Style;
 use crate::table::{Align, Table};
-use crate::timing;
 
 /// The iterations of one solve, whether it finds an answer or not: from cold, or for the last of several
 /// steps from where the one before left the robot.
@@ -22,7 +21,11 @@ use crate::timing;
 pub fn trace(model: &Model, file: &CaseFile) -> Result<Vec<TraceEvent>, Failure> {
     let CaseFile { robot, case, .. } = file;
     let one_before = case.before.len().checked_sub(1).and_then(|step| case.steps().nth(step));
-    let left = one_before.map(|case| timing::solve_once(model, robot, &case)).transpose();
+    let to = |case: Case| {
+        let mut prepared = model.prepare(robot, &case.loads).map_err(|error| (0, error))?;
+        prepared.solve_to_the_end(&case)
+    };
+    let left = one_before.map(to).transpose();
     let left = left.map_err(|(step, error)| Failure::from_step(file, &error, step))?;
     let left = left.as_ref();
     let refused = |error: SolveError| Failure::from_solve(file, &error);

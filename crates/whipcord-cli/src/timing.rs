@@ -64,23 +64,6 @@ pub fn solve(
     Ok(TimedSolution { solution, solve, build, steps })
 }
 
-/// The answer that a case ends in.
-///
-/// # Errors
-/// As [`solve`].
-pub fn solve_once(
-    model: &Model,
-    robot: &Robot,
-    case: &Case,
-) -> Result<Solution, (usize, SolveError)> {
-    let mut prepared = model.prepare(robot, &case.loads).map_err(|error| (0, error))?;
-    let mut last = None;
-    if !case.before.is_empty() {
-        prepared.solve_steps(case, |solution| last = Some(solution))?;
-    }
-    last.map_or_else(|| prepared.solve(case, None).map_err(|error| (0, error)), Ok)
-}
-
 /// Shapes that are further apart than this share of the length are two answers.
 const SAME_SHAPE: f64 = 1e-3;
 

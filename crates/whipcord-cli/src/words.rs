@@ -1,7 +1,5 @@
 //! A robot and its case in words.
 
-use std::fmt::Display;
-
 use whipcord::case::Piece;
 use whipcord::robot::SectionProperties;
 use whipcord::{
@@ -324,12 +322,6 @@ fn base(base: &Pose) -> String {
         text += &format!(", turned by {} about {}", degrees(angle), vector(turn / angle));
     }
     text
-}
-
-/// What pictures call an answer that has this name.
-pub fn label(name: impl Display, solution: &Solution) -> String {
-    let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
-    format!("{name}{unstable}")
 }
 
 /// What an answer's stability means, where it is to be known.

@@ -25,14 +25,16 @@ mod validate;
 
 pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
 pub use case_file::{CaseFile, load, parse};
-pub use document::{FittedFile, Inexpressible, Item, Table, describe, table_in_si, toml};
+pub use document::{
+    FittedFile, Inexpressible, Item, Table, describe, describe_fit, table_in_si, toml,
+};
 pub use error::{Diagnostic, FileError, FileProblem};
 pub use output::{
     Beside, Cell, CsvTable, NonFinite, answer_json, fit_json, remove_unfinished, shape_csv,
     solution_json, steps_csv, stiffness_json, write_atomically,
 };
 pub use read::{
-    Alignment, Fit, Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers, quantity,
+    Fit, LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers, quantity,
 };
 pub use render::render;
 pub use schema::schema;

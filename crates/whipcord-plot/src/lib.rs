@@ -47,6 +47,6 @@ pub use marker::Marker;
 pub use overlay::{OverlayOptions, Photograph, overlay_figure};
 pub use png::png;
 pub use robot_figure::{
-    CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, robot_figure,
+    CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, label, robot_figure,
 };
 pub use timing::{TimingSeries, timing_chart};

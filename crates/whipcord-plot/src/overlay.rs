@@ -4,14 +4,15 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use core::f64::consts::TAU;
 use whipcord::camera::Camera;
-use whipcord::{Robot, Vec3};
+use whipcord::observation::{InImage, Overlaid, Rms};
+use whipcord::{Robot, Solution, Vec3};
 
 use crate::body::{Body, Disk, Part};
 use crate::colour::Colour;
 use crate::error::{PlotError, finite, not_empty};
 use crate::legend::Legend;
 use crate::marker::{self, Marker};
-use crate::robot_figure::{Bodies, Colours, MEASURED, RobotView, bodies};
+use crate::robot_figure::{Bodies, Colours, MEASURED, RobotView, bodies, label};
 use crate::scene;
 use crate::svg::{Fill, Point, Stroke, Svg};
 use crate::title::Title;
@@ -39,6 +40,25 @@ pub struct OverlayOptions {
 impl Default for OverlayOptions {
     fn default() -> Self {
         Self { title: String::new(), measured: Vec::new(), width: 980.0 }
+    }
+}
+
+impl RobotView {
+    /// A model's answer over a photograph, named with how far it is from the markers that were seen there, in mm
+    /// and in per cent of the length in m.
+    #[must_use]
+    pub fn overlaid(overlaid: &Overlaid, markers: &[InImage], length: f64) -> Self {
+        let name = label(overlaid.solution.model, &overlaid.solution);
+        let name = match overlaid.rms(markers) {
+            Some(Rms { distance, .. }) => format!(
+                "{name}: RMS {:.2} mm, {:.2} % of the length",
+                1e3 * distance,
+                1e2 * distance / length
+            ),
+            None => name,
+        };
+        let solution = Solution { shape: overlaid.fine.clone(), ..overlaid.solution.clone() };
+        Self::model(name, &solution)
     }
 }
 

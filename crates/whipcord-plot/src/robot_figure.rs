@@ -1,5 +1,7 @@
 //! A robot in space and in three orthogonal views.
 
+use core::fmt::Display;
+
 use whipcord::{ModelKind, Pose, Robot, Shape, Solution, Stations, Vec3, at_rest};
 
 use crate::acting::Acting;
@@ -98,6 +100,12 @@ impl CableCourse {
             ModelKind::CosseratDisks | ModelKind::FourBar => Self::HoleToHole,
         }
     }
+}
+
+/// What pictures call an answer that has this name.
+pub fn label(name: impl Display, solution: &Solution) -> String {
+    let unstable = if solution.diagnostics.is_unstable() { ", unstable" } else { "" };
+    format!("{name}{unstable}")
 }
 
 impl RobotView {

@@ -16,7 +16,7 @@ use crate::errors;
 /// A lens in its place.
 #[pyclass(frozen, module = "whipcord._core")]
 pub struct Camera {
-    inner: camera::Camera,
+    pub inner: camera::Camera,
 }
 
 /// Position and quaternion (w, x, y, z).
@@ -225,7 +225,7 @@ fn rows<'py, const N: usize, const M: usize>(
 }
 
 impl Camera {
-    const fn of(inner: camera::Camera) -> Self {
+    pub const fn of(inner: camera::Camera) -> Self {
         Self { inner }
     }
 

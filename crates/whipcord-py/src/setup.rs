@@ -12,9 +12,10 @@ use whipcord::kinematics::{DrivenBy, Means};
 use whipcord::{
     Case, Differentiable, ModelKind, Parameter, Prepared, Robot, Shortening, SolveError, Statics,
 };
-use whipcord_io::{CaseFile, Measured, Reference};
+use whipcord_io::CaseFile;
 
-use crate::convert::{self, array, commands, flat};
+use crate::besides::{self, Besides};
+use crate::convert::{self, array, commands};
 use crate::errors;
 use crate::model::Model;
 use crate::solution::Solution;
@@ -26,8 +27,7 @@ pub struct Setup {
     pub title: String,
     pub robot: Robot,
     pub case: Arc<Case>,
-    measured: Option<Measured>,
-    reference: Option<Reference>,
+    pub besides: Besides,
     /// Models built for the robot, the last used one last. They hold nothing that an answer depends on.
     kept: Mutex<Vec<Kept>>,
     /// Lengths in m of the cables before actuation, by the kinds of models that were asked for them.
@@ -46,14 +46,15 @@ struct Kept {
 const MOST_PREPARED: usize = 8;
 
 impl Setup {
-    fn new(title: String, robot: Robot, case: Arc<Case>) -> Self {
+    pub fn new(title: String, robot: Robot, case: Arc<Case>) -> Self {
         let (kept, initial_lengths) = (Mutex::default(), Mutex::default());
-        Self { title, robot, case, measured: None, reference: None, kept, initial_lengths }
+        Self { title, robot, case, besides: Besides::default(), kept, initial_lengths }
     }
 
     fn of_file(file: CaseFile) -> Self {
-        let CaseFile { title, robot, case, measured, reference, .. } = file;
-        Self { measured, reference, ..Self::new(title, robot, Arc::new(case)) }
+        let besides = Besides::of(&file);
+        let CaseFile { title, robot, case, .. } = file;
+        Self { besides, ..Self::new(title, robot, Arc::new(case)) }
     }
 
     /// Has a model work that was built before, or is built now. Several threads may do this at once.
@@ -170,10 +171,9 @@ impl Setup {
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let title = (!self.title.trim().is_empty()).then_some(self.title.as_str());
         let table = whipcord_io::describe(title, &self.robot, &self.case);
-        convert::from_table(
-            py,
-            &table.map_err(|error| errors::input(py, "case", error.to_string()))?,
-        )
+        let mut table = table.map_err(|error| errors::input(py, "case", error.to_string()))?;
+        table.insert_some("fit", self.besides.fit.as_ref().map(whipcord_io::describe_fit));
+        convert::from_table(py, &table)
     }
 
     #[getter]
@@ -185,35 +185,37 @@ impl Setup {
     /// beside them.
     #[getter]
     fn measured<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(measured) = &self.measured else { return Ok(None) };
-        let disks = &measured.disks;
-        let numbers: Vec<usize> = disks.iter().map(|disk| disk.disk).collect();
-        let positions = flat(disks.iter().map(|disk| disk.position));
-        let cameras: Vec<(&str, &PathBuf)> =
-            measured.cameras.iter().map(|camera| (camera.name.as_str(), &camera.path)).collect();
-        let values = PyDict::new(py);
-        values.set_item("disks", numbers)?;
-        values.set_item("position", array(py, positions, [disks.len(), 3])?)?;
-        values.set_item("path", &measured.path)?;
-        values.set_item("unit", measured.unit)?;
-        values.set_item("deviation", measured.deviation)?;
-        values.set_item("pixel_deviation", measured.pixel_deviation)?;
-        values.set_item("registration", measured.alignment.name())?;
-        values.set_item("cameras", cameras)?;
-        Ok(Some(values))
+        let measured = self.besides.measured.as_deref();
+        measured.map(|measured| besides::measured(py, measured)).transpose()
     }
 
     /// What others have published for this case.
     #[getter]
     fn reference<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(reference) = &self.reference else { return Ok(None) };
-        let values = PyDict::new(py);
-        values.set_item("source", &reference.source)?;
-        values.set_item("rms_four_bar", reference.rms_four_bar)?;
-        values.set_item("rms_cosserat", reference.rms_cosserat)?;
-        values.set_item("time_four_bar", reference.time_four_bar)?;
-        values.set_item("time_cosserat", reference.time_cosserat)?;
-        Ok(Some(values))
+        let reference = self.besides.reference.as_deref();
+        reference.map(|reference| besides::reference(py, reference)).transpose()
+    }
+
+    /// The same, with what a file says beside robot and case from another: the unknowns, and if asked for what
+    /// was measured and published.
+    fn beside(&self, other: &Self, measured: bool, reference: bool) -> Self {
+        let of = &other.besides;
+        let besides = Besides {
+            measured: of.measured.clone().filter(|_| measured),
+            reference: of.reference.clone().filter(|_| reference),
+            fit: of.fit.clone(),
+            file: None,
+        };
+        let setup = Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&self.case));
+        Self { besides, ..setup }
+    }
+
+    /// The same, with the measurement of these values, which are those that `measured` has given.
+    fn with_measured(&self, measured: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let measured = Some(Arc::new(besides::measured_of(measured)?));
+        let setup = Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&self.case));
+        let besides = Besides { measured, file: None, ..self.besides.clone() };
+        Ok(Self { besides, ..setup })
     }
 
     /// Arc lengths in m at which a model gives the shape.
@@ -235,13 +237,9 @@ impl Setup {
         let case = slf.get().commanded(tension, shortening)?;
         let start = start.map(|solution| Arc::clone(&solution.inner));
         let of = Arc::clone(&case);
-        let answer = Self::watched(slf, &model.inner, move |prepared| {
-            if of.before.is_empty() || start.is_some() {
-                return prepared.solve(&of, start.as_deref());
-            }
-            let mut last = None;
-            prepared.solve_steps(&of, |solution| last = Some(solution)).map_err(|(_, e)| e)?;
-            last.map_or_else(|| prepared.solve(&of, None), Ok)
+        let answer = Self::watched(slf, &model.inner, move |prepared| match start {
+            None => prepared.solve_to_the_end(&of).map_err(|(_, error)| error),
+            Some(start) => prepared.solve(&of, Some(&start)),
         })?;
         Ok(Solution::new(answer, &case))
     }

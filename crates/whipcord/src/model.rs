@@ -263,6 +263,18 @@ impl Prepared {
         }
         Ok(())
     }
+
+    /// The answer to a case from cold, after all its steps.
+    ///
+    /// # Errors
+    /// As [`Self::solve_steps`].
+    pub fn solve_to_the_end(&mut self, case: &Case) -> Result<Solution, (usize, SolveError)> {
+        let mut last = None;
+        if !case.before.is_empty() {
+            self.solve_steps(case, |solution| last = Some(solution))?;
+        }
+        last.map_or_else(|| self.solve(case, None).map_err(|error| (0, error)), Ok)
+    }
 }
 
 /// Solves one case of one robot from cold. To solve many cases of a robot, build the model once

@@ -75,6 +75,57 @@ pub enum RegistrationError {
     },
 }
 
+/// How what was measured is moved onto a model's answer before they are compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Alignment {
+    /// Not at all: it was measured in the frame of the world.
+    #[default]
+    None,
+    /// By the rigid motion that brings all markers nearest to the answer.
+    Rigid,
+    /// By that which brings the markers on the base to it; one alone by a shift.
+    Base,
+}
+
+impl Alignment {
+    /// All ways.
+    pub const ALL: [Self; 3] = [Self::None, Self::Rigid, Self::Base];
+
+    /// As robot files name it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Rigid => "rigid",
+            Self::Base => "base",
+        }
+    }
+}
+
+/// The motion of an alignment, from pairs `[measured, target]` and whether each is on the base; `None` where
+/// nothing is to be moved. Of turns that the pairs leave open it takes the least.
+///
+/// # Errors
+/// [`RegistrationError`] where there are too few points, or what they leave open is not a turn about their
+/// line.
+pub fn align(
+    pairs: impl IntoIterator<Item = ([Vec3; 2], bool)>,
+    alignment: Alignment,
+) -> Result<Option<Pose>, RegistrationError> {
+    let pairs = pairs.into_iter().filter(|(_, at_base)| alignment == Alignment::Rigid || *at_base);
+    let pairs: Vec<[Vec3; 2]> = pairs.map(|(pair, _)| pair).collect();
+    match (alignment, pairs.as_slice()) {
+        (Alignment::None, _) => Ok(None),
+        // One point on the base says where it is, and nothing of how it is turned.
+        (Alignment::Base, [[measured, target]]) => {
+            Ok(Some(Pose { position: *target - *measured, ..Pose::IDENTITY }))
+        }
+        (Alignment::Base | Alignment::Rigid, pairs) => {
+            Ok(Some(register_by_least_turn(pairs)?.motion))
+        }
+    }
+}
+
 fn rounded(component: f64) -> f64 {
     (component * 1e3).round() / 1e3 + 0.0
 }

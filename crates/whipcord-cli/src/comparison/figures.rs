@@ -2,14 +2,13 @@
 
 use whipcord_plot::{
     Acting, CableCourse, Colour, DistanceSeries, FigureOptions, Marker, PlotError, RobotView,
-    ViewStyle, distance_chart, robot_figure,
+    ViewStyle, distance_chart, label, robot_figure,
 };
 
 use super::study::Study;
 use crate::failure::Failure;
 use crate::files::plot_failure;
 use crate::html::Figure;
-use crate::words::label;
 
 /// The robot with the shapes of all models, and their distances at the disks; none of a case
 /// without an answer.
@@ -29,7 +28,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         style: ViewStyle::Model,
     }));
     // Moved, where that was asked for, onto the first model.
-    let measured = reference.measured.iter().flatten().flat_map(|against| &against.markers);
+    let measured = reference.measured.iter().flatten().flat_map(|distances| &distances.markers);
     let options = FigureOptions {
         title: study.file.title.clone(),
         measured: measured.map(|marker| marker.measured).collect(),

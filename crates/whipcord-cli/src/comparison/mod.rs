@@ -2,7 +2,6 @@
 
 pub mod csv;
 pub mod figures;
-pub mod measured;
 pub mod report;
 pub mod study;
 pub mod tables;

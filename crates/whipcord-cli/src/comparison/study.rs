@@ -1,11 +1,11 @@
 //! One case solved by every model that can take it.
 
+use whipcord::observation::{Distances, Incomparable, distances};
 use whipcord::{
     CableCommand, Case, Drive, Model, ModelKind, Robot, Shape, Shortening, Solution, SolveError,
     Stations, Vec3,
 };
 
-use super::measured::{Against, against};
 use crate::timing::{self, TimedSolution, Timing};
 use crate::words::driven_by;
 use whipcord_io::{CaseFile, Measured};
@@ -59,7 +59,7 @@ pub struct Solved {
     /// How long building the model takes, once for a robot.
     pub build: Timing,
     /// What was measured in space beside it, or why they cannot be compared; `None` where nothing was.
-    pub measured: Option<Result<Against, String>>,
+    pub measured: Option<Result<Distances, Incomparable>>,
 }
 
 impl Solved {
@@ -135,7 +135,9 @@ fn run(
         let TimedSolution { solution, solve, build, .. } = timed;
         let is_smooth = fine.is_some();
         let fine = fine.unwrap_or_else(|| solution.shape.clone());
-        let measured = measured.and_then(|seen| against(kind, robot, case, &solution, seen));
+        let measured = measured.and_then(|Measured { observations, alignment, .. }| {
+            distances(kind, robot, case, &solution, observations, *alignment).transpose()
+        });
         Solved { solution, fine, is_smooth, solve, build, measured }
     });
     let outcome = outcome.map_err(|(_, error)| error);

@@ -1,10 +1,10 @@
 //! What the models say, in tables for people.
 
-use whipcord::ModelKind;
+use whipcord::{ModelKind, Pose};
 use whipcord_io::Measured;
 
 use super::study::{Commands, Run, Study};
-use crate::quantity::{fixed, fixed_millimetres};
+use crate::quantity::{degrees, fixed, fixed_millimetres, millimetres};
 use crate::table::{Align, Table};
 use crate::timing::duration;
 
@@ -147,6 +147,12 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
     notes
 }
 
+/// How a measurement was moved onto an answer.
+fn moved(Pose { position, rotation }: &Pose) -> String {
+    let (shift, turn) = (millimetres(position.norm()), degrees(rotation.log().norm()));
+    format!("measurement moved by {shift} and turned by {turn} onto it")
+}
+
 fn notes_of(run: &Run) -> Vec<String> {
     let solved = match &run.outcome {
         Err(error) => return vec![error.to_string()],
@@ -159,8 +165,8 @@ fn notes_of(run: &Run) -> Vec<String> {
         ));
     }
     match &solved.measured {
-        Some(Ok(against)) => notes.extend(against.moved()),
-        Some(Err(why)) => notes.push(why.clone()),
+        Some(Ok(distances)) => notes.extend(distances.motion.as_ref().map(moved)),
+        Some(Err(why)) => notes.push(why.to_string()),
         None => {}
     }
     notes

@@ -1,14 +1,15 @@
 //! The distances between models and photograph as tables.
 
+use whipcord::observation::{InImage, Rms};
 use whipcord_io::{Cell, CsvTable};
 
-use super::seen::Marker;
-use super::{Rms, Run};
+use super::Run;
+use super::seen::name;
 use crate::quantity::{fixed, fixed_millimetres};
 use crate::table::{Align, Table};
 
 /// For people: each marker, then the root mean square.
-pub fn table(runs: &[Run], markers: &[Marker], length: f64) -> Table {
+pub fn table(runs: &[Run], markers: &[InImage], length: f64) -> Table {
     let answered = || runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().ok()?)));
     let mut columns = vec![(String::from("disk"), Align::Right)];
     for (run, _) in answered() {
@@ -23,7 +24,7 @@ pub fn table(runs: &[Run], markers: &[Marker], length: f64) -> Table {
     let unseen = || [const { String::new() }; 3];
     table.group();
     for (i, marker) in markers.iter().enumerate() {
-        let mut row = vec![marker.name()];
+        let mut row = vec![name(marker)];
         for (_, superposed) in answered() {
             let miss = superposed.misses[i];
             row.extend(miss.map_or_else(unseen, |miss| cells(miss.pixels, miss.distance)));
@@ -41,7 +42,7 @@ pub fn table(runs: &[Run], markers: &[Marker], length: f64) -> Table {
 }
 
 /// For programs: a line for each model and marker, in SI and pixels.
-pub fn csv(runs: &[Run], markers: &[Marker]) -> CsvTable {
+pub fn csv(runs: &[Run], markers: &[InImage]) -> CsvTable {
     let mut csv = CsvTable::new(vec![
         "model",
         "disk",

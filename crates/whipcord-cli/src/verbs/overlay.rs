@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use whipcord::observation::{self, InImage, in_image};
 use whipcord::{Case, ModelKind, SolveError};
 use whipcord_io::CaseFile;
 use whipcord_plot::{
-    Colour, DistanceSeries, Marker as Sign, OverlayOptions, Photograph as Stored, RobotView,
-    distance_chart, overlay_figure,
+    Colour, DistanceSeries, FINE_STATIONS, Marker as Sign, OverlayOptions, Photograph as Stored,
+    RobotView, distance_chart, overlay_figure,
 };
 
 use super::solve::model_parser;
@@ -17,7 +18,7 @@ use crate::inputs::read_one;
 use crate::photographs::Photograph;
 use crate::quantity::millimetres;
 use crate::style::Style;
-use crate::superposition::seen::{self, Marker};
+use crate::superposition::seen;
 use crate::superposition::{Run, tables};
 
 /// Lay the models over a photograph of the robot
@@ -54,16 +55,24 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
     let called = args.camera.as_deref().unwrap_or("the camera");
     photograph.check_camera(&called, &camera)?;
     let (step, case) = step(&file, args.step)?;
-    let markers = number.map_or_else(Vec::new, |camera| seen::markers(&file, camera, step));
+    let markers = match (&file.measured, number) {
+        (Some(measured), Some(camera)) => {
+            in_image(&file.robot, &measured.observations, camera, step)
+        }
+        _ => Vec::new(),
+    };
     let kinds = if args.model.is_empty() { ModelKind::ALL.to_vec() } else { args.model.clone() };
+    let overlay =
+        |kind| observation::overlay(kind, &file.robot, &case, &camera, &markers, FINE_STATIONS);
     let runs: Vec<Run> =
-        kinds.iter().map(|kind| Run::new(*kind, &file, &case, &camera, &markers)).collect();
+        kinds.into_iter().map(|model| Run { model, outcome: overlay(model) }).collect();
     refuse_unsolved(&file, &runs, !args.model.is_empty())?;
 
     let length = file.robot.backbone().length;
     let answered = || runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().ok()?)));
-    let views: Vec<RobotView> =
-        answered().map(|(run, superposed)| superposed.view(run.label(&markers, length))).collect();
+    let views: Vec<RobotView> = answered()
+        .map(|(_, superposed)| RobotView::overlaid(superposed, &markers, length))
+        .collect();
     let options = OverlayOptions {
         title: file.title.clone(),
         measured: markers.iter().map(|marker| marker.pixel).collect(),
@@ -130,7 +139,7 @@ fn refuse_unsolved(file: &CaseFile, runs: &[Run], named: bool) -> Result<(), Fai
 fn chart(
     file: &CaseFile,
     runs: &[Run],
-    markers: &[Marker],
+    markers: &[InImage],
 ) -> Option<Result<String, whipcord_plot::PlotError>> {
     let mut series = Vec::new();
     for run in runs {

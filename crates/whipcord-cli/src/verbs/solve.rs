@@ -7,7 +7,7 @@ use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser
 use clap::{Args, ValueEnum};
 use whipcord::{Drive, Model, ModelKind, Shape, Solution, Stations};
 use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
-use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, robot_figure};
+use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
 use crate::failure::Failure;
 use crate::files;
@@ -19,7 +19,7 @@ use crate::steps;
 use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
-use crate::words::{driven_by, instability, label};
+use crate::words::{driven_by, instability};
 
 /// Solve one case with one model
 ///

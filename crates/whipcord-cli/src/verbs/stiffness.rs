@@ -11,7 +11,7 @@ use whipcord::{
 };
 use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json};
 use whipcord_plot::{
-    Acting, Ellipsoid, FINE_STATIONS, FigureOptions, Quantity, RobotView, robot_figure,
+    Acting, Ellipsoid, FINE_STATIONS, FigureOptions, Quantity, RobotView, label, robot_figure,
 };
 
 use super::solve::{Actuation, drive, model_parser, picture_path};
@@ -21,7 +21,7 @@ use crate::inputs::read_one;
 use crate::quantity::{fixed_millimetres, millimetres, number};
 use crate::style::Style;
 use crate::table::{Align, Table};
-use crate::words::{driven_by, instability, label};
+use crate::words::{driven_by, instability};
 
 /// How a place moves with the cables and yields to loads
 ///

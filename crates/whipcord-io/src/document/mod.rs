@@ -5,11 +5,13 @@ mod check;
 mod describe;
 mod fitted;
 mod text;
+mod unknowns;
 
 pub use check::table_in_si;
 pub use describe::{Inexpressible, describe};
 pub use fitted::FittedFile;
 pub use text::toml;
+pub use unknowns::describe_fit;
 
 /// A value of a robot file.
 #[derive(Clone, Debug, PartialEq)]

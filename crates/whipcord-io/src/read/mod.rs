@@ -16,8 +16,8 @@ pub(crate) use disks::disks;
 pub(crate) use fit::fit;
 pub use fit::{Fit, quantity};
 pub(crate) use loads::loads;
-pub use measured::{Alignment, Measured, MeasuredDisk, MeasuringCamera, load_markers};
-pub(crate) use measured::{Extent, UNITS, read as measured};
+pub(crate) use measured::{Extent, read as measured};
+pub use measured::{LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, load_markers};
 pub use reference::Reference;
 pub(crate) use reference::reference;
 

@@ -5,7 +5,7 @@ use whipcord::robot::limits::{self, Range};
 use super::backbone_keys::BACKBONE;
 use super::load_keys::{BASE, LOADS};
 use super::{Key, Kind, Rule, Table};
-use crate::read::UNITS;
+use crate::read::LENGTH_UNITS;
 use crate::units::Dimension;
 
 /// More disks than any robot has; it keeps a slip of the pen from filling the memory.
@@ -279,7 +279,7 @@ static MEASURED: Table = Table {
         ),
         key(
             "unit",
-            Kind::Choice(&UNITS),
+            Kind::Choice(&LENGTH_UNITS),
             r#""mm""#,
             "Unit of the lengths in the file; by default m.",
         ),

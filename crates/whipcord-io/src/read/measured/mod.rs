@@ -7,6 +7,7 @@ mod rows;
 use std::path::{Path, PathBuf};
 
 use whipcord::camera::Camera;
+use whipcord::registration::Alignment;
 use whipcord::{Observation, Place, Robot, Seen, Vec3};
 
 use crate::check::Fields;
@@ -35,33 +36,6 @@ pub struct Measured {
     pub pixel_deviation: Option<f64>,
     /// The file they were read from.
     pub path: PathBuf,
-}
-
-/// How what was measured is moved onto a model's answer before they are compared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Alignment {
-    /// Not at all: it was measured in the frame of the world.
-    #[default]
-    None,
-    /// By the rigid motion that brings all markers nearest to the answer.
-    Rigid,
-    /// By that which brings the markers on the base to it; one alone by a shift.
-    Base,
-}
-
-impl Alignment {
-    /// All ways.
-    pub const ALL: [Self; 3] = [Self::None, Self::Rigid, Self::Base];
-
-    /// As robot files name it.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Rigid => "rigid",
-            Self::Base => "base",
-        }
-    }
 }
 
 /// A camera that saw the robot.
@@ -96,7 +70,7 @@ pub(crate) struct Extent {
 }
 
 /// Units that lengths may have in a table.
-pub(crate) const UNITS: [&str; 5] = ["m", "cm", "mm", "um", "in"];
+pub const LENGTH_UNITS: [&str; 5] = ["m", "cm", "mm", "um", "in"];
 
 /// Reads the files that `[measured]`, the table at `node`, names.
 pub(crate) fn read(
@@ -123,7 +97,7 @@ pub(crate) fn read(
         fields.tables("cameras").iter().filter_map(|camera| camera.text("name")).collect();
     let known = Known {
         robot,
-        unit: UNITS.into_iter().find(|name| *name == unit)?,
+        unit: LENGTH_UNITS.into_iter().find(|name| *name == unit)?,
         deviation: fields.number("deviation"),
         pixel_deviation,
         cameras: &names,
@@ -162,7 +136,7 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
             length: Some(robot.backbone().length),
             steps: 0,
         },
-        unit: UNITS[0],
+        unit: LENGTH_UNITS[0],
         deviation: None,
         pixel_deviation: None,
         cameras: &["camera"],

@@ -1,8 +1,17 @@
-//! What was seen of a real robot: where its disks or markers were, in space or in an image.
+//! What was seen of a real robot: where its disks or markers were, in space or in an image; and how far a
+//! model is from that, [`distances`] in space and [`overlay`] in an image.
+
+mod distances;
+mod overlaid;
+mod places;
 
 use whipcord_numerics::Vec3;
 
 use crate::robot::Disks;
+
+pub use self::distances::{Apart, Distances, Incomparable, distances};
+pub use self::overlaid::{InImage, Overlaid, Rms, in_image, overlay};
+pub use self::places::places;
 
 /// One marker, seen once.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,180 @@
+//! What a robot file says beside robot and case: what was measured, published, and is to be estimated.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use whipcord::observation::{self, Distances};
+use whipcord::registration::Alignment;
+use whipcord::{Observation, Place, Pose, Seen, Vec3};
+use whipcord_io::{CaseFile, Fit, Measured, MeasuringCamera, Reference};
+
+use crate::camera::Camera;
+use crate::convert::{array, flat};
+use crate::errors;
+use crate::setup::Setup;
+use crate::solution::Solution;
+
+/// What a robot file says beside robot and case.
+#[derive(Clone, Default)]
+pub struct Besides {
+    pub measured: Option<Arc<Measured>>,
+    pub reference: Option<Arc<Reference>>,
+    pub fit: Option<Fit>,
+    /// The file itself, of what was read from one and not changed.
+    pub file: Option<Arc<CaseFile>>,
+}
+
+impl Besides {
+    pub fn of(file: &CaseFile) -> Self {
+        Self {
+            measured: file.measured.clone().map(Arc::new),
+            reference: file.reference.clone().map(Arc::new),
+            fit: file.fit.clone(),
+            file: Some(Arc::new(file.clone())),
+        }
+    }
+}
+
+/// An observation: step from 0, disk from 0, arc length in m, offset in m, position in m, number of the camera,
+/// pixel, and deviation.
+type Seeing = (
+    usize,
+    Option<usize>,
+    Option<f64>,
+    [f64; 3],
+    Option<[f64; 3]>,
+    Option<usize>,
+    Option<[f64; 2]>,
+    Option<f64>,
+);
+
+/// What was measured: numbers of the disks, from 1, their (k, 3) positions in m, all that was seen, and what the
+/// table says beside it.
+pub fn measured<'py>(py: Python<'py>, measured: &Measured) -> PyResult<Bound<'py, PyDict>> {
+    let disks = &measured.disks;
+    let numbers: Vec<usize> = disks.iter().map(|disk| disk.disk).collect();
+    let positions = flat(disks.iter().map(|disk| disk.position));
+    let cameras: Vec<(&str, &PathBuf)> =
+        measured.cameras.iter().map(|camera| (camera.name.as_str(), &camera.path)).collect();
+    let views: Vec<Camera> =
+        measured.cameras.iter().map(|camera| Camera::of(camera.camera)).collect();
+    let seen: Vec<Seeing> = measured.observations.iter().map(seeing).collect();
+    let values = PyDict::new(py);
+    values.set_item("disks", numbers)?;
+    values.set_item("position", array(py, positions, [disks.len(), 3])?)?;
+    values.set_item("path", &measured.path)?;
+    values.set_item("unit", measured.unit)?;
+    values.set_item("deviation", measured.deviation)?;
+    values.set_item("pixel_deviation", measured.pixel_deviation)?;
+    values.set_item("registration", measured.alignment.name())?;
+    values.set_item("cameras", cameras)?;
+    values.set_item("views", PyList::new(py, views)?)?;
+    values.set_item("observations", seen)?;
+    Ok(values)
+}
+
+/// The measurement of such values, which come from [`measured`].
+pub fn measured_of(values: &Bound<'_, PyDict>) -> PyResult<Measured> {
+    let py = values.py();
+    let get = |key: &str| {
+        let missing = || errors::input(py, "measured", format!("it has no {key}"));
+        values.get_item(key)?.ok_or_else(missing)
+    };
+    let seen: Vec<Seeing> = get("observations")?.extract()?;
+    let observations: Vec<Observation> = seen.into_iter().map(observation).collect();
+    let views: Vec<PyRef<'_, Camera>> = get("views")?.extract()?;
+    let cameras: Vec<(String, PathBuf)> = get("cameras")?.extract()?;
+    let cameras = cameras.into_iter().zip(&views);
+    let cameras =
+        cameras.map(|((name, path), of)| MeasuringCamera { name, camera: of.inner, path });
+    let (unit, asked) = (get("unit")?.extract::<String>()?, get("registration")?);
+    let asked = asked.extract::<String>()?;
+    let named = |name: &&&str| **name == unit;
+    let alignment = Alignment::ALL.into_iter().find(|way| way.name() == asked);
+    let numbers: Vec<usize> = get("disks")?.extract()?;
+    let positions: numpy::PyReadonlyArray2<'_, f64> = get("position")?.extract()?;
+    let rows = positions.as_array();
+    let disks = numbers.into_iter().zip(rows.rows()).map(|(disk, row)| whipcord_io::MeasuredDisk {
+        disk,
+        position: Vec3::new(row[0], row[1], row[2]),
+    });
+    Ok(Measured {
+        observations,
+        disks: disks.collect(),
+        cameras: cameras.collect(),
+        alignment: alignment.unwrap_or_default(),
+        unit: whipcord_io::LENGTH_UNITS.iter().find(named).unwrap_or(&"m"),
+        deviation: get("deviation")?.extract()?,
+        pixel_deviation: get("pixel_deviation")?.extract()?,
+        path: get("path")?.extract()?,
+    })
+}
+
+fn seeing(of: &Observation) -> Seeing {
+    let (disk, arc_length) = match of.place {
+        Place::Disk(disk) => (Some(disk), None),
+        Place::ArcLength(s) => (None, Some(s)),
+    };
+    let (position, camera, pixel) = match of.seen {
+        Seen::Position(position) => (Some(position.to_array()), None, None),
+        Seen::Pixel { camera, pixel } => (None, Some(camera), Some(pixel)),
+    };
+    (of.step, disk, arc_length, of.offset.to_array(), position, camera, pixel, of.deviation)
+}
+
+fn observation(of: Seeing) -> Observation {
+    let (step, disk, arc_length, offset, position, camera, pixel, deviation) = of;
+    let place = disk.map_or_else(|| Place::ArcLength(arc_length.unwrap_or(0.0)), Place::Disk);
+    let seen = match (position, pixel) {
+        (None, Some(pixel)) => Seen::Pixel { camera: camera.unwrap_or(0), pixel },
+        (position, _) => Seen::Position(position.unwrap_or_default().into()),
+    };
+    Observation { step, place, offset: offset.into(), seen, deviation }
+}
+
+/// What others have published.
+pub fn reference<'py>(py: Python<'py>, reference: &Reference) -> PyResult<Bound<'py, PyDict>> {
+    let values = PyDict::new(py);
+    values.set_item("source", &reference.source)?;
+    values.set_item("rms_four_bar", reference.rms_four_bar)?;
+    values.set_item("rms_cosserat", reference.rms_cosserat)?;
+    values.set_item("time_four_bar", reference.time_four_bar)?;
+    values.set_item("time_cosserat", reference.time_cosserat)?;
+    Ok(values)
+}
+
+/// RMS distance in m; for each marker the number of its disk, from 1, and whether it is at the base; its (k, 3)
+/// places as measured and moved, and of the answer; the motion.
+type Apart<'py> = (
+    Option<f64>,
+    Vec<(Option<usize>, bool)>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Option<([f64; 3], [f64; 4])>,
+);
+
+/// How far an answer is from what was measured in space after the last step; None where nothing was.
+#[pyfunction]
+pub fn distances<'py>(
+    py: Python<'py>,
+    setup: &Setup,
+    solution: &Solution,
+) -> PyResult<Option<Apart<'py>>> {
+    let Some(measured) = &setup.besides.measured else { return Ok(None) };
+    let (robot, case, answer) = (&setup.robot, &setup.case, &solution.inner);
+    let found = py.detach(|| {
+        let Measured { observations, alignment, .. } = &**measured;
+        observation::distances(answer.model, robot, case, answer, observations, *alignment)
+    });
+    let found = found.map_err(|error| errors::input(py, "measured", error.to_string()))?;
+    let Some(found) = found else { return Ok(None) };
+    let Distances { markers, motion } = &found;
+    let kinds = markers.iter().map(|marker| (marker.disk, marker.at_base)).collect();
+    let seen = array(py, flat(markers.iter().map(|marker| marker.measured)), [markers.len(), 3])?;
+    let there = array(py, flat(markers.iter().map(|marker| marker.model)), [markers.len(), 3])?;
+    let motion = motion.map(|Pose { position, rotation }| (position.to_array(), rotation.wxyz()));
+    Ok(Some((found.rms(), kinds, seen, there, motion)))
+}
