@@ -99,16 +99,6 @@ pub(super) fn solve(
         Err(Some(end)) if ended.is_none_or(|before| end.load > before.load) => ended = Some(end),
         Err(_) => {}
     }
-    if problem.by_length() {
-        // Tension by tension, with the chain closed at each: slow, and undeterred where more cables
-        // are taut than lengths are independent.
-        let mut tensions = rest.tensions.clone();
-        if let Ok(effort) = Rod::new(problem, scratch).settle(&mut tensions)
-            && raise.stays(scratch)
-        {
-            return Ok(with(finish(problem, scratch, effort)));
-        }
-    }
     if let Some(effort) = raise.afar(scratch, &rest.tensions) {
         return Ok(with(finish(problem, scratch, effort)));
     }
