@@ -139,3 +139,28 @@ fn what_cannot_be_is_refused_and_nothing_written() {
     assert_eq!((failed.status, failed.stdout.as_str()), (1, ""), "{}", failed.stderr);
     assert!(!fs::exists(&out).unwrap());
 }
+
+#[test]
+fn markers_may_come_from_a_table_of_their_own() {
+    let scratch = Scratch::new();
+    let (photo, file) = found(&scratch, [3.0, -4.0]);
+    let (camera, out) = (scratch.file("side.yml"), scratch.file("out"));
+    let in_file = succeed(&["overlay", &photo, &file, "--out", &out]);
+    let bare = scratch.file("bare.toml");
+    // As `measure` writes it: with the camera's name and the step that was asked for there.
+    let seen = fs::read_to_string(scratch.file("seen.csv")).unwrap();
+    let mut lines = seen.lines();
+    let mut named = format!("step,{},camera\n", lines.next().unwrap());
+    named.extend(lines.map(|line| format!("3,{line},left\n")));
+    let table = scratch.write("named.csv", &named);
+    let args = ["overlay", &photo, &bare, "--camera", &camera, "--markers", &table, "--out", &out];
+    assert_eq!(succeed(&args), in_file);
+
+    let without = succeed(&["overlay", &photo, &bare, "--camera", &camera, "--out", &out]);
+    assert!(without.contains("--markers"), "{without}");
+    let positions = scratch.write("positions.csv", "disk,x,y,z\n2,0,0,0.02\n");
+    let args =
+        ["overlay", &photo, &bare, "--camera", &camera, "--markers", &positions, "--out", &out];
+    let message = fail(2, &args);
+    assert!(message.contains("columns `u` and `v`"), "{message}");
+}

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use whipcord::observation::{self, InImage, in_image};
 use whipcord::{Case, ModelKind, SolveError};
-use whipcord_io::CaseFile;
+use whipcord_io::{CaseFile, load_markers};
 use whipcord_plot::{
     Colour, DistanceSeries, FINE_STATIONS, Marker as Sign, OverlayOptions, Photograph as Stored,
     RobotView, distance_chart, overlay_figure,
@@ -14,7 +14,7 @@ use whipcord_plot::{
 use super::solve::model_parser;
 use crate::failure::Failure;
 use crate::files::{self, Folder};
-use crate::inputs::read_one;
+use crate::inputs::{message, read_one};
 use crate::photographs::Photograph;
 use crate::quantity::millimetres;
 use crate::style::Style;
@@ -23,8 +23,8 @@ use crate::superposition::{Run, tables};
 
 /// Lay the models over a photograph of the robot
 ///
-/// Draws the backbone, the disks and the cables of each model as the camera would see them. Where [measured]
-/// says at which pixels disks or markers were found, prints how far each model is from them: in pixels,
+/// Draws the backbone, the disks and the cables of each model as the camera would see them. Where --markers or
+/// [measured] says at which pixels disks or markers were found, prints how far each model is from them: in pixels,
 /// and in mm from the line of sight; with the root mean square over all but the base disk, in mm and in % of the length.
 /// Writes the picture and a chart of the distances as SVG and PNG, and the numbers as CSV.
 #[derive(Debug, Args)]
@@ -36,6 +36,9 @@ pub struct OverlayArgs {
     /// Camera that took it: a name in [[measured.cameras]], or a camera file; by default the only one there
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
+    /// Where disks or markers are in the photograph, as `whipcord measure` writes it; by default what [measured] says
+    #[arg(long, value_name = "CSV")]
+    markers: Option<PathBuf>,
     /// Step of actuation that it shows, from 1; by default the last
     #[arg(long, value_name = "K")]
     step: Option<usize>,
@@ -55,8 +58,13 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
     let called = args.camera.as_deref().unwrap_or("the camera");
     photograph.check_camera(&called, &camera)?;
     let (step, case) = step(&file, args.step)?;
-    let markers = match (&file.measured, number) {
-        (Some(measured), Some(camera)) => {
+    let markers = match (&args.markers, &file.measured, number) {
+        (Some(path), ..) => {
+            let found = load_markers(path, &file.robot);
+            let found = found.map_err(|error| Failure::Input(message(&error)))?;
+            in_image(&file.robot, &found, 0, 0)
+        }
+        (None, Some(measured), Some(camera)) => {
             in_image(&file.robot, &measured.observations, camera, step)
         }
         _ => Vec::new(),
@@ -92,7 +100,7 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
     }
     if markers.is_empty() {
         text += &format!(
-            "{} does not say where this camera saw the robot in step {}: nothing to measure the models by\n",
+            "{} does not say where this camera saw the robot in step {}: nothing to measure the models by (--markers)\n",
             file.path.display(),
             step + 1
         );

@@ -101,6 +101,7 @@ pub(crate) fn read(
         deviation: fields.number("deviation"),
         pixel_deviation,
         cameras: &names,
+        one_photograph: false,
     };
     let Known { unit, deviation, .. } = known;
     let observations = rows::observations(&grid, &known, problems)?;
@@ -123,7 +124,8 @@ pub(crate) fn read(
 }
 
 /// Reads a table of markers of a robot as one camera saw them, with the columns of a table that `[measured]`
-/// names: `disk` or `arc_length`, `offset_x`, `offset_y` and `offset_z` in m, `u` and `v` in pixels.
+/// names: `disk` or `arc_length`, `offset_x`, `offset_y` and `offset_z` in m, `u` and `v` in pixels. All of it is
+/// of one photograph: whatever it calls the camera and the step, they are given as the first ones.
 ///
 /// # Errors
 /// [`FileError`] with the place of each mistake.
@@ -140,6 +142,7 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
         deviation: None,
         pixel_deviation: None,
         cameras: &["camera"],
+        one_photograph: true,
     };
     let markers = files::read_first(path, &mut sources, &mut problems).and_then(|text| {
         let file = sources.add(path, Some(text.clone()));

@@ -24,6 +24,8 @@ pub(super) struct Known<'a> {
     pub pixel_deviation: Option<f64>,
     /// Names of the cameras.
     pub cameras: &'a [&'a str],
+    /// Whether the table is that of one photograph, whatever it calls its camera and step.
+    pub one_photograph: bool,
 }
 
 /// No image is so large.
@@ -278,6 +280,9 @@ impl Reader<'_> {
         let cell = self.cell(row, Column::Camera);
         let named = cell.and_then(|cell| Some((cell.value.text()?, cell.span)));
         let cameras = self.known.cameras;
+        if self.known.one_photograph {
+            return Some(0);
+        }
         let Some((name, span)) = named else {
             if cameras.len() > 1 {
                 let message = "this line does not say which camera saw the marker".to_owned();
@@ -359,6 +364,9 @@ impl Reader<'_> {
     fn step(&mut self, row: &Row) -> Option<usize> {
         const HELP: &str = "steps are numbered from 1, in the order of [[steps]]";
         let most = self.known.robot.steps.max(1);
+        if self.known.one_photograph {
+            return Some(0);
+        }
         let Some(cell) = self.cell(row, Column::Step) else { return Some(most - 1) };
         let Some(step) = self.number(row, Column::Step, HELP) else {
             if cell.value.text().is_none() {
