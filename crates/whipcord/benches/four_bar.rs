@@ -36,6 +36,14 @@ fn case_iii_default(bencher: Bencher) {
 }
 
 #[divan::bench]
+fn case_iii_with_derivatives(bencher: Bencher) {
+    let model = FourBar::new(&case_iii(), &Options::default()).unwrap();
+    let case = Case::with_shortenings(&[Shortening::Fraction(0.057)]);
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| model.solve_with_derivatives(black_box(&case), &mut workspace).unwrap());
+}
+
+#[divan::bench]
 fn case_iii_strain_energy(bencher: Bencher) {
     let options = Options { objective: Objective::StrainEnergy, ..Options::default() };
     run(bencher, &case_iii(), options, &[0.057]);

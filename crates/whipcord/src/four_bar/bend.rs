@@ -1,6 +1,6 @@
 //! Where the upper disk of a section stands relative to the lower one.
 
-use whipcord_numerics::{Pose, Sym3, UnitQuaternion, Vec3, asin_ratio};
+use whipcord_numerics::{Pose, Sym3, Twist, UnitQuaternion, Vec3, asin_ratio};
 
 use super::options::Chord;
 use super::plane::{Jet, Vec2};
@@ -78,6 +78,63 @@ impl Bend {
         let up = half.cos();
         Pose { position: part.p.with(up) * (reach * ratio), rotation: part.turn().rotation(up) }
     }
+
+    /// How the cross-section at the fraction `t` of a section moves with each coordinate, in the frame of the
+    /// lower disk: velocity of its centre and angular velocity. Eq. (12).
+    pub fn motion_at(self, t: f64, length: f64, chord: Chord) -> [Twist; 3] {
+        let turn = self.turn();
+        let y = turn.bend;
+        let [ratio, slope, _] = chord.ratio(y);
+        let (reach, reach_y) = (length * ratio, length * slope);
+        // `r = sin(tφ/2)/sin(φ/2)` and `c = cos(tφ/2)` with their derivatives by y = sin²(φ/2).
+        let (r, r_y, c, c_y) = part_of_bend(y, t);
+        let (sin, cos) = sin_cos(0.5 * t * self.twist);
+        let p = self.p * r;
+        let w = c * cos;
+        let v = Vec3::new(p.x * sin - p.y * cos, p.x * cos + p.y * sin, c * sin);
+        // `ω = 2 vec(q̇ q*)`
+        let spin = |w_rate: f64, v_rate: Vec3| (v_rate * w - v * w_rate - v_rate.cross(v)) * 2.0;
+        let by_p = |along: Vec2, y_rate: f64| {
+            let p_rate = along * r + self.p * (r_y * y_rate);
+            let c_rate = c_y * y_rate;
+            let v_rate = Vec3::new(
+                p_rate.x * sin - p_rate.y * cos,
+                p_rate.x * cos + p_rate.y * sin,
+                c_rate * sin,
+            );
+            let arm_rate = (reach_y * r + reach * r_y) * y_rate;
+            Twist {
+                linear: p.with(c) * arm_rate + p_rate.with(c_rate) * (reach * r),
+                angular: spin(c_rate * cos, v_rate),
+            }
+        };
+        let v_by_twist =
+            Vec3::new(p.x * cos + p.y * sin, p.y * cos - p.x * sin, c * cos) * (0.5 * t);
+        let by_twist = Twist { linear: Vec3::ZERO, angular: spin(-0.5 * t * c * sin, v_by_twist) };
+        let Vec2 { x, y } = self.p;
+        [by_p(Vec2::X, 2.0 * x), by_p(Vec2::X.quarter(), 2.0 * y), by_twist]
+    }
+}
+
+/// `r = sin(tφ/2)/sin(φ/2)` and `c = cos(tφ/2)`, each with its derivative by `y = sin²(φ/2)`.
+fn part_of_bend(y: f64, t: f64) -> (f64, f64, f64, f64) {
+    let up = (1.0 - y).sqrt();
+    let (r, r_y, c) = if y < 1e-3 {
+        // The series of sin(t asin x)/x in x², which the quotients below lose.
+        let t2 = t * t;
+        let (a, b) = (t * (1.0 - t2), 9.0 - t2);
+        let d = b * (25.0 - t2);
+        let e = d * (49.0 - t2);
+        let r = t + a * y * (1.0 / 6.0 + y * (b / 120.0 + y * (d / 5040.0 + y * e / 362_880.0)));
+        let r_y = a * (1.0 / 6.0 + y * (b / 60.0 + y * (d / 1680.0 + y * e / 90_720.0)));
+        (r, r_y, (1.0 - y * r * r).sqrt())
+    } else {
+        let sine = y.sqrt();
+        let (sin, c) = (t * sine.min(1.0).asin()).sin_cos();
+        let r = sin / sine;
+        (r, (t * c / up - r) / (2.0 * y), c)
+    };
+    (r, r_y, c, -0.5 * r * t / up)
 }
 
 impl Turn {

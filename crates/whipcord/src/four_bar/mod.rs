@@ -5,6 +5,7 @@
 
 mod as_printed;
 mod bend;
+mod derivatives;
 mod joint;
 mod length;
 mod measure;
@@ -18,6 +19,7 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
+pub use derivatives::Derivatives;
 pub use options::{Chord, LengthRule, Objective, Options, UnknownOption};
 pub use solve::Workspace;
 
@@ -128,7 +130,6 @@ impl FourBar {
         _warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
-        refusal::case(&self.robot, case)?;
-        self.solve_lengths(case, workspace)
+        Ok(self.solve_and_tell(case, workspace)?.0)
     }
 }

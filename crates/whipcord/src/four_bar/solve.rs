@@ -10,6 +10,7 @@ use super::bend::Bend;
 use super::joint::Joint;
 use super::one_cable;
 use super::options::{LengthRule, Objective};
+use super::refusal;
 use super::several::{Ending, Several};
 use crate::case::Case;
 use crate::error::SolveError;
@@ -20,12 +21,14 @@ use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     /// Prescribed length of each cable, in all and in one section.
-    targets: Vec<f64>,
+    pub(super) targets: Vec<f64>,
     section_targets: Vec<f64>,
     /// By cable, for one section.
     multipliers: Vec<f64>,
     cables: Vec<Found>,
-    joints: Vec<Joint>,
+    pub(super) joints: Vec<Joint>,
+    /// Multiplier of each passage, section by section.
+    pub(super) pulls: Vec<f64>,
     several: Several,
 }
 
@@ -51,14 +54,16 @@ struct Tally {
 
 /// Excess of the prescribed length over the path above which a cable hangs loose, relative to its
 /// initial length: well above the error of a length, well below what anyone can measure.
-const LOOSE: f64 = 1e-10;
+pub(super) const LOOSE: f64 = 1e-10;
 
 impl FourBar {
-    pub(super) fn solve_lengths(
+    /// The answer, and whether it is a compromise of lengths that contradict each other.
+    pub(super) fn solve_and_tell(
         &self,
         case: &Case,
         workspace: &mut Workspace,
-    ) -> Result<Solution, SolveError> {
+    ) -> Result<(Solution, bool), SolveError> {
+        refusal::case(&self.robot, case)?;
         let count = self.initial_lengths.len();
         workspace.targets.clear();
         for (command, &initial) in case.commands.iter().zip(&self.initial_lengths) {
@@ -70,17 +75,18 @@ impl FourBar {
         workspace.multipliers.clear();
         workspace.multipliers.resize(count, 0.0);
         workspace.joints.clear();
+        workspace.pulls.clear();
         let tally = match self.options.lengths {
             LengthRule::Proportional | LengthRule::Equal => self.each_section(workspace)?,
             LengthRule::Free => self.all_sections(workspace)?,
         };
-        Ok(self.solution(case.base, workspace, tally))
+        Ok((self.solution(case.base, workspace, tally), tally.compromise))
     }
 
     /// Every section with its own lengths.
     fn each_section(&self, workspace: &mut Workspace) -> Result<Tally, SolveError> {
         let mut tally = Tally::default();
-        let Workspace { targets, section_targets, multipliers, cables, joints, several } =
+        let Workspace { targets, section_targets, multipliers, cables, joints, pulls, several } =
             workspace;
         section_targets.clear();
         section_targets.resize(targets.len(), f64::INFINITY);
@@ -116,6 +122,7 @@ impl FourBar {
                     LengthRule::Proportional | LengthRule::Free => target / targets[i],
                 };
                 found.multiplier += part * multipliers[i];
+                pulls.push(multipliers[i]);
                 found.binds |= length >= target * (1.0 - LOOSE);
                 tally.count(length, target, multipliers[i]);
             }
@@ -124,7 +131,7 @@ impl FourBar {
     }
 
     /// Length prescribed in a section for a cable that is prescribed `target` in all.
-    fn share(&self, cable: usize, initial: f64, target: f64) -> f64 {
+    pub(super) fn share(&self, cable: usize, initial: f64, target: f64) -> f64 {
         let whole = self.initial_lengths[cable];
         match self.options.lengths {
             LengthRule::Equal => initial + (target - whole) / self.passages[cable] as f64,
@@ -200,7 +207,7 @@ impl FourBar {
     /// All sections together, with only the total lengths prescribed.
     fn all_sections(&self, workspace: &mut Workspace) -> Result<Tally, SolveError> {
         let mut tally = Tally::default();
-        let Workspace { targets, cables, joints, several, .. } = workspace;
+        let Workspace { targets, cables, joints, pulls, several, .. } = workspace;
         if targets.iter().zip(&self.initial_lengths).all(|(target, initial)| target >= initial) {
             joints.resize(self.sections.len(), Joint::Bend(Bend::STRAIGHT));
         } else {
@@ -229,6 +236,7 @@ impl FourBar {
         for (section, &joint) in self.sections.iter().zip(&*joints) {
             for (i, length) in joint.lengths(section) {
                 cables[i].length += length;
+                pulls.push(cables[i].multiplier);
             }
         }
         for (found, &target) in cables.iter_mut().zip(&*targets) {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod derivatives;
 mod one_cable;
 mod oracle;
 mod refusals;
