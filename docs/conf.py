@@ -43,7 +43,7 @@ autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 # By the names that the sources have for them.
 autodoc_type_aliases = {
-    name: name for name in ("Array", "Commands", "ModelLike", "Quantity", "StationsLike", "Vector", "npt.ArrayLike")
+    name: name for name in ("Array", "Commands", "ModelLike", "PhotoLike", "Quantity", "StationsLike", "Vector", "npt.ArrayLike")
 }
 python_use_unqualified_type_names = True
 # The reference needs their signatures alone, and PyTorch is large.

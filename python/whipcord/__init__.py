@@ -22,8 +22,11 @@ from .case import Case, load
 from .cases import solve_cases
 from .comparison import Comparison, Distances, Run, compare
 from .derivatives import Derivatives, Dexterity, Gradient, Place
-from .errors import FileError, InputError, ModelError, SolveError, WhipcordError
+from .errors import DetectionError, FileError, FitError, InputError, ModelError, SolveError, WhipcordError
+from .fitting import CrossValidation, Estimate, Fit, HeldOut, ModelFit, Unknown, Unresolved, fit
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
+from .overlaying import Overlaid, Overlay, overlay
+from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
 from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution
@@ -40,22 +43,32 @@ __all__ = [
     "Case",
     "Comparison",
     "CriticalPoint",
+    "CrossValidation",
     "Derivatives",
+    "DetectionError",
     "Dexterity",
     "Diagnostics",
     "Disks",
     "Distances",
     "DistributedLoad",
     "Equilibrium",
+    "Estimate",
     "FileError",
+    "Fit",
+    "FitError",
     "Gradient",
     "Gradients",
+    "HeldOut",
     "InputError",
     "Loads",
     "Located",
+    "Marks",
     "Measured",
     "ModelError",
+    "ModelFit",
     "Observation",
+    "Overlaid",
+    "Overlay",
     "Place",
     "PointLoad",
     "PointMass",
@@ -69,12 +82,17 @@ __all__ = [
     "Solution",
     "SolveError",
     "Step",
+    "Unknown",
+    "Unresolved",
     "WhipcordError",
     "__version__",
     "compare",
     "errors",
+    "fit",
     "load",
+    "measure",
     "models",
+    "overlay",
     "plot",
     "solve_cases",
 ]

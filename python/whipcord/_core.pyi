@@ -14,15 +14,21 @@ __all__ = [
     "VERSION",
     "Camera",
     "Derivatives",
+    "Fitted",
     "Model",
     "Outcomes",
+    "Photo",
     "Setup",
     "Solution",
     "derivatives",
     "distances",
+    "fit",
     "locate_orthographic",
     "main",
+    "marks_csv",
+    "overlay",
     "parse_quantity",
+    "picture",
     "pull_back_batch",
     "solve_batch",
     "solve_cases",
@@ -104,6 +110,68 @@ class Model:
     def arguments(self) -> dict[str, Any]: ...
 
 @final
+class Photo:
+    @staticmethod
+    def load(path: str) -> Photo: ...
+    @staticmethod
+    def of_array(pixels: npt.NDArray[np.uint8]) -> Photo: ...
+    @property
+    def size(self) -> list[int]: ...
+    def pixels(self) -> npt.NDArray[np.uint8]: ...
+    def png(self) -> bytes: ...
+    def find(
+        self,
+        kind: str,
+        colour: list[int] | None,
+        radius: float | None,
+        mask: Photo | None,
+        count: int | None,
+        places: list[float] | None,
+        hidden: list[int],
+        base: str | None,
+        near: list[float] | None,
+    ) -> list[tuple[int, list[float], float, list[float], float]]: ...
+    def annotated(self, kind: str, marks: list[Any]) -> Photo: ...
+
+def marks_csv(step: int | None, camera: str | None, marks: list[Any]) -> str: ...
+def picture(svg: str, path: str) -> bytes: ...
+def overlay(
+    photo: Photo,
+    setup: Setup,
+    camera: Camera,
+    seen_by: int | None,
+    marks: list[Any] | None,
+    table: str | None,
+    step: int,
+    models: list[str],
+    title: str,
+    width: float,
+) -> tuple[
+    str | None,
+    list[tuple[int | None, float, list[float], list[float]]],
+    list[tuple[str, Solution | None, _Array, list[float] | None, Any]],
+]: ...
+def fit(
+    setups: list[Setup],
+    model: Model,
+    parameters: list[Any],
+    each: list[Any],
+    loss: str,
+    confidence: float,
+    iterations: int,
+    validate: bool,
+    models: list[Model],
+) -> Fitted: ...
+
+@final
+class Fitted:
+    def json(self) -> str: ...
+    def places(self) -> list[tuple[int, int, float, int | None]]: ...
+    def setups(self) -> list[Setup]: ...
+    def text(self, number: int, folder: str) -> str | None: ...
+    def report(self, folder: str) -> Any: ...
+
+@final
 class Setup:
     @staticmethod
     def load(path: str) -> Setup: ...
@@ -118,6 +186,8 @@ class Setup:
     def measured(self) -> dict[str, Any] | None: ...
     @property
     def reference(self) -> dict[str, Any] | None: ...
+    def disks(self) -> list[float]: ...
+    def base(self) -> list[float]: ...
     def beside(self, other: Setup, measured: bool, reference: bool) -> Setup: ...
     def with_measured(self, measured: dict[str, Any]) -> Setup: ...
     def stations(self, model: Model) -> _Array: ...

@@ -148,6 +148,43 @@ class Description:
         measured, reference = still_true(self, other)
         return type(self)._of(other._setup.beside(self._setup, measured, reference))
 
+    def with_measured(
+        self: Self,
+        disks: str | os.PathLike[str],
+        *,
+        unit: str | None = None,
+        deviation: Quantity | None = None,
+        pixel_deviation: float | None = None,
+        registration: str | None = None,
+        cameras: Mapping[str, str | os.PathLike[str]] | None = None,
+    ) -> Self:
+        """The same case with what the real robot did, as ``[measured]`` of a robot file has it.
+
+        Parameters
+        ----------
+        disks
+            CSV file with the markers.
+        unit
+            Unit of its lengths, ``"m"`` by default.
+        deviation, pixel_deviation
+            Standard deviation of a coordinate, and of a place in an image in pixels, where the file does not say it.
+        registration
+            How positions are moved onto a model: ``"none"``, ``"rigid"`` or ``"base"``.
+        cameras
+            Camera files by the names that the CSV file gives the cameras.
+        """
+        named = {name: os.path.abspath(path) for name, path in (cameras or {}).items()}
+        table = {
+            "disks": os.path.abspath(disks),
+            "unit": unit,
+            "deviation": deviation,
+            "pixel_deviation": pixel_deviation,
+            "registration": registration,
+            "cameras": [{"name": name, "file": path} for name, path in named.items()] or None,
+        }
+        tables = {**self._tables, **published(None, self.reference, None), "measured": table}
+        return type(self)._of(_core.Setup.of_tables(tables, "measured"))
+
     def to_toml(self) -> str:
         """The text of a robot file; read again, it gives the identical robot and case.
 

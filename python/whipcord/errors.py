@@ -5,6 +5,8 @@ All derive from :class:`WhipcordError`:
 * :class:`FileError`, a robot file that cannot be used; :class:`FileMissingError` where there is none;
 * :class:`InputError`, an argument that cannot be (also a ``ValueError``), and :class:`ModelError`, a model
   that lacks something or cannot take the robot;
+* :class:`DetectionError`, a photograph in which disks or markers are not found as they must be;
+* :class:`FitError`, parameters that cannot be estimated;
 * :class:`SolveError`, a case without an answer, by its reason.
 
 Only files that cannot be written and packages that are not installed raise Python's own ``OSError`` and
@@ -21,21 +23,31 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 __all__ = [
+    "AmbiguousBaseError",
     "BuckledError",
     "CablesConflictError",
     "ContradictoryLengthsError",
+    "DetectionError",
     "FileError",
     "FileMissingError",
+    "FitError",
+    "FitNotConvergedError",
+    "GapError",
     "InputError",
+    "MirroredError",
     "ModelError",
     "NoDerivativesError",
     "NoLeverError",
+    "NoRowError",
     "NotConvergedError",
+    "NothingFoundError",
     "SectionFoldsError",
     "SectionOutOfReachError",
     "SolveError",
     "StepsTooCoarseError",
     "TensionsNotFoundError",
+    "TooFewFoundError",
+    "TooManyFoundError",
     "UnreachableLengthError",
     "WhipcordError",
 ]
@@ -89,6 +101,88 @@ class ModelError(InputError):
     """The model."""
     advice: str
     """What to do."""
+
+
+class DetectionError(WhipcordError):
+    """Disks or markers that are not found in a photograph, or not as they must be. Pixels are (column, row)."""
+
+
+class NothingFoundError(DetectionError):
+    """Nothing stands out, nothing of that kind, or all of it does."""
+
+
+class TooFewFoundError(DetectionError):
+    """Fewer than there must be."""
+
+    found: Sequence[tuple[float, float]]
+    """Pixel of each, from the base on as far as that could be told."""
+    expected: int
+    """How many there must be."""
+    gaps: Sequence[int]
+    """After which of them, from 1, one or more seem to be missing."""
+
+
+class TooManyFoundError(DetectionError):
+    """More than there can be."""
+
+    found: Sequence[tuple[float, float]]
+    """Pixel of each."""
+    expected: int
+    """How many there must be."""
+    least_sure: Sequence[tuple[float, float]]
+    """Those with the least confidence, as many as are too many."""
+
+
+class GapError(DetectionError):
+    """A gap in the row, and no count that would settle it."""
+
+    found: Sequence[tuple[float, float]]
+    """Pixel of each from base to tip."""
+    gaps: Sequence[int]
+    """After which of them, from 1."""
+
+
+class NoRowError(DetectionError):
+    """What was found does not lie in a row."""
+
+    found: Sequence[tuple[float, float]]
+    """Pixel of each."""
+    at: tuple[float, float]
+    """Where more than two neighbours meet."""
+
+
+class AmbiguousBaseError(DetectionError):
+    """Which end is the base cannot be told."""
+
+    ends: Sequence[tuple[float, float]]
+    """Both ends of the row."""
+
+
+class MirroredError(DetectionError):
+    """The distances between the disks fit the robot from the other end."""
+
+    base: tuple[float, float]
+    """Where the base was said to be."""
+    forward: float
+    """Relative deviation of the distances from the robot's, counted from there."""
+    reversed: float
+    """Counted from the other end."""
+
+
+class FitError(WhipcordError):
+    """Parameters that cannot be estimated. Where a model has no answer, that is the cause (``__cause__``)."""
+
+    case: int | None
+    """Number of the case, from 0, that has no answer."""
+
+
+class FitNotConvergedError(FitError):
+    """A fit that has not converged: no estimate."""
+
+    iterations: int
+    """Steps of the search."""
+    unresolved: Sequence[str]
+    """What the measurements cannot tell apart."""
 
 
 class SolveError(WhipcordError):

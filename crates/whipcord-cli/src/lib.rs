@@ -1,12 +1,13 @@
 //! The `whipcord` command: one verb for each question about a robot.
 //!
-//! A library of one function, so that the Python package carries the same command.
+//! A library of one function, so that the Python package carries the same command, and of what the package says in
+//! the words of the command.
 
 mod benchmark;
 mod comparison;
 mod failure;
 mod files;
-mod fitting;
+pub mod fitting;
 mod html;
 mod inputs;
 mod paths;

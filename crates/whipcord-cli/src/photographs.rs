@@ -1,17 +1,14 @@
 //! Photographs that verbs read, and the cameras that took them.
 
 use std::fmt::Display;
-use std::fs;
-use std::io::{Error, Read as _};
 use std::path::{Path, PathBuf};
 
 use whipcord::camera::Camera;
-use whipcord_vision::Photo;
+use whipcord_io::read_photograph;
+use whipcord_vision::{Photo, PhotoError};
 
 use crate::failure::Failure;
-
-/// A photograph of many megapixels has tens of megabytes.
-const LARGEST_FILE: u64 = 1 << 28;
+use crate::inputs::message;
 
 /// A photograph and the file it was read from.
 #[derive(Debug)]
@@ -27,22 +24,9 @@ impl Photograph {
     /// # Errors
     /// [`Failure::Input`] when it cannot be read, or is none.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let failed = |error: &Error| Failure::path("read", path, error);
-        let refused =
-            |why: &dyn Display| Failure::Input(format!("error: {}: {why}", path.display()));
-        // A pipe without a writer would be waited for, and a device may have no end.
-        let about = fs::metadata(path).map_err(|error| failed(&error))?;
-        if !about.is_file() {
-            return Err(refused(&"it is not a file with content of its own"));
-        }
-        let mut bytes = Vec::new();
-        fs::File::open(path)
-            .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
-            .map_err(|error| failed(&error))?;
-        if bytes.len() as u64 > LARGEST_FILE {
-            return Err(refused(&format!("the file is larger than {} MiB", LARGEST_FILE >> 20)));
-        }
-        let photo = Photo::decode(&bytes).map_err(|error| refused(&error))?;
+        let bytes = read_photograph(path).map_err(|error| Failure::Input(message(&error)))?;
+        let refused = |why: PhotoError| Failure::Input(format!("error: {}: {why}", path.display()));
+        let photo = Photo::decode(&bytes).map_err(refused)?;
         Ok(Self { path: path.to_owned(), bytes, photo })
     }
 

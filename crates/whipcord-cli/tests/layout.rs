@@ -16,7 +16,10 @@ const ALLOWED: [(&str, &[&str]); 7] = [
     ("whipcord-plot", &["whipcord"]),
     ("whipcord-vision", &["whipcord", "whipcord-numerics"]),
     ("whipcord-cli", &["whipcord", "whipcord-io", "whipcord-plot", "whipcord-vision"]),
-    ("whipcord-py", &["whipcord", "whipcord-io", "whipcord-plot", "whipcord-cli"]),
+    (
+        "whipcord-py",
+        &["whipcord", "whipcord-io", "whipcord-plot", "whipcord-vision", "whipcord-cli"],
+    ),
 ];
 
 /// Modules of the standard library that bind a crate to an operating system.

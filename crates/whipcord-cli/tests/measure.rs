@@ -145,8 +145,8 @@ fn what_cannot_be_measured_is_refused() {
             assert!(!Path::new(file).exists(), "{message}");
         }
     };
-    refuse(2, &["nowhere.png"], &["cannot read nowhere.png"]);
-    refuse(2, &["examples"], &["it is not a file"]);
+    refuse(2, &["nowhere.png"], &["nowhere.png", "there is no such file"]);
+    refuse(2, &["examples"], &["examples", "it is a folder"]);
     refuse(2, &[ROBOT], &["neither PNG nor JPEG"]);
     refuse(2, &[&write(&scratch, "empty.png", &[])], &["the file is empty"]);
     let half = write(&scratch, "half.png", &bytes[..bytes.len() / 2]);

@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use crate::check::{self, Data};
-use crate::error::{FileProblem, Problems};
+use crate::error::{FileError, FileProblem, Problems};
 use crate::node::{self, Node, Value};
 use crate::overlay::overlay;
 use crate::schema::ROOT;
@@ -25,7 +25,22 @@ struct Refusal {
     at: usize,
 }
 
-fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
+/// A photograph of many megapixels has tens of megabytes.
+const LARGEST_PHOTOGRAPH: usize = 1 << 28;
+
+/// The bytes of a photograph, of a file that is one with content of its own and not too large.
+///
+/// # Errors
+/// [`FileError`] when it cannot be read.
+pub fn read_photograph(path: &Path) -> Result<Vec<u8>, FileError> {
+    read_bytes(path, LARGEST_PHOTOGRAPH).map_err(|refusal| {
+        let (mut sources, mut problems) = (Sources::default(), Problems::default());
+        refuse(path, refusal, None, &mut sources, &mut problems);
+        problems.into_error(sources)
+    })
+}
+
+fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Refusal> {
     let unreadable = |error: &io::Error| Refusal {
         problem: FileProblem::Unreadable {
             reason: reason(error),
@@ -48,7 +63,11 @@ fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
     if bytes.len() > limit {
         return Err(Refusal { problem: FileProblem::TooLarge { limit }, text: None, at: 0 });
     }
-    String::from_utf8(bytes).map_err(|error| {
+    Ok(bytes)
+}
+
+fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
+    String::from_utf8(read_bytes(path, limit)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let bytes = error.as_bytes();
         let problem = FileProblem::NotUtf8 { offset: at, byte: bytes[at] };

@@ -23,7 +23,7 @@ pub struct Besides {
     pub measured: Option<Arc<Measured>>,
     pub reference: Option<Arc<Reference>>,
     pub fit: Option<Fit>,
-    /// The file itself, of what was read from one and not changed.
+    /// The file itself, of what was loaded from one and not changed.
     pub file: Option<Arc<CaseFile>>,
 }
 
@@ -33,7 +33,7 @@ impl Besides {
             measured: file.measured.clone().map(Arc::new),
             reference: file.reference.clone().map(Arc::new),
             fit: file.fit.clone(),
-            file: Some(Arc::new(file.clone())),
+            file: None,
         }
     }
 }

@@ -1,11 +1,15 @@
 //! Exceptions of the errors of the library: those of the module `whipcord.errors`, with the numbers as
 //! attributes.
 
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyList};
 use whipcord::batch::BatchError;
+use whipcord::identification::{Identified, IdentifyError, NoAnswerReason};
 use whipcord::{ModelKind, RobotError, SolveError};
 use whipcord_io::{FileError, FileProblem};
+use whipcord_vision::PhotoError;
+use whipcord_vision::detect::DetectError;
 
 /// An exception of this class of `whipcord.errors`, with these attributes.
 fn exception(
@@ -47,6 +51,99 @@ pub fn file(py: Python<'_>, error: &FileError, path: &str) -> PyErr {
     exception(py, class, error.to_string().trim_end().to_owned(), |values| {
         values.set_item("path", path)?;
         values.set_item("problems", problems(py, error)?)
+    })
+}
+
+/// A file that is no photograph.
+pub fn photo(py: Python<'_>, error: &PhotoError, path: &str) -> PyErr {
+    let message = error.to_string();
+    exception(py, "FileError", format!("{path}: {message}"), |values| {
+        values.set_item("path", path)?;
+        let problem = [("message", message.as_str()), ("help", ""), ("file", path)];
+        values.set_item("problems", [problem.into_py_dict(py)?])
+    })
+}
+
+/// What the command says where a file cannot be written.
+pub fn os(message: &str) -> PyErr {
+    PyOSError::new_err(message.trim_start_matches("error: ").to_owned())
+}
+
+/// Why nothing is found in a photograph.
+pub fn detect(py: Python<'_>, error: &DetectError) -> PyErr {
+    use DetectError as E;
+    let message = error.to_string();
+    let raise = |class: &str, fill: &dyn Fn(&Bound<'_, PyDict>) -> PyResult<()>| {
+        exception(py, class, message.clone(), fill)
+    };
+    match error {
+        E::MaskSize { .. } | E::EmptyMask => input(py, "mask", message),
+        E::TooSmall { .. } => input(py, "photo", message),
+        E::HiddenOfHowMany => input(py, "hidden", message),
+        E::NoSuchHidden { .. } => input(py, "hidden", format!("hidden {message}")),
+        E::ColourLikeBackground => input(py, "colour", message),
+        E::NothingStandsOut
+        | E::NoEvenBackground { .. }
+        | E::NoVividColour
+        | E::NoneFound { .. } => raise("NothingFoundError", &|_| Ok(())),
+        E::TooFew { found, expected, gaps } => raise("TooFewFoundError", &|values| {
+            values.set_item("found", found)?;
+            values.set_item("expected", expected)?;
+            values.set_item("gaps", gaps)
+        }),
+        E::TooMany { found, expected, least_sure } => raise("TooManyFoundError", &|values| {
+            values.set_item("found", found)?;
+            values.set_item("expected", expected)?;
+            values.set_item("least_sure", least_sure)
+        }),
+        E::Gap { found, gaps } => raise("GapError", &|values| {
+            values.set_item("found", found)?;
+            values.set_item("gaps", gaps)
+        }),
+        E::NoRow { found, at } => raise("NoRowError", &|values| {
+            values.set_item("found", found)?;
+            values.set_item("at", at)
+        }),
+        E::AmbiguousBase { ends } => {
+            raise("AmbiguousBaseError", &|values| values.set_item("ends", ends))
+        }
+        E::Mirrored { base, forward, reversed } => raise("MirroredError", &|values| {
+            values.set_item("base", base)?;
+            values.set_item("forward", forward)?;
+            values.set_item("reversed", reversed)
+        }),
+    }
+}
+
+/// Why nothing is estimated. Cases are counted from 0, as in Python.
+pub fn identify(py: Python<'_>, error: &IdentifyError) -> PyErr {
+    match error {
+        IdentifyError::NoAnswerAtStart(answer) => {
+            let (case, reason) = (answer.experiment, &answer.reason);
+            let message =
+                format!("cases[{case}] has no answer with the values to start from: {reason}");
+            let raised = exception(py, "FitError", message, |values| values.set_item("case", case));
+            if let NoAnswerReason::Solve(error) = reason {
+                raised.set_cause(py, Some(solve(py, error)));
+            }
+            raised
+        }
+        IdentifyError::Observation { experiment, observation, problem } => {
+            let path = format!("cases[{experiment}].measured.observations[{observation}]");
+            input(py, &path, format!("{path}: {problem}"))
+        }
+        other => input(py, "parameters", other.to_string()),
+    }
+}
+
+/// A fit that has not converged.
+pub fn fit_not_converged(py: Python<'_>, message: String, found: &Identified) -> PyErr {
+    exception(py, "FitNotConvergedError", message, |values| {
+        let case = found.refusal.as_ref().map(|answer| answer.experiment);
+        values.set_item("case", case)?;
+        values.set_item("iterations", found.iterations)?;
+        let unresolved = found.unresolved.iter().map(ToString::to_string);
+        values.set_item("unresolved", unresolved.collect::<Vec<_>>())
     })
 }
 

@@ -10,7 +10,10 @@ mod convert;
 mod derivatives;
 mod errors;
 mod figure;
+mod fit;
 mod model;
+mod overlay;
+mod photo;
 mod setup;
 mod solution;
 mod wait;
@@ -40,9 +43,15 @@ mod _core {
     #[pymodule_export]
     use super::figure::svg;
     #[pymodule_export]
+    use super::fit::{Fitted, fit};
+    #[pymodule_export]
     use super::main;
     #[pymodule_export]
     use super::model::Model;
+    #[pymodule_export]
+    use super::overlay::overlay;
+    #[pymodule_export]
+    use super::photo::{Photo, marks_csv, picture};
     #[pymodule_export]
     use super::setup::Setup;
     #[pymodule_export]

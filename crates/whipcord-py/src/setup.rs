@@ -147,8 +147,12 @@ impl Setup {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let file = py.detach(|| whipcord_io::load(&path));
-        file.map(Self::of_file)
-            .map_err(|error| errors::file(py, &error, &path.display().to_string()))
+        let kept = |file: CaseFile| {
+            let mut setup = Self::of_file(file.clone());
+            setup.besides.file = Some(Arc::new(file));
+            setup
+        };
+        file.map(kept).map_err(|error| errors::file(py, &error, &path.display().to_string()))
     }
 
     /// Reads the text of a robot file; the files it names are looked for in the folder of `name`.
@@ -194,6 +198,16 @@ impl Setup {
     fn reference<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let reference = self.besides.reference.as_deref();
         reference.map(|reference| besides::reference(py, reference)).transpose()
+    }
+
+    /// Arc lengths of the disks in m.
+    fn disks(&self) -> Vec<f64> {
+        self.robot.disks().arc_lengths.clone()
+    }
+
+    /// Where the base is, in m.
+    fn base(&self) -> [f64; 3] {
+        self.case.base.position.to_array()
     }
 
     /// The same, with what a file says beside robot and case from another: the unknowns, and if asked for what

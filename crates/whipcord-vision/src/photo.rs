@@ -117,12 +117,7 @@ impl Photo {
         reader.limits(Limits::no_limits());
         let mut decoder = reader.into_decoder().map_err(broken)?;
         let (width, height) = decoder.dimensions();
-        if width.max(height) > Self::LARGEST_SIDE {
-            return Err(PhotoError::TooLarge { width, height, most: Self::LARGEST_SIDE });
-        }
-        if width == 0 || height == 0 {
-            return Err(PhotoError::Broken { reason: "it has no pixels".to_owned() });
-        }
+        check_size(width, height)?;
         let orientation = decoder.orientation().map_err(broken)?;
         let mut image = DynamicImage::from_decoder(decoder).map_err(broken)?;
         image.apply_orientation(orientation);
@@ -147,14 +142,57 @@ impl Photo {
         self.encode(ImageFormat::Jpeg)
     }
 
+    /// The photograph whose pixels, row by row, are these bytes of red, green and blue.
+    ///
+    /// ```
+    /// use whipcord_vision::Photo;
+    ///
+    /// let bytes = [0, 0, 0, 255, 255, 255];
+    /// let photo = Photo::of_rgb8(2, 1, &bytes)?;
+    /// assert_eq!(photo.to_rgb8(), bytes);
+    /// # Ok::<(), whipcord_vision::PhotoError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`PhotoError`] when there are too many or none, or not as many bytes as pixels have.
+    pub fn of_rgb8(width: usize, height: usize, bytes: &[u8]) -> Result<Self, PhotoError> {
+        let broken = |reason: &str| PhotoError::Broken { reason: reason.to_owned() };
+        let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        check_size(side(width), side(height))?;
+        if bytes.len() != 3 * width * height {
+            return Err(broken("it has more or fewer bytes than pixels"));
+        }
+        let level = |byte: &u8| linear(f32::from(*byte) / 255.0);
+        let pixels =
+            bytes.chunks_exact(3).map(|rgb| [level(&rgb[0]), level(&rgb[1]), level(&rgb[2])]);
+        Ok(Self { width, height, pixels: pixels.collect() })
+    }
+
+    /// All pixels, row by row, as bytes of red, green and blue.
+    #[must_use]
+    pub fn to_rgb8(&self) -> Vec<u8> {
+        self.pixels.iter().flat_map(|pixel| pixel.map(quantised)).collect()
+    }
+
     fn encode(&self, format: ImageFormat) -> Result<Vec<u8>, PhotoError> {
         let failed = |reason: String| PhotoError::Encoding { reason };
-        let bytes: Vec<u8> = self.pixels.iter().flat_map(|pixel| pixel.map(quantised)).collect();
-        let image = RgbImage::from_raw(self.width as u32, self.height as u32, bytes)
+        let image = RgbImage::from_raw(self.width as u32, self.height as u32, self.to_rgb8())
             .ok_or_else(|| failed("its size is out of range".to_owned()))?;
         let mut out = Cursor::new(Vec::new());
         image.write_to(&mut out, format).map_err(|error| failed(error.to_string()))?;
         Ok(out.into_inner())
+    }
+}
+
+/// Refuses what has no pixels, or more than are worked on.
+fn check_size(width: u32, height: u32) -> Result<(), PhotoError> {
+    let most = Photo::LARGEST_SIDE;
+    if width.max(height) > most {
+        Err(PhotoError::TooLarge { width, height, most })
+    } else if width == 0 || height == 0 {
+        Err(PhotoError::Broken { reason: "it has no pixels".to_owned() })
+    } else {
+        Ok(())
     }
 }
 

@@ -11,7 +11,7 @@ use crate::html::Figure;
 ///
 /// # Errors
 /// [`PlotError`] for a picture that cannot be drawn.
-pub fn figures(fit: &Fit<'_>) -> Result<Vec<Figure>, PlotError> {
+pub fn figures(fit: &Fit) -> Result<Vec<Figure>, PlotError> {
     let mut figures = Vec::new();
     for (pixels, unit, scale, names) in [
         (false, "mm", 1e3, ["distances", "coordinates"]),

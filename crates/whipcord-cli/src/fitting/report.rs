@@ -4,10 +4,10 @@ use super::{Fit, tables};
 use crate::html::{Figure, escape, footer, page};
 
 /// The report of a fit with its figures.
-pub fn html(fit: &Fit<'_>, figures: &[Figure]) -> String {
+pub fn html(fit: &Fit, figures: &[Figure]) -> String {
     let mut body = String::from("<h1>Fit</h1>\n");
     body += &format!("<p>{}</p>\n<ul>\n", escape(&tables::heading(fit)));
-    for case in fit.cases {
+    for case in &fit.cases {
         let (title, path) = (escape(&case.title), escape(&case.path.display().to_string()));
         body += &format!("<li>{title} <span class=\"path\">{path}</span></li>\n");
     }

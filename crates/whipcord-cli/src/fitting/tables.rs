@@ -10,7 +10,7 @@ use crate::style::Style;
 use crate::table::{Align, Table};
 
 /// What standard output shows.
-pub fn summary(fit: &Fit<'_>, unknowns: &[Unknown], style: Style) -> String {
+pub fn summary(fit: &Fit, unknowns: &[Unknown], style: Style) -> String {
     let mut text = heading(fit) + "\n\n";
     text += &estimates(fit).text(style);
     let correlations = correlations(fit);
@@ -31,9 +31,9 @@ pub fn summary(fit: &Fit<'_>, unknowns: &[Unknown], style: Style) -> String {
 }
 
 /// One line on the whole.
-pub fn heading(fit: &Fit<'_>) -> String {
+pub fn heading(fit: &Fit) -> String {
     let found = &fit.found;
-    let files = match fit.cases {
+    let files = match fit.cases.as_slice() {
         [one] => one.title.clone(),
         several => format!("{} files", several.len()),
     };
@@ -50,7 +50,7 @@ pub fn heading(fit: &Fit<'_>) -> String {
 }
 
 /// The estimates.
-pub fn estimates(fit: &Fit<'_>) -> Table {
+pub fn estimates(fit: &Fit) -> Table {
     let mut table = Table::new([
         ("parameter", Align::Left),
         ("estimate", Align::Right),
@@ -103,7 +103,7 @@ fn shown(unit: &'static str) -> (f64, &'static str) {
 }
 
 /// The path, with the file it belongs to where it is not of all.
-fn name(fit: &Fit<'_>, unknown: &Unknown) -> String {
+fn name(fit: &Fit, unknown: &Unknown) -> String {
     match unknown.experiment {
         Some(e) => format!("{} ({})", unknown.quantity, fit.names[e]),
         None => unknown.quantity.to_string(),
@@ -111,7 +111,7 @@ fn name(fit: &Fit<'_>, unknown: &Unknown) -> String {
 }
 
 /// How the estimates go together.
-pub fn correlations(fit: &Fit<'_>) -> Table {
+pub fn correlations(fit: &Fit) -> Table {
     let found = &fit.found;
     let mut columns = vec![(String::new(), Align::Left)];
     columns.extend((1..=found.estimates.len()).map(|i| (i.to_string(), Align::Right)));
@@ -129,7 +129,7 @@ pub fn correlations(fit: &Fit<'_>) -> Table {
 }
 
 /// The models side by side; empty where that was not asked for.
-pub fn models(fit: &Fit<'_>) -> Table {
+pub fn models(fit: &Fit) -> Table {
     let mut table = Table::new([
         ("model", Align::Left),
         ("RMS, mm", Align::Right),
@@ -161,7 +161,7 @@ pub fn models(fit: &Fit<'_>) -> Table {
 }
 
 /// What was held out in turn; empty where that was not asked for.
-pub fn held_out(fit: &Fit<'_>) -> Table {
+pub fn held_out(fit: &Fit) -> Table {
     let mut table = Table::new([
         ("without", Align::Left),
         ("RMS of it, mm", Align::Right),
@@ -188,7 +188,7 @@ pub fn held_out(fit: &Fit<'_>) -> Table {
 }
 
 /// What a reader must know to read the numbers rightly.
-pub fn notes(fit: &Fit<'_>) -> Vec<String> {
+pub fn notes(fit: &Fit) -> Vec<String> {
     let mut notes: Vec<String> =
         fit.found.unresolved.iter().map(|unresolved| format!("! {unresolved}")).collect();
     let doubted = fit.found.residuals.iter().filter(|residual| residual.weight < 0.5).count();
@@ -203,7 +203,7 @@ pub fn notes(fit: &Fit<'_>) -> Vec<String> {
 }
 
 /// Every estimate, in SI.
-pub fn estimates_csv(fit: &Fit<'_>) -> CsvTable {
+pub fn estimates_csv(fit: &Fit) -> CsvTable {
     let mut csv = CsvTable::new([
         "parameter",
         "case",
@@ -231,7 +231,7 @@ pub fn estimates_csv(fit: &Fit<'_>) -> CsvTable {
 }
 
 /// What is left of every marker, in m or pixels.
-pub fn residuals_csv(fit: &Fit<'_>) -> CsvTable {
+pub fn residuals_csv(fit: &Fit) -> CsvTable {
     let mut csv =
         CsvTable::new(["case", "step", "arc_length", "camera", "x", "y", "z", "u", "v", "weight"]);
     for residual in &fit.found.residuals {
@@ -256,6 +256,6 @@ pub fn residuals_csv(fit: &Fit<'_>) -> CsvTable {
 }
 
 /// Where a marker sits, in m.
-pub fn arc_length(fit: &Fit<'_>, experiment: usize, seen: &Observation) -> f64 {
+pub fn arc_length(fit: &Fit, experiment: usize, seen: &Observation) -> f64 {
     seen.place.arc_length(fit.cases[experiment].robot.disks())
 }

@@ -8,12 +8,12 @@ use whipcord::identification::{
     cross_validate, identify,
 };
 use whipcord::{Model, ModelKind, Stations};
-use whipcord_io::{CaseFile, FittedFile, Inexpressible, fit_json, quantity};
+use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, fit_json, quantity};
 
 use super::solve::{Actuation, drive, model_parser};
 use crate::failure::{Failure, refuses};
-use crate::files::{self, Folder, unique_names};
-use crate::fitting::{Fit, figures, report, tables};
+use crate::files::{self, Folder};
+use crate::fitting::{Fit, not_converged, tables};
 use crate::inputs::Inputs;
 use crate::style::Style;
 
@@ -105,7 +105,8 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
     let fail = |error: IdentifyError| failure(&cases, &error);
     let found = identify(robot, &experiments, &unknowns, &settings).map_err(fail)?;
     if !found.status.is_converged() {
-        return Err(Failure::Solve(not_converged(&cases, &found)));
+        let paths: Vec<_> = cases.iter().map(|case| case.path.display().to_string()).collect();
+        return Err(Failure::Solve(format!("error: {}", not_converged(&paths, &found))));
     }
     let validated = match args.cross_validate {
         true => Some(cross_validate(robot, &experiments, &unknowns, &settings).map_err(fail)?),
@@ -118,19 +119,12 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         }
         false => Vec::new(),
     };
-    let names = unique_names(cases.iter().map(|case| case.path.as_path()));
-    let fit =
-        Fit { cases: &cases, names: &names, experiments: &experiments, found, validated, compared };
+    let fit = Fit::new(cases, experiments, found, validated, compared);
     write(args, &fit, &unknowns, style)
 }
 
 /// Makes all there is to write, then writes it, or nothing.
-fn write(
-    args: &FitArgs,
-    fit: &Fit<'_>,
-    unknowns: &[Unknown],
-    style: Style,
-) -> Result<String, Failure> {
+fn write(args: &FitArgs, fit: &Fit, unknowns: &[Unknown], style: Style) -> Result<String, Failure> {
     let mut notes = Vec::new();
     let mut fitted = |i: usize, folder: &Path, target: &Path| -> Result<FittedFile, Failure> {
         let file = with_estimates(&fit.cases[i], &fit.found, i, folder)?;
@@ -148,27 +142,17 @@ fn write(
         written.push((path.clone(), fitted(0, folder, path)?.text.into_bytes()));
     }
     if let Some(out) = &args.out {
-        let folder = Folder::create(out)?;
-        let figures = figures::figures(fit).map_err(|error| files::plot_failure(out, &error))?;
+        Folder::create(out)?;
         for (i, name) in fit.names.iter().enumerate() {
             let path = out.join(format!("{name}-fitted.toml"));
             let file = fitted(i, out, &path)?;
             written.push((path, file.text.into_bytes()));
         }
-        let (estimates, residuals) = (tables::estimates_csv(fit), tables::residuals_csv(fit));
-        for (name, table) in [("estimates.csv", estimates), ("residuals.csv", residuals)] {
-            let text = table.to_csv().map_err(|error| files::no_result(&error))?;
-            written.push((out.join(name), text.into_bytes()));
-        }
-        let html = report::html(fit, &figures);
-        for figure in &figures {
-            folder.write_figure(figure.name, &figure.svg)?;
-        }
-        written.push((out.join("report.html"), html.into_bytes()));
+        written.extend(fit.files()?.into_iter().map(|(name, bytes)| (out.join(name), bytes)));
         notes.push(format!("report: {}", out.join("report.html").display()));
     }
     let text = if args.json {
-        let json = fit_json(&fit.found, fit.names, fit.validated.as_ref(), &fit.compared);
+        let json = fit_json(&fit.found, &fit.names, fit.validated.as_ref(), &fit.compared);
         format!("{:#}\n", json.map_err(|error| files::no_result(&error))?)
     } else {
         let mut text = tables::summary(fit, unknowns, style);
@@ -212,40 +196,14 @@ fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
 
 /// What is estimated: as the arguments say, else as the files do.
 fn unknowns(args: &FitArgs, cases: &[CaseFile]) -> Result<Vec<Unknown>, Failure> {
-    let mut unknowns: Vec<Unknown> = Vec::new();
-    let known = |quantity: Quantity| {
-        let all = cases.iter().filter_map(|case| case.fit.as_ref());
-        let of = all.flat_map(|fit| fit.shared.iter().chain(&fit.each));
-        let own = of.into_iter().find(|unknown| unknown.quantity == quantity);
-        own.cloned().unwrap_or_else(|| Unknown::new(quantity))
+    let files: Vec<Option<&Unknowns>> = cases.iter().map(|case| case.fit.as_ref()).collect();
+    let known = |paths: &[Quantity]| paths.iter().map(|q| Unknowns::known(&files, *q)).collect();
+    let unknowns = if args.parameters.is_empty() && args.each.is_empty() {
+        Unknowns::together(&files)
+    } else {
+        let fit = Unknowns { shared: known(&args.parameters), each: known(&args.each) };
+        fit.of_all(cases.len())
     };
-    let mut add = |unknown: Unknown| {
-        let same = |other: &Unknown| {
-            (other.quantity, other.experiment) == (unknown.quantity, unknown.experiment)
-        };
-        if !unknowns.iter().any(same) {
-            unknowns.push(unknown);
-        }
-    };
-    if args.parameters.is_empty() && args.each.is_empty() {
-        let fits = cases.iter().enumerate().filter_map(|(e, case)| Some((e, case.fit.as_ref()?)));
-        for (_, fit) in fits.clone() {
-            fit.shared.iter().cloned().for_each(&mut add);
-        }
-        for (e, fit) in fits {
-            for unknown in &fit.each {
-                add(Unknown { experiment: Some(e), ..unknown.clone() });
-            }
-        }
-    }
-    for quantity in &args.parameters {
-        add(known(*quantity));
-    }
-    for quantity in &args.each {
-        for e in 0..cases.len() {
-            add(Unknown { experiment: Some(e), ..known(*quantity) });
-        }
-    }
     if unknowns.is_empty() {
         return Err(Failure::Input(String::from(
             "error: nothing is to be estimated: give --parameter, such as --parameter backbone.diameter, or [fit] in the file",
@@ -258,40 +216,15 @@ fn unknowns(args: &FitArgs, cases: &[CaseFile]) -> Result<Vec<Unknown>, Failure>
 fn same_robot(cases: &[CaseFile]) -> Result<(), Failure> {
     let Some((first, others)) = cases.split_first() else { return Ok(()) };
     for other in others {
-        let (a, b) = (&first.robot, &other.robot);
-        let what = if a.backbone() != b.backbone() {
-            "backbone"
-        } else if a.disks() != b.disks() {
-            "disks"
-        } else if a.cables() != b.cables() {
-            "cables"
-        } else {
-            continue;
-        };
-        return Err(Failure::Input(format!(
-            "error: {} and {} describe different robots: the {what} differ; let both extend one file with the robot",
-            first.path.display(),
-            other.path.display()
-        )));
+        if let Some(what) = first.robot.differs_in(&other.robot) {
+            return Err(Failure::Input(format!(
+                "error: {} and {} describe different robots: the {what} differ; let both extend one file with the robot",
+                first.path.display(),
+                other.path.display()
+            )));
+        }
     }
     Ok(())
-}
-
-fn not_converged(cases: &[CaseFile], found: &Identified) -> String {
-    let why = match &found.refusal {
-        Some(answer) => format!(
-            "; the last step was shortened because {} has no answer: {}",
-            cases[answer.experiment].path.display(),
-            answer.reason
-        ),
-        None => String::new(),
-    };
-    let unresolved: String =
-        found.unresolved.iter().map(|unresolved| format!("\n  {unresolved}")).collect();
-    format!(
-        "error: the fit has not converged ({:?} after {} steps){why}; start nearer, give bounds, or estimate less{unresolved}",
-        found.status, found.iterations
-    )
 }
 
 /// With the file in place of the number of the case.

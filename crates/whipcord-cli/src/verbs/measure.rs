@@ -4,10 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
-use whipcord_io::{Cell, CsvTable, load_camera};
-use whipcord_vision::detect::{
-    Base, DetectError, Expected, Kind, Mark, Mask, Search, colour, find, in_order,
-};
+use whipcord_io::{load_camera, marks_csv};
+use whipcord_vision::detect::{Base, DetectError, Kind, Mark, Mask, Row, Search, colour, find_row};
 use whipcord_vision::{Photo, annotated};
 
 use crate::failure::Failure;
@@ -146,14 +144,11 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         _ => None,
     };
     let count = robot.as_ref().map(|file| file.robot.disks().count()).or(args.count);
-    let numbers = shown(&args.hidden, count)?;
-    let places: Option<Vec<f64>> = robot.as_ref().map(|file| {
-        let places = &file.robot.disks().arc_lengths;
-        numbers.iter().flatten().map(|number| places[number - 1]).collect()
-    });
-    let expected = Expected {
-        count: numbers.as_ref().map(Vec::len),
-        places: places.as_deref(),
+    let hidden: Vec<usize> = args.hidden.iter().map(|&number| number as usize).collect();
+    let row = Row {
+        count,
+        places: robot.as_ref().map(|file| file.robot.disks().arc_lengths.as_slice()),
+        hidden: &hidden,
         base: args.base.or(seen_base.map(Base::Near)),
     };
     let search = Search {
@@ -162,11 +157,7 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         radius: args.radius,
         mask: mask.as_ref(),
     };
-    let marks = find(photo, &search)
-        .and_then(|marks| in_order(&marks, &expected))
-        .map_err(|error| refusal(args, &error))?;
-    let numbers = numbers.unwrap_or_else(|| (1..=marks.len()).collect());
-    let marks: Vec<(usize, Mark)> = numbers.into_iter().zip(marks).collect();
+    let marks = find_row(photo, &search, &row).map_err(|error| refusal(args, &error))?;
 
     let camera_name = args.name.clone().or_else(|| {
         let stem = args.camera.as_deref()?.file_stem()?;
@@ -178,7 +169,9 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         summary(args, photo, &marks, style)
     };
     // What can fail but for the disk has been done before anything is written.
-    let csv = table(args, camera_name.as_deref(), &marks).to_csv();
+    let found = marks.iter().map(|(number, mark)| (*number, mark.pixel, mark.confidence));
+    let step = args.step.map(|step| step as usize);
+    let csv = marks_csv(step, camera_name.as_deref(), found).to_csv();
     let csv = csv.map_err(|error| no_result(&error))?;
     if let Some(path) = &args.annotated {
         let picture = annotated(photo, args.kind, &marks).to_png();
@@ -193,30 +186,19 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Numbers, from 1, of the disks that can be found, where it is known how many there are.
-fn shown(hidden: &[u32], count: Option<usize>) -> Result<Option<Vec<usize>>, Failure> {
-    let hidden: Vec<usize> = hidden.iter().map(|&number| number as usize).collect();
-    let refused = |why: String| Err(Failure::Input(format!("error: --hidden {why}")));
-    let Some(count) = count else {
-        return match hidden.first() {
-            Some(_) => {
-                refused("needs --robot or --count: how many disks there are in all".to_owned())
-            }
-            None => Ok(None),
-        };
-    };
-    if let Some(number) = hidden.iter().find(|&&number| number > count) {
-        return refused(format!("{number}: there are disks 1 to {count}"));
-    }
-    Ok(Some((1..=count).filter(|number| !hidden.contains(number)).collect()))
-}
-
 /// What was found is no answer: how to ask for another.
 fn refusal(args: &MeasureArgs, error: &DetectError) -> Failure {
     let text = format!("error: {}: {error}", args.photo.display());
     let help = match error {
         DetectError::MaskSize { .. } | DetectError::EmptyMask | DetectError::TooSmall { .. } => {
             return Failure::Input(text);
+        }
+        DetectError::HiddenOfHowMany => {
+            let needs = "--hidden needs --robot or --count: how many disks there are in all";
+            return Failure::Input(format!("error: {needs}"));
+        }
+        DetectError::NoSuchHidden { .. } => {
+            return Failure::Input(format!("error: --hidden {error}"));
         }
         DetectError::AmbiguousBase { .. } => "--base left, right, top, bottom, or a pixel near it",
         DetectError::Mirrored { .. } => "--base at the other end, or the right --robot",
@@ -233,21 +215,6 @@ fn refusal(args: &MeasureArgs, error: &DetectError) -> Failure {
         | DetectError::NoVividColour => "--colour or --kind",
     };
     Failure::Solve(format!("{text}\nhelp: {help}"))
-}
-
-fn table(args: &MeasureArgs, camera: Option<&str>, marks: &[(usize, Mark)]) -> CsvTable {
-    let step = args.step.map(|step| step as usize);
-    let columns = ["step"].into_iter().filter(|_| step.is_some()).chain(["disk"]);
-    let columns = columns.chain(["camera"].into_iter().filter(|_| camera.is_some()));
-    let mut table = CsvTable::new(columns.chain(["u", "v", "confidence"]));
-    for (number, mark) in marks {
-        let mut row: Vec<Cell> = step.map(Cell::from).into_iter().collect();
-        row.push(Cell::from(*number));
-        row.extend(camera.map(Cell::from));
-        row.extend([mark.pixel[0], mark.pixel[1], mark.confidence].map(Cell::from));
-        table.push(row);
-    }
-    table
 }
 
 fn object(

@@ -70,6 +70,27 @@ impl CsvTable {
     }
 }
 
+/// Markers that were found in a photograph, as a table that `[measured]` takes: for each the number of its
+/// disk, from 1, column and row, and how sure it is; beside it the step of actuation, from 1, and the camera
+/// where they are given.
+pub fn marks_csv(
+    step: Option<usize>,
+    camera: Option<&str>,
+    marks: impl IntoIterator<Item = (usize, [f64; 2], f64)>,
+) -> CsvTable {
+    let columns = ["step"].into_iter().filter(|_| step.is_some()).chain(["disk"]);
+    let columns = columns.chain(["camera"].into_iter().filter(|_| camera.is_some()));
+    let mut table = CsvTable::new(columns.chain(["u", "v", "confidence"]));
+    for (disk, [u, v], confidence) in marks {
+        let mut row: Vec<Cell> = step.map(Cell::from).into_iter().collect();
+        row.push(Cell::from(disk));
+        row.extend(camera.map(Cell::from));
+        row.extend([u, v, confidence].map(Cell::from));
+        table.push(row);
+    }
+    table
+}
+
 /// The frames of a shape, one line for each station: arc length, position and orientation.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ mod stiffness;
 use thiserror::Error;
 
 pub use atomic::{remove_unfinished, write_atomically};
-pub use csv::{Cell, CsvTable, shape_csv, steps_csv};
+pub use csv::{Cell, CsvTable, marks_csv, shape_csv, steps_csv};
 pub use fit::fit_json;
 pub use json::solution_json;
 pub use path::{Beside, answer_json};

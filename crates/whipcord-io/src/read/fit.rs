@@ -14,6 +14,47 @@ pub struct Fit {
     pub each: Vec<Unknown>,
 }
 
+impl Fit {
+    /// What several files that are fitted together estimate, each of them once: what is shared by any of them,
+    /// and what each has for itself.
+    #[must_use]
+    pub fn together(files: &[Option<&Self>]) -> Vec<Unknown> {
+        let mut unknowns = Vec::new();
+        for fit in files.iter().flatten() {
+            fit.shared.iter().cloned().for_each(|unknown| add(&mut unknowns, unknown));
+        }
+        for (e, fit) in files.iter().enumerate().filter_map(|(e, fit)| Some((e, (*fit)?))) {
+            for unknown in &fit.each {
+                add(&mut unknowns, Unknown { experiment: Some(e), ..unknown.clone() });
+            }
+        }
+        unknowns
+    }
+
+    /// What so many files estimate that all have this table.
+    #[must_use]
+    pub fn of_all(&self, files: usize) -> Vec<Unknown> {
+        Self::together(&vec![Some(self); files])
+    }
+
+    /// A quantity, with what the first of the files that knows of it says.
+    #[must_use]
+    pub fn known(files: &[Option<&Self>], quantity: Quantity) -> Unknown {
+        let mut all = files.iter().flatten().flat_map(|fit| fit.shared.iter().chain(&fit.each));
+        let own = all.find(|unknown| unknown.quantity == quantity);
+        own.cloned().unwrap_or_else(|| Unknown::new(quantity))
+    }
+}
+
+fn add(unknowns: &mut Vec<Unknown>, unknown: Unknown) {
+    let same = |other: &Unknown| {
+        (other.quantity, other.experiment) == (unknown.quantity, unknown.experiment)
+    };
+    if !unknowns.iter().any(same) {
+        unknowns.push(unknown);
+    }
+}
+
 /// The quantity of a path, or the path that is most like it.
 ///
 /// # Errors

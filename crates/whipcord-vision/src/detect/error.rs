@@ -25,6 +25,17 @@ pub enum DetectError {
     /// The mask leaves nothing.
     #[error("the mask is black: nothing is left to look at")]
     EmptyMask,
+    /// Disks are said to be hidden, but not of how many.
+    #[error("which disks are hidden says nothing without how many there are in all")]
+    HiddenOfHowMany,
+    /// A disk that is said to be hidden is none.
+    #[error("{number}: there are disks 1 to {count}")]
+    NoSuchHidden {
+        /// Its number.
+        number: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// All is background.
     #[error("nothing stands out from the background")]
     NothingStandsOut,

@@ -1,7 +1,7 @@
 //! Disks and markers in photographs, to a fraction of a pixel, in order from base to tip.
 //!
 //! [`find`] finds what looks like a disk, a coloured dot or a small circle; [`in_order`] numbers that from base to tip
-//! or says why it cannot. Neither guesses: a count that does not fit is an error that says what was found and where.
+//! or says why it cannot; [`find_row`] does both. None of them guesses: a count that does not fit is an error that says what was found and where.
 
 mod background;
 mod bar;
@@ -9,6 +9,7 @@ mod bars;
 mod blobs;
 mod chain;
 mod error;
+mod numbered;
 
 use core::str::FromStr;
 
@@ -17,6 +18,7 @@ use crate::plane::Plane;
 pub use blobs::colour;
 pub use chain::{Base, Expected, in_order};
 pub use error::DetectError;
+pub use numbered::{Row, find_row};
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -91,6 +91,17 @@ impl Robot {
         &self.cables
     }
 
+    /// In which part it differs from another robot: `backbone`, `disks` or `cables`; `None` where the two are one.
+    #[must_use]
+    pub fn differs_in(&self, other: &Self) -> Option<&'static str> {
+        let parts = [
+            ("backbone", self.backbone != other.backbone),
+            ("disks", self.disks != other.disks),
+            ("cables", self.cables != other.cables),
+        ];
+        parts.into_iter().find_map(|(part, differs)| differs.then_some(part))
+    }
+
     /// Where each cable runs in the backbone's cross-sections; one for each of [`Self::cables`].
     #[must_use]
     pub fn routes(&self) -> &[Route] {

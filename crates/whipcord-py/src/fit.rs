@@ -1,0 +1,219 @@
+//! What a robot is, from what was measured.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use whipcord::Model as Method;
+use whipcord::identification::{
+    Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, compare_models,
+    cross_validate, identify,
+};
+use whipcord_cli::fitting::{self, not_converged};
+use whipcord_io::{CaseFile, Fit, fit_json};
+
+use crate::besides::Besides;
+use crate::errors;
+use crate::model::Model;
+use crate::setup::Setup;
+use crate::wait::interruptible;
+
+/// What was fitted.
+#[pyclass(frozen, module = "whipcord._core")]
+pub struct Fitted {
+    inner: fitting::Fit,
+    besides: Vec<Besides>,
+}
+
+/// An unknown: its path, where to start, least and greatest value, and what it is known to be within which
+/// deviation; a path alone where the files say the rest.
+type Asked = (String, bool, Option<f64>, Option<f64>, Option<f64>, Option<[f64; 2]>);
+
+/// Fits the cases, which are of one robot.
+#[pyfunction]
+#[pyo3(signature = (
+    setups, model, parameters, each, loss, confidence, iterations, validate, models
+))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub fn fit(
+    py: Python<'_>,
+    setups: Vec<PyRef<'_, Setup>>,
+    model: &Model,
+    parameters: Vec<Asked>,
+    each: Vec<Asked>,
+    loss: &str,
+    confidence: f64,
+    iterations: usize,
+    validate: bool,
+    models: Vec<PyRef<'_, Model>>,
+) -> PyResult<Fitted> {
+    let Some((first, others)) = setups.split_first() else {
+        return Err(errors::input(py, "cases", "there is no case to fit".to_owned()));
+    };
+    for (i, other) in others.iter().enumerate() {
+        if let Some(what) = first.robot.differs_in(&other.robot) {
+            let path = format!("cases[{}]", i + 1);
+            let message = format!("{path} is of another robot than cases[0]: the {what} differ");
+            return Err(errors::input(py, &path, message));
+        }
+    }
+    let experiments: Vec<Experiment> = setups
+        .iter()
+        .enumerate()
+        .map(|(i, setup)| experiment(py, i, setup))
+        .collect::<PyResult<_>>()?;
+    let files: Vec<Option<&Fit>> = setups.iter().map(|setup| setup.besides.fit.as_ref()).collect();
+    let unknowns = if parameters.is_empty() && each.is_empty() {
+        Fit::together(&files)
+    } else {
+        let all = |asked: Vec<Asked>| {
+            asked.into_iter().map(|one| unknown(py, &files, one)).collect::<PyResult<Vec<_>>>()
+        };
+        Fit { shared: all(parameters)?, each: all(each)? }.of_all(setups.len())
+    };
+    if unknowns.is_empty() {
+        let message = "nothing is to be estimated: give parameters, such as \"backbone.diameter\", or [fit] in the file";
+        return Err(errors::input(py, "parameters", message.to_owned()));
+    }
+    let robustness = match loss {
+        "squares" => Robustness::Squares,
+        "huber" => Robustness::Huber,
+        "soft-l1" => Robustness::SoftL1,
+        "cauchy" => Robustness::Cauchy,
+        other => {
+            let message =
+                format!("there is no loss `{other}`: choose squares, huber, soft-l1 or cauchy");
+            return Err(errors::input(py, "loss", message));
+        }
+    };
+    let settings =
+        Settings { robustness, confidence, iterations, ..Settings::new(model.inner.clone()) };
+    let cases: Vec<CaseFile> =
+        setups.iter().enumerate().map(|(i, setup)| file(py, i, setup)).collect::<PyResult<_>>()?;
+    let besides = setups.iter().map(|setup| setup.besides.clone()).collect();
+    let models: Vec<Method> = models.iter().map(|model| model.inner.clone()).collect();
+    let robot = first.robot.clone();
+    let inner = interruptible(py, move || -> Result<fitting::Fit, IdentifyError> {
+        let found = identify(&robot, &experiments, &unknowns, &settings)?;
+        let goes_on = found.status.is_converged();
+        let validated = (validate && goes_on)
+            .then(|| cross_validate(&robot, &experiments, &unknowns, &settings))
+            .transpose()?;
+        let models = if goes_on { models.as_slice() } else { &[] };
+        let compared = compare_models(&robot, &experiments, &unknowns, models, &settings);
+        Ok(fitting::Fit::new(cases, experiments, found, validated, compared))
+    })?;
+    let inner = inner.map_err(|error| errors::identify(py, &error))?;
+    if !inner.found.status.is_converged() {
+        let message = not_converged(&inner.names, &inner.found);
+        return Err(errors::fit_not_converged(py, message, &inner.found));
+    }
+    Ok(Fitted { inner, besides })
+}
+
+#[pymethods]
+impl Fitted {
+    /// What `whipcord fit --json` prints.
+    fn json(&self, py: Python<'_>) -> PyResult<String> {
+        let fitting::Fit { found, names, validated, compared, .. } = &self.inner;
+        let json = fit_json(found, names, validated.as_ref(), compared);
+        let json = json.map_err(|error| errors::input(py, "fit", error.to_string()))?;
+        Ok(json.to_string())
+    }
+
+    /// Of each observation that is left the number of its case and its step, both from 0, its arc length in m,
+    /// and the number of its camera.
+    fn places(&self) -> Vec<(usize, usize, f64, Option<usize>)> {
+        let fitting::Fit { cases, experiments, found, .. } = &self.inner;
+        let place = |residual: &whipcord::identification::Residual| {
+            let seen = &experiments[residual.experiment].observations[residual.observation];
+            let arc_length = seen.place.arc_length(cases[residual.experiment].robot.disks());
+            let camera = match seen.seen {
+                whipcord::Seen::Pixel { camera, .. } => Some(camera),
+                whipcord::Seen::Position(_) => None,
+            };
+            (residual.experiment, seen.step, arc_length, camera)
+        };
+        found.residuals.iter().map(place).collect()
+    }
+
+    /// The cases with the estimates.
+    fn setups(&self) -> Vec<Setup> {
+        let fitting::Fit { cases, found, .. } = &self.inner;
+        let all = cases.iter().zip(&found.cases).zip(&self.besides);
+        all.map(|((file, case), besides)| {
+            let besides = Besides { file: None, reference: None, ..besides.clone() };
+            let mut setup =
+                Setup::new(file.title.clone(), found.robot.clone(), Arc::new(case.clone()));
+            setup.besides = besides;
+            setup
+        })
+        .collect()
+    }
+
+    /// The text of the file of a case with the estimates in their places, for this folder; None where there is no
+    /// file, or it has no place for one of them.
+    fn text(&self, py: Python<'_>, number: usize, folder: PathBuf) -> PyResult<Option<String>> {
+        let Some(file) = &self.besides[number].file else { return Ok(None) };
+        let found = &self.inner.found;
+        let text = file.with_numbers_of(&found.robot, &found.cases[number], &folder);
+        let text = text.map_err(|error| errors::input(py, "case", error.to_string()))?;
+        Ok(text.keeps_text.then_some(text.text))
+    }
+
+    /// Writes report, figures and CSV to a folder, and returns the path of the report.
+    fn report(&self, py: Python<'_>, folder: PathBuf) -> PyResult<PathBuf> {
+        let written = py.detach(|| self.inner.write_report(&folder));
+        written.map_err(|message| errors::os(&message))
+    }
+}
+
+/// What was measured in a case.
+fn experiment(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<Experiment> {
+    let measured = setup.besides.measured.as_ref().filter(|m| !m.observations.is_empty());
+    let Some(measured) = measured else {
+        let path = format!("cases[{i}]");
+        let message = format!(
+            "{path} has no measurements: give them by `with_measured`, or [measured] in its file"
+        );
+        return Err(errors::input(py, &path, message));
+    };
+    Ok(Experiment {
+        case: (*setup.case).clone(),
+        cameras: measured.cameras.iter().map(|of| of.camera).collect(),
+        observations: measured.observations.clone(),
+    })
+}
+
+fn unknown(
+    py: Python<'_>,
+    files: &[Option<&Fit>],
+    (path, alone, start, least, greatest, prior): Asked,
+) -> PyResult<Unknown> {
+    let quantity = whipcord_io::quantity(&path).map_err(|near| {
+        let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+        let message = format!("`{path}` is nothing that can be estimated{near}");
+        errors::input(py, "parameters", message)
+    })?;
+    if alone {
+        return Ok(Fit::known(files, quantity));
+    }
+    Ok(Unknown {
+        start,
+        bounds: [least.unwrap_or(f64::NEG_INFINITY), greatest.unwrap_or(f64::INFINITY)],
+        prior: prior.map(|[mean, deviation]| Prior { mean, deviation }),
+        ..Unknown::new(quantity)
+    })
+}
+
+/// The file of a case; one that was made in Python has none, and gets the text that it would be saved as.
+fn file(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<CaseFile> {
+    if let Some(file) = &setup.besides.file {
+        return Ok((**file).clone());
+    }
+    let of_case = |message: String| errors::input(py, &format!("cases[{i}]"), message);
+    let table = whipcord_io::describe(Some(&setup.title), &setup.robot, &setup.case);
+    let text = whipcord_io::toml(&table.map_err(|error| of_case(error.to_string()))?);
+    let name = format!("case-{}", i + 1);
+    whipcord_io::parse(&text, name).map_err(|error| of_case(error.to_string()))
+}
