@@ -1,4 +1,5 @@
-//! `whipcord camera`: a camera is located from what it saw of the robot before actuation.
+//! `whipcord camera`: a lens is calibrated by photographs of a board, and a camera is located from what it saw of the robot
+//! before actuation.
 
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -6,10 +7,14 @@ mod support;
 
 use std::fmt::Write as _;
 
+use serde_json::Value;
 use support::{Scratch, fail, robot, succeed};
 use whipcord::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord::{Pose, UnitQuaternion, Vec3};
 use whipcord_io::{CameraFormat, camera_text, load_camera};
+use whipcord_vision::Photo;
+use whipcord_vision::boards::Board;
+use whipcord_vision::render::{Blur, BoardScene, Noise};
 
 /// A camera beside the robot that looks along −x, its axis upright in the image.
 fn beside(lens: Lens) -> Camera {
@@ -107,4 +112,103 @@ fn what_cannot_be_used_is_named_and_nothing_is_written() {
     let one = scratch.write("one.csv", "disk,u,v\n1,320,400\n");
     assert!(located(&one, &output).contains("needs 2 points or more, but 1 is given"));
     assert!(!std::path::Path::new(&output).exists());
+}
+
+/// Photographs of a board from some sides, blurred and noisy.
+fn photographs(scratch: &Scratch, board: &Board) -> Vec<String> {
+    let sides = [
+        (0.46, [0.0, 0.0], [0.0, 0.0]),
+        (0.52, [0.45, -0.3], [0.02, 0.01]),
+        (0.55, [-0.5, 0.2], [-0.06, -0.04]),
+        (0.50, [0.1, 0.55], [0.05, -0.03]),
+        (0.60, [-0.2, -0.6], [0.08, 0.06]),
+    ];
+    let photograph =
+        |(k, &(distance, [x, y], [right, below])): (usize, &(f64, [f64; 2], [f64; 2]))| {
+            let middle = 0.5 * (board.point(0) + board.point(board.count() - 1));
+            let rotation = UnitQuaternion::exp(Vec3::new(x, y, 0.0));
+            let position = middle - rotation.rotate(Vec3::new(right, below, distance));
+            let lens = Pinhole::new([820.0, 815.0], [325.0, 236.0], Distortion::NONE).unwrap();
+            let camera =
+                Camera::new(Lens::Pinhole(lens), Pose { position, rotation }, Some([640, 480]))
+                    .unwrap();
+            let scene = BoardScene {
+                blur: Blur { deviation: 0.8, motion: [0.0; 2] },
+                noise: Noise::of(0.01, k as u64),
+                ..BoardScene::default()
+            };
+            let png = scene.photograph(board, &camera).unwrap().photo.to_png().unwrap();
+            scratch.write(&format!("board-{k}.png"), &png)
+        };
+    sides.iter().enumerate().map(photograph).collect()
+}
+
+#[test]
+fn a_lens_is_calibrated_by_photographs_of_a_board() {
+    let scratch = Scratch::new();
+    let photos = photographs(&scratch, &Board::chessboard([9, 6], 0.025).unwrap());
+    let empty = Photo::uniform(640, 480, [0.3; 3]).to_png().unwrap();
+    let empty = scratch.write("empty.png", &empty);
+    let other = Photo::uniform(320, 240, [0.3; 3]).to_png().unwrap();
+    let output = scratch.file("lens.yml");
+    let mut arguments = vec!["camera", "calibrate", &empty];
+    arguments.extend(photos.iter().map(String::as_str));
+    arguments.extend(["--board", "chessboard:9x6", "--square", "25 mm", "--distortion", "none"]);
+    let text = succeed(&[&arguments[..], &["-o", &output]].concat());
+    assert!(
+        text.contains("lens, from 5 of 6 photographs of a chessboard of 9×6 inner corners"),
+        "{text}"
+    );
+    assert!(text.contains("1  ") && text.contains("empty.png: no board is seen"), "{text}");
+    assert!(text.contains("note: only 5 photographs show the board"), "{text}");
+    let camera = load_camera(&output).unwrap();
+    let Lens::Pinhole(lens) = camera.lens() else { panic!("{camera:?}") };
+    assert!(
+        (lens.focal()[0] - 820.0).abs() < 2.0 && (lens.centre()[1] - 236.0).abs() < 2.0,
+        "{lens:?}"
+    );
+    assert_eq!(camera.size(), Some([640, 480]));
+
+    let object: Value =
+        serde_json::from_str(&succeed(&[&arguments[..], &["--json"]].concat())).unwrap();
+    assert_eq!(object["focal"][0].as_f64(), Some(lens.focal()[0]));
+    assert_eq!(object["photographs"].as_array().unwrap().len(), 5);
+    assert_eq!(object["photographs"][0]["corners"], 54);
+    assert_eq!(object["refused"][0]["reason"], "no board is seen");
+    let off = (lens.focal()[0] - 820.0).abs() / object["focal_deviation"][0].as_f64().unwrap();
+    assert!(off < 3.0, "{off}");
+
+    // Too few of them are usable: nothing is written.
+    let small = scratch.write("small.png", &other);
+    let nothing = scratch.file("nothing.yml");
+    let board = ["--board", "chessboard:9x6", "--square", "25 mm", "-o", &nothing];
+    let message =
+        fail(1, &[&["camera", "calibrate", &empty, &small, &photos[0]], &board[..]].concat());
+    assert!(
+        message.contains("a calibration needs 3 photographs of the board or more, but 1 is given"),
+        "{message}"
+    );
+    assert!(message.contains("small.png: no board is seen"), "{message}");
+    let broken = scratch.write("broken.png", "\u{89}PNG no more");
+    let message = fail(2, &[&["camera", "calibrate", &broken], &board[..]].concat());
+    assert!(message.contains("broken.png"), "{message}");
+    assert!(!std::path::Path::new(&nothing).exists());
+}
+
+#[test]
+fn boards_that_there_are_not_are_named() {
+    let wrong =
+        |arguments: &[&str]| fail(2, &[&["camera", "calibrate", "none.png"], arguments].concat());
+    let message = wrong(&["--board", "chessboard:9", "--square", "25 mm"]);
+    assert!(message.contains("give chessboard:9x6 with the number of inner corners"), "{message}");
+    let message = wrong(&["--board", "chessboard:9x6", "--square", "25"]);
+    assert!(message.contains("give a length such as \"25 mm\""), "{message}");
+    let message = wrong(&["--board", "charuco:8x6", "--square", "25 mm"]);
+    assert!(message.contains("needs the side of its markers and their dictionary"), "{message}");
+    let markers = ["--marker", "18 mm", "--dictionary", "DICT_9X9"];
+    let message = wrong(&[&["--board", "charuco:8x6", "--square", "25 mm"], &markers[..]].concat());
+    assert!(
+        message.contains("there is no dictionary \"DICT_9X9\": there are DICT_4X4"),
+        "{message}"
+    );
 }

@@ -1,13 +1,14 @@
 //! Photographs of cable-driven continuum robots.
 //!
 //! [`detect`] finds disks and markers in a photograph, to a fraction of a pixel and in order from base to tip, or
-//! says why it cannot. [`render`] makes synthetic photographs whose truth is known, which is how detection is tested.
+//! says why it cannot. [`boards`] finds the corners of the boards that cameras are calibrated with. [`render`] makes synthetic photographs whose truth is known, which is how detection is tested.
 //! `docs/theory/photographs.md` has the method and its limits.
 //!
 //! Pixels are (column, row), the centre of the first one at (0, 0), as OpenCV has it. Light is linear inside:
 //! [`Photo`] decodes and encodes the sRGB curve. No files here: a photograph comes and goes as bytes.
 
 mod annotate;
+pub mod boards;
 mod coverage;
 pub mod detect;
 mod photo;

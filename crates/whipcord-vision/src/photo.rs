@@ -81,6 +81,13 @@ impl Photo {
         &mut self.pixels
     }
 
+    /// Luminance (ITU-R BT.709), encoded as sRGB in steps that need not be whole, from 0 to 255.
+    pub(crate) fn grey(&self) -> Plane {
+        let luminance = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        let values = self.pixels.iter().map(|&pixel| 255.0 * encoded(luminance(pixel)));
+        Plane { width: self.width, height: self.height, values: values.collect() }
+    }
+
     /// Changes each channel by itself.
     pub(crate) fn change_channels(&mut self, change: impl Fn(Plane) -> Plane) {
         for channel in 0..3 {
@@ -223,10 +230,12 @@ pub fn linear(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// The inverse of [`linear`], in 255 steps.
-fn quantised(light: f32) -> u8 {
+/// The inverse of [`linear`], of light from 0 to 1.
+fn encoded(light: f32) -> f32 {
     let light = light.clamp(0.0, 1.0);
-    let encoded =
-        if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * encoded).round() as u8
+    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn quantised(light: f32) -> u8 {
+    (255.0 * encoded(light)).round() as u8
 }

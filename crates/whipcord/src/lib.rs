@@ -26,6 +26,7 @@ pub mod parameter;
 pub mod registration;
 pub mod robot;
 pub mod shape;
+mod uncertainty;
 
 pub use camera::{Camera, Lens};
 pub use case::{

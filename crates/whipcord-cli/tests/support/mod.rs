@@ -95,8 +95,8 @@ impl Scratch {
     }
 
     /// Writes a file and returns its path as an argument.
-    pub fn write(&self, name: &str, text: &str) -> String {
-        std::fs::write(self.path().join(name), text).expect("the file is written");
+    pub fn write(&self, name: &str, content: &(impl AsRef<[u8]> + ?Sized)) -> String {
+        std::fs::write(self.path().join(name), content).expect("the file is written");
         self.file(name)
     }
 }

@@ -1,10 +1,11 @@
-//! Synthetic photographs of a robot's shape.
+//! Synthetic photographs of a robot's shape, and of the boards that cameras are calibrated with.
 //!
 //! What is seen is made of convex pieces (disks and stretches of backbone and cables, each the convex hull of two
 //! projected circles) that are painted from far to near with exact coverage. Light falls unevenly on that, the lens
 //! blurs it, and the sensor adds noise from a fixed seed, so that a scene gives the same photograph every time.
 //! Distances in the world are in m.
 
+mod board;
 mod body;
 mod sensor;
 
@@ -14,6 +15,7 @@ use whipcord::{Place, Robot, Solution, Vec3};
 
 use crate::coverage::Coverage;
 use crate::photo::Photo;
+pub use board::{BoardScene, RenderedBoard};
 pub use sensor::{Blur, Light, Noise};
 
 /// How a robot looks, and what comes between it and its photograph.

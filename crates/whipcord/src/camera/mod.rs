@@ -15,7 +15,7 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use crate::robot::Problem;
 use crate::robot::limits::{COORDINATE, IMAGE_SIZE};
-pub use calibrate::{CalibrateError, Calibrated, calibrate};
+pub use calibrate::{CalibrateError, Calibrated, Doubt, LensDeviations, Sought, calibrate};
 pub use distortion::Distortion;
 pub use error::{CameraError, ViewError};
 pub use lens::{Lens, Orthographic, Pinhole};

@@ -7,7 +7,7 @@
 //! seen, and says how sure they are and which of them the measurements cannot tell apart.
 //!
 //! `quantity` is what can be estimated, `forward` computes what a model says would be seen, `columns` how that
-//! changes; `problem` is the least-squares problem, `noise` weighs it; `uncertainty` and `unresolved` say what the
+//! changes; `problem` is the least-squares problem, `noise` weighs it; `crate::uncertainty` and `unresolved` say what the
 //! estimates are worth; `validation` and `selection` compare what was fitted with what was not.
 
 mod build;
@@ -21,7 +21,6 @@ mod outcome;
 mod problem;
 mod quantity;
 mod selection;
-mod uncertainty;
 mod unresolved;
 mod validation;
 

@@ -8,12 +8,12 @@ use super::error::{IdentifyError, NoAnswer};
 use super::forward::Forward;
 use super::logarithm::Logarithms;
 use super::noise::Fitted;
-use super::uncertainty::Spread;
 use super::unresolved::Unresolved;
 use super::{Settings, Unknown};
 use crate::case::Case;
 use crate::model::ModelKind;
 use crate::robot::Robot;
+use crate::uncertainty::Spread;
 
 /// What was found.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::Unknown;
-use super::uncertainty::Weak;
+use crate::uncertainty::Weak;
 
 /// Unknowns that can change together so that little or nothing of what was seen changes.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-use whipcord::camera::{Camera, Distortion, Lens, Pinhole, Sighting, calibrate};
+use whipcord::camera::{Camera, Distortion, Doubt, Lens, Pinhole, Sighting, Sought, calibrate};
 use whipcord::{Pose, Vec3};
 
 /// Corners of a board of 5 by 4, 30 mm apart.
@@ -128,23 +128,26 @@ fn seen() -> Vec<Vec<Sighting>> {
     SEEN.iter().map(view).collect()
 }
 
-/// `cv2.calibrateCamera(…, (640, 480), flags=CALIB_FIX_K3 or 0, criteria=(3, 500, 1e-15))`, OpenCV 5.0.0: RMS,
-/// fx, fy, cx, cy, coefficients.
+/// `cv2.calibrateCameraExtended(…, (640, 480), flags=…, criteria=(3, 500, 1e-15))`, OpenCV 5.0.0, with
+/// `CALIB_FIX_K3`, 0, and `CALIB_FIX_K3 | CALIB_ZERO_TANGENT_DIST`: RMS; fx, fy, cx, cy; coefficients. It takes the pixels in
+/// single precision.
 #[test]
 fn the_lens_is_that_of_opencv() {
-    for (rms, [fx, fy, cx, cy], coefficients) in [
+    for (sought, rms, [fx, fy, cx, cy], coefficients) in [
         (
+            Sought::Four,
             0.248048234,
             [811.571144592, 796.789678783, 328.800898538, 243.566957883],
             &[-0.276648565, 0.075479275, 0.001440497, -0.000726266][..],
         ),
         (
+            Sought::Five,
             0.247760054,
             [811.758617867, 796.960258116, 328.883552886, 243.463337767],
             &[-0.294149202, 0.335421297, 0.001366395, -0.00070339, -1.036638932][..],
         ),
     ] {
-        let found = calibrate([640, 480], &seen(), coefficients.len()).unwrap();
+        let found = calibrate([640, 480], &seen(), sought).unwrap();
         assert!((found.rms - rms).abs() < 1e-5, "{}", found.rms);
         let ([a, b], [c, d]) = (found.lens.focal(), found.lens.centre());
         for (got, expected) in [a, b, c, d].into_iter().zip([fx, fy, cx, cy]) {
@@ -158,11 +161,56 @@ fn the_lens_is_that_of_opencv() {
     }
 }
 
+/// Its standard deviations of fx, fy, cx, cy and the coefficients, and RMS of each photograph; the same call.
+#[test]
+fn the_deviations_are_those_of_opencv() {
+    let found = calibrate([640, 480], &seen(), Sought::Four).unwrap();
+    let sure = &found.deviations;
+    let got = [sure.focal, sure.centre].concat();
+    let got = got.into_iter().chain(sure.distortion.iter().map(|deviation| deviation.unwrap()));
+    let expected = [
+        2.20937667,
+        2.17444117,
+        3.33924548,
+        2.99196721,
+        1.40639599e-2,
+        8.19109697e-2,
+        6.10724678e-4,
+        5.28642077e-4,
+    ];
+    for (got, expected) in got.zip(expected) {
+        assert!((got / expected - 1.0).abs() < 3e-5, "{got} {expected}");
+    }
+    let of_views = [0.22015602, 0.24418724, 0.22414674, 0.26112438, 0.28480844];
+    for (got, expected) in found.view_rms.iter().zip(of_views) {
+        assert!((got - expected).abs() < 1e-5, "{got} {expected}");
+    }
+    // What is not sought is known.
+    let radial = calibrate([640, 480], &seen(), Sought::Radial).unwrap();
+    assert_eq!(radial.deviations.distortion[2..], [Some(0.0), Some(0.0)]);
+}
+
+#[test]
+fn what_speaks_against_relying_on_it_is_said() {
+    let mut views = seen();
+    let doubts = |views: &[Vec<Sighting>]| {
+        let found = calibrate([640, 480], views, Sought::Four).unwrap();
+        found.doubts([640, 480], views)
+    };
+    assert_eq!(doubts(&views), [Doubt::FewPhotographs { given: 5, advised: 8 }]);
+    // Two corners of one photograph are taken for one another.
+    let (a, b) = (views[3][7].pixel, views[3][8].pixel);
+    (views[3][7].pixel, views[3][8].pixel) = (b, a);
+    let doubts = doubts(&views);
+    let outlier = |doubt: &&Doubt| matches!(doubt, Doubt::Outlier { view: 3, .. });
+    assert!(doubts.iter().any(|doubt| outlier(&doubt)), "{doubts:?}");
+}
+
 #[test]
 fn an_exact_lens_is_found_to_rounding() {
     let distortion = Distortion::new(&[-0.2, 0.05, 1e-3, -5e-4]).unwrap();
     let lens = Pinhole::new([812.5, 798.0], [331.25, 242.75], distortion).unwrap();
-    let start = calibrate([640, 480], &seen(), 4).unwrap();
+    let start = calibrate([640, 480], &seen(), Sought::Four).unwrap();
     let views: Vec<Vec<Sighting>> = start
         .poses
         .iter()
@@ -172,7 +220,7 @@ fn an_exact_lens_is_found_to_rounding() {
             board().into_iter().map(see).collect()
         })
         .collect();
-    let found = calibrate([640, 480], &views, 4).unwrap();
+    let found = calibrate([640, 480], &views, Sought::Four).unwrap();
     assert!(found.rms < 1e-8, "{}", found.rms);
     for (got, expected) in found
         .lens
@@ -190,20 +238,18 @@ fn an_exact_lens_is_found_to_rounding() {
 
 #[test]
 fn what_cannot_be_calibrated_is_named() {
-    let message = |views: &[Vec<Sighting>], coefficients| {
-        calibrate([640, 480], views, coefficients).unwrap_err().to_string()
+    let message = |views: &[Vec<Sighting>], sought| {
+        calibrate([640, 480], views, sought).unwrap_err().to_string()
     };
     assert_eq!(
-        message(&seen()[..2], 4),
+        message(&seen()[..2], Sought::Four),
         "a calibration needs 3 photographs of the board or more, but 2 are given"
-    );
-    assert_eq!(
-        message(&seen(), 14),
-        "a calibration finds 0, 4, 5, 8 or 12 distortion coefficients, but 14 are asked for"
     );
     let mut short = seen();
     short[1].truncate(3);
-    assert!(message(&short, 4).starts_with("photograph 2: a board has four points or more"));
+    assert!(
+        message(&short, Sought::Four).starts_with("photograph 2: a board has four points or more")
+    );
     // Straight on, the size of the board tells its distance and the focal length together alone.
     let lens = Lens::Pinhole(Pinhole::new([800.0; 2], [319.5, 239.5], Distortion::NONE).unwrap());
     let flat: Vec<Vec<Sighting>> = [0.3, 0.35, 0.4]
@@ -215,5 +261,22 @@ fn what_cannot_be_calibrated_is_named() {
             board().into_iter().map(see).collect()
         })
         .collect();
-    assert!(message(&flat, 4).starts_with("the photographs do not tell the focal length"));
+    assert_eq!(
+        message(&flat, Sought::Four),
+        "the photographs do not tell the focal length: the boards in them are tilted by no more than some 0.0° to one \
+         another; tilt the board to the camera by some 30°, differently in each"
+    );
+    // With rounding to pixels the focal length is anything.
+    let mut rounded = flat;
+    for at in rounded.iter_mut().flatten() {
+        at.pixel = at.pixel.map(f64::round);
+    }
+    let text = message(&rounded, Sought::None);
+    assert!(text.starts_with("the photographs do not tell the focal length"), "{text}");
+    let fewer: Vec<Vec<Sighting>> = seen().iter().take(3).map(|view| view[..8].to_vec()).collect();
+    let eight: Vec<Vec<Sighting>> = fewer.iter().map(|view| view[3..7].to_vec()).collect();
+    assert_eq!(
+        message(&eight, Sought::Five),
+        "12 points in the photographs are too few for the 27 unknowns of lens and places: 14 or more are needed"
+    );
 }

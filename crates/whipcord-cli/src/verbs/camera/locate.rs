@@ -1,29 +1,18 @@
-//! `whipcord camera`: where a camera is.
+//! `whipcord camera locate`: where a camera is.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::Args;
 use whipcord::camera::{self, Camera, Lens, Located, Sighting};
 use whipcord::{Observation, Place, Pose, Robot, Seen, Shape, Stations, Vec3, at_rest};
-use whipcord_io::{CameraFormat, camera_text, load_camera, load_markers};
+use whipcord_io::{camera_text, load_camera, load_markers};
 
+use super::format_of;
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs::{self, read_one};
 use crate::quantity::{number, vector};
 use crate::style::Style;
-
-/// Cameras that photograph the robot
-#[derive(Debug, Args)]
-pub struct CameraArgs {
-    #[command(subcommand)]
-    task: Task,
-}
-
-#[derive(Debug, Subcommand)]
-enum Task {
-    Locate(LocateArgs),
-}
 
 /// Find where a camera is, from a photograph of the robot before actuation
 ///
@@ -31,7 +20,7 @@ enum Task {
 /// its backbone. Writes the camera with its place, in OpenCV's format, for [[measured.cameras]] and for
 /// pictures.
 #[derive(Debug, Args)]
-struct LocateArgs {
+pub struct LocateArgs {
     /// Robot file
     file: PathBuf,
     /// Where the markers are in the photograph: CSV with the columns disk or arc_length, u, v, and offset_x, offset_y,
@@ -50,13 +39,6 @@ struct LocateArgs {
     output: Option<PathBuf>,
 }
 
-/// What was done, in words.
-pub fn run(args: &CameraArgs, style: Style) -> Result<String, Failure> {
-    match &args.task {
-        Task::Locate(args) => locate(args, style),
-    }
-}
-
 fn direction(text: &str) -> Result<Vec3, String> {
     let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     match parts.as_deref() {
@@ -65,7 +47,8 @@ fn direction(text: &str) -> Result<Vec3, String> {
     }
 }
 
-fn locate(args: &LocateArgs, style: Style) -> Result<String, Failure> {
+/// What was done, in words.
+pub fn run(args: &LocateArgs, style: Style) -> Result<String, Failure> {
     let format = args.output.as_deref().map(format_of).transpose()?;
     let file = read_one(&args.file)?;
     let unusable = |error| Failure::Input(inputs::message(&error));
@@ -91,13 +74,6 @@ fn hint(error: &camera::LocateError) -> &'static str {
         camera::LocateError::FreeTurn { .. } => " (--view)",
         _ => "",
     }
-}
-
-fn format_of(path: &Path) -> Result<CameraFormat, Failure> {
-    CameraFormat::of(path).ok_or_else(|| {
-        let path = path.display();
-        Failure::Input(format!("error: {path}: a camera file ends in .yml, .yaml or .json"))
-    })
 }
 
 /// Where the markers are on the robot at rest, and where they were seen.

@@ -3,22 +3,22 @@
 use whipcord_numerics::SingularValues;
 
 /// The covariance of estimates, eq. (i6), and the directions in which they are not told apart.
-pub(super) struct Spread {
+pub(crate) struct Spread {
     /// Standard deviation of each; none where the measurements say nothing of it, and where it is held at a
     /// bound.
-    pub(super) deviations: Vec<Option<f64>>,
+    pub(crate) deviations: Vec<Option<f64>>,
     /// By rows.
-    pub(super) correlations: Vec<Vec<Option<f64>>>,
+    pub(crate) correlations: Vec<Vec<Option<f64>>>,
     /// In these directions, with the columns of the Jacobian at equal size, little or nothing changes.
-    pub(super) weak: Vec<Weak>,
+    pub(crate) weak: Vec<Weak>,
 }
 
 /// A direction in which little or nothing of what was seen changes.
-pub(super) struct Weak {
+pub(crate) struct Weak {
     /// Change of each unknown, in its unit, to any scale.
-    pub(super) direction: Vec<f64>,
+    pub(crate) direction: Vec<f64>,
     /// By how much less sure the unknowns are than each would be alone; none where nothing is seen of them.
-    pub(super) collinearity: Option<f64>,
+    pub(crate) collinearity: Option<f64>,
 }
 
 /// Collinearity beyond which it is said: 10 to 15 has been found to be much (Brun, Reichert and Künsch, Water
@@ -33,7 +33,7 @@ const PART: f64 = 1e-3;
 impl Spread {
     /// Of the Jacobian by rows, where the covariance of what it was weighed to is `spread` times the unit
     /// matrix. Unknowns that are not `free` are held.
-    pub(super) fn of(jacobian: &[f64], free: &[bool], spread: f64, by_differences: bool) -> Self {
+    pub(crate) fn of(jacobian: &[f64], free: &[bool], spread: f64, by_differences: bool) -> Self {
         let n = free.len();
         let norms: Vec<f64> = (0..n)
             .map(|j| jacobian.iter().skip(j).step_by(n).map(|x| x * x).sum::<f64>().sqrt())

@@ -1,0 +1,256 @@
+//! `whipcord camera calibrate`: a lens, from photographs of a board.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
+use whipcord::camera::{Camera, Lens, Sought};
+use whipcord::{Pose, camera::CalibrateError};
+use whipcord_io::{Dimension, camera_text, parse_quantity};
+use whipcord_vision::boards::{
+    Board, Calibration, NoCalibration, SeenBoard, Unseen, calibration, find,
+};
+
+use super::format_of;
+use crate::failure::Failure;
+use crate::files;
+use crate::photographs::Photograph;
+use crate::quantity::{degrees, fixed, number};
+use crate::style::Style;
+use crate::table::{Align, Table};
+
+/// Find the lens of a camera, from photographs of a chessboard or a ChArUco board
+///
+/// Takes some ten sharp photographs in which the board is tilted differently, by some 30°, and comes near to all edges
+/// of the picture, at one zoom and focus. Says how far each is off and how sure the numbers are, and which photographs
+/// show no board that could be used, and why. Writes the lens in OpenCV's format, for `camera locate`.
+#[derive(Debug, Args)]
+pub struct CalibrateArgs {
+    /// Photographs of the board, PNG or JPEG
+    #[arg(required = true)]
+    photos: Vec<PathBuf>,
+    /// The board: chessboard:9x6 with the number of inner corners, where four squares meet, along and across, or
+    /// charuco:8x6 with the number of squares
+    #[arg(long, value_name = "BOARD")]
+    board: String,
+    /// Side of a square, as "25 mm"
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    square: f64,
+    /// Side of the markers of a ChArUco board, as "18 mm"
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    marker: Option<f64>,
+    /// OpenCV's name of the dictionary that the markers of a ChArUco board are from, as DICT_4X4_50
+    #[arg(long, value_name = "NAME")]
+    dictionary: Option<String>,
+    /// Distortion coefficients that are sought, in OpenCV's order; the others are zero
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
+    distortion: Distortion,
+    /// Camera file to write, .yml or .json
+    #[arg(short, long, value_name = "CAMERA")]
+    output: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Distortion {
+    /// A lens that bends nothing
+    None,
+    /// k1 and k2
+    K1k2,
+    /// k1 k2 p1 p2
+    #[value(name = "4")]
+    Four,
+    /// These and k3
+    #[default]
+    #[value(name = "5")]
+    Five,
+    /// These and k4 k5 k6
+    #[value(name = "8")]
+    Eight,
+    /// These and s1 s2 s3 s4
+    #[value(name = "12")]
+    Twelve,
+}
+
+/// In OpenCV's order.
+const COEFFICIENTS: [&str; 12] =
+    ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"];
+
+impl From<Distortion> for Sought {
+    fn from(distortion: Distortion) -> Self {
+        match distortion {
+            Distortion::None => Self::None,
+            Distortion::K1k2 => Self::Radial,
+            Distortion::Four => Self::Four,
+            Distortion::Five => Self::Five,
+            Distortion::Eight => Self::Eight,
+            Distortion::Twelve => Self::Twelve,
+        }
+    }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let length = parse_quantity(text, &[Dimension::Length]);
+    length
+        .map(|(metres, _)| metres)
+        .map_err(|error| format!("{error}; give a length such as \"25 mm\""))
+}
+
+/// Finds the board in each, calibrates, writes the camera, and returns what standard output shows.
+pub fn run(args: &CalibrateArgs, style: Style) -> Result<String, Failure> {
+    let format = args.output.as_deref().map(format_of).transpose()?;
+    let board = Board::described(&args.board, args.square, args.marker, args.dictionary.as_deref());
+    let board = board.map_err(|error| Failure::Input(format!("error: --board: {error}")))?;
+    // One at a time: photographs are large.
+    let seen = args.photos.iter().map(|path| Ok(find(&Photograph::read(path)?.photo, &board)));
+    let seen: Vec<Result<SeenBoard, Unseen>> = seen.collect::<Result<_, Failure>>()?;
+    let found =
+        calibration(&seen, args.distortion.into()).map_err(|error| failure(args, &error))?;
+    let lens = Lens::Pinhole(found.calibrated.lens);
+    let camera = Camera::new(lens, Pose::IDENTITY, Some(found.size)).map_err(|error| {
+        failure(
+            args,
+            &NoCalibration {
+                error: CalibrateError::Camera(error),
+                used: found.used.clone(),
+                refused: found.refused.clone(),
+            },
+        )
+    })?;
+    let corners: Vec<usize> =
+        seen.iter().map(|seen| seen.as_ref().map_or(0, |seen| seen.corners.len())).collect();
+    let text = if args.json {
+        format!("{:#}\n", object(args, &board, &found, &corners))
+    } else {
+        summary(args, &board, &found, &corners, style)
+    };
+    if let Some((path, format)) = args.output.as_deref().zip(format) {
+        files::write(path, camera_text(&camera, format).as_bytes())?;
+    }
+    Ok(text)
+}
+
+fn failure(args: &CalibrateArgs, error: &NoCalibration) -> Failure {
+    let mut text = format!("error: {error}");
+    for (number, why) in &error.refused {
+        text += &format!("\n  {}: {why}", args.photos[*number].display());
+    }
+    Failure::Solve(text)
+}
+
+fn object(args: &CalibrateArgs, board: &Board, found: &Calibration, corners: &[usize]) -> Value {
+    let (lens, sure) = (&found.calibrated.lens, &found.calibrated.deviations);
+    let name = |number: usize| args.photos[number].display().to_string();
+    let photographs: Vec<Value> = found
+        .used
+        .iter()
+        .zip(&found.calibrated.view_rms)
+        .map(
+            |(&number, rms)| json!({"photo": name(number), "corners": corners[number], "rms": rms}),
+        )
+        .collect();
+    let refused: Vec<Value> = found
+        .refused
+        .iter()
+        .map(|(number, why)| json!({"photo": name(*number), "reason": why.to_string()}))
+        .collect();
+    let doubts: Vec<String> = found.doubts.iter().map(ToString::to_string).collect();
+    json!({
+        "camera": args.output.as_ref().map(|path| path.display().to_string()),
+        "board": board.to_string(),
+        "width": found.size[0],
+        "height": found.size[1],
+        "focal": lens.focal(),
+        "focal_deviation": sure.focal,
+        "centre": lens.centre(),
+        "centre_deviation": sure.centre,
+        "distortion": lens.distortion().coefficients(),
+        "distortion_deviation": sure.distortion,
+        "rms": found.calibrated.rms,
+        "pixel_deviation": sure.pixel,
+        "tilt": found.calibrated.tilt,
+        "photographs": photographs,
+        "refused": refused,
+        "doubts": doubts,
+    })
+}
+
+fn summary(
+    args: &CalibrateArgs,
+    board: &Board,
+    found: &Calibration,
+    corners: &[usize],
+    style: Style,
+) -> String {
+    let (lens, sure) = (&found.calibrated.lens, &found.calibrated.deviations);
+    let pair = |values: [f64; 2], deviations: [f64; 2]| {
+        let [x, y] = [0, 1].map(|i| within(values[i], deviations[i]));
+        format!("{x}, {y} pixels")
+    };
+    let [width, height] = found.size;
+    let mut lines = vec![
+        ("size", format!("{width}×{height} pixels")),
+        ("focal", pair(lens.focal(), sure.focal)),
+        ("centre", pair(lens.centre(), sure.centre)),
+    ];
+    let coefficients = lens.distortion().coefficients().iter().zip(&sure.distortion);
+    for (name, (&value, deviation)) in COEFFICIENTS.into_iter().zip(coefficients) {
+        lines.push((
+            name,
+            match *deviation {
+                Some(0.0) => number(value, 6),
+                Some(deviation) => within(value, deviation),
+                None => format!("{}, which the photographs do not tell", number(value, 6)),
+            },
+        ));
+    }
+    lines.push(("error", format!("{} pixels RMS", number(found.calibrated.rms, 3))));
+    lines.push(("tilt", format!("up to {} between the boards", degrees(found.calibrated.tilt))));
+    if let Some(path) = &args.output {
+        lines.push(("written", path.display().to_string()));
+    }
+    let (used, all) = (found.used.len(), args.photos.len());
+    let title = format!("lens, from {used} of {all} photographs of a {board}");
+    let mut text = format!("{}\n", style.heading(title));
+    for (name, value) in lines {
+        let padding = " ".repeat("written".len() - name.len());
+        text += &format!("  {}{padding}  {value}\n", style.faint(name.to_owned()));
+    }
+    let columns = [
+        ("", Align::Right),
+        ("photograph", Align::Left),
+        ("corners", Align::Right),
+        ("RMS", Align::Right),
+    ];
+    let mut table = Table::new(columns);
+    for (&photo, &rms) in found.used.iter().zip(&found.calibrated.view_rms) {
+        table.row(vec![
+            (photo + 1).to_string(),
+            args.photos[photo].display().to_string(),
+            corners[photo].to_string(),
+            fixed(rms, 3),
+        ]);
+    }
+    text += &format!("\n{}", table.text(style));
+    if !found.refused.is_empty() {
+        text += "\nnot used\n";
+    }
+    for (photo, why) in &found.refused {
+        text += &format!("  {}  {}: {why}\n", photo + 1, args.photos[*photo].display());
+    }
+    if !found.doubts.is_empty() {
+        text += "\n";
+    }
+    for doubt in &found.doubts {
+        text += &format!("note: {doubt}\n");
+    }
+    text
+}
+
+/// `812.51 ± 0.23`: two digits of the deviation, and the value as far as these go.
+fn within(value: f64, deviation: f64) -> String {
+    let decimals = (1.0 - deviation.max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{} ± {}", fixed(value, decimals), fixed(deviation, decimals))
+}

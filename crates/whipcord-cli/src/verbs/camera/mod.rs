@@ -1,0 +1,40 @@
+//! `whipcord camera`: lenses, and where cameras are.
+
+mod calibrate;
+mod locate;
+
+use std::path::Path;
+
+use clap::{Args, Subcommand};
+use whipcord_io::CameraFormat;
+
+use crate::failure::Failure;
+use crate::style::Style;
+
+/// Cameras that photograph the robot
+#[derive(Debug, Args)]
+pub struct CameraArgs {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    Calibrate(calibrate::CalibrateArgs),
+    Locate(locate::LocateArgs),
+}
+
+/// What was done, in words.
+pub fn run(args: &CameraArgs, style: Style) -> Result<String, Failure> {
+    match &args.task {
+        Task::Calibrate(args) => calibrate::run(args, style),
+        Task::Locate(args) => locate::run(args, style),
+    }
+}
+
+fn format_of(path: &Path) -> Result<CameraFormat, Failure> {
+    CameraFormat::of(path).ok_or_else(|| {
+        let path = path.display();
+        Failure::Input(format!("error: {path}: a camera file ends in .yml, .yaml or .json"))
+    })
+}

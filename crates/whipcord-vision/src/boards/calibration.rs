@@ -1,0 +1,75 @@
+use thiserror::Error;
+use whipcord::camera::{CalibrateError, Calibrated, Doubt, Sighting, Sought, calibrate};
+
+use super::{SeenBoard, Unseen};
+
+/// A lens that was calibrated by photographs of a board.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Columns and rows of the photographs.
+    pub size: [u32; 2],
+    /// The lens. Its lists are of the photographs that were used.
+    pub calibrated: Calibrated,
+    /// The photographs that were used, by number from 0.
+    pub used: Vec<usize>,
+    /// Those that were not, and why.
+    pub refused: Vec<(usize, Unseen)>,
+    /// What speaks against relying on it; photographs are numbered among all.
+    pub doubts: Vec<Doubt>,
+}
+
+/// Why photographs of a board give no lens.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{error}")]
+pub struct NoCalibration {
+    /// Why; photographs are numbered among all.
+    pub error: CalibrateError,
+    /// The photographs that were used, by number from 0.
+    pub used: Vec<usize>,
+    /// Those that were not, and why.
+    pub refused: Vec<(usize, Unseen)>,
+}
+
+/// The lens by what photographs of a board have shown. Those in which nothing of it was found, or that are of another
+/// size than the first in which it was, are passed over.
+///
+/// # Errors
+/// [`NoCalibration`] where the others do not fix the lens.
+pub fn calibration(
+    seen: &[Result<SeenBoard, Unseen>],
+    sought: Sought,
+) -> Result<Calibration, NoCalibration> {
+    let (mut used, mut refused, mut views) = (Vec::new(), Vec::new(), Vec::new());
+    let others = seen.iter().flatten().next().map_or([0; 2], |board| board.size);
+    for (number, seen) in seen.iter().enumerate() {
+        match seen {
+            Ok(SeenBoard { size, .. }) if *size != others => {
+                refused.push((number, Unseen::Size { size: *size, others }));
+            }
+            Ok(board) => {
+                used.push(number);
+                views.push(board.sightings());
+            }
+            Err(unseen) => refused.push((number, *unseen)),
+        }
+    }
+    match by_views(others, &views, sought, &used) {
+        Ok((calibrated, doubts)) => {
+            Ok(Calibration { size: others, calibrated, used, refused, doubts })
+        }
+        Err(error) => Err(NoCalibration { error, used, refused }),
+    }
+}
+
+fn by_views(
+    size: [u32; 2],
+    views: &[Vec<Sighting>],
+    sought: Sought,
+    numbers: &[usize],
+) -> Result<(Calibrated, Vec<Doubt>), CalibrateError> {
+    let calibrated =
+        calibrate(size, views, sought).map_err(|error| error.renumbered(|view| numbers[view]))?;
+    let doubts = calibrated.doubts(size, views);
+    let doubts = doubts.into_iter().map(|doubt| doubt.renumbered(|view| numbers[view]));
+    Ok((calibrated, doubts.collect()))
+}
