@@ -40,6 +40,10 @@ pub fn read_photograph(path: &Path) -> Result<Vec<u8>, FileError> {
     })
 }
 
+fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
+    text_of(read_bytes(path, limit)?)
+}
+
 fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Refusal> {
     let unreadable = |error: &io::Error| Refusal {
         problem: FileProblem::Unreadable {
@@ -66,8 +70,8 @@ fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Refusal> {
     Ok(bytes)
 }
 
-fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
-    String::from_utf8(read_bytes(path, limit)?).map_err(|error| {
+fn text_of(bytes: Vec<u8>) -> Result<String, Refusal> {
+    String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let bytes = error.as_bytes();
         let problem = FileProblem::NotUtf8 { offset: at, byte: bytes[at] };
@@ -97,15 +101,47 @@ pub(crate) fn read_named(
     sources: &mut Sources,
     problems: &mut Problems,
 ) -> Option<(usize, String)> {
-    match read(path, limit) {
-        Ok(text) => Some((sources.add(path, Some(text.clone())), text)),
-        Err(Refusal { problem: FileProblem::Unreadable { reason, missing }, .. }) => {
+    let bytes = read_content(path, limit, Some(named), sources, problems)?;
+    as_text(path, bytes, Some(named), sources, problems)
+}
+
+/// The bytes of a file, which another one may name at `named`.
+pub(crate) fn read_content(
+    path: &Path,
+    limit: usize,
+    named: Option<Span>,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<Vec<u8>> {
+    match (read_bytes(path, limit), named) {
+        (Ok(bytes), _) => Some(bytes),
+        (
+            Err(Refusal { problem: FileProblem::Unreadable { reason, missing }, .. }),
+            Some(named),
+        ) => {
             let path = path.display().to_string();
             problems.push(named, || FileProblem::NamedUnreadable { path, reason, missing });
             None
         }
+        (Err(refusal), _) => {
+            refuse(path, refusal, named, sources, problems);
+            None
+        }
+    }
+}
+
+/// The number and the text of a file with these bytes.
+pub(crate) fn as_text(
+    path: &Path,
+    bytes: Vec<u8>,
+    named: Option<Span>,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<(usize, String)> {
+    match text_of(bytes) {
+        Ok(text) => Some((sources.add(path, Some(text.clone())), text)),
         Err(refusal) => {
-            refuse(path, refusal, Some(named), sources, problems);
+            refuse(path, refusal, named, sources, problems);
             None
         }
     }

@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::path::Path;
+
 use whipcord::{
     Along, CableCommand, DistributedLoad, Interpolation, LoadFrame, Observation, Place, PointLoad,
     PointMass, Pose, Profile, RestCurvature, Robot, Routing, Section, Seen, Shortening, Stiffness,
@@ -240,9 +242,7 @@ fn chains_and_folders() {
     assert_eq!(measured.disks[1].position, Vec3::new(0.01, -0.002, 0.17));
 }
 
-#[test]
-fn markers_seen_in_several_steps() {
-    const ROBOT: &str = "[backbone]
+const STEPS_ROBOT: &str = "[backbone]
 length = '20 cm'
 [[cables]]
 holes = [1, 1, 1]
@@ -259,7 +259,7 @@ count = 3
 hole_circle_radius = 0.008
 holes = 4
 ";
-    const SEEN: &str = "\
+const STEPS_SEEN: &str = "\
 step, disk, arc_length, offset_x, offset_y, x, y, z, deviation, confidence
 2, 3, , , , 1.5, -2, 199.7, , 0.9
 2, 2, , 0, 8, 1, 2, 3, 0.1, 0.8
@@ -267,7 +267,10 @@ step, disk, arc_length, offset_x, offset_y, x, y, z, deviation, confidence
 1, , 150.00001, , , 0, 0, 150, ,
 2, 2, , 8, 0, 1, 2, 4, , 0.7
 ";
-    let folder = folder(&[("case.toml", ROBOT.as_bytes()), ("seen.csv", SEEN.as_bytes())]);
+
+#[test]
+fn markers_seen_in_several_steps() {
+    let folder = folder(&[("case.toml", STEPS_ROBOT), ("seen.csv", STEPS_SEEN)]);
     let file = load(folder.path().join("case.toml")).unwrap_or_else(|error| panic!("{error}"));
     let measured = file.measured.unwrap();
     let seen = |step, place, offset: [f64; 3], position: [f64; 3], deviation| Observation {
@@ -289,9 +292,7 @@ step, disk, arc_length, offset_x, offset_y, x, y, z, deviation, confidence
     assert_eq!(measured.disks, [tip]);
 }
 
-#[test]
-fn markers_seen_by_cameras() {
-    const ROBOT: &str = "[backbone]
+const CAMERAS_ROBOT: &str = "[backbone]
 length = '20 cm'
 [disks]
 count = 3
@@ -305,16 +306,19 @@ file = 'side.yml'
 name = 'top'
 file = 'top.json'
 ";
-    const SIDE: &str = "%YAML:1.0\n---\nprojection: orthographic\npixels_per_metre: 4000.\nprincipal_point: [ 320., 240. ]\n";
-    const TOP: &str = r#"{"camera_matrix": {"type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d",
+const SIDE: &str = "%YAML:1.0\n---\nprojection: orthographic\npixels_per_metre: 4000.\nprincipal_point: [ 320., 240. ]\n";
+const TOP: &str = r#"{"camera_matrix": {"type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d",
         "data": [800.0, 0.0, 320.0, 0.0, 810.0, 240.0, 0.0, 0.0, 1.0]}}"#;
-    const SEEN: &str =
-        "disk,camera,u,v,deviation\n3,top,10.25,20,\n3,\"side\",30,40.5,0.2\n2,side,,,\n";
+const CAMERAS_SEEN: &str =
+    "disk,camera,u,v,deviation\n3,top,10.25,20,\n3,\"side\",30,40.5,0.2\n2,side,,,\n";
+
+#[test]
+fn markers_seen_by_cameras() {
     let folder = folder(&[
-        ("case.toml", ROBOT.as_bytes()),
-        ("seen.csv", SEEN.as_bytes()),
-        ("side.yml", SIDE.as_bytes()),
-        ("top.json", TOP.as_bytes()),
+        ("case.toml", CAMERAS_ROBOT),
+        ("seen.csv", CAMERAS_SEEN),
+        ("side.yml", SIDE),
+        ("top.json", TOP),
     ]);
     let file = load(folder.path().join("case.toml")).unwrap_or_else(|error| panic!("{error}"));
     let measured = file.measured.unwrap();
@@ -333,6 +337,75 @@ file = 'top.json'
     let [side, top] = &measured.cameras[..] else { panic!() };
     assert_eq!(side.camera.project(Vec3::new(0.01, 0.02, 1.0)), Ok([360.0, 320.0]));
     assert_eq!(top.camera.project(Vec3::new(0.01, 0.02, 1.0)), Ok([328.0, 256.2]));
+}
+
+/// A table that pyarrow wrote.
+fn parquet(name: &str) -> Vec<u8> {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/parquet");
+    std::fs::read(data.join(name)).unwrap()
+}
+
+#[test]
+fn parquet_says_what_csv_says() {
+    for (name, robot, csv) in [
+        ("steps.parquet", STEPS_ROBOT, STEPS_SEEN),
+        ("pixels.parquet", CAMERAS_ROBOT, CAMERAS_SEEN),
+    ] {
+        let folder = folder(&[
+            ("csv.toml", robot.as_bytes()),
+            ("parquet.toml", robot.replace("seen.csv", "seen.parquet").as_bytes()),
+            ("seen.csv", csv.as_bytes()),
+            ("seen.parquet", &parquet(name)[..]),
+            ("side.yml", SIDE.as_bytes()),
+            ("top.json", TOP.as_bytes()),
+        ]);
+        let measured = |file: &str| {
+            let file = load(folder.path().join(file)).unwrap_or_else(|error| panic!("{error}"));
+            file.measured.unwrap()
+        };
+        let (from_csv, from_parquet) = (measured("csv.toml"), measured("parquet.toml"));
+        assert_eq!(from_csv.observations, from_parquet.observations);
+        assert_eq!(from_csv.disks, from_parquet.disks);
+    }
+}
+
+#[test]
+fn mistakes_in_parquet_have_their_row_and_column() {
+    let robot = STEPS_ROBOT.replace("seen.csv", "seen.parquet");
+    let message = |bytes: &[u8]| {
+        let folder = folder(&[("case.toml", robot.as_bytes()), ("seen.parquet", bytes)]);
+        load(folder.path().join("case.toml")).unwrap_err().to_string()
+    };
+    // The names of the columns are line 1.
+    let text = message(&parquet("wrong.parquet"));
+    assert!(text.contains("seen.parquet:3:1") && text.contains("there is no disk 9"), "{text}");
+    assert!(
+        text.contains("seen.parquet:3:3") && text.contains("`far` is not a finite number"),
+        "{text}"
+    );
+    assert!(text.contains("9,far,0,0"), "{text}");
+    let text = message(&parquet("nested.parquet"));
+    assert!(text.contains("the column `position` holds lists or tables"), "{text}");
+    let text = message(&parquet("zstd.parquet"));
+    assert!(text.contains("compressed in a way that is not read"), "{text}");
+    assert!(text.contains("compression=\"snappy\""), "{text}");
+    // Cut off anywhere.
+    let whole = parquet("pixels.parquet");
+    for end in (4..whole.len()).step_by(7) {
+        assert!(message(&whole[..end]).contains("the Parquet file cannot be read"));
+    }
+}
+
+#[test]
+fn damaged_parquet_is_refused_or_read() {
+    let whole = parquet("steps.parquet");
+    let robot = STEPS_ROBOT.replace("seen.csv", "seen.parquet");
+    for at in (4..whole.len()).step_by(3) {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 0x55;
+        let folder = folder(&[("case.toml", robot.as_bytes()), ("seen.parquet", &damaged[..])]);
+        let _ = load(folder.path().join("case.toml"));
+    }
 }
 
 #[test]

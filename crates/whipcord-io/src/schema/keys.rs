@@ -275,7 +275,7 @@ static MEASURED: Table = Table {
             "disks",
             Kind::Text,
             r#""case3_disks.csv""#,
-            "CSV file, relative to this one. Its first line names the columns: disk (number from 1) or arc_length, and x, y, z, the position that was measured, or camera, u, v, the name of a camera and the column and row of its image in pixels; where they are needed also step (number from 1 in the order of [[steps]]; by default the last), offset_x, offset_y, offset_z (where the marker is in the frame of its disk or cross-section), and deviation (standard deviation of its position). What was not seen is left out or empty.",
+            "CSV or Parquet file, relative to this one. Its columns, which the first line of a CSV file names, are disk (number from 1) or arc_length, and x, y, z, the position that was measured, or camera, u, v, the name of a camera and the column and row of its image in pixels; where they are needed also step (number from 1 in the order of [[steps]]; by default the last), offset_x, offset_y, offset_z (where the marker is in the frame of its disk or cross-section), and deviation (standard deviation of its position). What was not seen is left out or empty.",
         ),
         key(
             "unit",

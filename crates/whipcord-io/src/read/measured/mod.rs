@@ -2,6 +2,7 @@
 
 mod csv;
 mod grid;
+mod parquet;
 mod rows;
 
 use std::path::{Path, PathBuf};
@@ -14,7 +15,8 @@ use crate::check::Fields;
 use crate::error::{FileError, Problems};
 use crate::files;
 use crate::node::Node;
-use crate::source::{Sources, quoted};
+use crate::source::{Sources, Span, quoted};
+use grid::Grid;
 use rows::Known;
 
 /// What was seen of the real robot.
@@ -89,8 +91,7 @@ pub(crate) fn read(
     }
     let named = node.locate("disks").span;
     let path = sources.resolve(named.file, fields.text("disks")?);
-    let (file, text) = files::read_named(&path, files::LARGEST_TABLE, named, sources, problems)?;
-    let grid = csv::grid(&text, file, problems)?;
+    let grid = table(&path, Some(named), sources, problems)?;
     let unit = fields.text("unit").unwrap_or("m");
     // A camera that could not be read has been reported; what names it is right nevertheless.
     let names: Vec<&str> =
@@ -144,9 +145,7 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
         cameras: &["camera"],
         one_photograph: true,
     };
-    let markers = files::read_first(path, &mut sources, &mut problems).and_then(|text| {
-        let file = sources.add(path, Some(text.clone()));
-        let grid = csv::grid(&text, file, &mut problems)?;
+    let markers = table(path, None, &mut sources, &mut problems).and_then(|grid| {
         let markers = rows::observations(&grid, &known, &mut problems)?;
         let in_image = markers.iter().all(|marker| marker.seen.is_in_image());
         if !in_image {
@@ -157,6 +156,31 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
         Some(markers)
     });
     markers.filter(|_| problems.is_empty()).ok_or_else(|| problems.into_error(sources))
+}
+
+/// The table in a file, comma-separated values or Parquet, which another file may name at `named`.
+fn table(
+    path: &Path,
+    named: Option<Span>,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<Grid> {
+    let bytes = files::read_content(path, files::LARGEST_TABLE, named, sources, problems)?;
+    if !parquet::is_parquet(&bytes) {
+        let (file, text) = files::as_text(path, bytes, named, sources, problems)?;
+        return csv::grid(&text, file, problems);
+    }
+    let file = sources.files().len();
+    let read = parquet::grid(bytes, file);
+    let (grid, text) = match read {
+        Ok((grid, text)) => (Some(grid), Some(text)),
+        Err((message, help)) => {
+            problems.push(Span::new(file, 0, 0), || rows::problem(message, help));
+            (None, None)
+        }
+    };
+    sources.add(path, text);
+    grid
 }
 
 /// `[[measured.cameras]]`; `None` when one is refused.
