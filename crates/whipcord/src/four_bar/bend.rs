@@ -32,6 +32,18 @@ pub(super) struct Turn {
 impl Bend {
     pub const STRAIGHT: Self = Self { p: Vec2::new(0.0, 0.0), twist: 0.0 };
 
+    /// The bend with this rotation; `None` where it turns the normal right over, which no bend does.
+    pub fn of(rotation: UnitQuaternion) -> Option<Self> {
+        const LEAST: f64 = 1e-3;
+        let UnitQuaternion { w, v } = rotation;
+        // Of the two quaternions of a rotation the one with the lesser angle.
+        let (w, v) = if w < 0.0 { (-w, -v) } else { (w, v) };
+        let half = v.z.atan2(w);
+        let (sin, cos) = half.sin_cos();
+        let p = Vec2::new(v.x * sin + v.y * cos, v.y * sin - v.x * cos);
+        (w.hypot(v.z) > LEAST).then_some(Self { p, twist: 2.0 * half })
+    }
+
     /// The bend with these coordinates added.
     #[inline]
     pub fn moved(self, step: Vec3) -> Self {
@@ -145,6 +157,22 @@ impl Turn {
         let Vec2 { x, y } = self.p;
         let v = Vec3::new(x * sin - y * cos, x * cos + y * sin, up * sin);
         UnitQuaternion { w: up * cos, v }.renormalized()
+    }
+
+    /// The unit quaternion of eq. (1): `w`, then `v`.
+    pub fn quaternion(&self) -> [Jet; 4] {
+        let (cos, sin) = self.half;
+        let (px, py) = (Jet::linear(self.p.x, Vec3::X), Jet::linear(self.p.y, Vec3::Y));
+        let half = |value: f64, slope: f64| Jet {
+            value,
+            gradient: Vec3::Z * (0.5 * slope),
+            hessian: Sym3 { zz: -0.25 * value, ..Sym3::default() },
+        };
+        let (cos, sin) = (half(cos, -sin), half(sin, cos));
+        let rest = (px * px + py * py) * -1.0 + Jet::linear(1.0, Vec3::ZERO);
+        let root = (1.0 - self.bend).sqrt();
+        let up = rest.compose([root, 0.5 / root, -0.25 / (root * root * root)]);
+        [up * cos, px * sin + py * cos * -1.0, px * cos + py * sin, up * sin]
     }
 
     /// `ζ = v_z² = (1 − ‖p‖²) sin²(ψ/2)`, the share of the twist in the quaternion (w, v).

@@ -42,7 +42,7 @@ impl Joint {
         section.passages.iter().map(move |passage| {
             let length = match self {
                 // To the last bit what the prescribed lengths are computed from.
-                Self::Bend(Bend::STRAIGHT) => passage.initial,
+                Self::Bend(bend) if bend == section.rest => passage.initial,
                 Self::Bend(_) => passage.length_only(&turn, section.length, section.chord),
                 Self::Link(pose) => as_printed::length(pose, passage),
             };

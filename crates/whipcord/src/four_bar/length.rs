@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Sym3, Vec3};
 
-use super::bend::Turn;
+use super::bend::{Bend, Turn};
 use super::options::Chord;
 use super::plane::{Jet, Vec2};
 
@@ -16,7 +16,7 @@ pub(super) struct Passage {
     pub from: Vec2,
     /// `a₁ e(θ₁)`.
     pub to: Vec2,
-    /// Length before actuation, `√(l₀² + ‖a₁e(θ₁) − a₀e(θ₀)‖²)`.
+    /// Length before actuation, `√(l₀² + ‖a₁e(θ₁) − a₀e(θ₀)‖²)` where the section is straight.
     pub initial: f64,
 }
 
@@ -24,6 +24,14 @@ impl Passage {
     pub fn new(cable: usize, length: f64, from: Vec2, to: Vec2) -> Self {
         let across = to - from;
         Self { cable, from, to, initial: (length * length + across.dot(across)).sqrt() }
+    }
+
+    /// The same in a section that stands so at rest.
+    pub fn at_rest(self, rest: Bend, length: f64, chord: Chord) -> Self {
+        if rest == Bend::STRAIGHT {
+            return self;
+        }
+        Self { initial: self.length_only(&rest.turn(), length, chord), ..self }
     }
 
     /// Half the squared length, eq. (3), of a section whose backbone has this length:

@@ -28,7 +28,7 @@ pub(super) fn solve(section: &Section, target: f64) -> Option<Solved> {
         return None;
     }
     let change = target - passage.initial;
-    let mut bend = Bend::STRAIGHT.moved(direction * change);
+    let mut bend = section.rest.moved(direction * change);
     let mut multiplier = rate * change;
     for iterations in 1..=MOST_STEPS {
         if !bend.is_valid() {

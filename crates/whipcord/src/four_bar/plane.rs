@@ -81,6 +81,12 @@ pub(super) struct Jet {
 }
 
 impl Jet {
+    /// A linear function of the coordinates, or a constant.
+    pub const fn linear(value: f64, gradient: Vec3) -> Self {
+        let hessian = Sym3 { xx: 0.0, yx: 0.0, yy: 0.0, zx: 0.0, zy: 0.0, zz: 0.0 };
+        Self { value, gradient, hessian }
+    }
+
     /// `f(self)`, where `f` and its first two derivatives have these values.
     #[inline]
     pub fn compose(&self, [f, df, ddf]: [f64; 3]) -> Self {

@@ -21,9 +21,6 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
     if options.drive == Drive::Tension {
         return Err(unsupported("actuation", "tension", GIVE_SHORTENING));
     }
-    if !robot.backbone().rest_curvature.is_zero() {
-        return Err(unsupported("backbone.rest_curvature", "a pre-bent backbone", GEOMETRIC));
-    }
     if options.objective == Objective::StrainEnergy
         && robot.backbone().stiffness.as_ref().is_some_and(Stiffness::is_coupled)
     {
@@ -53,6 +50,13 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
 }
 
 fn as_printed(robot: &Robot, options: &Options) -> Result<(), SolveError> {
+    if !robot.backbone().rest_curvature.is_zero() {
+        return Err(unsupported(
+            "backbone.rest_curvature",
+            "a pre-bent backbone with the objective as-printed",
+            "the printed equations are those of a straight one: take coupler-angle",
+        ));
+    }
     if robot.cables().len() > 1 {
         return Err(unsupported(
             "cables[1]",

@@ -17,6 +17,8 @@ pub(super) struct Section {
     /// Length l₀ of the backbone.
     pub length: f64,
     pub chord: Chord,
+    /// How it stands before actuation.
+    pub rest: Bend,
     /// The cables that pass.
     pub passages: Vec<Passage>,
     measure: Measure,
@@ -42,19 +44,18 @@ impl Section {
         (self.measure.at(&turn) * self.weight, half)
     }
 
-    /// `H⁻¹g` and `gᵀH⁻¹g` at the straight shape, with the gradient g of a cable's length and the
+    /// `H⁻¹g` and `gᵀH⁻¹g` at rest, with the gradient g of a cable's length and the
     /// Hessian H of the measure: how easily the section gives way to that cable.
     pub fn lever(&self, passage: &Passage) -> (Vec3, f64) {
-        let turn = Bend::STRAIGHT.turn();
-        let g = passage.length(&turn, self.length, self.chord).gradient;
-        let h = self.rest_hessian();
-        let scaled = Vec3::new(g.x / h.xx, g.y / h.yy, g.z / h.zz);
+        let g = passage.length(&self.rest.turn(), self.length, self.chord).gradient;
+        // The measure is least at rest, and grows with every coordinate.
+        let scaled = self.rest_hessian().ldlt().map_or(Vec3::ZERO, |h| h.solve(g));
         (scaled, g.dot(scaled))
     }
 
-    /// Hessian of the measure at the straight shape, where it is diagonal.
+    /// Hessian of the measure at rest.
     pub fn rest_hessian(&self) -> Sym3 {
-        self.measure(Bend::STRAIGHT).hessian
+        self.measure(self.rest).hessian
     }
 }
 
@@ -69,6 +70,8 @@ pub(super) fn sections(
     let mut sections = Vec::with_capacity(s.len() - 1);
     for i in 0..s.len() - 1 {
         let length = s[i + 1] - s[i];
+        let rotation = robot.backbone().rest_rotation(robot.disks(), s[i], s[i + 1]);
+        let rest = Bend::of(rotation).ok_or_else(|| turned_over(i))?;
         let mut passages = Vec::new();
         for (cable, route) in robot.routes().iter().enumerate() {
             if i < ends[cable] {
@@ -76,11 +79,13 @@ pub(super) fn sections(
                     let offset = route.at(s[disk].min(route.end())).offset;
                     Vec2::new(offset.x, offset.y)
                 };
-                passages.push(Passage::new(cable, length, hole(i), hole(i + 1)));
+                let passage = Passage::new(cable, length, hole(i), hole(i + 1));
+                passages.push(passage.at_rest(rest, length, chord));
             }
         }
         let (measure, weight) = measure(robot, objective, &passages, i)?;
-        let mut section = Section { length, chord, passages, measure, weight, guess: None };
+        let measure = if rest == Bend::STRAIGHT { measure } else { measure.from(rotation) };
+        let mut section = Section { length, chord, rest, passages, measure, weight, guess: None };
         if let [passage] = section.passages[..] {
             let (scaled, lever) = section.lever(&passage);
             if lever > NO_LEVER * length * length {
@@ -90,6 +95,15 @@ pub(super) fn sections(
         sections.push(section);
     }
     Ok(sections)
+}
+
+fn turned_over(i: usize) -> SolveError {
+    SolveError::Unsupported {
+        model: ModelKind::FourBar,
+        path: format!("backbone.rest_curvature between disks {} and {}", i + 1, i + 2),
+        what: "a section that is bent by half a turn at rest",
+        advice: "put more disks on it, or use cosserat",
+    }
 }
 
 /// A cable whose `gᵀH⁻¹g` is below this many squared section lengths does not decide which way its

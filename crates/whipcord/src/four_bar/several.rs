@@ -47,8 +47,8 @@ pub(super) struct Several {
     pub iterations: usize,
     penalty: f64,
     levers: Vec<f64>,
-    /// By cable: length when the sections are straight.
-    straight: Vec<f64>,
+    /// By cable: length at rest.
+    at_rest: Vec<f64>,
     pulls: Vec<f64>,
     active: Vec<usize>,
     trial: Vec<Bend>,
@@ -79,12 +79,12 @@ const LEAST_APPROACH: f64 = 1.0 / 256.0;
 const MOST_CONFLICT: f64 = 0.01;
 const MOST_UPDATES: usize = 30;
 const MOST_STEPS: usize = 40;
-/// Excess length that counts as none, relative to the length of the straight section.
+/// Excess length that counts as none, relative to the length at rest.
 const MET: f64 = 2e-13;
 
 impl Several {
     /// Minimises over `sections`; `targets` are the prescribed lengths, by cable, summed over
-    /// these sections. Starts from the straight shape; where that does not lead there in one go,
+    /// these sections. Starts from rest; where that does not lead there in one go,
     /// the lengths are brought to their targets little by little.
     pub fn solve(&mut self, sections: &[Section], targets: &[f64]) -> Ending {
         self.reset(sections, targets);
@@ -110,7 +110,7 @@ impl Several {
         self.worst(targets).1 <= MOST_CONFLICT * reach
     }
 
-    /// Brings the lengths from those of the straight shape to their targets, in steps that are
+    /// Brings the lengths from those at rest to their targets, in steps that are
     /// halved where they fail but no smaller than `least`; the part of the way that it got.
     fn approach(&mut self, sections: &[Section], targets: &[f64], least: f64) -> f64 {
         let spent = self.iterations;
@@ -122,8 +122,8 @@ impl Several {
         let mut state = self.state();
         while done < 1.0 {
             let next = if done + step < 1.0 { done + step } else { 1.0 };
-            for ((part, &target), &straight) in part.iter_mut().zip(targets).zip(&self.straight) {
-                *part = if next < 1.0 { straight + next * (target - straight) } else { target };
+            for ((part, &target), &rest) in part.iter_mut().zip(targets).zip(&self.at_rest) {
+                *part = if next < 1.0 { rest + next * (target - rest) } else { target };
             }
             self.penalty = penalty;
             if self.minimise(sections, &part) == Stop::Met {
@@ -191,7 +191,7 @@ impl Several {
     /// The lengths that one cable takes on the way to the targets: to a millionth in one section,
     /// to a thousandth in several, where every step costs more.
     pub fn range(&mut self, sections: &[Section], targets: &[f64], cable: usize) -> (f64, f64) {
-        let longest = self.straight[cable];
+        let longest = self.at_rest[cable];
         let least = if sections.len() == 1 { 1e-6 } else { 1e-3 };
         let part = self.approach(sections, targets, least);
         (longest + part * (targets[cable] - longest), longest)
@@ -210,15 +210,15 @@ impl Several {
         self.multipliers.iter().filter(|&&multiplier| multiplier > 0.0).count() == 1
     }
 
-    /// Greatest violation of `c ≤ 0, λ ≥ 0, λc = 0`, in m and relative to the straight shape's
-    /// length: what a pulling cable is off its length, and what any other is longer.
+    /// Greatest violation of `c ≤ 0, λ ≥ 0, λc = 0`, in m and relative to the length at
+    /// rest: what a pulling cable is off its length, and what any other is longer.
     fn violation(&self, targets: &[f64]) -> (f64, f64) {
         let mut most = (0.0_f64, 0.0_f64);
         for (i, &target) in targets.iter().enumerate() {
             let excess = self.lengths[i] - target;
             let miss = if self.multipliers[i] > 0.0 { excess.abs() } else { excess.max(0.0) };
             if miss > 0.0 {
-                most = (most.0.max(miss), most.1.max(miss / self.straight[i]));
+                most = (most.0.max(miss), most.1.max(miss / self.at_rest[i]));
             }
         }
         most
@@ -237,14 +237,14 @@ impl Several {
             &mut self.lengths,
             &mut self.pulls,
             &mut self.levers,
-            &mut self.straight,
+            &mut self.at_rest,
         ] {
             list.clear();
             list.resize(cables, 0.0);
         }
         for list in [&mut self.bends, &mut self.trial] {
             list.clear();
-            list.resize(n, Bend::STRAIGHT);
+            list.extend(sections.iter().map(|section| section.rest));
         }
         for list in [&mut self.steps, &mut self.gradients] {
             list.clear();
@@ -253,7 +253,7 @@ impl Several {
         for section in sections {
             for passage in &section.passages {
                 self.levers[passage.cable] += section.lever(passage).1;
-                self.straight[passage.cable] += passage.initial;
+                self.at_rest[passage.cable] += passage.initial;
             }
         }
         let reach = sections.iter().map(|s| s.length).sum::<f64>();

@@ -110,7 +110,7 @@ impl FourBar {
                     &mut tally,
                 )?)
             } else {
-                Joint::Bend(Bend::STRAIGHT)
+                Joint::Bend(section.rest)
             };
             joints.push(joint);
             for (i, length) in joint.lengths(section) {
@@ -209,7 +209,7 @@ impl FourBar {
         let mut tally = Tally::default();
         let Workspace { targets, cables, joints, pulls, several, .. } = workspace;
         if targets.iter().zip(&self.initial_lengths).all(|(target, initial)| target >= initial) {
-            joints.resize(self.sections.len(), Joint::Bend(Bend::STRAIGHT));
+            joints.extend(self.sections.iter().map(|section| Joint::Bend(section.rest)));
         } else {
             let ending = several.solve(&self.sections, targets);
             tally.iterations = several.iterations;

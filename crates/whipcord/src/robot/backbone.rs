@@ -1,4 +1,4 @@
-use whipcord_numerics::Vec3;
+use whipcord_numerics::{GAUSS_3, Twist, UnitQuaternion, Vec3, magnus_6};
 
 use super::along::{Along, Paths};
 use super::disks::Disks;
@@ -116,6 +116,33 @@ impl Backbone {
     #[must_use]
     pub fn rest_curvature_at(&self, disks: &Disks, arc_length: f64) -> Vec3 {
         self.rest_curvature.at(disks, arc_length)
+    }
+
+    /// How the cross-section at arc length `to` is turned against that at `from` when the backbone is at rest.
+    pub(crate) fn rest_rotation(&self, disks: &Disks, from: f64, to: f64) -> UnitQuaternion {
+        // Of sixth order, for a curvature that varies linearly from place to place.
+        const STEPS: usize = 8;
+        if self.rest_curvature.is_zero() {
+            return UnitQuaternion::IDENTITY;
+        }
+        let mut places = self.rest_curvature.places().to_vec();
+        places.retain(|s| from < *s && *s < to);
+        places.extend([from, to]);
+        places.sort_by(f64::total_cmp);
+        let mut rotation = UnitQuaternion::IDENTITY;
+        for piece in places.windows(2) {
+            let h = (piece[1] - piece[0]) / STEPS as f64;
+            let inside = 0.5 * (piece[0] + piece[1]);
+            for k in 0..STEPS {
+                let turn = GAUSS_3.nodes.map(|node| {
+                    let s = piece[0] + (k as f64 + node) * h;
+                    let angular = self.rest_curvature.at_end(disks, s, inside) * h;
+                    Twist { linear: Vec3::ZERO, angular }
+                });
+                rotation = rotation * magnus_6(&turn).rotation;
+            }
+        }
+        rotation.renormalized()
     }
 
     /// Cross-section properties at an arc length, or `None` when the section is not given.

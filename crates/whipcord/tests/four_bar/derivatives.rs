@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use whipcord::four_bar::{Chord, Derivatives, FourBar, LengthRule, Objective, Options, Workspace};
 use whipcord::{Case, Robot, Routing, Shape, Shortening, Solution, SolveError, Stations, Vec3};
 
+use super::pre_bent::bent;
 use super::{equal_disks, robot};
 
 fn case(shortenings: &[f64]) -> Case {
@@ -110,11 +111,13 @@ proptest! {
         start in -3.0_f64..3.0,
         turns in -0.6_f64..0.6,
         part in 0.0_f64..0.06,
+        curved in prop::option::of([-4.0_f64..4.0, -4.0_f64..4.0, -3.0_f64..3.0]),
         rule in 0_u8..3,
         strain: bool,
         arc: bool,
     ) {
-        let robot = robot(&equal_disks(0.18, 6), vec![winding(start, turns, 0.007)]);
+        let straight = robot(&equal_disks(0.18, 6), vec![winding(start, turns, 0.007)]);
+        let robot = bent(&straight, Vec3::from(curved.unwrap_or_default()).into());
         let options = options(rule, strain, arc);
         // Away from the straight shape, where shorter and longer differ.
         let shortening = 0.002 + 0.18 * part;

@@ -5,6 +5,7 @@
 mod derivatives;
 mod one_cable;
 mod oracle;
+mod pre_bent;
 mod refusals;
 mod several_cables;
 mod symmetries;

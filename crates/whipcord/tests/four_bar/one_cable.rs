@@ -33,7 +33,7 @@ proptest! {
         let routing = Routing::Linear { start: [from.x, from.y], end: [to.x, to.y] };
         let robot = robot(&[0.0, length], vec![routing]);
         let (objective, chord) = (objective(strain), chord(arc));
-        let section = Section { length, from, to, chord, objective };
+        let section = Section { length, from, to, chord, objective, rest: Vec3::ZERO };
         // A length that some bend of up to 140° (arc: 100°) has, before the cable crosses over.
         let most = f64::min(if arc { 0.75 } else { 0.94 }, 0.9 * length * (a0 + a1) / (4.0 * a0 * a1));
         let axis = (from / a0 + to / a1).cross(Vec3::Z) * -1.0;

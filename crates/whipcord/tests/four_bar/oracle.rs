@@ -14,6 +14,8 @@ pub struct Section {
     pub to: Vec3,
     pub chord: Chord,
     pub objective: Objective,
+    /// Rotation vector before actuation.
+    pub rest: Vec3,
 }
 
 pub fn angle(a: Vec3, b: Vec3) -> f64 {
@@ -40,27 +42,32 @@ impl Section {
 
     pub fn measure(&self, w: Vec3) -> f64 {
         match self.objective {
-            Objective::StrainEnergy => w.x * w.x + w.y * w.y + w.z * w.z / 1.3,
+            Objective::StrainEnergy => {
+                let w = w - self.rest;
+                w.x * w.x + w.y * w.y + w.z * w.z / 1.3
+            }
             _ => {
                 let e = self.to / self.to.norm();
                 let f = Vec3::new(e.y, -e.x, 0.0);
-                let rotation = UnitQuaternion::exp(w);
-                angle(e, rotation.rotate(e)).powi(2) + angle(f, rotation.rotate(f)).powi(2)
+                let turned = |w: Vec3, of: Vec3| UnitQuaternion::exp(w).rotate(of);
+                let square = |of| angle(turned(self.rest, of), turned(w, of)).powi(2);
+                square(e) + square(f)
             }
         }
     }
 
-    /// The first rotation vector in direction `u` at which the cable has the length `target`.
+    /// The first rotation vector from rest in direction `u` at which the cable has the length `target`.
     fn on_ray(&self, u: Vec3, target: f64) -> Option<Vec3> {
         let n = 60;
         let at = |i: usize| 0.999 * PI * i as f64 / f64::from(n);
-        let first = (1..=n as usize).find(|&i| self.cable(u * at(i)) <= target)?;
+        let away = |turn: f64| self.rest + u * turn;
+        let first = (1..=n as usize).find(|&i| self.cable(away(at(i))) <= target)?;
         let (mut low, mut high) = (at(first - 1), at(first));
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
-            if self.cable(u * middle) <= target { high = middle } else { low = middle }
+            if self.cable(away(middle)) <= target { high = middle } else { low = middle }
         }
-        Some(u * high)
+        Some(away(high))
     }
 
     /// The least measure at which the cable has the length `target`: directions on a grid over the

@@ -34,10 +34,11 @@ fn what_a_geometric_model_cannot_take_is_named() {
         rest_curvature: RestCurvature::Uniform(Vec3::new(0.0, 4.0, 0.0)),
         ..Backbone::new(0.18)
     };
+    let printed = Options { objective: Objective::AsPrinted, ..options.clone() };
     assert_eq!(
-        refused(&robot(curved, vec![straight()]), &options),
-        "the four-bar model cannot take `backbone.rest_curvature` (a pre-bent backbone): \
-         the four-bar model is geometric: leave it out, or use cosserat"
+        refused(&robot(curved, vec![straight()]), &printed),
+        "the four-bar model cannot take `backbone.rest_curvature` (a pre-bent backbone with the objective \
+         as-printed): the printed equations are those of a straight one: take coupler-angle"
     );
     let elastic = Cable { axial_stiffness: Some(2e3), ..straight() };
     let text = refused(&robot(Backbone::new(0.18), vec![straight_named("a"), elastic]), &options);

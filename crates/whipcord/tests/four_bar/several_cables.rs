@@ -36,6 +36,7 @@ fn check_stationary(robot: &Robot, options: &Options, solution: &Solution, targe
             to: hole(robot, i, k + 1),
             chord: options.chord,
             objective: options.objective,
+            rest: Vec3::ZERO,
         };
         let (mut force, mut arms) = (Vec::new(), vec![Vec::new(); cables]);
         let mut lengths = vec![0.0; cables];
