@@ -17,12 +17,22 @@ from typing import TYPE_CHECKING
 from . import errors, models
 from ._core import VERSION as __version__
 from .batch import Batch, Gradients
+from .calibration import Calibration
 from .camera import Camera, Located
 from .case import Case, load
 from .cases import solve_cases
 from .comparison import Comparison, Distances, Run, compare
 from .derivatives import Derivatives, Dexterity, Gradient, Place
-from .errors import DetectionError, FileError, FitError, InputError, ModelError, SolveError, WhipcordError
+from .errors import (
+    CalibrationError,
+    DetectionError,
+    FileError,
+    FitError,
+    InputError,
+    ModelError,
+    SolveError,
+    WhipcordError,
+)
 from .fitting import CrossValidation, Estimate, Fit, HeldOut, ModelFit, Unknown, Unresolved, fit
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
 from .overlaying import Overlaid, Overlay, overlay
@@ -39,6 +49,8 @@ __all__ = [
     "Branches",
     "Cable",
     "CableState",
+    "Calibration",
+    "CalibrationError",
     "Camera",
     "Case",
     "Comparison",

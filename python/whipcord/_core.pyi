@@ -12,14 +12,17 @@ _Array = npt.NDArray[np.float64]
 
 __all__ = [
     "VERSION",
+    "Board",
     "Camera",
     "Derivatives",
     "Fitted",
     "Model",
     "Outcomes",
     "Photo",
+    "Seen",
     "Setup",
     "Solution",
+    "calibrate",
     "derivatives",
     "distances",
     "fit",
@@ -108,6 +111,24 @@ class Model:
     def kind(self) -> str: ...
     @property
     def arguments(self) -> dict[str, Any]: ...
+
+@final
+class Board:
+    def __new__(cls, layout: str, square: float, marker: float | None, dictionary: str | None) -> Board: ...
+    def find(self, photo: Photo) -> Seen: ...
+
+@final
+class Seen:
+    def __new__(cls, size: Sequence[int], points: _Array, pixels: _Array) -> Seen: ...
+    @property
+    def corners(self) -> list[tuple[int, list[float], list[float]]]: ...
+
+_Deviations = tuple[list[float], list[float], list[float | None], float]
+_Refused = list[tuple[int, str]]
+
+def calibrate(
+    seen: list[Seen], distortion: str
+) -> tuple[Camera, _Deviations, tuple[float, list[float], float], list[int], _Refused, list[str]]: ...
 
 @final
 class Photo:

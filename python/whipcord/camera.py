@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,10 @@ import numpy.typing as npt
 from . import _core
 from ._files import write
 from .errors import InputError
+
+if TYPE_CHECKING:
+    from .calibration import Calibration, Distortion
+    from .photographs import PhotoLike
 
 __all__ = ["Camera", "Located"]
 
@@ -90,6 +94,53 @@ class Camera:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the camera in OpenCV's YAML (``.yml``, ``.yaml``) or JSON (``.json``)."""
         write(path, self._camera.text(os.fspath(path)))
+
+    @staticmethod
+    def calibrate(
+        photos: Iterable[PhotoLike] | Iterable[tuple[npt.ArrayLike, npt.ArrayLike]],
+        *,
+        board: str | None = None,
+        square: float | str | None = None,
+        marker: float | str | None = None,
+        dictionary: str | None = None,
+        size: Sequence[int] | None = None,
+        distortion: Distortion = "5",
+    ) -> Calibration:
+        """The lens of a camera, by photographs of a flat board, or by its corners that others have found.
+
+        Photographs in which no board is found that can be used are passed over, and named in the result.
+
+        Parameters
+        ----------
+        photos
+            PNG or JPEG files, or their pixels: (h, w) or (h, w, 3) bytes. Without a board, for each photograph the (n, 3) points
+            of the board in m and the (n, 2) pixels at which they are seen.
+        board
+            ``"chessboard:9x6"`` with the number of inner corners, or ``"charuco:8x6"`` with the number of squares.
+        square
+            Side of a square, in m or as ``"25 mm"``.
+        marker
+            Side of the markers of a ChArUco board.
+        dictionary
+            OpenCV's name of the dictionary that they are from, as ``"DICT_4X4_50"``.
+        size
+            Columns and rows of the photographs, where points are given.
+        distortion
+            Coefficients that are sought: ``"none"``, ``"k1k2"``, or the first ``"4"``, ``"5"``, ``"8"`` or ``"12"`` in OpenCV's order.
+
+        Raises
+        ------
+        CalibrationError
+            Where the photographs do not fix the lens.
+
+        Examples
+        --------
+        >>> found = Camera.calibrate(paths, board="chessboard:9x6", square="25 mm")  # doctest: +SKIP
+        >>> found.camera.save("lens.yml")  # doctest: +SKIP
+        """
+        from .calibration import calibrate
+
+        return calibrate(photos, board, square, marker, dictionary, size, distortion)
 
     @property
     def projection(self) -> str:

@@ -6,6 +6,7 @@ All derive from :class:`WhipcordError`:
 * :class:`InputError`, an argument that cannot be (also a ``ValueError``), and :class:`ModelError`, a model
   that lacks something or cannot take the robot;
 * :class:`DetectionError`, a photograph in which disks or markers are not found as they must be;
+* :class:`CalibrationError`, photographs that do not fix a lens;
 * :class:`FitError`, parameters that cannot be estimated;
 * :class:`SolveError`, a case without an answer, by its reason.
 
@@ -26,6 +27,7 @@ __all__ = [
     "AmbiguousBaseError",
     "BuckledError",
     "CablesConflictError",
+    "CalibrationError",
     "ContradictoryLengthsError",
     "DetectionError",
     "FileError",
@@ -167,6 +169,15 @@ class MirroredError(DetectionError):
     """Relative deviation of the distances from the robot's, counted from there."""
     reversed: float
     """Counted from the other end."""
+
+
+class CalibrationError(WhipcordError):
+    """Photographs that do not fix the lens of a camera."""
+
+    used: Sequence[int]
+    """Numbers of the photographs that show the board, from 0."""
+    refused: Sequence[tuple[int, str]]
+    """Those that do not, and why."""
 
 
 class FitError(WhipcordError):

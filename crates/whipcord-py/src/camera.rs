@@ -191,7 +191,8 @@ fn located<'py>(
     Ok((Camera::of(found.camera), residuals, found.rms, other, ambiguous))
 }
 
-fn sightings(
+/// (n, 3) points at (n, 2) pixels.
+pub fn sightings(
     points: &PyReadonlyArray2<'_, f64>,
     pixels: &PyReadonlyArray2<'_, f64>,
 ) -> Vec<Sighting> {

@@ -9,6 +9,7 @@ use whipcord::identification::{Identified, IdentifyError, NoAnswerReason};
 use whipcord::{ModelKind, RobotError, SolveError};
 use whipcord_io::{FileError, FileProblem};
 use whipcord_vision::PhotoError;
+use whipcord_vision::boards::NoCalibration;
 use whipcord_vision::detect::DetectError;
 
 /// An exception of this class of `whipcord.errors`, with these attributes.
@@ -61,6 +62,20 @@ pub fn photo(py: Python<'_>, error: &PhotoError, path: &str) -> PyErr {
         values.set_item("path", path)?;
         let problem = [("message", message.as_str()), ("help", ""), ("file", path)];
         values.set_item("problems", [problem.into_py_dict(py)?])
+    })
+}
+
+/// Why photographs of a board give no lens.
+pub fn calibration(py: Python<'_>, error: &NoCalibration) -> PyErr {
+    let mut message = error.to_string();
+    for (number, why) in &error.refused {
+        message += &format!("\n  photograph {}: {why}", number + 1);
+    }
+    exception(py, "CalibrationError", message, |values| {
+        values.set_item("used", error.used.clone())?;
+        let refused: Vec<(usize, String)> =
+            error.refused.iter().map(|(number, why)| (*number, why.to_string())).collect();
+        values.set_item("refused", refused)
     })
 }
 

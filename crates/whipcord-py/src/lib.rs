@@ -5,6 +5,7 @@
 
 mod batch;
 mod besides;
+mod calibration;
 mod camera;
 mod convert;
 mod derivatives;
@@ -34,6 +35,8 @@ mod _core {
     use super::batch::{Outcomes, pull_back_batch, solve_batch, solve_cases};
     #[pymodule_export]
     use super::besides::distances;
+    #[pymodule_export]
+    use super::calibration::{Board, Seen, calibrate};
     #[pymodule_export]
     use super::camera::{Camera, locate_orthographic};
     #[pymodule_export]
