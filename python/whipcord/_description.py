@@ -163,7 +163,7 @@ class Description:
         Parameters
         ----------
         disks
-            CSV file with the markers.
+            CSV or Parquet file with the markers.
         unit
             Unit of its lengths, ``"m"`` by default.
         deviation, pixel_deviation

@@ -7,7 +7,9 @@ use numpy::PyArray2;
 use pyo3::prelude::*;
 use whipcord::observation::{self, InImage, Overlaid, Rms, in_image};
 use whipcord::{Case, ModelKind, Observation, Place, Seen, SolveError, Vec3};
-use whipcord_plot::{FINE_STATIONS, OverlayOptions, Photograph, RobotView, overlay_figure};
+use whipcord_plot::{
+    FINE_STATIONS, OverlayOptions, Photograph, PlotError, RobotView, overlay_figure,
+};
 
 use crate::camera::Camera;
 use crate::convert::array;
@@ -106,7 +108,11 @@ pub fn overlay<'py>(
         let bytes = bytes.map_err(|error| errors::input(py, "photo", error.to_string()))?;
         let stored = Photograph { bytes: &bytes, size: taken };
         let svg = py.detach(|| overlay_figure(&setup.robot, &camera, stored, &views, &options));
-        Some(svg.map_err(|error| errors::input(py, "camera", error.to_string()))?)
+        let refused = |error: PlotError| {
+            let path = if matches!(error, PlotError::Size { .. }) { "width" } else { "camera" };
+            errors::input(py, path, error.to_string())
+        };
+        Some(svg.map_err(refused)?)
     };
     let case = Arc::new(case);
     let runs = runs.into_iter().map(|(kind, run)| told(py, kind, run, &markers, &case));
