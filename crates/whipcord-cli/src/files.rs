@@ -90,6 +90,22 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_atomically(path, bytes).map_err(|error| Failure::path("write", path, &error))
 }
 
+/// Refuses to write over a file that is read.
+///
+/// # Errors
+/// [`Failure::Input`] with its name.
+pub fn keep<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+    let real = out.canonicalize().ok();
+    let same = |file: &Path| file == out || (real.is_some() && file.canonicalize().ok() == real);
+    match read.into_iter().any(same) {
+        true => Err(Failure::Input(format!(
+            "error: {} is read: write to another file",
+            out.display()
+        ))),
+        false => Ok(()),
+    }
+}
+
 /// A name for the results of each robot file: its own; where several have the same, the first keeps
 /// it and the others get a number that makes it the name of no other file. Names that differ in
 /// capitals alone are the same, as they are to some file systems.

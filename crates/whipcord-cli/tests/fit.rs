@@ -144,3 +144,38 @@ fn mistakes_in_the_table_are_shown() {
     assert!(message.contains("did you mean `backbone.young_modulus`?"), "{message}");
     assert!(message.contains("`disks.mass` is not estimated"), "{message}");
 }
+
+#[test]
+fn what_is_read_stays() {
+    let scratch = Scratch::new();
+    measure(&scratch, "a", "2 N", 0.1);
+    let own = file(&scratch, "a", "2.9 mm", "2 N", "");
+    let before = std::fs::read_to_string(&own).unwrap();
+    let table = scratch.file("a.csv");
+    let measured = std::fs::read_to_string(&table).unwrap();
+    let diameter = ["--parameter", "backbone.diameter"];
+    // The same file by another path as well.
+    let detour = scratch.file("../").to_owned() + scratch.path().file_name().unwrap().to_str().unwrap();
+    for out in [own.clone(), format!("{detour}/a.toml"), table.clone()] {
+        let message = fail(2, &["fit", &own, diameter[0], diameter[1], "-o", &out]);
+        assert!(message.contains("is read: write to another file"), "{message}");
+    }
+    assert_eq!(std::fs::read_to_string(&own).unwrap(), before);
+    assert_eq!(std::fs::read_to_string(&table).unwrap(), measured);
+}
+
+#[test]
+fn numbers_of_a_file_that_is_extended_are_laid_over_it() {
+    let scratch = Scratch::new();
+    measure(&scratch, "a", "2 N", 0.1);
+    file(&scratch, "a", "2.9 mm", "2 N", "");
+    let child = "# by whom\nextends = \"a.toml\"\ntitle = \"child\"\n\n[measured]\ndisks = \"a.csv\"\nregistration = \"none\"\n";
+    let child = scratch.write("child.toml", child);
+    let fitted = scratch.file("fitted.toml");
+    let text = succeed(&["fit", &child, "--parameter", "backbone.diameter", "-o", &fitted]);
+    assert!(!text.contains("written anew"), "{text}");
+    let text = std::fs::read_to_string(&fitted).unwrap();
+    assert!(text.contains("# by whom") && text.contains("extends = \"a.toml\""), "{text}");
+    assert!(text.contains("[backbone]\ndiameter = 0.0029") || text.contains("[backbone]\ndiameter = 0.0030"), "{text}");
+    assert!(!text.contains("length"), "{text}");
+}

@@ -88,6 +88,9 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
             "error: --output is for one file; with several give --out, the folder for all of them",
         )));
     }
+    if let Some(path) = &args.output {
+        files::keep(path, read(&cases))?;
+    }
     same_robot(&cases)?;
     let experiments = cases.iter().map(experiment).collect::<Result<Vec<_>, _>>()?;
     let unknowns = unknowns(args, &cases)?;
@@ -123,6 +126,16 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
     write(args, &fit, &unknowns, style)
 }
 
+/// The files that the cases come from.
+fn read(cases: &[CaseFile]) -> impl Iterator<Item = &Path> {
+    cases.iter().flat_map(|case| {
+        let measured = case.measured.iter().flat_map(|measured| {
+            measured.cameras.iter().map(|of| &of.path).chain([&measured.path])
+        });
+        measured.chain([&case.path]).map(PathBuf::as_path)
+    })
+}
+
 /// Makes all there is to write, then writes it, or nothing.
 fn write(args: &FitArgs, fit: &Fit, unknowns: &[Unknown], style: Style) -> Result<String, Failure> {
     let mut notes = Vec::new();
@@ -131,7 +144,7 @@ fn write(args: &FitArgs, fit: &Fit, unknowns: &[Unknown], style: Style) -> Resul
         let how = if file.keeps_text {
             ""
         } else {
-            " (written anew, without what the old one says besides)"
+            " (written anew: without comments, units, [measured], [fit] and [reference])"
         };
         notes.push(format!("fitted: {}{how}", target.display()));
         Ok(file)
@@ -142,13 +155,18 @@ fn write(args: &FitArgs, fit: &Fit, unknowns: &[Unknown], style: Style) -> Resul
         written.push((path.clone(), fitted(0, folder, path)?.text.into_bytes()));
     }
     if let Some(out) = &args.out {
+        let files = fit.files()?;
+        let own = fit.names.iter().map(|name| format!("{name}-fitted.toml"));
+        for name in own.chain(files.iter().map(|(name, _)| name.clone())) {
+            files::keep(&out.join(name), read(&fit.cases))?;
+        }
         Folder::create(out)?;
         for (i, name) in fit.names.iter().enumerate() {
             let path = out.join(format!("{name}-fitted.toml"));
             let file = fitted(i, out, &path)?;
             written.push((path, file.text.into_bytes()));
         }
-        written.extend(fit.files()?.into_iter().map(|(name, bytes)| (out.join(name), bytes)));
+        written.extend(files.into_iter().map(|(name, bytes)| (out.join(name), bytes)));
         notes.push(format!("report: {}", out.join("report.html").display()));
     }
     let text = if args.json {

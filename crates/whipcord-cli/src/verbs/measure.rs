@@ -9,7 +9,7 @@ use whipcord_vision::detect::{Base, DetectError, Kind, Mark, Mask, Row, Search, 
 use whipcord_vision::{Photo, annotated};
 
 use crate::failure::Failure;
-use crate::files::{no_result, write};
+use crate::files::{self, no_result, write};
 use crate::inputs::{message, read_one};
 use crate::photographs::Photograph;
 use crate::quantity::fixed;
@@ -119,12 +119,13 @@ fn png_path(text: &str) -> Result<PathBuf, String> {
 /// Finds, writes the files, and returns what standard output shows.
 pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
     for out in [&args.output, &args.annotated].into_iter().flatten() {
-        let same =
-            [Some(&args.photo), args.mask.as_ref(), args.robot.as_ref(), args.camera.as_ref()];
-        if same.contains(&Some(out)) {
-            let out = out.display();
-            return Err(Failure::Input(format!("error: {out} is read: write to another file")));
-        }
+        let others = [&args.mask, &args.robot, &args.camera].into_iter().flatten();
+        files::keep(out, others.chain([&args.photo]).map(PathBuf::as_path))?;
+    }
+    if args.output.is_some() && args.output == args.annotated {
+        return Err(Failure::Input(String::from(
+            "error: the CSV file and the picture have one name: give each its own",
+        )));
     }
     let photograph = Photograph::read(&args.photo)?;
     let photo = &photograph.photo;

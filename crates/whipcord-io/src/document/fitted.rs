@@ -26,7 +26,8 @@ const NEAR: f64 = 1e-9;
 
 impl CaseFile {
     /// The text of this file with the numbers of another robot and case, for the folder it goes to: where
-    /// the numbers stand in this file they are changed in place, in their units; else the file is written anew.
+    /// the numbers stand in this file they are changed in place, in their units; where they stand in one that it
+    /// extends, a table is laid over that; else the file is written anew.
     ///
     /// # Errors
     /// [`Inexpressible`] for what no robot file can say.
@@ -60,7 +61,14 @@ impl CaseFile {
         let (mut edits, mut added) = (Vec::new(), Table::default());
         for (key, item) in &new.entries {
             match old.get(key) {
-                Some(before) => self.differ(key, before, item, &mut edits)?,
+                Some(before) => {
+                    let mut own = Vec::new();
+                    match self.differ(key, before, item, &mut own) {
+                        Some(()) => edits.append(&mut own),
+                        // It stands in a file that this one extends, over which its own table is laid.
+                        None => added.insert(key, changed(before, item)),
+                    }
+                }
                 None if self.document().find(key).is_none() => added.insert(key, item.clone()),
                 None => return None,
             }
@@ -134,6 +142,18 @@ impl CaseFile {
             }
             _ => None,
         }
+    }
+}
+
+/// What a table has to say when it is laid over the old one: the entries that differ. Lists are replaced whole.
+fn changed(old: &Item, new: &Item) -> Item {
+    match (old, new) {
+        (Item::Table(a), Item::Table(b)) if keys(a).eq(keys(b)) => {
+            let entries = a.entries.iter().zip(&b.entries).filter(|(a, b)| a != b);
+            let entries = entries.map(|((key, a), (_, b))| (key.clone(), changed(a, b)));
+            Item::Table(Table { entries: entries.collect() })
+        }
+        _ => new.clone(),
     }
 }
 
