@@ -9,6 +9,11 @@ use whipcord::{
 
 use crate::quantity::{degrees, millimetres, newtons, number, shortening, vector};
 
+/// `1 marker`, `2 markers`
+pub fn markers(count: usize) -> String {
+    format!("{count} marker{}", if count == 1 { "" } else { "s" })
+}
+
 /// What a file says of its robot and case: name and description of each part.
 pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
     let mut lines = vec![

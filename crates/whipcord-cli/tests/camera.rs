@@ -87,6 +87,11 @@ fn an_orthographic_camera_gets_its_scale_from_the_length_of_the_robot() {
         &output,
     ]);
     assert!(text.contains("2.5 pixels/mm") && text.contains("from 10 markers"), "{text}");
+    // The column in which `measure --name` says which camera it was changes nothing.
+    let named = disks(&camera).replace("disk,", "camera,disk,").replace("\n", "\nside,");
+    let named = scratch.write("named.csv", named.trim_end_matches("side,"));
+    let again = succeed(&["camera", "locate", &file, "--markers", &named, "--view", "-1,0,0"]);
+    assert!(again.contains("2.5 pixels/mm"), "{again}");
     let found = load_camera(&output).unwrap();
     for point in [Vec3::ZERO, Vec3::new(0.3, 0.1, 0.2)] {
         let (a, b) = (found.project(point).unwrap(), camera.project(point).unwrap());

@@ -10,7 +10,7 @@ use crate::failure::{Failure, refuses};
 use crate::inputs;
 use crate::quantity::millimetres;
 use crate::style::Style;
-use crate::words::{describe, driven_by, instability};
+use crate::words::{describe, driven_by, instability, markers};
 
 /// Validate robot files and print what was understood
 ///
@@ -71,7 +71,13 @@ fn words(file: &CaseFile, style: Style) -> String {
         }
     }
     if let Some(measured) = &file.measured {
-        let what = format!("{} disks, from {}", measured.disks.len(), measured.path.display());
+        let seen = &measured.observations;
+        let in_images = seen.iter().filter(|observation| observation.seen.is_in_image()).count();
+        let places = [(seen.len() - in_images, "in space"), (in_images, "in images")];
+        let places = places.into_iter().filter(|(count, _)| *count > 0);
+        let places: Vec<String> =
+            places.map(|(count, place)| format!("{} {place}", markers(count))).collect();
+        let what = format!("{}, from {}", places.join(" and "), measured.path.display());
         lines.push((String::from("measured"), what));
     }
     if let Some(reference) = &file.reference {

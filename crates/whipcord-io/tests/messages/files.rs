@@ -162,6 +162,8 @@ fn measured_positions() {
         ("slip", "disc,x,y,z\n1,0,0,0\n"),
         ("index", ",disk,x,y,z\n0,1,0,0,0\n"),
         ("steps", "step,disk,x,y,z\n2,1,0,0,0\n,2,0,0,0.02\n"),
+        ("millimetres", "disk,x,y,z\n1,0,0,0\n5,0,3,80\n10,0,20,180\n"),
+        ("kilometres", "disk,x,y,z\n1,0,0,0\n5,0,0.000003,0.00008\n10,0,0.00002,0.00018\n"),
         ("deviation", "disk,x,y,z,deviation\n1,0,0,0,0\n2,0,0,0.02,-1e-3\n"),
     ];
     let folder = tempfile::tempdir().unwrap();

@@ -205,6 +205,11 @@ fn what_cannot_be_located_is_named() {
         message(&lost, None),
         "point 2: a coordinate is NaN, which must be a finite number within 1e9"
     );
+    let one_pixel: Vec<Sighting> =
+        seen.iter().map(|at| Sighting { pixel: [320.0, 240.0], ..*at }).collect();
+    for view in [None, Some(Vec3::new(-1.0, 0.2, 0.0))] {
+        assert!(message(&one_pixel, view).starts_with("no pose of the camera explains"));
+    }
     assert!(message(&[seen[0]; 5], None).starts_with("the points lie within 0 mm of one another"));
 }
 

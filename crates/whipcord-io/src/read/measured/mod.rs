@@ -1,6 +1,7 @@
 //! `[measured]`: where the disks and markers of the real robot were.
 
 mod csv;
+mod extent;
 mod grid;
 mod parquet;
 mod rows;
@@ -106,6 +107,11 @@ pub(crate) fn read(
     };
     let Known { unit, deviation, .. } = known;
     let observations = rows::observations(&grid, &known, problems)?;
+    if let Some(message) = extent::problem(&observations, &known) {
+        let help = "say in `unit` of [measured] in which unit the lengths are: m, cm, mm, um or in";
+        problems.push(grid.header, || rows::problem(message, help));
+        return None;
+    }
     let last = robot.steps.saturating_sub(1);
     let disks = observations.iter().filter(|seen| seen.step == last).filter_map(centre).collect();
     let asked = fields.text("registration");

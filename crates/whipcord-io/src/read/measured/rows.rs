@@ -267,7 +267,7 @@ impl Reader<'_> {
         if let Some(value) = pixel.into_iter().find(|value| value.abs() > most) {
             self.refuse(
                 row.span,
-                format!("a pixel must be at most {most}, but is {value}"),
+                format!("a pixel must be at most {most}, but is {value:?}"),
                 PIXELS,
             );
             return None;

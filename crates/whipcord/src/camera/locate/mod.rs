@@ -16,6 +16,9 @@ pub(super) use start::{Cloud, plane_columns};
 /// Poses that are turned by less than this against one another, in rad, are the same minimum.
 const SAME: f64 = 1e-4;
 
+/// Nothing is measured more exactly than to this, in pixels.
+const SAME_PIXEL: f64 = 1e-3;
+
 /// A point of the world, and where it was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
@@ -172,6 +175,13 @@ fn cloud(seen: &[Sighting], least: usize) -> Result<Cloud, LocateError> {
     let cloud = Cloud::of(seen);
     if cloud.is_one_point() {
         return Err(LocateError::Coincident { spread: cloud.spreads[2] });
+    }
+    // Seen in one pixel, points are as they would be from endlessly far away.
+    let pixels: Vec<[f64; 2]> = seen.iter().map(|at| at.pixel).collect();
+    let middle = start::middle(&pixels);
+    let off = |[u, v]: &[f64; 2]| (u - middle[0]).hypot(v - middle[1]);
+    if pixels.iter().map(off).fold(0.0, f64::max) < SAME_PIXEL {
+        return Err(LocateError::NoPose { given });
     }
     Ok(cloud)
 }
