@@ -103,9 +103,21 @@ pub enum IdentifyError {
     NoAnswerAtStart(NoAnswer),
     /// Nothing that could be held out.
     #[error(
-        "nothing can be held out: there is a single case with a single step, or an unknown belongs to one case"
+        "nothing can be held out: there is a single case with a single step, or each has an unknown of its own and a single step"
     )]
     NothingToHoldOut,
+    /// A search without a part of the measurements did not converge.
+    #[error(
+        "without case {}{} the fit does not converge: estimate less, or say what else is known",
+        experiment + 1,
+        step.map(|step| format!(", step {},", step + 1)).unwrap_or_default()
+    )]
+    NotConverged {
+        /// The experiment that was held out.
+        experiment: usize,
+        /// The step of it; else all of it.
+        step: Option<usize>,
+    },
 }
 
 /// What does not fit about an observation.

@@ -56,11 +56,12 @@ impl Misses {
     }
 }
 
-/// Fits again without each experiment in turn, or, where there is one alone or an unknown belongs to one,
-/// without each step of it, and says how far off the part that was held out is.
+/// Fits again without each experiment in turn, or, where it is the only one or an unknown belongs to it alone,
+/// without each of its steps, and says how far off the part that was held out is.
 ///
 /// # Errors
-/// As [`identify`]; [`IdentifyError::NothingToHoldOut`] where there is a single step.
+/// As [`identify`]; [`IdentifyError::NothingToHoldOut`] where there are not two such parts, and
+/// [`IdentifyError::NotConverged`] where the search without one does not converge.
 pub fn cross_validate(
     robot: &Robot,
     experiments: &[Experiment],
@@ -81,6 +82,9 @@ pub fn cross_validate(
             of.observations.retain(|seen| e == experiment && is_held(seen));
         }
         let found = identify(robot, &kept, unknowns, settings)?;
+        if !found.status.is_converged() {
+            return Err(IdentifyError::NotConverged { experiment, step });
+        }
         let values: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
         let misses = misses(robot, &held, unknowns, settings, experiment, &values)?;
         all.add_all(misses);
@@ -93,19 +97,25 @@ pub fn cross_validate(
 
 /// What is held out in turn.
 fn parts(experiments: &[Experiment], unknowns: &[Unknown]) -> Vec<(usize, Option<usize>)> {
-    let seen = |e: usize| !experiments[e].observations.is_empty();
-    let whole: Vec<_> = (0..experiments.len()).filter(|&e| seen(e)).map(|e| (e, None)).collect();
-    if whole.len() > 1 && unknowns.iter().all(|unknown| unknown.experiment.is_none()) {
-        return whole;
+    let seen = |e: &usize| !experiments[*e].observations.is_empty();
+    let experiments_seen: Vec<usize> = (0..experiments.len()).filter(seen).collect();
+    let mut parts = Vec::new();
+    for &e in &experiments_seen {
+        // Without what was seen in it nothing would be known of what belongs to it.
+        let has_own = unknowns.iter().any(|unknown| unknown.experiment == Some(e));
+        if experiments_seen.len() > 1 && !has_own {
+            parts.push((e, None));
+            continue;
+        }
+        let mut steps: Vec<usize> =
+            experiments[e].observations.iter().map(|seen| seen.step).collect();
+        steps.sort_unstable();
+        steps.dedup();
+        if steps.len() > 1 {
+            parts.extend(steps.into_iter().map(|step| (e, Some(step))));
+        }
     }
-    let mut steps: Vec<_> = experiments
-        .iter()
-        .enumerate()
-        .flat_map(|(e, of)| of.observations.iter().map(move |seen| (e, Some(seen.step))))
-        .collect();
-    steps.sort_unstable();
-    steps.dedup();
-    steps
+    parts
 }
 
 /// How far off what was held out of an experiment is.

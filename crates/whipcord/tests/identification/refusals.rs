@@ -144,4 +144,11 @@ fn nothing_to_hold_out() {
     let one = unknowns(&["backbone.young_modulus"]);
     let refused = cross_validate(&robot(), &seen(), &one, &settings()).unwrap_err();
     assert_eq!(refused, IdentifyError::NothingToHoldOut);
+    // Nothing is known of what belongs to a case without what was seen in it.
+    let two = &experiments(&settings().model, &robot(), &cases(&[1.0]))[..2];
+    let own = [0, 1].map(|case| Unknown::of(quantity("base.position[0]"), case));
+    let refused = cross_validate(&robot(), two, &own, &settings()).unwrap_err();
+    assert_eq!(refused, IdentifyError::NothingToHoldOut);
+    let folds = cross_validate(&robot(), two, &one, &settings()).unwrap().folds;
+    assert!(folds.iter().map(|fold| (fold.experiment, fold.step)).eq([(0, None), (1, None)]));
 }
