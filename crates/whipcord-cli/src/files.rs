@@ -98,10 +98,9 @@ pub fn keep<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result<
     let real = out.canonicalize().ok();
     let same = |file: &Path| file == out || (real.is_some() && file.canonicalize().ok() == real);
     match read.into_iter().any(same) {
-        true => Err(Failure::Input(format!(
-            "error: {} is read: write to another file",
-            out.display()
-        ))),
+        true => {
+            Err(Failure::Input(format!("error: {} is read: write to another file", out.display())))
+        }
         false => Ok(()),
     }
 }

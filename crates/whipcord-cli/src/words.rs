@@ -6,12 +6,21 @@ use whipcord::{
     Along, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Interpolation, LoadFrame,
     Loads, ModelKind, Pose, RestCurvature, Robot, Routing, Section, Solution, Stiffness, Vec3,
 };
+use whipcord_io::CaseFile;
 
 use crate::quantity::{degrees, millimetres, newtons, number, shortening, vector};
 
 /// `1 marker`, `2 markers`
 pub fn markers(count: usize) -> String {
     format!("{count} marker{}", if count == 1 { "" } else { "s" })
+}
+
+/// What is said of markers that fit far better in opposite order.
+pub fn reversed(file: &CaseFile) -> String {
+    format!(
+        "! {}: the markers fit far better in opposite order: is the one that comes first at the base?",
+        file.path.display()
+    )
 }
 
 /// What a file says of its robot and case: name and description of each part.

@@ -155,7 +155,8 @@ fn what_is_read_stays() {
     let measured = std::fs::read_to_string(&table).unwrap();
     let diameter = ["--parameter", "backbone.diameter"];
     // The same file by another path as well.
-    let detour = scratch.file("../").to_owned() + scratch.path().file_name().unwrap().to_str().unwrap();
+    let detour =
+        scratch.file("../").to_owned() + scratch.path().file_name().unwrap().to_str().unwrap();
     for out in [own.clone(), format!("{detour}/a.toml"), table.clone()] {
         let message = fail(2, &["fit", &own, diameter[0], diameter[1], "-o", &out]);
         assert!(message.contains("is read: write to another file"), "{message}");
@@ -176,6 +177,21 @@ fn numbers_of_a_file_that_is_extended_are_laid_over_it() {
     assert!(!text.contains("written anew"), "{text}");
     let text = std::fs::read_to_string(&fitted).unwrap();
     assert!(text.contains("# by whom") && text.contains("extends = \"a.toml\""), "{text}");
-    assert!(text.contains("[backbone]\ndiameter = 0.0029") || text.contains("[backbone]\ndiameter = 0.0030"), "{text}");
+    assert!(
+        text.contains("[backbone]\ndiameter = 0.0029")
+            || text.contains("[backbone]\ndiameter = 0.0030"),
+        "{text}"
+    );
     assert!(!text.contains("length"), "{text}");
+}
+
+#[test]
+fn a_frame_of_its_own_needs_the_base() {
+    let scratch = Scratch::new();
+    measure(&scratch, "a", "2 N", 0.1);
+    let own = file(&scratch, "a", "2.9 mm", "2 N", "registration = \"rigid\"\n");
+    let diameter = ["--parameter", "backbone.diameter"];
+    let message = fail(2, &["fit", &own, diameter[0], diameter[1]]);
+    assert!(message.contains("--each base.position[0]"), "{message}");
+    succeed(&["fit", &own, diameter[0], diameter[1], "--each", "base.position[0]"]);
 }

@@ -94,6 +94,11 @@ fn disks_are_written_as_a_table_a_picture_and_json() {
     assert!((squares / 10.0).sqrt() < 0.3, "{squares}");
     assert_eq!((table.lines().count(), lines.next()), (11, None));
 
+    // What the camera sees of the base is not contradicted.
+    let mirrored =
+        fail(1, &["measure", &photo, "--robot", ROBOT, "--camera", &side, "--base", "top"]);
+    assert!(mirrored.contains("the order is mirrored: by --base"), "{mirrored}");
+
     // What was written is what a robot file takes.
     let case = root().join(ROBOT).canonicalize().unwrap();
     let measured = format!(

@@ -164,3 +164,21 @@ fn markers_may_come_from_a_table_of_their_own() {
     let message = fail(2, &args);
     assert!(message.contains("columns `u` and `v`"), "{message}");
 }
+
+#[test]
+fn an_opposite_order_is_spoken_of() {
+    let scratch = Scratch::new();
+    let (photo, file) = found(&scratch, [0.5, 0.5]);
+    let out = scratch.file("out");
+    let note = "the markers fit far better in opposite order";
+    assert!(!succeed(&["overlay", &photo, &file, "--out", &out]).contains(note));
+    let seen = cells(&fs::read_to_string(scratch.file("seen.csv")).unwrap());
+    let mut turned = String::from("disk,u,v\n");
+    for (own, other) in seen[1..].iter().zip(seen[1..].iter().rev()) {
+        turned += &format!("{},{},{}\n", own[0], other[1], other[2]);
+    }
+    scratch.write("seen.csv", &turned);
+    assert!(succeed(&["overlay", &photo, &file, "--out", &out]).contains(note));
+    let fit = ["--parameter", "backbone.young_modulus"];
+    assert!(succeed(&["fit", &file, fit[0], fit[1]]).contains(note));
+}

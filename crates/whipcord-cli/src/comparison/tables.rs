@@ -1,5 +1,6 @@
 //! What the models say, in tables for people.
 
+use whipcord::observation::Distances;
 use whipcord::{ModelKind, Pose};
 use whipcord_io::Measured;
 
@@ -7,6 +8,7 @@ use super::study::{Commands, Run, Study};
 use crate::quantity::{degrees, fixed, fixed_millimetres, millimetres};
 use crate::table::{Align, Table};
 use crate::timing::duration;
+use crate::words::reversed;
 
 /// Marks an answer that the robot leaves.
 const UNSTABLE: &str = "†";
@@ -137,6 +139,10 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
                 "{}: measured in images, which `whipcord overlay` compares with.",
                 study.file.title
             ));
+        }
+        let measured = study.solved().filter_map(|(_, s)| s.measured.as_ref()?.as_ref().ok());
+        if measured.into_iter().any(Distances::is_reversed) {
+            notes.push(reversed(&study.file));
         }
         for run in &study.runs {
             for what in notes_of(run) {

@@ -1,13 +1,14 @@
 //! What a fit says: tables, figures, report. Public for the Python package, which says the same.
 
 mod figures;
+mod order;
 mod report;
 pub(crate) mod tables;
 
 use std::path::{Path, PathBuf};
 
 use whipcord::identification::{Compared, Experiment, Identified, Validated};
-use whipcord_io::CaseFile;
+use whipcord_io::{CaseFile, status_words};
 
 use crate::failure::Failure;
 use crate::files::{Folder, no_result, picture, plot_failure, unique_names, write};
@@ -25,6 +26,8 @@ pub struct Fit {
     pub found: Identified,
     /// How far off it is where it was held out, where that was asked for.
     pub validated: Option<Validated>,
+    /// What is said of cases whose markers fit far better in opposite order.
+    pub reversed: Vec<String>,
     /// The fits of all models, where that was asked for.
     pub compared: Vec<Compared>,
 }
@@ -40,7 +43,8 @@ impl Fit {
         compared: Vec<Compared>,
     ) -> Self {
         let names = unique_names(cases.iter().map(|case| case.path.as_path()));
-        Self { cases, names, experiments, found, validated, compared }
+        let reversed = order::reversed_cases(found.model, &cases);
+        Self { cases, names, experiments, found, validated, reversed, compared }
     }
 
     /// Writes report, figures and CSV to a folder, and returns the path of the report.
@@ -93,7 +97,8 @@ pub fn not_converged(names: &[String], found: &Identified) -> String {
     let unresolved: String =
         found.unresolved.iter().map(|unresolved| format!("\n  {unresolved}")).collect();
     format!(
-        "the fit has not converged ({:?} after {} steps){why}; start nearer, give bounds, or estimate less{unresolved}",
-        found.status, found.iterations
+        "the fit has not converged ({} after {} steps){why}; start nearer, give bounds, or estimate less{unresolved}",
+        status_words(found.status),
+        found.iterations
     )
 }

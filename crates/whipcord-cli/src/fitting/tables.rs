@@ -2,12 +2,13 @@
 
 use whipcord::identification::{Estimate, Unknown};
 use whipcord::{Observation, Seen};
-use whipcord_io::{Cell, CsvTable};
+use whipcord_io::{CaseFile, Cell, CsvTable};
 
 use super::Fit;
 use crate::quantity::{fixed, number, percent};
 use crate::style::Style;
 use crate::table::{Align, Table};
+use crate::words::markers;
 
 /// What standard output shows.
 pub fn summary(fit: &Fit, unknowns: &[Unknown], style: Style) -> String {
@@ -37,7 +38,7 @@ pub fn heading(fit: &Fit) -> String {
         [one] => one.title.clone(),
         several => format!("{} files", several.len()),
     };
-    let mut parts = vec![format!("{files}: {} markers", found.residuals.len())];
+    let mut parts = vec![format!("{files}: {}", markers(found.residuals.len()))];
     parts.extend(found.rms_distance.map(|rms| format!("RMS distance {} mm", number(rms * 1e3, 3))));
     parts.extend(found.rms_pixels.map(|rms| format!("RMS distance {} pixels", number(rms, 3))));
     let level = found.noise.level;
@@ -63,14 +64,15 @@ pub fn estimates(fit: &Fit) -> Table {
     table.group();
     for estimate in &fit.found.estimates {
         let (scale, unit) = shown(estimate.unknown.quantity.unit());
-        // As many digits as the deviation leaves, and one more.
-        let digits = |value: f64| match estimate.deviation {
-            Some(deviation) if deviation > 0.0 && value != 0.0 => {
-                ((value / deviation).abs().log10().ceil().clamp(0.0, 8.0) as usize) + 1
+        // Down to the second digit of the deviation, so that the ends of the interval are told apart.
+        let decimals =
+            estimate.deviation.map(|deviation| 1.0 - (deviation * scale).log10().floor());
+        let in_unit = |value: f64| match decimals {
+            Some(decimals) if (0.0..=9.0).contains(&decimals) && (value * scale).abs() < 1e6 => {
+                fixed(value * scale, decimals as usize)
             }
-            _ => 6,
+            _ => number(value * scale, 6),
         };
-        let in_unit = |value: f64| number(value * scale, digits(value));
         let [from, to] = match estimate.interval {
             Some(ends) => ends.map(in_unit),
             None => [String::from("–"), String::from("–")],
@@ -78,7 +80,7 @@ pub fn estimates(fit: &Fit) -> Table {
         table.row(vec![
             name(fit, &estimate.unknown),
             in_unit(estimate.value),
-            estimate.deviation.map_or_else(|| words(estimate), |d| number(d * scale, 2)),
+            estimate.deviation.map_or_else(|| words(estimate), in_unit),
             from,
             to,
             unit.to_owned(),
@@ -136,25 +138,19 @@ pub fn models(fit: &Fit) -> Table {
         ("RMS, pixels", Align::Right),
         ("AIC above the best", Align::Right),
         ("BIC above the best", Align::Right),
-        ("", Align::Left),
     ]);
     for each in &fit.compared {
         let dash = || String::from("–");
         let value = |value: Option<f64>| value.map_or_else(dash, |value| fixed(value, 1));
-        let (mm, pixels, why) = match &each.fit {
-            Ok(found) => {
-                let why = if found.status.is_converged() { "" } else { "not converged" };
-                (found.rms_distance, found.rms_pixels, why.to_owned())
-            }
-            Err(error) => (None, None, error.to_string()),
-        };
+        let found = each.fit.as_ref().ok();
+        let (mm, pixels) =
+            (found.and_then(|fit| fit.rms_distance), found.and_then(|fit| fit.rms_pixels));
         table.row(vec![
             each.model.to_string(),
             mm.map_or_else(dash, |rms| number(rms * 1e3, 4)),
             pixels.map_or_else(dash, |rms| number(rms, 4)),
             value(each.aic_above_best),
             value(each.bic_above_best),
-            why,
         ]);
     }
     table
@@ -189,13 +185,23 @@ pub fn held_out(fit: &Fit) -> Table {
 
 /// What a reader must know to read the numbers rightly.
 pub fn notes(fit: &Fit) -> Vec<String> {
-    let mut notes: Vec<String> =
-        fit.found.unresolved.iter().map(|unresolved| format!("! {unresolved}")).collect();
+    let mut notes = fit.reversed.clone();
+    notes.extend(fit.found.unresolved.iter().map(|unresolved| format!("! {unresolved}")));
+    for each in &fit.compared {
+        match &each.fit {
+            Err(error) => notes.push(format!("{}: {error}", each.model)),
+            Ok(found) if !found.status.is_converged() => {
+                notes.push(format!("{}: the fit has not converged", each.model));
+            }
+            Ok(_) => {}
+        }
+    }
     let doubted = fit.found.residuals.iter().filter(|residual| residual.weight < 0.5).count();
     if doubted > 0 {
         let share = doubted as f64 / fit.found.residuals.len() as f64;
         notes.push(format!(
-            "{doubted} markers ({}) are so far off that they count less than half",
+            "{} ({}) so far off as to count less than half",
+            markers(doubted),
             percent(share)
         ));
     }
@@ -230,7 +236,12 @@ pub fn estimates_csv(fit: &Fit) -> CsvTable {
     csv
 }
 
-/// What is left of every marker, in m or pixels.
+fn camera_name(file: &CaseFile, camera: usize) -> Cell {
+    let known = file.measured.as_ref().and_then(|measured| measured.cameras.get(camera));
+    known.map_or(Cell::Empty, |camera| Cell::from(camera.name.as_str()))
+}
+
+/// What is left of every marker, in m or pixels: the model less what was seen.
 pub fn residuals_csv(fit: &Fit) -> CsvTable {
     let mut csv =
         CsvTable::new(["case", "step", "arc_length", "camera", "x", "y", "z", "u", "v", "weight"]);
@@ -246,7 +257,8 @@ pub fn residuals_csv(fit: &Fit) -> CsvTable {
             Seen::Position(_) => [Cell::Empty, x, y, z, Cell::Empty, Cell::Empty],
             Seen::Pixel { camera, .. } => {
                 let none = || Cell::Empty;
-                [Cell::from(camera + 1), none(), none(), none(), x, y]
+                let name = camera_name(&fit.cases[residual.experiment], camera);
+                [name, none(), none(), none(), x, y]
             }
         });
         row.push(Cell::from(residual.weight));

@@ -7,6 +7,7 @@ use whipcord::identification::{
     Experiment, Identified, IdentifyError, Quantity, Robustness, Settings, Unknown, compare_models,
     cross_validate, identify,
 };
+use whipcord::registration::Alignment;
 use whipcord::{Model, ModelKind, Stations};
 use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, fit_json, quantity};
 
@@ -94,6 +95,9 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
     same_robot(&cases)?;
     let experiments = cases.iter().map(experiment).collect::<Result<Vec<_>, _>>()?;
     let unknowns = unknowns(args, &cases)?;
+    for (e, case) in cases.iter().enumerate() {
+        refuse_registration(case, e, &unknowns)?;
+    }
     let model = |kind| Model::new(kind, Stations::Disks, drive(args.actuation));
     let settings = Settings {
         robustness: match args.loss {
@@ -230,17 +234,44 @@ fn unknowns(args: &FitArgs, cases: &[CaseFile]) -> Result<Vec<Unknown>, Failure>
     Ok(unknowns)
 }
 
+/// Refuses a measurement in a frame of its own, which [measured] asks to be moved, unless the place of the base is
+/// estimated: that is what a fit has in place of the motion.
+fn refuse_registration(
+    file: &CaseFile,
+    experiment: usize,
+    unknowns: &[Unknown],
+) -> Result<(), Failure> {
+    let alignment = file.measured.as_ref().map_or(Alignment::None, |measured| measured.alignment);
+    let is_of_base = |unknown: &Unknown| {
+        matches!(unknown.quantity, Quantity::BasePosition { .. } | Quantity::BaseTurn { .. })
+            && unknown.experiment.is_none_or(|only| only == experiment)
+    };
+    if alignment == Alignment::None || unknowns.iter().any(is_of_base) {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "error: {}: a fit moves no measurement, which `registration = \"{}\"` asks for: estimate where the base is, \
+         with --each base.position[0] to [2] and --each base.turn[0] to [2], or leave out the registration",
+        file.path.display(),
+        alignment.name()
+    )))
+}
+
 /// Refuses files that describe different robots.
 fn same_robot(cases: &[CaseFile]) -> Result<(), Failure> {
     let Some((first, others)) = cases.split_first() else { return Ok(()) };
     for other in others {
-        if let Some(what) = first.robot.differs_in(&other.robot) {
-            return Err(Failure::Input(format!(
-                "error: {} and {} describe different robots: the {what} differ; let both extend one file with the robot",
-                first.path.display(),
-                other.path.display()
-            )));
-        }
+        let Some(what) = first.robot.differs_in(&other.robot) else { continue };
+        let remedy = match what {
+            "cables" => "give one robot all of them, and those that do not pull the tension 0",
+            _ => "let both extend one file with the robot",
+        };
+        return Err(Failure::Input(format!(
+            "error: {} and {} describe different robots: the {what} differ{}; {remedy}",
+            first.path.display(),
+            other.path.display(),
+            if what == "backbone" { "s" } else { "" }
+        )));
     }
     Ok(())
 }
@@ -263,6 +294,14 @@ fn failure(cases: &[CaseFile], error: &IdentifyError) -> Failure {
         IdentifyError::Observation { experiment, observation, problem } => {
             let path = cases[*experiment].path.display();
             Failure::Input(format!("error: {path}: measurement {}: {problem}", observation + 1))
+        }
+        IdentifyError::NotConverged { experiment, step } => {
+            let path = cases[*experiment].path.display();
+            let step = step.map(|step| format!(", step {}", step + 1)).unwrap_or_default();
+            Failure::Solve(format!(
+                "error: without {path}{step} the fit does not converge, so that it cannot be held out: leave out \
+                 --cross-validate, or estimate less"
+            ))
         }
         error => Failure::Input(format!("error: {error}")),
     }

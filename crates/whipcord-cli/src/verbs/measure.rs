@@ -159,6 +159,9 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         mask: mask.as_ref(),
     };
     let marks = find_row(photo, &search, &row).map_err(|error| refusal(args, &error))?;
+    if let Some(seen) = seen_base {
+        refuse_other_end(args, seen, &marks)?;
+    }
 
     let camera_name = args.name.clone().or_else(|| {
         let stem = args.camera.as_deref()?.file_stem()?;
@@ -185,6 +188,27 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         write(path, csv.as_bytes())?;
     }
     Ok(text)
+}
+
+/// Refuses a base that is at one end by --base and clearly at the other as the camera sees it.
+fn refuse_other_end(
+    args: &MeasureArgs,
+    seen: [f64; 2],
+    marks: &[(usize, Mark)],
+) -> Result<(), Failure> {
+    let [Some((_, first)), Some((_, last))] = [marks.first(), marks.last()] else { return Ok(()) };
+    let away = |mark: &Mark| (mark.pixel[0] - seen[0]).hypot(mark.pixel[1] - seen[1]);
+    if away(first) < 2.0 * away(last) {
+        return Ok(());
+    }
+    let place = |[u, v]: [f64; 2]| format!("({u:.0}, {v:.0})");
+    Err(Failure::Solve(format!(
+        "error: {}: the order is mirrored: by --base the base is at {}, but the camera sees it at {}, nearer to the other \
+         end\nhelp: leave out --base, or give the right --camera",
+        args.photo.display(),
+        place(first.pixel),
+        place(seen)
+    )))
 }
 
 /// What was found is no answer: how to ask for another.

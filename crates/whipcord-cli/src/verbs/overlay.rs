@@ -20,6 +20,7 @@ use crate::quantity::millimetres;
 use crate::style::Style;
 use crate::superposition::seen;
 use crate::superposition::{Run, tables};
+use crate::words::reversed;
 
 /// Lay the models over a photograph of the robot
 ///
@@ -112,6 +113,9 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
              length {}.\n",
             millimetres(length)
         );
+    }
+    if answered().any(|(_, superposed)| superposed.is_reversed(&markers)) {
+        text += &format!("{}\n", reversed(&file));
     }
     for (run, error) in runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().err()?))) {
         text += &format!("{}: {error}\n", run.model);

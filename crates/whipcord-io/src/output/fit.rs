@@ -85,7 +85,7 @@ pub fn fit_json(
     });
     Ok(json!({
         "model": found.model.name(),
-        "status": status(found.status),
+        "status": status_words(found.status),
         "iterations": found.iterations,
         "evaluations": found.evaluations,
         "estimates": estimates.collect::<Result<Vec<_>, NonFinite>>()?,
@@ -107,7 +107,9 @@ pub fn fit_json(
     }))
 }
 
-const fn status(status: Status) -> &'static str {
+/// How a search ended, as JSON and messages say it.
+#[must_use]
+pub const fn status_words(status: Status) -> &'static str {
     match status {
         Status::Gradient | Status::Step | Status::Cost => "converged",
         Status::Stalled => "stalled",

@@ -11,7 +11,7 @@ use thiserror::Error;
 
 pub use atomic::{remove_unfinished, write_atomically};
 pub use csv::{Cell, CsvTable, marks_csv, shape_csv, steps_csv};
-pub use fit::fit_json;
+pub use fit::{fit_json, status_words};
 pub use json::solution_json;
 pub use path::{Beside, answer_json};
 pub use stiffness::stiffness_json;

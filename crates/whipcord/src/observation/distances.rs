@@ -3,7 +3,7 @@
 use thiserror::Error;
 use whipcord_numerics::{Pose, Vec3};
 
-use super::{Observation, Place, Seen, places};
+use super::{Observation, Place, Seen, is_reversed, places};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::model::ModelKind;
@@ -51,6 +51,16 @@ impl Distances {
     pub fn rms(&self) -> Option<f64> {
         let moving = self.markers.iter().filter(|marker| !marker.at_base);
         root_mean_square(moving.map(|marker| (marker.model - marker.measured).norm()))
+    }
+
+    /// Whether the centres of disks fit far better in opposite order.
+    #[must_use]
+    pub fn is_reversed(&self) -> bool {
+        let disks = self.markers.iter().filter_map(|marker| {
+            let place = marker.disk? as f64;
+            Some((place, marker.measured.to_array(), marker.model.to_array()))
+        });
+        is_reversed(&disks.collect::<Vec<_>>())
     }
 
     /// Where a disk was, by its number from 1.

@@ -2,6 +2,7 @@
 //! model is from that, [`distances`] in space and [`overlay`] in an image.
 
 mod distances;
+mod order;
 mod overlaid;
 mod places;
 
@@ -10,6 +11,7 @@ use whipcord_numerics::Vec3;
 use crate::robot::Disks;
 
 pub use self::distances::{Apart, Distances, Incomparable, distances};
+pub use self::order::is_reversed;
 pub use self::overlaid::{InImage, Overlaid, Rms, in_image, overlay};
 pub use self::places::places;
 

@@ -1,7 +1,9 @@
 //! A model against what a camera saw.
 
+use whipcord_numerics::Vec3;
+
 use super::distances::root_mean_square;
-use super::{Observation, Place, Seen, places};
+use super::{Observation, Place, Seen, is_reversed, places};
 use crate::camera::{Camera, Miss};
 use crate::case::{Case, Drive};
 use crate::error::SolveError;
@@ -77,6 +79,16 @@ pub fn in_image(
 }
 
 impl Overlaid {
+    /// Whether the markers on the axis fit far better in opposite order.
+    #[must_use]
+    pub fn is_reversed(&self, markers: &[InImage]) -> bool {
+        let on_axis = markers.iter().zip(&self.misses).filter(|(m, _)| m.seen.offset == Vec3::ZERO);
+        let places: Vec<_> = on_axis
+            .filter_map(|(marker, miss)| Some((marker.arc_length, marker.pixel, (*miss)?.pixel)))
+            .collect();
+        is_reversed(&places)
+    }
+
     /// Over the markers that are not at the base, which holds them whatever the model says; `None` where
     /// there are none.
     #[must_use]

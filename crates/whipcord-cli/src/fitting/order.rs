@@ -1,0 +1,48 @@
+//! Whether markers are numbered from the wrong end.
+
+use whipcord::observation::{is_reversed, places};
+use whipcord::{Drive, Model, ModelKind, Observation, Seen, Stations, Vec3};
+use whipcord_io::CaseFile;
+
+use crate::words::reversed;
+
+/// What is said of the cases whose markers on the axis fit the model of the file as it is far better in
+/// opposite order, in one of its steps.
+pub fn reversed_cases(kind: ModelKind, cases: &[CaseFile]) -> Vec<String> {
+    cases.iter().filter(|file| is_any_reversed(kind, file)).map(reversed).collect()
+}
+
+fn is_any_reversed(kind: ModelKind, file: &CaseFile) -> bool {
+    let Some(measured) = &file.measured else { return false };
+    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+    file.case.steps().enumerate().any(|(step, case)| {
+        let seen = measured.observations.iter();
+        let seen = seen.filter(|seen| seen.step == step && seen.offset == Vec3::ZERO);
+        let seen: Vec<&Observation> = seen.collect();
+        if seen.is_empty() {
+            return false;
+        }
+        // A case without an answer is spoken of elsewhere.
+        let Ok(mut prepared) = model.prepare(&file.robot, &case.loads) else { return false };
+        let Ok(solution) = prepared.solve_to_the_end(&case) else { return false };
+        let there = places(kind, &file.robot, &case, &solution, seen.iter().copied());
+        let Ok(there) = there else { return false };
+        let arc_length = |seen: &Observation| seen.place.arc_length(file.robot.disks());
+        let pairs = || seen.iter().zip(&there);
+        let in_space = pairs().filter_map(|(seen, there)| match seen.seen {
+            Seen::Position(at) => Some((arc_length(seen), at.to_array(), there.to_array())),
+            Seen::Pixel { .. } => None,
+        });
+        let in_image = |number: usize| {
+            let pixels = pairs().filter_map(|(seen, there)| match seen.seen {
+                Seen::Pixel { camera, pixel } if camera == number => {
+                    let model = measured.cameras[camera].camera.project(*there).ok()?;
+                    Some((arc_length(seen), pixel, model))
+                }
+                _ => None,
+            });
+            is_reversed(&pixels.collect::<Vec<_>>())
+        };
+        is_reversed(&in_space.collect::<Vec<_>>()) || (0..measured.cameras.len()).any(in_image)
+    })
+}
