@@ -44,7 +44,7 @@ fn what_a_model_refuses() {
                 "{full}{DISKS}{both}[[loads.point]]\nat = 0.1\nforce = [0, 0, 0]\n[[loads.point]]\nat = 0.12\nforce = [0, 1e-3, 0]\n"
             ),
         ),
-        ("a pre-bent backbone", format!("{full}rest_curvature = [0, 4, 0]\n{DISKS}{both}")),
+        ("a section that is rolled up", format!("{full}rest_curvature = [0, 100, 0]\n{DISKS}{both}")),
         ("an elastic cable", format!("{full}{DISKS}{both}axial_stiffness = \"2 kN\"\n")),
         (
             "a cable that ends between disks",
@@ -66,7 +66,7 @@ fn what_a_model_refuses() {
 #[test]
 fn what_a_model_refuses_of_a_file_that_extends_another() {
     let folder = folder(&[
-        ("base.toml", format!("{BACKBONE}rest_curvature = [0, 4, 0]\n{DISKS}").as_bytes()),
+        ("base.toml", format!("{BACKBONE}{DISKS}[loads]\ntip_force = [0, 1, 0]\n").as_bytes()),
         ("case.toml", format!("extends = \"base.toml\"\n\n{CABLE}").as_bytes()),
         (
             "stiff.toml",

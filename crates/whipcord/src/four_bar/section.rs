@@ -70,8 +70,9 @@ pub(super) fn sections(
     let mut sections = Vec::with_capacity(s.len() - 1);
     for i in 0..s.len() - 1 {
         let length = s[i + 1] - s[i];
-        let rotation = robot.backbone().rest_rotation(robot.disks(), s[i], s[i + 1]);
-        let rest = Bend::of(rotation).ok_or_else(|| turned_over(i))?;
+        let (rotation, way) = robot.backbone().rest_rotation(robot.disks(), s[i], s[i + 1]);
+        let rest = Bend::of(rotation).filter(|_| way < core::f64::consts::PI);
+        let rest = rest.ok_or_else(turned_over)?;
         let mut passages = Vec::new();
         for (cable, route) in robot.routes().iter().enumerate() {
             if i < ends[cable] {
@@ -97,11 +98,11 @@ pub(super) fn sections(
     Ok(sections)
 }
 
-fn turned_over(i: usize) -> SolveError {
+fn turned_over() -> SolveError {
     SolveError::Unsupported {
         model: ModelKind::FourBar,
-        path: format!("backbone.rest_curvature between disks {} and {}", i + 1, i + 2),
-        what: "a section that is bent by half a turn at rest",
+        path: "backbone.rest_curvature".to_owned(),
+        what: "a section that turns by half a turn or more at rest",
         advice: "put more disks on it, or use cosserat",
     }
 }

@@ -118,18 +118,19 @@ impl Backbone {
         self.rest_curvature.at(disks, arc_length)
     }
 
-    /// How the cross-section at arc length `to` is turned against that at `from` when the backbone is at rest.
-    pub(crate) fn rest_rotation(&self, disks: &Disks, from: f64, to: f64) -> UnitQuaternion {
+    /// How the cross-section at arc length `to` is turned against that at `from` when the backbone is at rest, and
+    /// by how much in rad it has turned on the way.
+    pub(crate) fn rest_rotation(&self, disks: &Disks, from: f64, to: f64) -> (UnitQuaternion, f64) {
         // Of sixth order, for a curvature that varies linearly from place to place.
         const STEPS: usize = 8;
         if self.rest_curvature.is_zero() {
-            return UnitQuaternion::IDENTITY;
+            return (UnitQuaternion::IDENTITY, 0.0);
         }
         let mut places = self.rest_curvature.places().to_vec();
         places.retain(|s| from < *s && *s < to);
         places.extend([from, to]);
         places.sort_by(f64::total_cmp);
-        let mut rotation = UnitQuaternion::IDENTITY;
+        let (mut rotation, mut way) = (UnitQuaternion::IDENTITY, 0.0);
         for piece in places.windows(2) {
             let h = (piece[1] - piece[0]) / STEPS as f64;
             let inside = 0.5 * (piece[0] + piece[1]);
@@ -140,9 +141,11 @@ impl Backbone {
                     Twist { linear: Vec3::ZERO, angular }
                 });
                 rotation = rotation * magnus_6(&turn).rotation;
+                let weighted = turn.iter().zip(GAUSS_3.weights);
+                way += weighted.map(|(turn, weight)| turn.angular.norm() * weight).sum::<f64>();
             }
         }
-        rotation.renormalized()
+        (rotation.renormalized(), way)
     }
 
     /// Cross-section properties at an arc length, or `None` when the section is not given.

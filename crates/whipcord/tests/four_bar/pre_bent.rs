@@ -147,7 +147,9 @@ fn half_a_turn_in_a_section_is_refused() {
     let straight =
         robot(&equal_disks(0.18, 3), vec![Routing::Straight { angle: 0.0, radius: 0.008 }]);
     let half = core::f64::consts::PI / 0.06;
-    let robot = bent(&straight, Vec3::new(0.0, half, 0.0).into());
-    let error = try_solve(&robot, &Options::default(), &[0.0]).unwrap_err().to_string();
-    assert!(error.contains("between disks 1 and 2") && error.contains("more disks"), "{error}");
+    for turns in [1.0, 2.05] {
+        let robot = bent(&straight, Vec3::new(0.0, turns * half, 0.0).into());
+        let error = try_solve(&robot, &Options::default(), &[0.0]).unwrap_err().to_string();
+        assert!(error.contains("half a turn") && error.contains("more disks"), "{error}");
+    }
 }
