@@ -44,7 +44,7 @@ fn what_a_model_refuses() {
                 "{full}{DISKS}{both}[[loads.point]]\nat = 0.1\nforce = [0, 0, 0]\n[[loads.point]]\nat = 0.12\nforce = [0, 1e-3, 0]\n"
             ),
         ),
-        ("a section that is rolled up", format!("{full}rest_curvature = [0, 100, 0]\n{DISKS}{both}")),
+        ("a section that is rolled up", format!("{full}rest_curvature = [0, 400, 0]\n{DISKS}{both}")),
         ("an elastic cable", format!("{full}{DISKS}{both}axial_stiffness = \"2 kN\"\n")),
         (
             "a cable that ends between disks",
