@@ -66,7 +66,8 @@ pub fn in_order(marks: &[Mark], expected: &Expected<'_>) -> Result<Vec<Mark>, De
     if let Some(count) = expected.count.filter(|&count| marks.len() < count) {
         return Err(match row {
             Ok(row) => {
-                let row = from_base(row, expected).unwrap_or_else(|_| marks.to_vec());
+                // From either end where the base is not known.
+                let row = from_base(row.clone(), expected).unwrap_or(row);
                 let gaps = if row.len() >= 4 { gaps(&row) } else { Vec::new() };
                 let room = count - marks.len();
                 too_few(&row, gaps.into_iter().take(room).collect())

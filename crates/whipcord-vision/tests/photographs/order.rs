@@ -93,6 +93,13 @@ fn too_many_and_too_few_are_refused() {
                  (350, 300); one seems to be missing between (200, 300) and (300, 300)";
     assert_eq!(error.to_string(), words);
     assert_eq!(error, DetectError::TooFew { found: without.clone(), expected: 6, gaps: vec![3] });
+    // Where the base is, is not needed for that; and what stands in an even row lacks nothing between.
+    let anywhere = |count| Expected { count: Some(count), ..Expected::default() };
+    let error = in_order(&shuffled(&without), &anywhere(6)).unwrap_err().to_string();
+    let gap = ["(200, 300) and (300, 300)", "(300, 300) and (200, 300)"];
+    assert!(gap.iter().any(|gap| error.ends_with(&format!("missing between {gap}"))), "{error}");
+    let error = in_order(&shuffled(&row), &anywhere(8)).unwrap_err().to_string();
+    assert!(!error.contains("missing"), "{error}");
     // Without a count, a gap is one as well.
     let expected = Expected { base: Some(Base::Left), ..Expected::default() };
     let error = in_order(&shuffled(&without), &expected).unwrap_err();
