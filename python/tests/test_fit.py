@@ -76,25 +76,27 @@ def test_the_command_says_the_same(cases: list[Case], tmp_path: Path) -> None:
     files = [str(tmp_path / f"case-{i}.toml") for i in range(3)]
     for case, file in zip(cases, files):
         case.save(file)
-    given = ["--parameter", YOUNG, "--parameter", RADIUS, "--each", "base.position[2]"]
-    options = ["--cross-validate", "--compare-models", "--loss", "huber", "--json"]
-    command = [sys.executable, "-m", "whipcord", "fit", *files, *given, *options]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    found = whipcord.fit(
-        [whipcord.load(file) for file in files],
-        [YOUNG, RADIUS],
-        each=["base.position[2]"],
-        loss="huber",
-        cross_validate=True,
-        compare_models=True,
-    )
-    assert json.loads(found.to_json()) == json.loads(done.stdout)
+    loaded = [whipcord.load(file) for file in files]
+
+    def told(*options: str) -> object:
+        given = ["--parameter", YOUNG, "--parameter", RADIUS, *options, "--json"]
+        command = [sys.executable, "-m", "whipcord", "fit", *files, *given]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    each = ["base.position[2]"]
+    found = whipcord.fit(loaded, [YOUNG, RADIUS], each=each, loss="huber", compare_models=True)
+    said = told("--each", *each, "--loss", "huber", "--compare-models")
+    assert json.loads(found.to_json()) == said
     assert [estimate.case for estimate in found.estimates] == [None, None, "case-0", "case-1", "case-2"]
-    assert found.cross_validation is not None and len(found.models) == 3
-    assert found.models[2].error is not None
+    assert len(found.models) == 3 and found.models[2].error is not None
     assert min(each.aic_above_best for each in found.models if each.aic_above_best is not None) == 0.0
     assert found.correlations.shape == (5, 5) and found.weights.max() <= 1.0
+
+    found = whipcord.fit(loaded, [YOUNG, RADIUS], cross_validate=True)
+    assert json.loads(found.to_json()) == told("--cross-validate")
+    assert found.cross_validation is not None and len(found.cross_validation.held_out) == 3
 
 
 def test_a_fit_is_saved_drawn_and_reported(cases: list[Case], tmp_path: Path) -> None:
@@ -162,3 +164,26 @@ def test_what_cannot_be_fitted_is_refused(cases: list[Case]) -> None:
     with pytest.raises(errors.FitNotConvergedError, match="has not converged") as stopped:
         whipcord.fit(cases, [Unknown(YOUNG, start=9e9), RADIUS], iterations=1)
     assert stopped.value.iterations == 1
+
+
+def test_a_measurement_in_a_frame_of_its_own_is_refused(cases: list[Case], tmp_path: Path) -> None:
+    path = tmp_path / "moved.toml"
+    cases[0].save(path)
+    text = path.read_text().replace('registration = "none"\n', "")
+    path.write_text(text.replace("[measured]\n", '[measured]\nregistration = "rigid"\n'))
+    moved = whipcord.load(path)
+    assert moved.measured is not None and moved.measured.registration == "rigid"
+    with pytest.raises(InputError, match=r"cases\[0\].measured.registration: a fit moves no measurement"):
+        whipcord.fit([moved], [YOUNG])
+
+
+def test_markers_in_opposite_order_are_spoken_of(cases: list[Case], tmp_path: Path) -> None:
+    assert whipcord.fit(cases[0], [YOUNG]).warnings == ()
+    table = tmp_path / "turned.csv"
+    rows = (tmp_path / "disks-0.csv").read_text().splitlines()[1:]
+    turned = [f"{11 - int(row.split(',')[0])},{row.split(',', 1)[1]}" for row in rows]
+    table.write_text("\n".join(["disk,x,y,z", *turned]) + "\n")
+    path = tmp_path / "turned.toml"
+    cases[0].with_measured(table).save(path)
+    (warning,) = whipcord.fit(whipcord.load(path), [YOUNG]).warnings
+    assert "opposite order" in warning

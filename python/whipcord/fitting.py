@@ -187,6 +187,8 @@ class Fit:
     """What was held out in turn, where that was asked for."""
     models: tuple[ModelFit, ...]
     """The fits of all models, where that was asked for."""
+    warnings: tuple[str, ...]
+    """What to look at, such as markers that fit far better in opposite order."""
     _fitted: _core.Fitted = field(repr=False)
 
     @property
@@ -393,5 +395,6 @@ def _told(fitted: _core.Fitted, said: dict[str, Any]) -> Fit:
         cases=tuple(Case._of(setup) for setup in fitted.setups()),
         cross_validation=validation,
         models=tuple(ModelFit(**one) for one in said["models"]),
+        warnings=tuple(said["warnings"]),
         _fitted=fitted,
     )

@@ -14,6 +14,7 @@ use crate::inputs::message;
 #[derive(Debug)]
 pub struct Photograph {
     pub path: PathBuf,
+    /// Of a file that stores it upright.
     pub bytes: Vec<u8>,
     pub photo: Photo,
 }
@@ -26,7 +27,7 @@ impl Photograph {
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let bytes = read_photograph(path).map_err(|error| Failure::Input(message(&error)))?;
         let refused = |why: PhotoError| Failure::Input(format!("error: {}: {why}", path.display()));
-        let photo = Photo::decode(&bytes).map_err(refused)?;
+        let (photo, bytes) = Photo::decode_upright(bytes).map_err(refused)?;
         Ok(Self { path: path.to_owned(), bytes, photo })
     }
 

@@ -173,6 +173,9 @@ fn numbers_of_a_file_that_is_extended_are_laid_over_it() {
     let child = "# by whom\nextends = \"a.toml\"\ntitle = \"child\"\n\n[measured]\ndisks = \"a.csv\"\nregistration = \"none\"\n";
     let child = scratch.write("child.toml", child);
     let fitted = scratch.file("fitted.toml");
+    let parent = scratch.file("a.toml");
+    let message = fail(2, &["fit", &child, "--parameter", "backbone.diameter", "-o", &parent]);
+    assert!(message.contains("is read: write to another file"), "{message}");
     let text = succeed(&["fit", &child, "--parameter", "backbone.diameter", "-o", &fitted]);
     assert!(!text.contains("written anew"), "{text}");
     let text = std::fs::read_to_string(&fitted).unwrap();

@@ -41,6 +41,11 @@ impl CaseFile {
         &self.document
     }
 
+    /// The files that it was read from: itself, those that it extends, and what they name.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.sources.files().iter().map(|source| source.path.as_path())
+    }
+
     /// The text of the file itself.
     pub(crate) fn text(&self) -> Option<&str> {
         self.sources.get(0)?.text.as_deref()

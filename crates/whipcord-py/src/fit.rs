@@ -9,8 +9,9 @@ use whipcord::identification::{
     Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, compare_models,
     cross_validate, identify,
 };
-use whipcord_cli::fitting::{self, not_converged};
-use whipcord_io::{CaseFile, Fit, fit_json};
+use whipcord::registration::Alignment;
+use whipcord_cli::fitting::{self, moves_unasked, not_converged};
+use whipcord_io::{CaseFile, Fit};
 
 use crate::besides::Besides;
 use crate::errors;
@@ -75,6 +76,19 @@ pub fn fit(
         let message = "nothing is to be estimated: give parameters, such as \"backbone.diameter\", or [fit] in the file";
         return Err(errors::input(py, "parameters", message.to_owned()));
     }
+    for (i, setup) in setups.iter().enumerate() {
+        let measured = setup.besides.measured.as_ref();
+        let alignment = measured.map_or(Alignment::None, |measured| measured.alignment);
+        if moves_unasked(alignment, i, &unknowns) {
+            let path = format!("cases[{i}].measured.registration");
+            let message = format!(
+                "{path}: a fit moves no measurement, which \"{}\" asks for: estimate where the base is, with \
+                 base.position[0] to [2] and base.turn[0] to [2] for each case, or leave out the registration",
+                alignment.name()
+            );
+            return Err(errors::input(py, &path, message));
+        }
+    }
     let robustness = match loss {
         "squares" => Robustness::Squares,
         "huber" => Robustness::Huber,
@@ -115,8 +129,7 @@ pub fn fit(
 impl Fitted {
     /// What `whipcord fit --json` prints.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
-        let fitting::Fit { found, names, validated, compared, .. } = &self.inner;
-        let json = fit_json(found, names, validated.as_ref(), compared);
+        let json = self.inner.json();
         let json = json.map_err(|error| errors::input(py, "fit", error.to_string()))?;
         Ok(json.to_string())
     }

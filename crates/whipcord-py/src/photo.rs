@@ -36,8 +36,8 @@ impl Photo {
         let name = path.display().to_string();
         let bytes = py.detach(|| whipcord_io::read_photograph(&path));
         let bytes = bytes.map_err(|error| errors::file(py, &error, &name))?;
-        let inner = py.detach(|| whipcord_vision::Photo::decode(&bytes));
-        let inner = inner.map_err(|error| errors::photo(py, &error, &name))?;
+        let decoded = py.detach(|| whipcord_vision::Photo::decode_upright(bytes));
+        let (inner, bytes) = decoded.map_err(|error| errors::photo(py, &error, &name))?;
         Ok(Self { inner, bytes: Some(bytes) })
     }
 

@@ -2,6 +2,7 @@
 
 use std::io::Cursor;
 
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, RgbImage};
 use thiserror::Error;
 
@@ -104,6 +105,22 @@ impl Photo {
     /// # Errors
     /// [`PhotoError`] when they are none.
     pub fn decode(bytes: &[u8]) -> Result<Self, PhotoError> {
+        Ok(Self::decode_turned(bytes)?.0)
+    }
+
+    /// The same, and the bytes of a file that stores it upright: these, unless they ask to be turned, which not
+    /// everything that shows them does.
+    ///
+    /// # Errors
+    /// [`PhotoError`] when they are none.
+    pub fn decode_upright(bytes: Vec<u8>) -> Result<(Self, Vec<u8>), PhotoError> {
+        let (photo, turned) = Self::decode_turned(&bytes)?;
+        let stored = if turned { photo.to_jpeg()? } else { bytes };
+        Ok((photo, stored))
+    }
+
+    /// With whether it had to be turned.
+    fn decode_turned(bytes: &[u8]) -> Result<(Self, bool), PhotoError> {
         if bytes.is_empty() {
             return Err(PhotoError::Empty);
         }
@@ -130,7 +147,8 @@ impl Photo {
         image.apply_orientation(orientation);
         let rgb = image.to_rgb32f();
         let pixels = rgb.pixels().map(|pixel| pixel.0.map(linear)).collect();
-        Ok(Self { width: rgb.width() as usize, height: rgb.height() as usize, pixels })
+        let photo = Self { width: rgb.width() as usize, height: rgb.height() as usize, pixels };
+        Ok((photo, orientation != Orientation::NoTransforms))
     }
 
     /// The photograph as a PNG file of eight bits a channel.

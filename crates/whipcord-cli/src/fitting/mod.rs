@@ -7,8 +7,10 @@ pub(crate) mod tables;
 
 use std::path::{Path, PathBuf};
 
-use whipcord::identification::{Compared, Experiment, Identified, Validated};
-use whipcord_io::{CaseFile, status_words};
+use serde_json::Value;
+use whipcord::identification::{Compared, Experiment, Identified, Quantity, Unknown, Validated};
+use whipcord::registration::Alignment;
+use whipcord_io::{CaseFile, NonFinite, fit_json, status_words};
 
 use crate::failure::Failure;
 use crate::files::{Folder, no_result, picture, plot_failure, unique_names, write};
@@ -47,6 +49,17 @@ impl Fit {
         Self { cases, names, experiments, found, validated, reversed, compared }
     }
 
+    /// All of it as the JSON object that `whipcord fit --json` prints.
+    ///
+    /// # Errors
+    /// [`NonFinite`] with the place of a number that is not finite.
+    pub fn json(&self) -> Result<Value, NonFinite> {
+        let Self { found, names, validated, compared, reversed, .. } = self;
+        let warnings: Vec<String> =
+            reversed.iter().map(|text| text.trim_start_matches("! ").to_owned()).collect();
+        fit_json(found, names, validated.as_ref(), compared, &warnings)
+    }
+
     /// Writes report, figures and CSV to a folder, and returns the path of the report.
     ///
     /// # Errors
@@ -83,6 +96,17 @@ impl Fit {
 }
 
 const REPORT: &str = "report.html";
+
+/// Whether a measurement of this case is in a frame of its own, from which it asks to be moved, and the place of the
+/// base is not estimated: that is what a fit has in place of the motion.
+#[must_use]
+pub fn moves_unasked(alignment: Alignment, experiment: usize, unknowns: &[Unknown]) -> bool {
+    let is_of_base = |unknown: &Unknown| {
+        matches!(unknown.quantity, Quantity::BasePosition { .. } | Quantity::BaseTurn { .. })
+            && unknown.experiment.is_none_or(|only| only == experiment)
+    };
+    alignment != Alignment::None && !unknowns.iter().any(is_of_base)
+}
 
 /// Why a fit that has not converged is none; `names` are those of the cases.
 #[must_use]

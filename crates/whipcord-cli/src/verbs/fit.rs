@@ -9,12 +9,12 @@ use whipcord::identification::{
 };
 use whipcord::registration::Alignment;
 use whipcord::{Model, ModelKind, Stations};
-use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, fit_json, quantity};
+use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, quantity};
 
 use super::solve::{Actuation, drive, model_parser};
 use crate::failure::{Failure, refuses};
 use crate::files::{self, Folder};
-use crate::fitting::{Fit, not_converged, tables};
+use crate::fitting::{Fit, moves_unasked, not_converged, tables};
 use crate::inputs::Inputs;
 use crate::style::Style;
 
@@ -132,12 +132,7 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
 
 /// The files that the cases come from.
 fn read(cases: &[CaseFile]) -> impl Iterator<Item = &Path> {
-    cases.iter().flat_map(|case| {
-        let measured = case.measured.iter().flat_map(|measured| {
-            measured.cameras.iter().map(|of| &of.path).chain([&measured.path])
-        });
-        measured.chain([&case.path]).map(PathBuf::as_path)
-    })
+    cases.iter().flat_map(CaseFile::files)
 }
 
 /// Makes all there is to write, then writes it, or nothing.
@@ -174,7 +169,7 @@ fn write(args: &FitArgs, fit: &Fit, unknowns: &[Unknown], style: Style) -> Resul
         notes.push(format!("report: {}", out.join("report.html").display()));
     }
     let text = if args.json {
-        let json = fit_json(&fit.found, &fit.names, fit.validated.as_ref(), &fit.compared);
+        let json = fit.json();
         format!("{:#}\n", json.map_err(|error| files::no_result(&error))?)
     } else {
         let mut text = tables::summary(fit, unknowns, style);
@@ -234,19 +229,14 @@ fn unknowns(args: &FitArgs, cases: &[CaseFile]) -> Result<Vec<Unknown>, Failure>
     Ok(unknowns)
 }
 
-/// Refuses a measurement in a frame of its own, which [measured] asks to be moved, unless the place of the base is
-/// estimated: that is what a fit has in place of the motion.
+/// Refuses a measurement that is in a frame of its own.
 fn refuse_registration(
     file: &CaseFile,
     experiment: usize,
     unknowns: &[Unknown],
 ) -> Result<(), Failure> {
     let alignment = file.measured.as_ref().map_or(Alignment::None, |measured| measured.alignment);
-    let is_of_base = |unknown: &Unknown| {
-        matches!(unknown.quantity, Quantity::BasePosition { .. } | Quantity::BaseTurn { .. })
-            && unknown.experiment.is_none_or(|only| only == experiment)
-    };
-    if alignment == Alignment::None || unknowns.iter().any(is_of_base) {
+    if !moves_unasked(alignment, experiment, unknowns) {
         return Ok(());
     }
     Err(Failure::Input(format!(

@@ -5,7 +5,7 @@ use super::NonFinite;
 use super::json::{number, numbers, optional};
 
 /// What was identified, as the JSON object that `whipcord fit --json` prints; SI, and pixels. `names` are
-/// those of the experiments.
+/// those of the experiments, `warnings` what a reader should know besides.
 ///
 /// # Errors
 /// [`NonFinite`] with the place of a number that is not finite.
@@ -14,6 +14,7 @@ pub fn fit_json(
     names: &[String],
     validated: Option<&Validated>,
     compared: &[Compared],
+    warnings: &[String],
 ) -> Result<Value, NonFinite> {
     let estimates = found.estimates.iter().enumerate().map(|(i, estimate)| {
         let path = |name: &str| format!("estimates[{i}].{name}");
@@ -103,6 +104,7 @@ pub fn fit_json(
         "residuals": residuals.collect::<Result<Vec<_>, NonFinite>>()?,
         "cross_validation": validated.map(folds).transpose()?,
         "models": models.collect::<Result<Vec<_>, NonFinite>>()?,
+        "warnings": warnings,
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

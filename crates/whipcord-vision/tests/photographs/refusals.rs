@@ -88,3 +88,30 @@ fn masks_are_obeyed() {
     let expected = DetectError::MaskSize { mask: [20, 30], photo: [720, 660] };
     assert_eq!(find(&rendered.photo, &search), Err(expected));
 }
+
+/// As telephones store what they took on their side.
+#[test]
+fn a_photograph_on_its_side_is_turned_upright() {
+    let (width, height) = (40, 24);
+    let left_dark = |i: usize| if i % width < width / 2 { 20 } else { 220 };
+    let rgb: Vec<u8> = (0..3 * width * height).map(|i| left_dark(i / 3)).collect();
+    let jpeg = Photo::of_rgb8(width, height, &rgb).unwrap().to_jpeg().unwrap();
+    // Exif with the one entry "orientation": 6, a quarter clockwise.
+    let tiff =
+        [&b"Exif\0\0MM\0\x2a\0\0\0\x08\0\x01"[..], b"\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"]
+            .concat();
+    let mut turned = jpeg[..2].to_vec();
+    turned.extend([0xff, 0xe1, 0, u8::try_from(tiff.len() + 2).unwrap()]);
+    turned.extend(&tiff);
+    turned.extend(&jpeg[2..]);
+
+    let (photo, stored) = Photo::decode_upright(turned.clone()).unwrap();
+    assert_eq!((photo.width(), photo.height()), (height, width));
+    let rgb = photo.to_rgb8();
+    assert!(rgb[0] < 60 && rgb[3 * height * (width - 1)] > 180, "dark above, light below");
+    assert_ne!(stored, turned);
+    let again = Photo::decode_upright(stored.clone()).unwrap();
+    assert_eq!((again.0.width(), again.0.height(), again.1), (height, width, stored));
+    // What is upright is stored as it is.
+    assert_eq!(Photo::decode_upright(jpeg.clone()).unwrap().1, jpeg);
+}
