@@ -72,6 +72,9 @@ def test_disks_that_were_drawn_are_found(plane: Case, tmp_path: Path) -> None:
     centres, rims = bent(plane)
     photo = photograph(centres, rims)
     marks = whipcord.measure(photo, plane, camera=CAMERA)
+    other = whipcord.Camera(focal=(800, 800), centre=(5, 5), size=(11, 11))
+    with pytest.raises(whipcord.InputError, match=r"camera is of pictures of \(11, 11\) pixels"):
+        whipcord.measure(photo, plane, camera=other)
     assert marks.disk == tuple(range(1, 11)) and len(marks) == 10 and marks.size == (640, 480)
     assert np.sqrt(((marks.pixel - centres) ** 2).sum(axis=1).mean()) < 0.15
     assert np.abs(np.sum(marks.axis * rims, axis=1)).min() > 0.999

@@ -153,6 +153,11 @@ def measure(
         raise InputError(f"count must not be negative, but is {expected}", path="count")
     if camera is not None and not isinstance(camera, Camera):
         raise InputError(f"camera must be a Camera, but is {camera!r}", path="camera")
+    if camera is not None and camera.size not in (None, tuple(opened.size)):
+        raise InputError(
+            f"camera is of pictures of {camera.size} pixels, but the photograph has {tuple(opened.size)}",
+            path="camera",
+        )
     if base is None and camera is not None and of is not None:
         base = tuple(_base(of, camera))
     side, near = (base, None) if base is None or isinstance(base, str) else (None, _pixel(base))

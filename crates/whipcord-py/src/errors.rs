@@ -147,6 +147,11 @@ pub fn identify(py: Python<'_>, error: &IdentifyError) -> PyErr {
             let path = format!("cases[{experiment}].measured.observations[{observation}]");
             input(py, &path, format!("{path}: {problem}"))
         }
+        IdentifyError::NotConverged { experiment, .. } => {
+            exception(py, "FitError", error.to_string(), |values| {
+                values.set_item("case", experiment)
+            })
+        }
         other => input(py, "parameters", other.to_string()),
     }
 }

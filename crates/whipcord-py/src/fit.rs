@@ -228,5 +228,7 @@ fn file(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<CaseFile> {
     let table = whipcord_io::describe(Some(&setup.title), &setup.robot, &setup.case);
     let text = whipcord_io::toml(&table.map_err(|error| of_case(error.to_string()))?);
     let name = format!("case-{}", i + 1);
-    whipcord_io::parse(&text, name).map_err(|error| of_case(error.to_string()))
+    let mut file = whipcord_io::parse(&text, name).map_err(|error| of_case(error.to_string()))?;
+    file.measured = setup.besides.measured.as_deref().cloned();
+    Ok(file)
 }

@@ -45,7 +45,8 @@ impl Fit {
         compared: Vec<Compared>,
     ) -> Self {
         let names = unique_names(cases.iter().map(|case| case.path.as_path()));
-        let reversed = order::reversed_cases(found.model, &cases);
+        let unknowns: Vec<Unknown> = found.estimates.iter().map(|of| of.unknown.clone()).collect();
+        let reversed = order::reversed_cases(found.model, &cases, &unknowns);
         Self { cases, names, experiments, found, validated, reversed, compared }
     }
 
@@ -101,11 +102,15 @@ const REPORT: &str = "report.html";
 /// base is not estimated: that is what a fit has in place of the motion.
 #[must_use]
 pub fn moves_unasked(alignment: Alignment, experiment: usize, unknowns: &[Unknown]) -> bool {
-    let is_of_base = |unknown: &Unknown| {
+    alignment != Alignment::None && !moves_base(experiment, unknowns)
+}
+
+/// Whether the place of this case's base is estimated.
+fn moves_base(experiment: usize, unknowns: &[Unknown]) -> bool {
+    unknowns.iter().any(|unknown| {
         matches!(unknown.quantity, Quantity::BasePosition { .. } | Quantity::BaseTurn { .. })
             && unknown.experiment.is_none_or(|only| only == experiment)
-    };
-    alignment != Alignment::None && !unknowns.iter().any(is_of_base)
+    })
 }
 
 /// Why a fit that has not converged is none; `names` are those of the cases.

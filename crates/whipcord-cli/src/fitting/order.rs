@@ -1,31 +1,35 @@
 //! Whether markers are numbered from the wrong end.
 
+use whipcord::identification::Unknown;
 use whipcord::observation::{is_reversed, places};
 use whipcord::{Drive, Model, ModelKind, Observation, Seen, Stations, Vec3};
 use whipcord_io::CaseFile;
 
+use super::moves_base;
 use crate::words::reversed;
 
 /// What is said of the cases whose markers on the axis fit the model of the file as it is far better in
-/// opposite order, in one of its steps.
-pub fn reversed_cases(kind: ModelKind, cases: &[CaseFile]) -> Vec<String> {
-    cases.iter().filter(|file| is_any_reversed(kind, file)).map(reversed).collect()
+/// opposite order, in one of its steps. Where the place of the base is what is sought, the order is not told by it.
+pub fn reversed_cases(kind: ModelKind, cases: &[CaseFile], unknowns: &[Unknown]) -> Vec<String> {
+    let placed = cases.iter().enumerate().filter(|(i, _)| !moves_base(*i, unknowns));
+    placed.filter(|(_, file)| is_any_reversed(kind, file)).map(|(_, file)| reversed(file)).collect()
 }
 
 fn is_any_reversed(kind: ModelKind, file: &CaseFile) -> bool {
     let Some(measured) = &file.measured else { return false };
     let model = Model::new(kind, Stations::Disks, Drive::Natural);
-    file.case.steps().enumerate().any(|(step, case)| {
+    let Ok(mut prepared) = model.prepare(&file.robot, &file.case.loads) else { return false };
+    let mut solutions = Vec::new();
+    // A step without an answer is spoken of elsewhere.
+    let _ = prepared.solve_steps(&file.case, |solution| solutions.push(solution));
+    file.case.steps().zip(&solutions).enumerate().any(|(step, (case, solution))| {
         let seen = measured.observations.iter();
         let seen = seen.filter(|seen| seen.step == step && seen.offset == Vec3::ZERO);
         let seen: Vec<&Observation> = seen.collect();
         if seen.is_empty() {
             return false;
         }
-        // A case without an answer is spoken of elsewhere.
-        let Ok(mut prepared) = model.prepare(&file.robot, &case.loads) else { return false };
-        let Ok(solution) = prepared.solve_to_the_end(&case) else { return false };
-        let there = places(kind, &file.robot, &case, &solution, seen.iter().copied());
+        let there = places(kind, &file.robot, &case, solution, seen.iter().copied());
         let Ok(there) = there else { return false };
         let arc_length = |seen: &Observation| seen.place.arc_length(file.robot.disks());
         let pairs = || seen.iter().zip(&there);

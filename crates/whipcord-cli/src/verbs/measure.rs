@@ -197,8 +197,11 @@ fn refuse_other_end(
     marks: &[(usize, Mark)],
 ) -> Result<(), Failure> {
     let [Some((_, first)), Some((_, last))] = [marks.first(), marks.last()] else { return Ok(()) };
-    let away = |mark: &Mark| (mark.pixel[0] - seen[0]).hypot(mark.pixel[1] - seen[1]);
-    if away(first) < 2.0 * away(last) {
+    let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let away = |mark: &Mark| distance(mark.pixel, seen);
+    // Of a robot that is rolled up both ends are near.
+    let far = 0.5 * distance(first.pixel, last.pixel);
+    if args.base.is_none() || away(first) < far || away(first) < 2.0 * away(last) {
         return Ok(());
     }
     let place = |[u, v]: [f64; 2]| format!("({u:.0}, {v:.0})");

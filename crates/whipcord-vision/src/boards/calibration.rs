@@ -31,7 +31,7 @@ pub struct NoCalibration {
 }
 
 /// The lens by what photographs of a board have shown. Those in which nothing of it was found, or that are of another
-/// size than the first in which it was, are passed over.
+/// size than most in which it was, are passed over.
 ///
 /// # Errors
 /// [`NoCalibration`] where the others do not fix the lens.
@@ -40,7 +40,7 @@ pub fn calibration(
     sought: Sought,
 ) -> Result<Calibration, NoCalibration> {
     let (mut used, mut refused, mut views) = (Vec::new(), Vec::new(), Vec::new());
-    let others = seen.iter().flatten().next().map_or([0; 2], |board| board.size);
+    let others = usual_size(seen);
     for (number, seen) in seen.iter().enumerate() {
         match seen {
             Ok(SeenBoard { size, .. }) if *size != others => {
@@ -59,6 +59,13 @@ pub fn calibration(
         }
         Err(error) => Err(NoCalibration { error, used, refused }),
     }
+}
+
+/// The size that most boards were seen in, of equally many the first one's.
+fn usual_size(seen: &[Result<SeenBoard, Unseen>]) -> [u32; 2] {
+    let sizes = || seen.iter().flatten().map(|board| board.size);
+    let count = |size: [u32; 2]| sizes().filter(|other| *other == size).count();
+    sizes().rev().max_by_key(|size| count(*size)).unwrap_or_default()
 }
 
 fn by_views(

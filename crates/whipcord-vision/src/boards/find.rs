@@ -23,6 +23,9 @@ const HALVES: u32 = 2;
 /// Pixels of a photograph that is not enlarged.
 const LARGE: usize = 4_000_000;
 
+/// Pixels across a picture below which the finder of corners has no room to look round one, and fails.
+const LEAST_SIDE: usize = 32;
+
 /// What is seen of a board in a photograph. With several boards it is the one of which most is seen.
 ///
 /// # Errors
@@ -58,6 +61,9 @@ pub fn find(photo: &Photo, board: &Board) -> Result<SeenBoard, Unseen> {
 }
 
 fn in_picture(grey: &Plane, board: &Board) -> Result<Vec<Corner>, Unseen> {
+    if grey.width.min(grey.height) < LEAST_SIDE {
+        return Err(Unseen::NoBoard);
+    }
     let bytes: Vec<u8> =
         grey.values.iter().map(|value| value.round().clamp(0.0, 255.0) as u8).collect();
     let view = GrayImageView { width: grey.width, height: grey.height, data: &bytes };

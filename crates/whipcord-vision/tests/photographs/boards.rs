@@ -131,6 +131,10 @@ fn what_is_no_such_board_is_refused() {
     let grey = Photo::uniform(640, 480, [0.3; 3]);
     for board in [chessboard(), charuco()] {
         assert_eq!(find(&grey, &board), Err(Unseen::NoBoard));
+        for [width, height] in [[1, 1], [4, 40], [9, 40], [40, 9], [31, 31], [32, 32]] {
+            let tiny = Photo::of_rgb8(width, height, &vec![128; 3 * width * height]).unwrap();
+            assert_eq!(find(&tiny, &board), Err(Unseen::NoBoard), "{width}×{height}");
+        }
     }
     let rendered = VIEWS[0].photograph(&chessboard(), &scene(0.7, 0.01, 1));
     let smaller = Board::chessboard([8, 5], 0.025).unwrap();

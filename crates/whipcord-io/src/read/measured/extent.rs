@@ -16,9 +16,11 @@ pub(super) fn problem(observations: &[Observation], known: &Known<'_>) -> Option
     let mut positions = Vec::new();
     // Where along the robot the markers are, from 0 to 1.
     let mut places = Vec::new();
+    let mut beside: f64 = 0.0;
     for seen in observations {
         let Seen::Position(position) = seen.seen else { continue };
         positions.push(position);
+        beside = beside.max(seen.offset.norm());
         places.push(match (seen.place, known.robot.disks) {
             (Place::ArcLength(arc_length), _) => arc_length / length,
             (Place::Disk(disk), Some(disks)) if disks > 1 => disk as f64 / (disks - 1) as f64,
@@ -43,7 +45,7 @@ pub(super) fn problem(observations: &[Observation], known: &Known<'_>) -> Option
     let covers = places.len() > 2 && places[places.len() - 1] - places[0] >= 0.5;
     let far = distances.fold(0.0, f64::max);
     let unit = known.unit;
-    if usual > FARTHEST * length {
+    if usual > FARTHEST * (length + beside) {
         Some(format!(
             "read as {unit}, half of the markers lie more than {usual:.3} m from their middle, but the backbone is {length} m long"
         ))

@@ -16,7 +16,7 @@ use crate::source::{Span, quoted};
 /// What a Parquet file begins and ends with.
 const MAGIC: &[u8] = b"PAR1";
 /// Rows and columns of a table that is read.
-const MOST: [usize; 2] = [2_000_000, 100];
+const MOST: [usize; 2] = [500_000, 20];
 
 /// Whether a file is one.
 pub(super) fn is_parquet(bytes: &[u8]) -> bool {
