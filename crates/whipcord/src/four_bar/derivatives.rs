@@ -154,9 +154,12 @@ impl FourBar {
                 let rate = rates[i * cables + j];
                 disks[(i + 1) * cables + j] =
                     carried(&below, &poses[i + 1], disks[i * cables + j], &motion, rate);
-                for passage in &section.passages {
-                    let length = passage.length(&turn, section.length, section.chord);
-                    lengths[passage.cable * cables + j] += length.gradient.dot(rate);
+            }
+            for passage in &section.passages {
+                let length = passage.length(&turn, section.length, section.chord);
+                for j in 0..cables {
+                    lengths[passage.cable * cables + j] +=
+                        length.gradient.dot(rates[i * cables + j]);
                 }
             }
         }
