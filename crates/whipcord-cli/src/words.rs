@@ -18,7 +18,7 @@ pub fn markers(count: usize) -> String {
 /// What is said of markers that fit far better in opposite order.
 pub fn reversed(file: &CaseFile) -> String {
     format!(
-        "! {}: the markers fit far better in opposite order: is the one that comes first at the base?",
+        "{}: the markers fit far better in opposite order: is the one that comes first at the base?",
         file.path.display()
     )
 }

@@ -142,7 +142,7 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
         }
         let measured = study.solved().filter_map(|(_, s)| s.measured.as_ref()?.as_ref().ok());
         if measured.into_iter().any(Distances::is_reversed) {
-            notes.push(reversed(&study.file));
+            notes.push(format!("! {}", reversed(&study.file)));
         }
         for run in &study.runs {
             for what in notes_of(run) {

@@ -56,9 +56,7 @@ impl Fit {
     /// [`NonFinite`] with the place of a number that is not finite.
     pub fn json(&self) -> Result<Value, NonFinite> {
         let Self { found, names, validated, compared, reversed, .. } = self;
-        let warnings: Vec<String> =
-            reversed.iter().map(|text| text.trim_start_matches("! ").to_owned()).collect();
-        fit_json(found, names, validated.as_ref(), compared, &warnings)
+        fit_json(found, names, validated.as_ref(), compared, reversed)
     }
 
     /// Writes report, figures and CSV to a folder, and returns the path of the report.

@@ -185,8 +185,9 @@ pub fn held_out(fit: &Fit) -> Table {
 
 /// What a reader must know to read the numbers rightly.
 pub fn notes(fit: &Fit) -> Vec<String> {
-    let mut notes = fit.reversed.clone();
-    notes.extend(fit.found.unresolved.iter().map(|unresolved| format!("! {unresolved}")));
+    let reversed = fit.reversed.iter().map(|text| format!("! {text}"));
+    let unresolved = fit.found.unresolved.iter().map(|unresolved| format!("! {unresolved}"));
+    let mut notes: Vec<String> = reversed.chain(unresolved).collect();
     for each in &fit.compared {
         match &each.fit {
             Err(error) => notes.push(format!("{}: {error}", each.model)),

@@ -115,7 +115,7 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
         );
     }
     if answered().any(|(_, superposed)| superposed.is_reversed(&markers)) {
-        text += &format!("{}\n", reversed(&file));
+        text += &format!("! {}\n", reversed(&file));
     }
     for (run, error) in runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().err()?))) {
         text += &format!("{}: {error}\n", run.model);
