@@ -63,7 +63,7 @@ pub(crate) fn assemble(
             }
         }
     };
-    let mut case = Case { commands, loads, base, before };
+    let mut case = Case { commands, loads, base, before, obstacles: Vec::new() };
     while let Err(error) = case.check(&robot) {
         report(&error, &numbers, document, problems);
         let refused = match step_of(&error) {

@@ -22,6 +22,7 @@ pub mod identification;
 pub mod kinematics;
 pub mod model;
 pub mod observation;
+pub mod obstacle;
 pub mod parameter;
 pub mod registration;
 pub mod robot;
@@ -36,12 +37,15 @@ pub use case::{
 pub use error::{LengthMiss, SolveError};
 pub use model::{Differentiable, Model, ModelKind, Prepared, Statics, Stations, at_rest};
 pub use observation::{Observation, Place, Seen};
+pub use obstacle::{Form, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use robot::{
     Along, Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot,
     RobotError, Routing, Section, Stiffness,
 };
-pub use shape::{CableState, Contact, Diagnostics, NoStability, Shape, Solution, Wrench};
+pub use shape::{
+    CableState, Contact, Diagnostics, NoStability, Part, Shape, Solution, Touch, Wrench,
+};
 pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
 /// The examples of the project's front page, so that they keep working.

@@ -157,8 +157,40 @@ pub struct Solution {
     /// What rod and cables together exert on the base, in the frame of the base wherever that is
     /// ([`crate::Case::base`]), without the loads applied to the base itself; `None` from a model that knows no forces.
     pub base_wrench: Option<Wrench>,
+    /// Where it touches the obstacles of its case.
+    pub touches: Vec<Touch>,
     /// How it was obtained.
     pub diagnostics: Diagnostics,
+}
+
+/// A point at which the robot touches an obstacle, without friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// The obstacle, by its number in [`crate::Case::obstacles`].
+    pub obstacle: usize,
+    /// What of the robot touches it.
+    pub part: Part,
+    /// Arc length in m of the cross-section that touches.
+    pub arc_length: f64,
+    /// The point, in the frame that the pose of the base is given in.
+    pub point: Vec3,
+    /// Unit normal out of the obstacle, in the same frame.
+    pub normal: Vec3,
+    /// With how much the obstacle pushes the robot along the normal, in N; `None` from a model that
+    /// knows no forces.
+    pub force: Option<f64>,
+    /// Distance between robot and obstacle in m; negative where they overlap by a remainder of the
+    /// iteration.
+    pub gap: f64,
+}
+
+/// A part of the robot that can touch an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// The backbone.
+    Backbone,
+    /// This disk, from 0 at the base.
+    Disk(usize),
 }
 
 impl Contact {

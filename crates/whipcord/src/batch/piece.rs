@@ -96,7 +96,11 @@ fn lanes<'a>(
     let (Prepared::Cosserat(model, _), Rows::Tensions { values, case }) = (prepared, rows) else {
         return None;
     };
-    if options.no_lanes || options.warm_path || case.loads != Loads::default() {
+    if options.no_lanes
+        || options.warm_path
+        || case.loads != Loads::default()
+        || !case.obstacles.is_empty()
+    {
         return None;
     }
     // What is wrong with all rows each of them says by itself.

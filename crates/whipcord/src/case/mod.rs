@@ -4,6 +4,7 @@ mod loads;
 
 use whipcord_numerics::Pose;
 
+use crate::obstacle::Obstacle;
 use crate::robot::{Problem, Robot, RobotError, limits};
 
 pub use loads::{DistributedLoad, LoadFrame, Loads, Piece, PointLoad, PointMass, Profile};
@@ -23,6 +24,8 @@ pub struct Case {
     /// friction goes through them. Without friction, too, the way can matter where a robot has
     /// several equilibria: [`Prepared::solve_steps`](crate::Prepared::solve_steps) goes it.
     pub before: Vec<Vec<CableCommand>>,
+    /// What stands in the robot's way, in the world.
+    pub obstacles: Vec<Obstacle>,
 }
 
 /// What one cable is told to do; a model uses what it is driven by.
@@ -157,12 +160,21 @@ impl Case {
                 command.check().map_err(of_step)?;
             }
         }
-        limits::COORDINATE.check_vector("base.position", self.base.position)?;
-        let [w, x, y, z] = self.base.rotation.wxyz();
-        let norm = (w * w + x * x + y * y + z * z).sqrt();
-        if norm.is_nan() || (norm - 1.0).abs() > UNIT_TOLERANCE {
-            return Err(RobotError::new("base.orientation", Problem::NotUnit { norm }));
+        check_pose(&self.base).map_err(|error| error.under("base"))?;
+        for (k, obstacle) in self.obstacles.iter().enumerate() {
+            obstacle.check().map_err(|error| error.under(&format!("obstacles[{k}]")))?;
         }
         self.loads.check(robot.backbone().length)
     }
+}
+
+/// Refuses a pose that is too far off, or whose quaternion is no rotation.
+pub(crate) fn check_pose(pose: &Pose) -> Result<(), RobotError> {
+    limits::COORDINATE.check_vector("position", pose.position)?;
+    let [w, x, y, z] = pose.rotation.wxyz();
+    let norm = (w * w + x * x + y * y + z * z).sqrt();
+    if norm.is_nan() || (norm - 1.0).abs() > UNIT_TOLERANCE {
+        return Err(RobotError::new("orientation", Problem::NotUnit { norm }));
+    }
+    Ok(())
 }

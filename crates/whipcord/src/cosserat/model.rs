@@ -16,6 +16,7 @@ use super::without_load::section_failure;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
+use crate::obstacle;
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Problem, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
@@ -219,6 +220,7 @@ impl Cosserat {
     /// Checks a case and notes what drives its cables.
     pub(super) fn accept(&self, case: &Case, workspace: &mut Workspace) -> Result<(), SolveError> {
         case.check(&self.robot)?;
+        obstacle::refuse(ModelKind::Cosserat, case)?;
         loads::check(&self.robot, &case.loads)?;
         if !self.layout.has_loads_of(&case.loads) {
             let problem = Problem::LoadPlaces;
@@ -304,6 +306,7 @@ impl Cosserat {
             disks: shape(&self.robot.disks().arc_lengths, &grid.disks),
             cables,
             base_wrench: Some(scratch.base_wrench),
+            touches: Vec::new(),
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,

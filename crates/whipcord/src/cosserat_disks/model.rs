@@ -15,6 +15,7 @@ use crate::cosserat::trace::Trace;
 use crate::cosserat::{Accuracy, Options, loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
+use crate::obstacle;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
 
@@ -159,6 +160,7 @@ impl CosseratDisks {
             return self.solve_last(core::slice::from_ref(case), start, workspace);
         }
         case.check(&self.robot)?;
+        obstacle::refuse(ModelKind::CosseratDisks, case)?;
         let steps = one_by_one(case);
         workspace.walks.clear();
         self.solve_last(&steps, start, workspace)
@@ -199,6 +201,7 @@ impl CosseratDisks {
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        obstacle::refuse(ModelKind::CosseratDisks, case).map_err(|error| (0, error))?;
         let steps = one_by_one(case);
         workspace.walks.clear();
         let mut start = Start::Cold;
@@ -222,6 +225,7 @@ impl CosseratDisks {
     ) -> Result<Solution, SolveError> {
         for case in cases {
             case.check(&self.robot)?;
+            obstacle::refuse(ModelKind::CosseratDisks, case)?;
             loads::check(&self.robot, &case.loads).map_err(of_this_model)?;
             if !self.takes_places_of(&case.loads) {
                 let problem = Mistake::LoadPlaces;
@@ -378,6 +382,7 @@ impl CosseratDisks {
             disks: shape(&self.robot.disks().arc_lengths, &mesh.grid.disks),
             cables: cables.collect(),
             base_wrench: Some(scratch.base_wrench),
+            touches: Vec::new(),
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,
@@ -420,6 +425,7 @@ fn one_by_one(case: &Case) -> Vec<Case> {
         loads: case.loads.clone(),
         base: case.base,
         before: Vec::new(),
+        obstacles: Vec::new(),
     };
     case.before.iter().chain([&case.commands]).map(step).collect()
 }

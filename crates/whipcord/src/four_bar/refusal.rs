@@ -6,6 +6,7 @@ use super::options::{Chord, LengthRule, Objective, Options};
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
+use crate::obstacle;
 use crate::robot::{Robot, Stiffness};
 
 const GEOMETRIC: &str = "the four-bar model is geometric: leave it out, or use cosserat";
@@ -93,6 +94,7 @@ pub(super) fn case(robot: &Robot, case: &Case) -> Result<(), SolveError> {
     if !plain || !fits {
         case.check(robot)?;
     }
+    obstacle::refuse(ModelKind::FourBar, case)?;
     if let Some((path, what)) = case.loads.first() {
         return Err(unsupported(path, what, GEOMETRIC));
     }

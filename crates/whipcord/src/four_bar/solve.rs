@@ -290,6 +290,7 @@ impl FourBar {
                 })
                 .collect(),
             base_wrench: None,
+            touches: Vec::new(),
             diagnostics: Diagnostics {
                 iterations: tally.iterations,
                 residual: tally.residual / self.robot.backbone().length,

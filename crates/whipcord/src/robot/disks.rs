@@ -13,6 +13,12 @@ pub struct Disks {
     pub holes: Option<usize>,
     /// Mass of each disk in kg.
     pub mass: f64,
+    /// Outer radius of the disks in m; that of its hole circle for each of them where none is given.
+    /// It matters only where there are obstacles.
+    pub outer_radius: Option<f64>,
+    /// Thickness of the disks in m, whose rims are rounded with half of it; a tenth of the outer
+    /// radius where none is given. It matters only where there are obstacles.
+    pub thickness: Option<f64>,
 }
 
 impl Disks {
@@ -29,6 +35,8 @@ impl Disks {
             hole_circle_radii: vec![hole_circle_radius; count],
             holes: None,
             mass: 0.0,
+            outer_radius: None,
+            thickness: None,
         }
     }
 
@@ -88,6 +96,11 @@ impl Disks {
         }
         if self.holes == Some(0) {
             return Err(RobotError::new("disks.holes", Problem::NotPositive { value: 0.0 }));
+        }
+        for (path, length) in
+            [("disks.outer_radius", self.outer_radius), ("disks.thickness", self.thickness)]
+        {
+            length.map_or(Ok(()), |length| LENGTH.check(path, length))?;
         }
         MASS.check("disks.mass", self.mass)
     }
