@@ -363,7 +363,7 @@ pub fn instability(solution: &Solution) -> Option<String> {
 /// What drives a model: the tension or shortening of each cable that it uses.
 pub fn driven_by(model: ModelKind, drive: Drive, case: &Case) -> String {
     let prefers_tension = match drive {
-        Drive::Natural => model != ModelKind::FourBar,
+        Drive::Natural => model.natural_drive() == Drive::Tension,
         Drive::Tension => true,
         Drive::Shortening => false,
     };

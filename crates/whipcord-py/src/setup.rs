@@ -10,7 +10,8 @@ use pyo3::types::{PyDict, PyList};
 use whipcord::cosserat::{BranchOptions, Cosserat, CriticalKind, Workspace};
 use whipcord::kinematics::{DrivenBy, Means};
 use whipcord::{
-    Case, Differentiable, ModelKind, Parameter, Prepared, Robot, Shortening, SolveError, Statics,
+    Case, Differentiable, Drive, ModelKind, Parameter, Prepared, Robot, Shortening, SolveError,
+    Statics,
 };
 use whipcord_io::CaseFile;
 
@@ -292,9 +293,9 @@ impl Setup {
             }
         }
         let count = self.robot.cables().len();
-        let slack = match kind {
-            ModelKind::FourBar => Case::with_shortenings(&vec![Shortening::Length(0.0); count]),
-            _ => Case::with_tensions(&vec![0.0; count]),
+        let slack = match kind.natural_drive() {
+            Drive::Shortening => Case::with_shortenings(&vec![Shortening::Length(0.0); count]),
+            Drive::Natural | Drive::Tension => Case::with_tensions(&vec![0.0; count]),
         };
         let model = whipcord::Model::new(kind, Default::default(), Default::default());
         let answer = model.solve(&self.robot, &slack).map_err(|error| errors::solve(py, &error))?;

@@ -35,7 +35,9 @@ pub use case::{
     Shortening,
 };
 pub use error::{LengthMiss, SolveError};
-pub use model::{Differentiable, Model, ModelKind, Prepared, Statics, Stations, at_rest};
+pub use model::{
+    CommandDerivatives, Differentiable, Model, ModelKind, Prepared, Statics, Stations, at_rest,
+};
 pub use observation::{Observation, Place, Seen};
 pub use obstacle::{Form, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};

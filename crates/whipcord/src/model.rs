@@ -36,6 +36,34 @@ impl ModelKind {
             Self::FourBar => "four-bar",
         }
     }
+
+    /// What it is driven by where a cable has both commands, never [`Drive::Natural`]: tensions by a model
+    /// that knows forces, shortenings by a geometric one.
+    #[must_use]
+    pub const fn natural_drive(self) -> Drive {
+        match self {
+            Self::Cosserat | Self::CosseratDisks => Drive::Tension,
+            Self::FourBar => Drive::Shortening,
+        }
+    }
+
+    /// How it differentiates its answer by the commands of the cables.
+    #[must_use]
+    pub const fn command_derivatives(self) -> CommandDerivatives {
+        match self {
+            Self::Cosserat | Self::FourBar => CommandDerivatives::Exact,
+            Self::CosseratDisks => CommandDerivatives::Differences,
+        }
+    }
+}
+
+/// How a model differentiates its answer by the commands of the cables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommandDerivatives {
+    /// Exactly, with the solve.
+    Exact,
+    /// By differences of answers: a solve or two for each cable.
+    Differences,
 }
 
 impl fmt::Display for ModelKind {

@@ -8,6 +8,7 @@ mod common;
 
 mod base_pose;
 mod batch;
+mod driven;
 mod gradients;
 mod limits;
 mod locked;
