@@ -187,6 +187,7 @@ impl Solution {
                 force: Vec3::new(x, y, z),
                 moment: Vec3::new(a, b, c),
             }),
+            touches: Vec::new(),
             diagnostics: Diagnostics {
                 iterations,
                 residual,

@@ -170,6 +170,7 @@ mod tests {
                 },
             ],
             base_wrench: Some(Wrench::default()),
+            touches: Vec::new(),
             diagnostics: Diagnostics {
                 steps: 18,
                 stability_absent: Some(NoStability::NotAsked),

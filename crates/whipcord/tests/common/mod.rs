@@ -382,6 +382,8 @@ fn assemble(wild: Wildness, parts: Parts) -> (Robot, Case) {
         hole_circle_radii: radii.iter().map(|f| f * radius).collect(),
         holes: Some(12),
         mass: 0.0,
+        outer_radius: None,
+        thickness: None,
     };
     let rod = Robot::new(backbone.clone(), disks.clone(), vec![]).unwrap();
     let stiffness = bending_stiffness(&rod);

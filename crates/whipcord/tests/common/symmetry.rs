@@ -132,6 +132,7 @@ impl Symmetry {
             commands: case.commands.clone(),
             before: case.before.clone(),
             base: case.base,
+            obstacles: case.obstacles.clone(),
             loads: Loads {
                 gravity: loads.gravity.map(|g| self.matrix() * g),
                 tip_force: self.matrix() * loads.tip_force,

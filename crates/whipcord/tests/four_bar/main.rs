@@ -29,6 +29,8 @@ fn robot(disks: &[f64], routings: Vec<Routing>) -> Robot {
         hole_circle_radii: vec![0.008; disks.len()],
         holes: Some(12),
         mass: 0.0,
+        outer_radius: None,
+        thickness: None,
     };
     let cable = |(i, routing)| Cable::new(format!("cable {i}"), routing);
     Robot::new(backbone, disks, routings.into_iter().enumerate().map(cable).collect()).unwrap()
