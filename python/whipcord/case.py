@@ -91,8 +91,7 @@ class Case(Description):
         length
             (c,) present length of each cable inside the robot in m, instead of a shortening.
         model
-            ``"cosserat"``, ``"cosserat-disks"``, ``"four-bar"``, or one of them with options
-            (:mod:`whipcord.models`).
+            One of the names in :data:`whipcord.models.NAMES`, or a model with options (:mod:`whipcord.models`).
         stations
             Number of equally spaced places of the shape, both ends included, or their arc lengths in m; by
             default the disks.

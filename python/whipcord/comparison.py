@@ -79,7 +79,7 @@ class Comparison:
     >>> case = whipcord.load("examples/table1/case-3.toml")
     >>> comparison = compare(case)
     >>> [run.model for run in comparison]
-    ['cosserat', 'cosserat-disks', 'four-bar']
+    ['cosserat', 'cosserat-disks', 'four-bar', 'constant-curvature']
     >>> bool(comparison["cosserat-disks"].distance < 0.004)
     True
     """

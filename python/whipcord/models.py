@@ -1,6 +1,7 @@
 """Models and their options.
 
-Wherever a model is asked for, its name will do: ``"cosserat"``, ``"cosserat-disks"`` or ``"four-bar"``.
+Wherever a model is asked for, its name will do: ``"cosserat"``, ``"cosserat-disks"``, ``"four-bar"`` or
+``"constant-curvature"``, which has no options.
 These classes are for other options than the defaults.
 """
 
@@ -20,7 +21,7 @@ from .errors import InputError
 
 __all__ = ["NAMES", "Cosserat", "CosseratDisks", "FourBar"]
 
-NAMES = ("cosserat", "cosserat-disks", "four-bar")
+NAMES = ("cosserat", "cosserat-disks", "four-bar", "constant-curvature")
 """The models by name."""
 
 

@@ -60,7 +60,7 @@ class Overlay:
     >>> camera = whipcord.Camera.orthographic(scale=2000, centre=(320, 100), size=(640, 480))
     >>> over = overlay(np.full((480, 640), 180, dtype=np.uint8), case, camera=camera)
     >>> [run.model for run in over]
-    ['cosserat', 'cosserat-disks', 'four-bar']
+    ['cosserat', 'cosserat-disks', 'four-bar', 'constant-curvature']
     >>> over.svg.startswith("<svg")
     True
     """

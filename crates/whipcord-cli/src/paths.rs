@@ -38,10 +38,11 @@ pub fn trace(model: &Model, file: &CaseFile) -> Result<Vec<TraceEvent>, Failure>
             let model = CosseratDisks::new(robot, &case.loads, options).map_err(refused)?;
             model.solve_traced(case, left, &mut cosserat_disks::Workspace::default()).1
         }
-        Model::FourBar(_) => {
-            return Err(Failure::Input(String::from(
-                "error: --trace is for the models cosserat and cosserat-disks; four-bar has no load to \
+        Model::FourBar(_) | Model::ConstantCurvature(_) => {
+            return Err(Failure::Input(format!(
+                "error: --trace is for the models cosserat and cosserat-disks; {} has no load to \
                  iterate on: leave out --trace, or choose --model cosserat",
+                model.kind()
             )));
         }
     })

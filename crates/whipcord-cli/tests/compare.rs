@@ -7,6 +7,10 @@ mod support;
 use std::path::Path;
 
 use support::{Scratch, fail, pushed_rod, robot, settings, succeed};
+use whipcord::ModelKind;
+
+/// Of a case that the four-bar model takes: each model once, and that one again with the lengths of another.
+const RUNS: usize = ModelKind::ALL.len() + 1;
 
 fn files(folder: &Path, extension: &str) -> Vec<std::path::PathBuf> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
@@ -53,7 +57,7 @@ fn the_papers_table_is_solved_drawn_and_written() {
         assert!(rows.iter().flatten().all(|cell| !["NaN", "inf"].contains(&cell.as_str())));
     }
     let cases = rows(&std::fs::read_to_string(out.join("cases.csv")).unwrap());
-    assert_eq!(cases.len(), 1 + 4 * 4);
+    assert_eq!(cases.len(), 1 + 4 * RUNS);
     let rms = cases[0].iter().position(|name| name == "rms_to_first_model").unwrap();
     for row in cases.iter().filter(|row| row[4] == "cosserat-shape") {
         let rms: f64 = row[rms].parse().unwrap();
@@ -142,8 +146,8 @@ fn cases_of_one_title_and_name_are_told_apart() {
     let out = scratch.file("report");
     succeed(&["compare", &files[0], &files[1], &files[2], "--out", &out]);
     let stems = ["case", "case-3", "case-2"];
-    // Four runs of each case, and the six pairs of them.
-    for (name, of_each) in [("cases.csv", 4), ("distances.csv", 6)] {
+    // The runs of each case, and the pairs of them.
+    for (name, of_each) in [("cases.csv", RUNS), ("distances.csv", RUNS * (RUNS - 1) / 2)] {
         let rows = rows(&std::fs::read_to_string(Path::new(&out).join(name)).unwrap());
         assert_eq!(rows[0][..3], ["case", "file", "stem"]);
         assert_eq!(rows.len(), 1 + 3 * of_each);

@@ -96,7 +96,7 @@ impl CableCourse {
     #[must_use]
     pub const fn of(model: ModelKind) -> Self {
         match model {
-            ModelKind::Cosserat => Self::Smooth,
+            ModelKind::Cosserat | ModelKind::ConstantCurvature => Self::Smooth,
             ModelKind::CosseratDisks | ModelKind::FourBar => Self::HoleToHole,
         }
     }

@@ -107,6 +107,7 @@ impl Model {
                 }
                 whipcord::Model::FourBar(options)
             }
+            ModelKind::ConstantCurvature => whipcord::Model::new(kind, stations, drive),
         };
         Ok(Self { inner, arguments: arguments.unbind() })
     }

@@ -207,7 +207,7 @@ impl Solution {
     /// the model has it run straight between them.
     pub fn cable_paths(&self, robot: &Robot) -> Vec<Vec<f64>> {
         let shape = match self.inner.model {
-            ModelKind::Cosserat => &self.inner.shape,
+            ModelKind::Cosserat | ModelKind::ConstantCurvature => &self.inner.shape,
             ModelKind::CosseratDisks | ModelKind::FourBar => &self.inner.disks,
         };
         let stations = || shape.arc_length.iter().zip(&shape.poses);

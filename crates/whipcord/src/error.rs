@@ -184,6 +184,19 @@ pub enum SolveError {
     },
 }
 
+impl SolveError {
+    /// The error of what models share, in the name of this one.
+    pub(crate) fn of(self, model: ModelKind) -> Self {
+        match self {
+            Self::Missing { path, advice, .. } => Self::Missing { model, path, advice },
+            Self::Unsupported { path, what, advice, .. } => {
+                Self::Unsupported { model, path, what, advice }
+            }
+            other => other,
+        }
+    }
+}
+
 /// A cable that cannot be as short as prescribed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LengthMiss {

@@ -1,7 +1,8 @@
 //! Mechanics of cable-driven continuum robots whose cables are routed in any way.
 //!
 //! A [`Robot`] says what the robot is, a [`Case`] what is asked of it, and a model
-//! ([`cosserat::Cosserat`], [`cosserat_disks::CosseratDisks`], [`four_bar::FourBar`]) answers with a
+//! ([`cosserat::Cosserat`], [`cosserat_disks::CosseratDisks`], [`four_bar::FourBar`],
+//! [`constant_curvature::ConstantCurvature`]) answers with a
 //! [`Solution`] or with a [`SolveError`] that says why there is none. SI units throughout; the base frame
 //! has its origin at the base of the backbone and z along the backbone's tangent there. Shapes are in the
 //! world frame, in which [`Case::base`] says where the base is; without it the two are the same.
@@ -12,6 +13,7 @@
 pub mod batch;
 pub mod camera;
 pub mod case;
+pub mod constant_curvature;
 pub mod cosserat;
 pub mod cosserat_disks;
 pub mod differences;

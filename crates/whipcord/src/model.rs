@@ -10,7 +10,7 @@ use crate::error::SolveError;
 use crate::kinematics::Local;
 use crate::robot::{Robot, RobotError, check_on_backbone};
 use crate::shape::Solution;
-use crate::{cosserat, cosserat_disks, four_bar};
+use crate::{constant_curvature, cosserat, cosserat_disks, four_bar};
 
 /// The models, by the names they have in files and on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,11 +21,14 @@ pub enum ModelKind {
     CosseratDisks,
     /// Four-bar sections, the paper's optimisation-based model.
     FourBar,
+    /// One arc of a circle from base to tip.
+    ConstantCurvature,
 }
 
 impl ModelKind {
     /// All models.
-    pub const ALL: [Self; 3] = [Self::Cosserat, Self::CosseratDisks, Self::FourBar];
+    pub const ALL: [Self; 4] =
+        [Self::Cosserat, Self::CosseratDisks, Self::FourBar, Self::ConstantCurvature];
 
     /// The name in files and on the command line.
     #[must_use]
@@ -34,6 +37,7 @@ impl ModelKind {
             Self::Cosserat => "cosserat",
             Self::CosseratDisks => "cosserat-disks",
             Self::FourBar => "four-bar",
+            Self::ConstantCurvature => "constant-curvature",
         }
     }
 
@@ -43,7 +47,7 @@ impl ModelKind {
     pub const fn natural_drive(self) -> Drive {
         match self {
             Self::Cosserat | Self::CosseratDisks => Drive::Tension,
-            Self::FourBar => Drive::Shortening,
+            Self::FourBar | Self::ConstantCurvature => Drive::Shortening,
         }
     }
 
@@ -52,7 +56,7 @@ impl ModelKind {
     pub const fn command_derivatives(self) -> CommandDerivatives {
         match self {
             Self::Cosserat | Self::FourBar => CommandDerivatives::Exact,
-            Self::CosseratDisks => CommandDerivatives::Differences,
+            Self::CosseratDisks | Self::ConstantCurvature => CommandDerivatives::Differences,
         }
     }
 }
@@ -74,7 +78,7 @@ impl fmt::Display for ModelKind {
 
 /// No model has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no model `{0}`: choose cosserat, cosserat-disks or four-bar")]
+#[error("there is no model `{0}`: choose cosserat, cosserat-disks, four-bar or constant-curvature")]
 pub struct UnknownModel(pub String);
 
 impl FromStr for ModelKind {
@@ -135,6 +139,8 @@ pub enum Model {
     CosseratDisks(cosserat_disks::Options),
     /// Four-bar sections.
     FourBar(four_bar::Options),
+    /// One arc of a circle from base to tip.
+    ConstantCurvature(constant_curvature::Options),
 }
 
 impl Model {
@@ -153,6 +159,9 @@ impl Model {
             ModelKind::FourBar => {
                 Self::FourBar(four_bar::Options { stations, drive, ..Default::default() })
             }
+            ModelKind::ConstantCurvature => {
+                Self::ConstantCurvature(constant_curvature::Options { stations, drive })
+            }
         }
     }
 
@@ -163,6 +172,7 @@ impl Model {
         match &mut model {
             Self::Cosserat(options) | Self::CosseratDisks(options) => options.stations = stations,
             Self::FourBar(options) => options.stations = stations,
+            Self::ConstantCurvature(options) => options.stations = stations,
         }
         model
     }
@@ -174,6 +184,7 @@ impl Model {
             Self::Cosserat(_) => ModelKind::Cosserat,
             Self::CosseratDisks(_) => ModelKind::CosseratDisks,
             Self::FourBar(_) => ModelKind::FourBar,
+            Self::ConstantCurvature(_) => ModelKind::ConstantCurvature,
         }
     }
 }
@@ -199,6 +210,11 @@ pub enum Prepared {
     CosseratDisks(Box<cosserat_disks::CosseratDisks>, Box<cosserat_disks::Workspace>),
     /// Four-bar sections.
     FourBar(Box<four_bar::FourBar>, Box<four_bar::Workspace>),
+    /// One arc of a circle from base to tip.
+    ConstantCurvature(
+        Box<constant_curvature::ConstantCurvature>,
+        Box<constant_curvature::Workspace>,
+    ),
 }
 
 impl Model {
@@ -220,6 +236,10 @@ impl Model {
                 let model = four_bar::FourBar::new(robot, options)?;
                 Prepared::FourBar(Box::new(model), Box::default())
             }
+            Self::ConstantCurvature(options) => {
+                let model = constant_curvature::ConstantCurvature::new(robot, options)?;
+                Prepared::ConstantCurvature(Box::new(model), Box::default())
+            }
         })
     }
 }
@@ -232,6 +252,7 @@ impl Prepared {
             Self::Cosserat(model, _) => model.robot(),
             Self::CosseratDisks(model, _) => model.robot(),
             Self::FourBar(model, _) => model.robot(),
+            Self::ConstantCurvature(model, _) => model.robot(),
         }
     }
 
@@ -242,6 +263,7 @@ impl Prepared {
             Self::Cosserat(model, _) => model.stations(),
             Self::CosseratDisks(model, _) => model.stations(),
             Self::FourBar(model, _) => model.stations(),
+            Self::ConstantCurvature(model, _) => model.stations(),
         }
     }
 
@@ -251,7 +273,7 @@ impl Prepared {
         match self {
             Self::Cosserat(model, _) => model.takes_places_of(loads),
             Self::CosseratDisks(model, _) => model.takes_places_of(loads),
-            Self::FourBar(..) => true,
+            Self::FourBar(..) | Self::ConstantCurvature(..) => true,
         }
     }
 
@@ -268,6 +290,7 @@ impl Prepared {
             Self::Cosserat(model, workspace) => model.solve(case, warm_start, workspace),
             Self::CosseratDisks(model, workspace) => model.solve(case, warm_start, workspace),
             Self::FourBar(model, workspace) => model.solve(case, warm_start, workspace),
+            Self::ConstantCurvature(model, workspace) => model.solve(case, workspace),
         }
     }
 
@@ -353,11 +376,11 @@ impl Differentiable for Model {
             Self::CosseratDisks(options) => {
                 return cosserat_disks::solve_at(options, robot, case, arc_length);
             }
-            Self::FourBar(_) => {
+            Self::FourBar(_) | Self::ConstantCurvature(_) => {
                 return Err(SolveError::Unsupported {
                     model: self.kind(),
                     path: "the question how the robot yields".to_owned(),
-                    what: "it knows no forces",
+                    what: "it takes no loads",
                     advice: "use cosserat or cosserat-disks",
                 });
             }

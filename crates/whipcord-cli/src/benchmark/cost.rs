@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use whipcord::cosserat::{self, Accuracy};
 use whipcord::{
-    Drive, Model, ModelKind, Robot, SolveError, Statics as _, Stations, cosserat_disks, four_bar,
+    Drive, Model, ModelKind, Robot, SolveError, Statics as _, Stations, cosserat_disks,
 };
 
 use super::Samples;
@@ -61,7 +61,9 @@ fn model(kind: ModelKind, sections: usize) -> Model {
             stability: false,
             ..Default::default()
         }),
-        ModelKind::FourBar => Model::FourBar(four_bar::Options::default()),
+        ModelKind::FourBar | ModelKind::ConstantCurvature => {
+            Model::new(kind, Stations::Disks, Drive::Natural)
+        }
     }
 }
 

@@ -92,8 +92,8 @@ fn published_cells(study: &Study, run: &Run) -> [String; 2] {
     };
     let (rms, time) = match run.model {
         ModelKind::Cosserat => (reference.rms_cosserat, reference.time_cosserat),
-        // Nobody has published any of this one.
-        ModelKind::CosseratDisks => (None, None),
+        // The paper compares two models.
+        ModelKind::CosseratDisks | ModelKind::ConstantCurvature => (None, None),
         ModelKind::FourBar => (reference.rms_four_bar, reference.time_four_bar),
     };
     [

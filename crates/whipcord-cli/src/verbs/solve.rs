@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _};
 use clap::{Args, ValueEnum};
-use whipcord::{Drive, Model, ModelKind, Shape, Solution, Stations};
+use whipcord::{Drive, Model, ModelKind, NoStability, Shape, Solution, Stations};
 use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
@@ -325,8 +325,8 @@ fn diagnostics(solution: &Solution) -> String {
         Some(stability) if !diagnostics.is_unstable() => {
             parts.push(format!("stability {}", number(stability, 3)));
         }
-        // The geometric model never has any.
-        None if solution.model != ModelKind::FourBar => {
+        // Models that never have any are silent about it.
+        None if diagnostics.stability_absent != Some(NoStability::NoEnergy) => {
             parts.extend(diagnostics.stability_absent.map(|reason| reason.words().to_owned()));
         }
         _ => {}

@@ -331,7 +331,7 @@ fn nodes(
 
 /// Stiffness and rest curvature at one end or inside of a piece of the backbone in which nothing
 /// jumps; `inside` lies between its ends.
-fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, SolveError> {
+pub(crate) fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, SolveError> {
     let backbone = robot.backbone();
     let rest_curvature = backbone.rest_curvature.at_end(robot.disks(), s, inside);
     let (mut stiffness, coupling) = match &backbone.stiffness {

@@ -17,6 +17,7 @@ use whipcord_numerics::{BoundedQuadratic, DenseLu};
 use super::command::Command;
 use super::contradiction;
 use super::independent::Independent;
+use super::outcome::Failure;
 use super::unloaded::Fault;
 
 /// A rod that answers tensions with the lengths of its cables.
@@ -54,6 +55,18 @@ pub(crate) enum LengthFault {
     Contradictory { misses: Vec<f64> },
     /// The iteration limit, or no step that improves anything.
     Stalled,
+}
+
+impl LengthFault {
+    /// As the failure of a solve; `of_section` says what a fault of a section is.
+    pub fn failure(self, of_section: impl FnOnce(Fault) -> Failure) -> Failure {
+        match self {
+            Self::Section(fault) => of_section(fault),
+            Self::Unreachable { cable, length } => Failure::Unreachable { cable, length },
+            Self::Contradictory { misses } => Failure::Contradictory { misses },
+            Self::Stalled => Failure::TensionsNotFound,
+        }
+    }
 }
 
 /// Scratch memory.

@@ -51,7 +51,7 @@ mod statics;
 mod strength;
 pub(crate) mod trace;
 pub(crate) mod unloaded;
-mod without_load;
+pub(crate) mod without_load;
 
 pub use branches::{BranchOptions, Branches, CriticalKind, CriticalPoint, Equilibrium};
 pub use derivatives::{Derivatives, Hold, Place};

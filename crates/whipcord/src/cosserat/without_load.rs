@@ -2,7 +2,7 @@
 
 use super::command::Command;
 use super::grid::Grid;
-use super::lengths::{self, Effort, Given, LengthFault, Note, Responds};
+use super::lengths::{self, Effort, Given, Note, Responds};
 use super::outcome::{Failure, Found};
 use super::section::SectionFault;
 use super::statics::{Problem, Scratch};
@@ -43,12 +43,8 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
     let Scratch { unloaded, tensions, length_scratch, trace, .. } = &mut *scratch;
     let given = Given { length: problem.length, commands, bracket: problem.bracket };
     let mut rod = Sections { grid: problem.grid, unloaded, trace };
-    lengths::solve(&given, tensions, &mut rod, length_scratch).map_err(|fault| match fault {
-        LengthFault::Section(fault) => section_failure(fault, &scratch.tensions, 0.0),
-        LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
-        LengthFault::Contradictory { misses } => Failure::Contradictory { misses },
-        LengthFault::Stalled => Failure::TensionsNotFound,
-    })
+    lengths::solve(&given, tensions, &mut rod, length_scratch)
+        .map_err(|fault| fault.failure(|fault| section_failure(fault, &scratch.tensions, 0.0)))
 }
 
 /// All cross-sections of the rod without load.
@@ -91,7 +87,7 @@ fn borne_fraction(grid: &Grid, tensions: &[f64], unloaded: &mut Unloaded) -> f64
     borne
 }
 
-pub(super) fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
+pub(crate) fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
     match fault.kind {
         SectionFault::Folded { cable } => Failure::Folds {
             cable,

@@ -100,8 +100,8 @@ impl Frame {
 
     /// The frame's mesh with every step halved `halvings` times, of at least `steps` steps.
     pub fn mesh(&self, steps: usize, halvings: usize) -> Result<Mesh, SolveError> {
-        let grid =
-            Grid::refined(&self.rod, &self.layout, steps, halvings).map_err(of_this_model)?;
+        let grid = Grid::refined(&self.rod, &self.layout, steps, halvings)
+            .map_err(|error| error.of(ModelKind::CosseratDisks))?;
         let spans: Vec<_> = grid.disks.windows(2).map(|pair| pair[0]..pair[1]).collect();
         let twins = twins::find(&self.spans, &grid, &spans);
         Ok(Mesh { grid, spans, twins })
@@ -183,18 +183,5 @@ fn between_disks(cable: usize, of: &Cable) -> SolveError {
         path,
         what: "a cable anchored between two disks",
         advice: "anchor it at a disk, or put a disk where it ends, or use cosserat",
-    }
-}
-
-/// The error of what both Cosserat models share, in the name of this one.
-pub(super) fn of_this_model(error: SolveError) -> SolveError {
-    match error {
-        SolveError::Missing { path, advice, .. } => {
-            SolveError::Missing { model: ModelKind::CosseratDisks, path, advice }
-        }
-        SolveError::Unsupported { path, what, advice, .. } => {
-            SolveError::Unsupported { model: ModelKind::CosseratDisks, path, what, advice }
-        }
-        other => other,
     }
 }

@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use whipcord_numerics::Pose;
 
 use super::friction::{History, Holes};
-use super::layout::{Frame, Mesh, of_this_model};
+use super::layout::{Frame, Mesh};
 use super::statics::{self, Problem, Scratch, Start};
 use super::stays;
 use crate::case::{CableCommand, Case, Loads};
@@ -226,7 +226,8 @@ impl CosseratDisks {
         for case in cases {
             case.check(&self.robot)?;
             obstacle::refuse(ModelKind::CosseratDisks, case)?;
-            loads::check(&self.robot, &case.loads).map_err(of_this_model)?;
+            loads::check(&self.robot, &case.loads)
+                .map_err(|error| error.of(ModelKind::CosseratDisks))?;
             if !self.takes_places_of(&case.loads) {
                 let problem = Mistake::LoadPlaces;
                 return Err(RobotError { path: "loads".to_owned(), problem }.into());

@@ -12,7 +12,7 @@ use super::stays::{compliance_scale, turns};
 use super::unloaded::{self, Unloaded};
 use crate::cosserat::command::Command;
 use crate::cosserat::continuation::PATH_ENDS;
-use crate::cosserat::lengths::{self, Effort, Given, LengthFault, LengthScratch, Note, Responds};
+use crate::cosserat::lengths::{self, Effort, Given, LengthScratch, Note, Responds};
 use crate::cosserat::loads::AppliedLoads;
 use crate::cosserat::outcome::{Failure, Found};
 use crate::cosserat::section::SectionFault;
@@ -233,12 +233,7 @@ impl<'a> Rod<'a> {
             solved = lengths::solve(&given, tensions, self, &mut memory);
         }
         self.scratch.length_scratch = memory;
-        solved.map_err(|fault| match fault {
-            LengthFault::Section(fault) => self.failure(fault, tensions),
-            LengthFault::Unreachable { cable, length } => Failure::Unreachable { cable, length },
-            LengthFault::Contradictory { misses } => Failure::Contradictory { misses },
-            LengthFault::Stalled => Failure::TensionsNotFound,
-        })
+        solved.map_err(|fault| fault.failure(|fault| self.failure(fault, tensions)))
     }
 
     /// Lengths without load, for tensions and shape together. Where a span bears more than it buckles

@@ -178,6 +178,9 @@ fn driven_by_tension(experiment: &Experiment, cable: usize, model: &Model) -> Op
             is_driven_by_tension(&experiment.case, cable, options.drive)
         }
         Model::FourBar(_) => is_driven_by_tension(&experiment.case, cable, Drive::Shortening),
+        Model::ConstantCurvature(options) => {
+            is_driven_by_tension(&experiment.case, cable, options.drive)
+        }
     }
 }
 

@@ -122,11 +122,13 @@ fn the_answer_moves_with_the_base() {
 }
 
 #[test]
-fn the_four_bar_model_moves_with_the_base() {
+fn models_without_loads_move_with_the_base() {
     let lengths = Case::with_shortenings(&[Shortening::Fraction(0.05), Shortening::Fraction(0.0)]);
     let on_wall = Case { base: base(), ..lengths.clone() };
-    for stations in [Stations::Disks, Stations::Equal(30)] {
-        let model = Model::new(ModelKind::FourBar, stations, Drive::Natural);
+    let kinds = [ModelKind::FourBar, ModelKind::ConstantCurvature];
+    let stations = [Stations::Disks, Stations::Equal(30)];
+    for (kind, stations) in kinds.into_iter().flat_map(|kind| stations.clone().map(|s| (kind, s))) {
+        let model = Model::new(kind, stations, Drive::Natural);
         let [a, b] = [&lengths, &on_wall].map(|case| model.solve(&robot(), case).unwrap());
         assert!(apart(base(), &a.shape, &b.shape) < 2e-15);
         assert!(apart(base(), &a.disks, &b.disks) < 2e-15);

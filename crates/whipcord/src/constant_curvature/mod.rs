@@ -1,0 +1,203 @@
+//! One arc from base to tip: the constant-curvature model.
+//!
+//! `docs/theory/constant-curvature.md` derives the equations whose numbers stand in the code.
+
+mod arc;
+mod refusal;
+
+use whipcord_numerics::Pose;
+
+use crate::case::{Case, Drive};
+use crate::cosserat::command::Command;
+use crate::cosserat::lengths::{self, Effort, Given, LengthScratch, Responds as _};
+use crate::cosserat::outcome::Failure;
+use crate::cosserat::without_load::section_failure;
+use crate::error::SolveError;
+use crate::model::{ModelKind, Stations};
+use crate::obstacle;
+use crate::robot::{Cable, Robot};
+use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution, Wrench};
+
+use arc::{Arc, Elasticity};
+
+/// How the model is driven, and where it gives the shape.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Where the shape is given.
+    pub stations: Stations,
+    /// Which command of each cable counts; by nature the shortening.
+    pub drive: Drive,
+}
+
+/// The constant-curvature model of one robot: the backbone is an arc of a circle, and the cables
+/// run parallel to it.
+///
+/// Tensions bend an elastic backbone; lengths bend it as little as they allow. It takes no loads,
+/// and refuses what no single arc can be.
+///
+/// ```
+/// use whipcord::constant_curvature::{ConstantCurvature, Options, Workspace};
+/// use whipcord::{Backbone, Cable, Case, Disks, Robot, Routing, Shortening};
+///
+/// // A straight cable at 8 mm, shortened by 5 mm: κ L = 5/8.
+/// let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+/// let robot = Robot::new(Backbone::new(0.18), Disks::equally_spaced(0.18, 10, 0.008), vec![cable])?;
+/// let model = ConstantCurvature::new(&robot, &Options::default())?;
+/// let case = Case::with_shortenings(&[Shortening::Length(0.005)]);
+/// let solution = model.solve(&case, &mut Workspace::default())?;
+/// assert!((solution.shape.tip().rotation.log().norm() - 0.625).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ConstantCurvature {
+    robot: Robot,
+    drive: Drive,
+    /// Offsets of the cables from the backbone's axis, `(x, y)` in m.
+    offsets: Vec<[f64; 2]>,
+    /// What the backbone's stiffness is, or why it is of no use here.
+    elasticity: Result<Elasticity, SolveError>,
+    /// The arc at rest.
+    rest: Arc,
+    /// Lengths of the cables on the arc at rest in m.
+    rest_lengths: Vec<f64>,
+    stations: Vec<f64>,
+}
+
+/// Scratch memory of a solve.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    commands: Vec<Command>,
+    tensions: Vec<f64>,
+    lengths: Vec<f64>,
+    length_by_tension: Vec<f64>,
+    search: LengthScratch,
+}
+
+impl ConstantCurvature {
+    /// The model of a robot.
+    ///
+    /// # Errors
+    /// [`SolveError::Unsupported`] for cables that do not run parallel to the backbone up to its tip, for
+    /// a rest curvature that is no arc, and, where `options` ask for tensions, for a stiffness that
+    /// varies or couples bending with other strains; [`SolveError::Missing`] where they ask for
+    /// tensions of a robot whose stiffness is not given.
+    pub fn new(robot: &Robot, options: &Options) -> Result<Self, SolveError> {
+        options.stations.check(robot)?;
+        let offsets = refusal::offsets(robot)?;
+        let rest = refusal::rest(robot)?;
+        let elasticity = refusal::elasticity(robot);
+        if let (Drive::Tension, Err(error)) = (options.drive, &elasticity) {
+            return Err(error.clone());
+        }
+        let drive = options.drive;
+        let rest_lengths = offsets.iter().map(|offset| rest.cable_length(*offset)).collect();
+        let stations = options.stations.arc_lengths(robot);
+        Ok(Self { robot: robot.clone(), drive, offsets, elasticity, rest, rest_lengths, stations })
+    }
+
+    /// The robot this model was built for.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Arc lengths of the stations in m.
+    #[must_use]
+    pub fn stations(&self) -> &[f64] {
+        &self.stations
+    }
+
+    /// The shape under a case. It is found from the case alone: there is nothing that a neighbouring
+    /// answer would make faster.
+    ///
+    /// # Errors
+    /// [`SolveError::Unsupported`] for loads, for friction where tensions are given, and for an elastic
+    /// cable that is given its length on a backbone of unknown stiffness; [`SolveError::Missing`] for a cable
+    /// without a command; [`SolveError::UnreachableLength`] and [`SolveError::ContradictoryLengths`]
+    /// for lengths that no arc has; [`SolveError::SectionFolds`] for tensions that leave a cable no length;
+    /// [`SolveError::Invalid`] for a case that does not fit the robot.
+    pub fn solve(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
+        case.check(&self.robot)?;
+        obstacle::refuse(ModelKind::ConstantCurvature, case)?;
+        refusal::loads(case)?;
+        workspace.commands.clear();
+        for (i, &initial) in self.rest_lengths.iter().enumerate() {
+            let kind = ModelKind::ConstantCurvature;
+            let drive = match self.drive {
+                Drive::Natural if case.commands[i].shortening.is_some() => Drive::Shortening,
+                drive => drive,
+            };
+            let command = Command::of(kind, &self.robot, i, case, drive, initial)?;
+            refusal::command(&self.robot, i, command, &self.elasticity)?;
+            workspace.commands.push(command);
+        }
+        let (arc, effort) = self.bend(workspace).map_err(|failure| {
+            let name = |i: usize| self.robot.cables()[i].name.clone();
+            failure.explain(&workspace.commands, &self.rest_lengths, name)
+        })?;
+        Ok(self.solution(case.base, &arc, effort, workspace))
+    }
+
+    /// The arc under the commands.
+    fn bend(&self, workspace: &mut Workspace) -> Result<(Arc, Effort), Failure> {
+        let Workspace { commands, tensions, lengths, length_by_tension, search } = workspace;
+        tensions.clear();
+        tensions.extend(commands.iter().map(|command| match command {
+            Command::Tension(tension) => *tension,
+            Command::Length { .. } => 0.0,
+        }));
+        let length = self.rest.length;
+        let elasticity = self.elasticity.as_ref().copied().unwrap_or(Elasticity::geometric(length));
+        let mut rod = arc::Rod {
+            rest: self.rest,
+            elasticity,
+            offsets: &self.offsets,
+            arc: self.rest,
+            lengths,
+            length_by_tension,
+        };
+        let by_length = commands.iter().any(Command::is_length);
+        let effort = if by_length {
+            let given = Given { length, commands, bracket: true };
+            let solved = lengths::solve(&given, tensions, &mut rod, search);
+            solved.map_err(|fault| fault.failure(|fault| section_failure(fault, tensions, 0.0)))?
+        } else {
+            rod.respond(tensions, false)
+                .map_err(|fault| section_failure(fault, tensions, rod.borne(tensions)))?;
+            Effort::default()
+        };
+        Ok((rod.arc, effort))
+    }
+
+    fn solution(&self, base: Pose, arc: &Arc, effort: Effort, workspace: &Workspace) -> Solution {
+        let shape = |arc_lengths: &[f64]| {
+            let poses = arc_lengths.iter().map(|&s| arc.pose(s)).collect();
+            Shape { arc_length: arc_lengths.to_vec(), poses }.moved(base)
+        };
+        // Where cables rub, prescribed lengths leave their tensions open.
+        let knows_forces = self.elasticity.is_ok() && !self.robot.cables().iter().any(Cable::rubs);
+        let Workspace { commands, tensions, lengths, .. } = workspace;
+        let cable = |(i, command): (usize, &Command)| {
+            let (name, initial) = (&self.robot.cables()[i].name, self.rest_lengths[i]);
+            let state = command.answer(name, tensions[i], lengths[i], initial, self.rest.length);
+            CableState { tension: state.tension.filter(|_| knows_forces), ..state }
+        };
+        Solution {
+            model: ModelKind::ConstantCurvature,
+            shape: shape(&self.stations),
+            disks: shape(&self.robot.disks().arc_lengths),
+            cables: commands.iter().enumerate().map(cable).collect(),
+            touches: Vec::new(),
+            base_wrench: knows_forces.then(Wrench::default),
+            diagnostics: Diagnostics {
+                iterations: effort.iterations,
+                residual: effort.residual,
+                stability: None,
+                stability_absent: Some(NoStability::NoEnergy),
+                discretization_error: None,
+                steps: 1,
+                stability_lost_at: None,
+            },
+        }
+    }
+}
