@@ -171,6 +171,30 @@ fn physical_help(problem: &Problem) -> String {
         Problem::BeyondLastHole { last, .. } => format!("give at most {} m", number(last)),
         Problem::BoreTooWide { .. } => "make the bore smaller or the tube thicker".to_owned(),
         Problem::DuplicateName { .. } => "rename one of the two".to_owned(),
+        Problem::TooMany { most, .. } => format!("give {most} or fewer"),
+        Problem::TooNear { .. } => "leave out one of the two".to_owned(),
+        Problem::TurnsBack => "leave it out, or give more points around it".to_owned(),
+        Problem::BendsTooSharply { .. } => {
+            "give a gentler bend or a thinner bore, or write `bends = \"corners\"`".to_owned()
+        }
+        Problem::NoTriangles => {
+            "is this the file you meant? Export the surface of the body as triangles".to_owned()
+        }
+        Problem::FlatTriangles { .. } => {
+            "remove degenerate triangles in a program for meshes, such as MeshLab".to_owned()
+        }
+        Problem::OpenEdges { .. } => {
+            "close the holes in a program for meshes, such as MeshLab".to_owned()
+        }
+        Problem::CrowdedEdges { .. } => {
+            "give bodies that touch along an edge as an obstacle each".to_owned()
+        }
+        Problem::OpposedTriangles { .. } => {
+            "let a program for meshes, such as MeshLab, orient all triangles alike".to_owned()
+        }
+        Problem::InsideOut { .. } => {
+            "flip the triangles in a program for meshes, such as MeshLab".to_owned()
+        }
         Problem::CableCount { cables, .. } => format!("give {cables}, one for each cable"),
         // What no file can cause, such as a model built for other loads than it is asked about.
         _ => "change this quantity".to_owned(),

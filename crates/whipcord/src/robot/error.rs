@@ -1,5 +1,7 @@
 use thiserror::Error;
 
+use whipcord_numerics::Vec3;
+
 use super::limits::{Range, number};
 
 /// A quantity of a robot or a case that cannot be.
@@ -31,6 +33,7 @@ impl RobotError {
 pub fn in_words(path: &str) -> String {
     for (list, what) in [
         ("cables[", "cable"),
+        ("obstacles[", "obstacle"),
         ("loads.point[", "point load"),
         ("steps[", "step"),
         ("loads.distributed[", "distributed load"),
@@ -153,6 +156,106 @@ pub enum Problem {
         given: usize,
         /// Fewest entries that make sense.
         least: usize,
+    },
+    /// A list that is too long.
+    #[error("must have at most {most} entries, but has {given}")]
+    TooMany {
+        /// Entries given.
+        given: usize,
+        /// Most entries that are taken.
+        most: usize,
+    },
+    /// A point of a line that coincides with the one before it.
+    #[error("lies only {} m from the point before it", number(*chord))]
+    TooNear {
+        /// Distance to the point before in m.
+        chord: f64,
+    },
+    /// A point at which a smooth line would have no direction.
+    #[error("makes the line turn back on itself")]
+    TurnsBack,
+    /// A pipe that bends more sharply than its bore can follow.
+    #[error(
+        "make the pipe bend with a radius of {} m, which must be more than that of its bore, {} m",
+        number(*sharpest), number(*radius)
+    )]
+    BendsTooSharply {
+        /// Radius of the bore in m.
+        radius: f64,
+        /// Least radius of curvature of its middle in m.
+        sharpest: f64,
+    },
+    /// A mesh without a triangle.
+    #[error("has no triangle")]
+    NoTriangles,
+    /// A corner of a triangle that there is not.
+    #[error("has no vertex {} for its triangle {}: there are {vertices}", vertex + 1, triangle + 1)]
+    NoSuchVertex {
+        /// The triangle, from 0.
+        triangle: usize,
+        /// The vertex named, from 0.
+        vertex: usize,
+        /// Vertices given.
+        vertices: usize,
+    },
+    /// Triangles whose corners lie on a line.
+    #[error(
+        "has {count} {} without area, first triangle {}",
+        triangles(*count), triangle + 1
+    )]
+    FlatTriangles {
+        /// How many.
+        count: usize,
+        /// The first, from 0.
+        triangle: usize,
+    },
+    /// Edges of one triangle alone.
+    #[error(
+        "has holes: {count} {} one triangle alone, such as the one near {}",
+        edges(*count), place(*near)
+    )]
+    OpenEdges {
+        /// How many.
+        count: usize,
+        /// The middle of one, in m.
+        near: Vec3,
+    },
+    /// Edges of more than two triangles.
+    #[error(
+        "has {count} {} more than two triangles, such as the one near {}",
+        edges(*count), place(*near)
+    )]
+    CrowdedEdges {
+        /// How many.
+        count: usize,
+        /// The middle of one, in m.
+        near: Vec3,
+    },
+    /// Edges along which two triangles run the same way.
+    #[error(
+        "has {count} {} triangles of opposite orientation, such as the one near {}",
+        edges(*count), place(*near)
+    )]
+    OpposedTriangles {
+        /// How many.
+        count: usize,
+        /// The middle of one, in m.
+        near: Vec3,
+    },
+    /// Triangles that are all clockwise as seen from outside.
+    #[error(
+        "is inside out, with a volume of {} m³",
+        number(*volume)
+    )]
+    InsideOut {
+        /// What it encloses in m³, negative, or zero.
+        volume: f64,
+    },
+    /// What the library of shapes has against a mesh.
+    #[error("is no mesh that distances can be told from: {reason}")]
+    Mesh {
+        /// Its words.
+        reason: String,
     },
     /// More holes than disks.
     #[error(
@@ -285,6 +388,20 @@ pub enum Problem {
         /// Cables of the robot.
         cables: usize,
     },
+}
+
+fn triangles(count: usize) -> &'static str {
+    if count == 1 { "triangle" } else { "triangles" }
+}
+
+fn edges(count: usize) -> &'static str {
+    if count == 1 { "edge of" } else { "edges of" }
+}
+
+/// A place in a message.
+fn place(v: Vec3) -> String {
+    let [x, y, z] = v.to_array().map(number);
+    format!("({x}, {y}, {z}) m")
 }
 
 /// Refuses a place that is not on the backbone.

@@ -82,6 +82,8 @@ pub const IMAGE_SIZE: Range = Range::from(1.0, 1e6, "pixels");
 pub const DISTORTION_COEFFICIENT: Range = Range::either_way(1e6, "");
 /// A tilt of a camera's sensor: at a right angle it would be seen edge-on.
 pub const LENS_TILT: Range = Range::either_way(1.5, "rad");
+/// An exponent of a superellipsoid: from all but a box to all but an octahedron; within it is convex.
+pub const SUPERELLIPSOID_EXPONENT: Range = Range::from(0.1, 1.9, "");
 /// Greatest coefficient of a polynomial, whatever its power.
 const LARGEST_COEFFICIENT: f64 = 1e100;
 /// Least distance in m between neighbouring disks.

@@ -1,0 +1,230 @@
+//! The middle of a pipe: a line through points, straight or smooth, and its nearest point.
+
+use whipcord_numerics::{PiecewiseCubic, Vec3};
+
+use crate::robot::{Problem, RobotError, limits};
+
+/// How the middle of a pipe goes from point to point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bends {
+    /// Along a smooth curve: a cubic spline in the lengths of the chords.
+    #[default]
+    Smooth,
+    /// Straight, with a corner at every point between.
+    Corners,
+}
+
+/// Samples from one point to the next of a smooth line.
+const SAMPLES: usize = 12;
+/// Newton's steps, or halvings, to the nearest point; from a sample, four or five are enough.
+const STEPS: usize = 60;
+/// Most points, so that none looks for long.
+const MOST_POINTS: usize = 10_000;
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Centreline {
+    bends: Bends,
+    /// Parameters of the samples: lengths along the chords in m.
+    at: Vec<f64>,
+    samples: Vec<Vec3>,
+    tangents: Vec<Vec3>,
+    /// The smooth line by its coordinates; none of a line with corners.
+    smooth: Option<[PiecewiseCubic; 3]>,
+}
+
+/// The nearest point of a line.
+pub(super) struct Foot {
+    pub foot: Vec3,
+    /// Unit tangent there.
+    pub tangent: Vec3,
+    pub place: Where,
+}
+
+/// Where a point is to the line.
+pub(super) enum Where {
+    /// Beside it.
+    Along,
+    /// Beyond an end, at which the unit tangent out of the line is this one.
+    Beyond { outwards: Vec3 },
+}
+
+impl Centreline {
+    pub(super) fn new(points: &[Vec3], bends: Bends) -> Result<Self, RobotError> {
+        let count = points.len();
+        if count < 2 {
+            return Err(RobotError::new("points", Problem::TooFew { given: count, least: 2 }));
+        }
+        if count > MOST_POINTS {
+            let problem = Problem::TooMany { given: count, most: MOST_POINTS };
+            return Err(RobotError::new("points", problem));
+        }
+        let mut at = vec![0.0];
+        for (k, &point) in points.iter().enumerate() {
+            limits::COORDINATE.check_vector(&format!("points[{k}]"), point)?;
+            if k > 0 {
+                let chord = (point - points[k - 1]).norm();
+                limits::LENGTH.check("", chord).map_err(|_| {
+                    RobotError::new(format!("points[{k}]"), Problem::TooNear { chord })
+                })?;
+                at.push(at[k - 1] + chord);
+            }
+        }
+        let smooth = match bends {
+            Bends::Smooth if count > 2 => coordinates(&at, points),
+            _ => None,
+        };
+        let Some(smooth) = smooth else {
+            let tangents = (0..count).map(|k| {
+                let (a, b) = if k + 1 < count { (k, k + 1) } else { (k - 1, k) };
+                (points[b] - points[a]) / (at[b] - at[a])
+            });
+            let tangents = tangents.collect();
+            return Ok(Self { bends, at, samples: points.to_vec(), tangents, smooth: None });
+        };
+        let between = |w: &[f64]| {
+            let (a, b) = (w[0], w[1]);
+            (0..SAMPLES).map(move |i| a + (b - a) * i as f64 / SAMPLES as f64)
+        };
+        let fine: Vec<f64> = at.windows(2).flat_map(between).chain(at.last().copied()).collect();
+        let (samples, tangents) = fine
+            .iter()
+            .map(|&u| {
+                let [c, dc, _] = evaluate(&smooth, u);
+                (c, dc / dc.norm())
+            })
+            .unzip();
+        let line = Self { bends, at: fine, samples, tangents, smooth: Some(smooth) };
+        match line.tangents.iter().position(|t| !t.is_finite()) {
+            // Points that go back the way they came.
+            Some(k) => {
+                let path = format!("points[{}]", k / SAMPLES);
+                Err(RobotError::new(path, Problem::TurnsBack))
+            }
+            None => Ok(line),
+        }
+    }
+
+    pub(super) fn bends(&self) -> Bends {
+        self.bends
+    }
+
+    pub(super) fn samples(&self) -> (&[Vec3], &[Vec3]) {
+        (&self.samples, &self.tangents)
+    }
+
+    /// Both ends, with the unit tangents out of the line.
+    pub(super) fn ends(&self) -> [(Vec3, Vec3); 2] {
+        let last = self.samples.len() - 1;
+        [(self.samples[0], -self.tangents[0]), (self.samples[last], self.tangents[last])]
+    }
+
+    /// The greatest curvature at a sample, in 1/m; zero of a line with corners.
+    pub(super) fn sharpest(&self) -> f64 {
+        let Some(smooth) = &self.smooth else { return 0.0 };
+        let curvature = |&u: &f64| {
+            let [_, dc, ddc] = evaluate(smooth, u);
+            dc.cross(ddc).norm() / dc.norm().powi(3)
+        };
+        self.at.iter().map(curvature).fold(0.0, f64::max)
+    }
+
+    /// The nearest point of the line, from the nearest of its samples: exact wherever the point is
+    /// nearer to the line than the line's radius of curvature and than its other parts.
+    pub(super) fn nearest(&self, point: Vec3) -> Foot {
+        match &self.smooth {
+            None => self.nearest_chord(point),
+            Some(smooth) => self.nearest_smooth(smooth, point),
+        }
+    }
+
+    fn nearest_chord(&self, point: Vec3) -> Foot {
+        let (mut best, mut foot, mut chord, mut part) = (f64::INFINITY, self.samples[0], 0, 0.0);
+        for (k, ends) in self.samples.windows(2).enumerate() {
+            let along = ends[1] - ends[0];
+            let t = ((point - ends[0]).dot(along) / along.norm_squared()).clamp(0.0, 1.0);
+            let candidate = ends[0] + t * along;
+            let squared = (point - candidate).norm_squared();
+            if squared < best {
+                (best, foot, chord, part) = (squared, candidate, k, t);
+            }
+        }
+        let tangent = self.tangents[chord];
+        let place = if chord == 0 && part <= 0.0 {
+            Where::Beyond { outwards: -tangent }
+        } else if chord + 2 == self.samples.len() && part >= 1.0 {
+            Where::Beyond { outwards: tangent }
+        } else {
+            Where::Along
+        };
+        Foot { foot, tangent, place }
+    }
+
+    fn nearest_smooth(&self, smooth: &[PiecewiseCubic; 3], point: Vec3) -> Foot {
+        let mut nearest = 0;
+        let mut best = f64::INFINITY;
+        for (k, &sample) in self.samples.iter().enumerate() {
+            let squared = (point - sample).norm_squared();
+            if squared < best {
+                (best, nearest) = (squared, k);
+            }
+        }
+        let last = self.samples.len() - 1;
+        // How fast the squared distance grows, by half: its root is the nearest point.
+        let growth = |u: f64| {
+            let [c, dc, ddc] = evaluate(smooth, u);
+            let away = c - point;
+            (away.dot(dc), dc.norm_squared() + away.dot(ddc))
+        };
+        let end = |k: usize, outwards: Vec3| Foot {
+            foot: self.samples[k],
+            tangent: self.tangents[k],
+            place: Where::Beyond { outwards },
+        };
+        let (mut low, mut high) =
+            (self.at[nearest.saturating_sub(1)], self.at[(nearest + 1).min(last)]);
+        if nearest == 0 && growth(low).0 >= 0.0 {
+            return end(0, -self.tangents[0]);
+        }
+        if nearest == last && growth(high).0 <= 0.0 {
+            return end(last, self.tangents[last]);
+        }
+        let mut u = self.at[nearest];
+        for _ in 0..STEPS {
+            let (g, dg) = growth(u);
+            if g == 0.0 {
+                break;
+            }
+            if g > 0.0 {
+                high = u;
+            } else {
+                low = u;
+            }
+            let newton = u - g / dg;
+            let next =
+                if dg > 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            // Quadratic: what is left after a step this short is below rounding.
+            let done = (next - u).abs() <= 1e-9 * (self.at[1] - self.at[0]);
+            u = next;
+            if done {
+                break;
+            }
+        }
+        let [foot, dc, _] = evaluate(smooth, u);
+        Foot { foot, tangent: dc / dc.norm(), place: Where::Along }
+    }
+}
+
+/// The spline of each coordinate; `None` never with increasing parameters.
+fn coordinates(at: &[f64], points: &[Vec3]) -> Option<[PiecewiseCubic; 3]> {
+    let coordinate = |i: usize| {
+        let values: Vec<f64> = points.iter().map(|p| p[i]).collect();
+        PiecewiseCubic::spline(at, &values).ok()
+    };
+    Some([coordinate(0)?, coordinate(1)?, coordinate(2)?])
+}
+
+/// A point of a smooth line and its first two derivatives.
+fn evaluate(smooth: &[PiecewiseCubic; 3], u: f64) -> [Vec3; 3] {
+    let [x, y, z] = [0, 1, 2].map(|i| smooth[i].evaluate(u));
+    [0, 1, 2].map(|d| Vec3::new(x[d], y[d], z[d]))
+}

@@ -1,0 +1,145 @@
+//! Bodies that triangles enclose.
+
+use parry3d_f64::glamx::DVec3;
+use parry3d_f64::query::PointQueryWithLocation;
+use parry3d_f64::shape::{TriMesh, TriMeshFlags, TrianglePointLocation};
+use whipcord_numerics::Vec3;
+
+use super::Surface;
+use super::topology;
+use crate::robot::{Problem, RobotError, limits};
+
+/// A body that triangles enclose: none open, and each counter-clockwise as seen from outside.
+#[derive(Clone)]
+pub struct Mesh {
+    vertices: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    file: Option<MeshFile>,
+    /// The triangles in a tree, shrunk by a power of two to about 1 m, where no tolerance of the
+    /// library's matters.
+    tree: TriMesh,
+    shrink: f64,
+}
+
+/// The file that a mesh was read from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// Its path, as from the working directory.
+    pub path: String,
+    /// Metres for one unit of the file.
+    pub scale: f64,
+}
+
+/// Most triangles: as many take minutes to draw and gigabytes to hold.
+const MOST_TRIANGLES: usize = 2_000_000;
+
+impl Mesh {
+    /// The body that these triangles enclose. Vertices are in m, in the frame of the obstacle;
+    /// vertices at the same place are one.
+    ///
+    /// # Errors
+    /// [`RobotError`] where there is no triangle, where one has no area or a vertex that there is
+    /// not, and where they do not enclose a body: an edge is not of two triangles that run along it
+    /// in opposite directions, or what they enclose lies outside.
+    pub fn new(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, RobotError> {
+        let refused = |problem| RobotError::new("mesh", problem);
+        if triangles.is_empty() {
+            return Err(refused(Problem::NoTriangles));
+        }
+        if triangles.len() > MOST_TRIANGLES {
+            return Err(refused(Problem::TooMany { given: triangles.len(), most: MOST_TRIANGLES }));
+        }
+        for (k, &vertex) in vertices.iter().enumerate() {
+            limits::COORDINATE.check_vector(&format!("mesh.vertices[{k}]"), vertex)?;
+        }
+        let (vertices, triangles) = topology::merged(vertices, triangles).map_err(refused)?;
+        topology::check(&vertices, &triangles).map_err(refused)?;
+        let extent = vertices.iter().map(|v| v.max_abs()).fold(0.0, f64::max);
+        let shrink = (-extent.log2().ceil()).exp2();
+        let shrunk = vertices.iter().map(|&v| to_library(shrink * v)).collect();
+        let tree = TriMesh::with_flags(shrunk, triangles.clone(), TriMeshFlags::ORIENTED)
+            .map_err(|error| refused(Problem::Mesh { reason: error.to_string() }))?;
+        Ok(Self { vertices, triangles, file: None, tree, shrink })
+    }
+
+    /// The same mesh, known to be from a file.
+    #[must_use]
+    pub fn with_file(self, file: MeshFile) -> Self {
+        Self { file: Some(file), ..self }
+    }
+
+    /// The file it was read from, where it is known.
+    #[must_use]
+    pub fn file(&self) -> Option<&MeshFile> {
+        self.file.as_ref()
+    }
+
+    /// In m, in the frame of the obstacle, each place once.
+    #[must_use]
+    pub fn vertices(&self) -> &[Vec3] {
+        &self.vertices
+    }
+
+    /// Each by three numbers of vertices, counter-clockwise as seen from outside.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The nearest point is that of the nearest triangle; which side of it a point is on, the normal of the
+    /// triangle, edge or vertex says that the nearest point is on (J. A. Bærentzen and H. Aanæs,
+    /// Signed distance computation using the angle weighted pseudonormal, 2005).
+    pub(super) fn surface(&self, point: Vec3) -> Surface {
+        let p = to_library(self.shrink * point);
+        let (nearest, (triangle, place)) = self.tree.project_local_point_and_get_location(p, false);
+        let face = self.tree.triangle(triangle);
+        let face_normal = (face.b - face.a).cross(face.c - face.a).normalize();
+        let pseudo = self.tree.pseudo_normals();
+        let pseudo = match place {
+            TrianglePointLocation::OnEdge(i, _) => {
+                pseudo.map(|all| all.edges_pseudo_normal[triangle as usize][i as usize])
+            }
+            TrianglePointLocation::OnVertex(i) => {
+                let vertex = self.triangles[triangle as usize][i as usize];
+                pseudo.map(|all| all.vertices_pseudo_normal[vertex as usize])
+            }
+            TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => None,
+        };
+        let Some(pseudo) = pseudo.and_then(DVec3::try_normalize) else {
+            let distance = (p - face.a).dot(face_normal) / self.shrink;
+            return Surface { distance, normal: from_library(face_normal) };
+        };
+        let away = p - nearest.point;
+        let distance = away.length();
+        let sign = if away.dot(pseudo) < 0.0 { -1.0 } else { 1.0 };
+        // So near to an edge or a vertex, the way from it is rounding.
+        let normal = if distance < 1e-13 { pseudo } else { away * (sign / distance) };
+        Surface { distance: sign * distance / self.shrink, normal: from_library(normal) }
+    }
+}
+
+/// By content; where it was read from does not matter.
+impl PartialEq for Mesh {
+    fn eq(&self, other: &Self) -> bool {
+        core::ptr::eq(self, other)
+            || (self.vertices == other.vertices && self.triangles == other.triangles)
+    }
+}
+
+impl core::fmt::Debug for Mesh {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Mesh")
+            .field("vertices", &self.vertices.len())
+            .field("triangles", &self.triangles.len())
+            .field("file", &self.file)
+            .finish()
+    }
+}
+
+fn to_library(v: Vec3) -> DVec3 {
+    DVec3::new(v.x, v.y, v.z)
+}
+
+fn from_library(v: DVec3) -> Vec3 {
+    Vec3::new(v.x, v.y, v.z)
+}
