@@ -5,6 +5,7 @@ use thiserror::Error;
 use crate::digits::{Round, millimetres, newtons, share, significant};
 use crate::model::ModelKind;
 use crate::robot::{RobotError, in_words};
+use crate::shape::Part;
 
 /// Why a model gives no answer.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -182,6 +183,80 @@ pub enum SolveError {
         /// Steps used.
         steps: usize,
     },
+
+    /// An obstacle that overlaps the robot before anything acts.
+    #[error(
+        "the obstacle `{obstacle}` overlaps {} of the robot at rest by {}: move the obstacle or the robot's base",
+        part_in_words(*part, *arc_length), millimetres(*depth, Round::Nearest)
+    )]
+    ObstacleInTheWay {
+        /// Name of the obstacle.
+        obstacle: String,
+        /// The part of the robot that overlaps it most.
+        part: Part,
+        /// Arc length in m of its cross-section.
+        arc_length: f64,
+        /// How far they overlap in m.
+        depth: f64,
+    },
+
+    /// A robot that its obstacles let get only a part of the way.
+    #[error(
+        "{}the robot gets only {} of the way from rest, or from where it was, to the case: {why}",
+        against(touching), share(*reached)
+    )]
+    Obstructed {
+        /// Part of the way, from 0 to 1, that was found.
+        reached: f64,
+        /// Names of the obstacles that it touches there.
+        touching: Vec<String>,
+        /// Why it gets no farther.
+        why: Obstruction,
+    },
+}
+
+/// Why a robot gets no farther among its obstacles.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Obstruction {
+    /// The model has no answer under the pushes of the obstacles.
+    #[error("{0}")]
+    Model(Box<SolveError>),
+    /// The contacts cannot hold: beyond, nothing but friction would keep the robot from slipping off.
+    #[error(
+        "beyond, it slips off, for nothing but friction could hold it; pull the cables less, or let the obstacle embrace it"
+    )]
+    Slips,
+    /// However little it goes on, it leaps.
+    #[error(
+        "beyond, it leaps to a shape that is not near; pull the cables in other steps, or less"
+    )]
+    Leaps,
+    /// The iteration stopped before the conditions of contact were met.
+    #[error(
+        "beyond, no shape was found that touches without overlapping (residual {}): pull the cables less, by their tension, or give the obstacle a rounder form",
+        significant(*residual, 3, Round::Nearest)
+    )]
+    NotConverged {
+        /// What is left of the conditions, relative to length and forces of the robot.
+        residual: f64,
+    },
+}
+
+fn part_in_words(part: Part, arc_length: f64) -> String {
+    match part {
+        Part::Disk(k) => format!("disk {}", k + 1),
+        Part::Backbone => {
+            format!("the backbone at arc length {}", millimetres(arc_length, Round::Nearest))
+        }
+    }
+}
+
+fn against(touching: &[String]) -> String {
+    if touching.is_empty() {
+        return "among the obstacles ".to_owned();
+    }
+    let names: Vec<String> = touching.iter().map(|name| format!("`{name}`")).collect();
+    format!("against {} ", names.join(" and "))
 }
 
 impl SolveError {

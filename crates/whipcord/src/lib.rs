@@ -17,6 +17,7 @@ pub mod constant_curvature;
 pub mod cosserat;
 pub mod cosserat_disks;
 pub mod differences;
+mod contact;
 mod digits;
 pub mod error;
 pub mod four_bar;
@@ -36,7 +37,7 @@ pub use case::{
     CableCommand, Case, DistributedLoad, Drive, LoadFrame, Loads, PointLoad, PointMass, Profile,
     Shortening,
 };
-pub use error::{LengthMiss, SolveError};
+pub use error::{LengthMiss, Obstruction, SolveError};
 pub use model::{
     CommandDerivatives, Differentiable, Model, ModelKind, Prepared, Statics, Stations, at_rest,
 };

@@ -70,6 +70,8 @@ pub enum NoStability {
     Sliding,
     /// The tangent is singular to rounding.
     Undetermined,
+    /// It touches obstacles.
+    Touching,
 }
 
 impl NoStability {
@@ -82,14 +84,21 @@ impl NoStability {
             Self::Followers => "followers",
             Self::Sliding => "sliding",
             Self::Undetermined => "undetermined",
+            Self::Touching => "touching",
         }
     }
 
     /// The reason of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        let all =
-            [Self::NotAsked, Self::NoEnergy, Self::Followers, Self::Sliding, Self::Undetermined];
+        let all = [
+            Self::NotAsked,
+            Self::NoEnergy,
+            Self::Followers,
+            Self::Sliding,
+            Self::Undetermined,
+            Self::Touching,
+        ];
         all.into_iter().find(|reason| reason.name() == name)
     }
 
@@ -102,6 +111,7 @@ impl NoStability {
             Self::Followers => "stability not defined under loads that follow the backbone",
             Self::Sliding => "stability not computed with friction: a cable slides, or is about to",
             Self::Undetermined => "stability not determined: the tangent is singular",
+            Self::Touching => "stability not computed where obstacles hold it",
         }
     }
 }

@@ -20,6 +20,7 @@ mod antagonists;
 mod arc_length;
 mod branches;
 mod chain;
+mod contact;
 pub(crate) mod command;
 pub(crate) mod continuation;
 mod contradiction;

@@ -16,7 +16,6 @@ use super::without_load::section_failure;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
-use crate::obstacle;
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Problem, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
@@ -144,6 +143,9 @@ impl Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        if !case.obstacles.is_empty() {
+            return self.solve_in_contact(case, warm_start);
+        }
         self.solve_keeping_grid(case, warm_start, workspace).map(|(solution, _)| solution)
     }
 
@@ -160,6 +162,14 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
+        if !case.obstacles.is_empty() {
+            return Err(SolveError::Unsupported {
+                model: ModelKind::Cosserat,
+                path: "the question for derivatives".to_owned(),
+                what: "among obstacles",
+                advice: "leave them out, or solve neighbouring cases",
+            });
+        }
         let (solution, grid) = self.solve_keeping_grid(case, warm_start, workspace)?;
         let Workspace { scratch, commands, .. } = workspace;
         let starts = scratch.chain_starts();
@@ -220,7 +230,6 @@ impl Cosserat {
     /// Checks a case and notes what drives its cables.
     pub(super) fn accept(&self, case: &Case, workspace: &mut Workspace) -> Result<(), SolveError> {
         case.check(&self.robot)?;
-        obstacle::refuse(ModelKind::Cosserat, case)?;
         loads::check(&self.robot, &case.loads)?;
         if !self.layout.has_loads_of(&case.loads) {
             let problem = Problem::LoadPlaces;

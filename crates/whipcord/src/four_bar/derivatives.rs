@@ -94,6 +94,12 @@ impl FourBar {
                 "take the objective coupler-angle or strain-energy",
             ));
         }
+        if !case.obstacles.is_empty() {
+            return Err(unsupported(
+                "among obstacles",
+                "leave them out, or solve neighbouring cases",
+            ));
+        }
         let (solution, compromise) = self.solve_and_tell(case, workspace)?;
         if compromise {
             return Err(unsupported(

@@ -5,6 +5,7 @@
 
 mod as_printed;
 mod bend;
+mod contact;
 mod derivatives;
 mod joint;
 mod length;
@@ -12,6 +13,7 @@ mod measure;
 mod one_cable;
 mod options;
 mod plane;
+mod pushed;
 mod refusal;
 mod section;
 mod several;
@@ -116,7 +118,7 @@ impl FourBar {
     }
 
     /// The shape under a case. It starts from its own guess, which is close; a warm start changes
-    /// nothing.
+    /// nothing, but for the contacts with obstacles that it has.
     ///
     /// # Errors
     /// [`SolveError::Unsupported`] for loads, [`SolveError::Missing`] for a cable without a
@@ -127,9 +129,12 @@ impl FourBar {
     pub fn solve(
         &self,
         case: &Case,
-        _warm_start: Option<&Solution>,
+        warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        if !case.obstacles.is_empty() {
+            return self.solve_in_contact(case, warm_start, workspace);
+        }
         Ok(self.solve_and_tell(case, workspace)?.0)
     }
 }

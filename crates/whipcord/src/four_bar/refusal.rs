@@ -6,14 +6,13 @@ use super::options::{Chord, LengthRule, Objective, Options};
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
-use crate::obstacle;
 use crate::robot::{Robot, Stiffness};
 
 const GEOMETRIC: &str = "the four-bar model is geometric: leave it out, or use cosserat";
 const GIVE_SHORTENING: &str =
     "the four-bar model is geometric: give each cable's shortening, or use cosserat";
 
-fn unsupported(path: impl Into<String>, what: &'static str, advice: &'static str) -> SolveError {
+pub(super) fn unsupported(path: impl Into<String>, what: &'static str, advice: &'static str) -> SolveError {
     SolveError::Unsupported { model: ModelKind::FourBar, path: path.into(), what, advice }
 }
 
@@ -94,7 +93,6 @@ pub(super) fn case(robot: &Robot, case: &Case) -> Result<(), SolveError> {
     if !plain || !fits {
         case.check(robot)?;
     }
-    obstacle::refuse(ModelKind::FourBar, case)?;
     if let Some((path, what)) = case.loads.first() {
         return Err(unsupported(path, what, GEOMETRIC));
     }

@@ -239,11 +239,30 @@ impl FourBar {
                 pulls.push(cables[i].multiplier);
             }
         }
-        for (found, &target) in cables.iter_mut().zip(&*targets) {
-            found.binds = found.length >= target * (1.0 - LOOSE);
-            tally.count(found.length, target, found.multiplier);
-        }
+        tally.count_cables(cables, targets);
         Ok(tally)
+    }
+
+    /// The answer whose joints and prescribed lengths are in the workspace, and whose cables have these
+    /// multipliers.
+    pub(super) fn solution_of_joints(
+        &self,
+        base: Pose,
+        workspace: &mut Workspace,
+        multipliers: &[f64],
+    ) -> Solution {
+        let Workspace { targets, cables, joints, .. } = &mut *workspace;
+        cables.clear();
+        let found = |&multiplier: &f64| Found { multiplier, ..Found::default() };
+        cables.extend(multipliers.iter().map(found));
+        for (section, &joint) in self.sections.iter().zip(&*joints) {
+            for (i, length) in joint.lengths(section) {
+                cables[i].length += length;
+            }
+        }
+        let mut tally = Tally::default();
+        tally.count_cables(cables, targets);
+        self.solution(base, workspace, tally)
     }
 
     fn conflict(&self, (worst, excess): (usize, f64), first: usize, last: usize) -> SolveError {
@@ -326,6 +345,14 @@ impl FourBar {
 }
 
 impl Tally {
+    /// Counts the whole lengths of the cables, and notes which bind.
+    fn count_cables(&mut self, cables: &mut [Found], targets: &[f64]) {
+        for (found, &target) in cables.iter_mut().zip(targets) {
+            found.binds = found.length >= target * (1.0 - LOOSE);
+            self.count(found.length, target, found.multiplier);
+        }
+    }
+
     fn count(&mut self, length: f64, target: f64, multiplier: f64) {
         let excess = length - target;
         let miss = if multiplier > 0.0 { excess.abs() } else { excess.max(0.0) };

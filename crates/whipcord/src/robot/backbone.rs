@@ -154,6 +154,12 @@ impl Backbone {
         Some(self.section.as_ref()?.at_end(disks, arc_length, arc_length))
     }
 
+    /// Radius in m of the circle around the cross-section at an arc length; 0 where the section is not given.
+    #[must_use]
+    pub fn outer_radius_at(&self, disks: &Disks, arc_length: f64) -> f64 {
+        self.section.as_ref().map_or(0.0, |section| section.reach_at(disks, arc_length))
+    }
+
     /// Mass per length in kg/m at an arc length, or `None` when neither it nor section and density
     /// are given.
     #[must_use]

@@ -52,6 +52,13 @@ impl Disks {
         self.arc_lengths.len()
     }
 
+    /// Radius in m of the rim of a disk; 0 where neither it nor the hole circle is given.
+    #[must_use]
+    pub fn rim_radius(&self, disk: usize) -> f64 {
+        let circle = self.hole_circle_radii.get(disk).copied().unwrap_or(0.0);
+        self.outer_radius.unwrap_or(circle)
+    }
+
     /// The section an arc length lies in, counted from 0, and the fraction of it that lies behind.
     #[must_use]
     pub fn locate(&self, arc_length: f64) -> (usize, f64) {

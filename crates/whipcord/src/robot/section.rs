@@ -93,6 +93,15 @@ impl Section {
         }
     }
 
+    /// Radius in m of the circle around it at an arc length.
+    pub(super) fn reach_at(&self, disks: &Disks, arc_length: f64) -> f64 {
+        let at = |along: &Along<f64>| along.at(disks, arc_length);
+        match self {
+            Self::Round { outer, .. } => 0.5 * at(outer),
+            Self::Rectangle { width, height } => 0.5 * at(width).hypot(at(height)),
+        }
+    }
+
     /// Whether it is the same along the whole backbone.
     #[must_use]
     pub fn is_uniform(&self) -> bool {

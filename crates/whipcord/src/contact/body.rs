@@ -1,0 +1,194 @@
+//! How near a part of the robot is to an obstacle.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use crate::obstacle::{Obstacle, Surface};
+
+/// A rigid part of the robot at one of its cross-sections: a ball around the backbone's centre or a
+/// flat disk, each with a rounded surface. A rounding makes the normal of a contact continuous even
+/// where an edge meets an edge, eq. (1) of `docs/theory/contact.md`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Body {
+    /// Radius in m of the flat disk inside; 0 for a ball.
+    pub flat: f64,
+    /// Radius in m of the rounding around it.
+    pub rounding: f64,
+}
+
+/// A place of a body that is nearer to an obstacle than its neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Nearest {
+    /// Distance between body and obstacle in m; negative where they overlap.
+    pub gap: f64,
+    /// Unit normal out of the obstacle.
+    pub normal: Vec3,
+    /// From the centre of the cross-section to the place on the flat disk, in m.
+    pub arm: Vec3,
+    /// The same in the axes x and y of the cross-section.
+    pub local: [f64; 2],
+}
+
+/// Places at which the rim is looked at first.
+const RIM: usize = 12;
+
+impl Body {
+    /// Radius in m of the ball that it fits in.
+    pub fn reach(&self) -> f64 {
+        self.flat + self.rounding
+    }
+
+    /// All places that are nearer to an obstacle than their neighbours, and no farther than
+    /// `within`, into `found`.
+    pub fn nearest(
+        &self,
+        obstacle: &Obstacle,
+        pose: &Pose,
+        within: f64,
+        found: &mut Vec<Nearest>,
+    ) {
+        found.clear();
+        let centre = obstacle.surface(pose.position);
+        // The distance changes by no more than the way.
+        if centre.distance > self.reach() + within {
+            return;
+        }
+        if self.flat == 0.0 {
+            found.push(self.at(pose, centre, [0.0, 0.0]));
+            return;
+        }
+        let rim = core::array::from_fn::<_, RIM, _>(|k| {
+            let local = on_rim(self.flat, angle(k));
+            (local, obstacle.surface(place(pose, local)).distance)
+        });
+        for k in 0..RIM {
+            let [before, here, after] = [k + RIM - 1, k, k + 1].map(|i| rim[i % RIM].1);
+            // Of a plateau the first.
+            if here < before && here <= after {
+                self.add(self.track(obstacle, pose, rim[k].0), within, found);
+            }
+        }
+        if found.is_empty() {
+            self.add(self.track(obstacle, pose, [0.0, 0.0]), within, found);
+        }
+    }
+
+    fn add(&self, nearest: Nearest, within: f64, found: &mut Vec<Nearest>) {
+        let close = |other: &Nearest| {
+            let [dx, dy] = [0, 1].map(|i| nearest.local[i] - other.local[i]);
+            dx.hypot(dy) < 0.1 * self.flat
+        };
+        if nearest.gap <= within && !found.iter().any(close) {
+            found.push(nearest);
+        }
+    }
+
+    /// The place that is nearer than its neighbours, found by going downhill from one.
+    pub fn track(&self, obstacle: &Obstacle, pose: &Pose, from: [f64; 2]) -> Nearest {
+        const STEPS: usize = 60;
+        let axes = [pose.rotation.rotate(Vec3::X), pose.rotation.rotate(Vec3::Y)];
+        let see = |[x, y]: [f64; 2]| {
+            let surface = obstacle.surface(pose.position + axes[0] * x + axes[1] * y);
+            (surface, axes.map(|axis| surface.normal.dot(axis)))
+        };
+        let h = 1e-6 * self.flat;
+        let mut local = from;
+        let (mut surface, mut slope) = see(local);
+        if self.flat == 0.0 {
+            return self.at(pose, surface, [0.0, 0.0]);
+        }
+        for _ in 0..STEPS {
+            let radius = local[0].hypot(local[1]);
+            let outward = if radius > 0.0 { local.map(|x| x / radius) } else { [0.0; 2] };
+            let falls_outward = slope[0] * outward[0] + slope[1] * outward[1] < 0.0;
+            let next = if radius >= self.flat * (1.0 - 1e-12) && falls_outward {
+                // Along the rim: Newton on the slope by the angle.
+                let phi = local[1].atan2(local[0]);
+                let along = |phi: f64| {
+                    let (sin, cos) = phi.sin_cos();
+                    let (_, [x, y]) = see(on_rim(self.flat, phi));
+                    y * cos - x * sin
+                };
+                let (f, d) = (along(phi), (along(phi + 1e-5) - along(phi - 1e-5)) / 2e-5);
+                let step = if d > 0.0 { (-f / d).clamp(-0.4, 0.4) } else { -0.3 * f.signum() };
+                if (self.flat * step).abs() < 1e-14 * self.flat || f == 0.0 {
+                    break;
+                }
+                on_rim(self.flat, phi + step)
+            } else {
+                let [x, y] = local;
+                let (_, right) = see([x + h, y]);
+                let (_, left) = see([x - h, y]);
+                let (_, up) = see([x, y + h]);
+                let (_, down) = see([x, y - h]);
+                let [a, b, c] = [right[0] - left[0], up[0] - down[0], up[1] - down[1]]
+                    .map(|difference| difference / (2.0 * h));
+                let determinant = a * c - b * b;
+                let least = 1e-9 / (self.flat * self.flat);
+                let step = if a > 0.0 && determinant > least {
+                    [(b * slope[1] - c * slope[0]), (b * slope[0] - a * slope[1])]
+                        .map(|x| x / determinant)
+                } else {
+                    slope.map(|x| -x * self.flat)
+                };
+                let size = step[0].hypot(step[1]);
+                if size < 1e-14 * self.flat {
+                    break;
+                }
+                let part = (0.5 * self.flat / size).min(1.0);
+                self.inside([local[0] + part * step[0], local[1] + part * step[1]])
+            };
+            let (seen, sloping) = see(next);
+            // Rounding sets an end to going downhill.
+            if seen.distance > surface.distance + 1e-15 * self.flat {
+                let half = self.inside([0, 1].map(|i| 0.5 * (local[i] + next[i])));
+                let (seen, sloping) = see(half);
+                if seen.distance > surface.distance {
+                    break;
+                }
+                (local, surface, slope) = (half, seen, sloping);
+                continue;
+            }
+            let moved = (next[0] - local[0]).hypot(next[1] - local[1]);
+            (local, surface, slope) = (next, seen, sloping);
+            if moved < 1e-13 * self.flat {
+                break;
+            }
+        }
+        self.at(pose, surface, local)
+    }
+
+    fn inside(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let radius = x.hypot(y);
+        if radius <= self.flat { [x, y] } else { [x, y].map(|x| x * self.flat / radius) }
+    }
+
+    fn at(&self, pose: &Pose, surface: Surface, local: [f64; 2]) -> Nearest {
+        Nearest {
+            gap: surface.distance - self.rounding,
+            normal: surface.normal,
+            arm: pose.rotation.rotate(Vec3::new(local[0], local[1], 0.0)),
+            local,
+        }
+    }
+}
+
+impl Nearest {
+    /// The unit force along the normal, and its moment about the centre of the cross-section, eq. (2).
+    pub fn push(&self) -> [f64; 6] {
+        let (force, moment) = (self.normal, self.arm.cross(self.normal));
+        [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+    }
+}
+
+fn angle(k: usize) -> f64 {
+    k as f64 * (core::f64::consts::TAU / RIM as f64)
+}
+
+fn on_rim(radius: f64, angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [radius * cos, radius * sin]
+}
+
+fn place(pose: &Pose, [x, y]: [f64; 2]) -> Vec3 {
+    pose.transform(Vec3::new(x, y, 0.0))
+}

@@ -1,0 +1,89 @@
+//! From a case whose answer is known to another.
+
+use crate::case::{CableCommand, Case, Loads, Profile, Shortening};
+use crate::shape::Solution;
+
+/// The cases between two.
+#[derive(Clone, Debug)]
+pub(super) struct Journey<'a> {
+    from: Vec<CableCommand>,
+    /// Whether the loads act from the start.
+    loaded: bool,
+    to: &'a Case,
+}
+
+impl<'a> Journey<'a> {
+    /// From the robot at rest.
+    pub fn from_rest(to: &'a Case) -> Self {
+        let rest = |command: &CableCommand| CableCommand {
+            tension: command.tension.map(|_| 0.0),
+            shortening: command.shortening.map(|_| Shortening::Length(0.0)),
+        };
+        Self { from: to.commands.iter().map(rest).collect(), loaded: false, to }
+    }
+
+    /// From the answer to a case with the same loads.
+    pub fn from_answer(answer: &Solution, to: &'a Case) -> Self {
+        let before = |(command, cable): (&CableCommand, &crate::shape::CableState)| CableCommand {
+            tension: command.tension.map(|there| cable.tension.unwrap_or(there)),
+            shortening: command
+                .shortening
+                .map(|_| Shortening::Length(cable.initial_length - cable.length)),
+        };
+        let from = to.commands.iter().zip(&answer.cables).map(before).collect();
+        Self { from, loaded: true, to }
+    }
+
+    /// The case so far on the way, from 0 to 1, without obstacles; `initial` are the initial lengths of the
+    /// cables in m.
+    pub fn at(&self, way: f64, initial: &[f64]) -> Case {
+        let between = |(k, (from, to)): (usize, (&CableCommand, &CableCommand))| CableCommand {
+            tension: to.tension.map(|to| mix(from.tension.unwrap_or(0.0), to, way)),
+            shortening: to.shortening.map(|to| {
+                let metres = |s: Shortening| s.in_metres(initial[k]);
+                let from = from.shortening.map_or(0.0, metres);
+                if way == 1.0 { to } else { Shortening::Length(mix(from, metres(to), way)) }
+            }),
+        };
+        let pairs = self.from.iter().zip(&self.to.commands).enumerate();
+        Case {
+            commands: pairs.map(between).collect(),
+            loads: if self.loaded || way == 1.0 {
+                self.to.loads.clone()
+            } else {
+                scaled(&self.to.loads, way)
+            },
+            base: self.to.base,
+            before: Vec::new(),
+            obstacles: Vec::new(),
+        }
+    }
+}
+
+fn mix(from: f64, to: f64, way: f64) -> f64 {
+    if way == 1.0 { to } else { from + way * (to - from) }
+}
+
+/// All loads times a factor.
+fn scaled(loads: &Loads, factor: f64) -> Loads {
+    let mut loads = loads.clone();
+    loads.gravity = loads.gravity.map(|gravity| gravity * factor);
+    loads.tip_force *= factor;
+    loads.tip_moment *= factor;
+    for point in &mut loads.points {
+        point.force *= factor;
+        point.moment *= factor;
+    }
+    for load in &mut loads.distributed {
+        match &mut load.profile {
+            Profile::Constant { force, moment, .. } => {
+                *force *= factor;
+                *moment *= factor;
+            }
+            Profile::Linear { force, moment, .. } => {
+                force.iter_mut().chain(moment).for_each(|value| *value *= factor);
+            }
+        }
+    }
+    loads
+}

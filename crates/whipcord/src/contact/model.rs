@@ -1,0 +1,59 @@
+//! What a model must do for contact to be solved with it.
+
+use whipcord_numerics::Pose;
+
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::shape::{Solution, Wrench};
+
+/// A dead wrench on one cross-section, base frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Push {
+    /// Arc length in m.
+    pub arc_length: f64,
+    pub wrench: Wrench,
+}
+
+/// A model of a robot that yields to wrenches on its cross-sections. All poses, motions and wrenches
+/// are in the frame of the base.
+pub(crate) trait Yielding {
+    /// Arc lengths in m at which the backbone is watched for obstacles: increasing, from base to tip,
+    /// those of the disks among them.
+    fn watched(&self) -> &[f64];
+
+    /// Length of each cable before actuation in m.
+    fn initial_lengths(&self) -> &[f64];
+
+    /// Whether its forces are in N: it knows the robot's stiffness.
+    fn knows_forces(&self) -> bool;
+
+    /// Goes back to the robot at rest.
+    fn reset(&mut self);
+
+    /// Takes a known answer for the last equilibrium.
+    fn start_from(&mut self, answer: &Solution);
+
+    /// A force in N (or in the model's own measure, where it knows no stiffness) that changes the shape
+    /// markedly: EI/L².
+    fn force_scale(&self) -> f64;
+
+    /// Finds the equilibrium under a case without its obstacles, and these wrenches, from the last
+    /// one found.
+    fn settle(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError>;
+
+    /// Pose of a cross-section that is watched or pushed.
+    fn pose(&self, arc_length: f64) -> Pose;
+
+    /// How each pushed cross-section moves with each component of each push, into `compliance` by
+    /// rows: the velocity of its centre and its angular velocity by force and moment.
+    fn compliance(&mut self, pushes: &[Push], compliance: &mut Vec<f64>) -> Result<(), SolveError>;
+
+    /// Keeps the last equilibrium, to go back to.
+    fn keep(&mut self);
+
+    /// Goes back to the equilibrium that was kept.
+    fn go_back(&mut self);
+
+    /// The last equilibrium as an answer, without its contacts.
+    fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError>;
+}

@@ -1,0 +1,283 @@
+//! Which parts of the robot are near which obstacles.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::body::{Body, Nearest};
+use super::model::{Push, Yielding};
+use crate::obstacle::Obstacle;
+use crate::robot::Robot;
+use crate::shape::{Part, Solution, Touch, Wrench};
+
+/// A part of the robot that can touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Member {
+    pub part: Part,
+    pub arc_length: f64,
+    pub body: Body,
+}
+
+/// A part near an obstacle, and the push between them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub obstacle: usize,
+    pub member: Member,
+    pub nearest: Nearest,
+    /// Force along the normal in N, not negative.
+    pub force: f64,
+    /// Force and moment on the cross-section that the model was last given.
+    pub given: [f64; 6],
+}
+
+/// All pairs that are near, and where to look for more.
+#[derive(Clone, Debug)]
+pub(super) struct Pairs {
+    /// Disks beyond the base, which is clamped.
+    disks: Vec<Member>,
+    /// The watched arc lengths, and the radius of the backbone at each.
+    watched: Vec<f64>,
+    radii: Vec<f64>,
+    length: f64,
+    pub near: Vec<Pair>,
+}
+
+/// Pairs are looked at from this distance on, as a part of the length.
+const NEAR: f64 = 2e-3;
+/// Overlap that is not mended, as a part of the length.
+pub(super) const OVERLAP: f64 = 1e-8;
+/// Least distance of two contacts of the backbone, as a part of its length.
+const APART: f64 = 1e-5;
+
+impl Pairs {
+    pub fn new(robot: &Robot, watched: &[f64]) -> Self {
+        let backbone = robot.backbone();
+        let disks = robot.disks();
+        let radius = |arc_length: f64| backbone.outer_radius_at(disks, arc_length);
+        let disk = |k: usize| {
+            let arc_length = disks.arc_lengths[k];
+            let outer = disks.rim_radius(k).max(radius(arc_length));
+            let rounding = (0.5 * disks.thickness.unwrap_or(THICKNESS * outer)).min(outer);
+            let body = Body { flat: outer - rounding, rounding };
+            Member { part: Part::Disk(k), arc_length, body }
+        };
+        Self {
+            disks: (1..disks.count()).map(disk).filter(|m| m.body.reach() > 0.0).collect(),
+            watched: watched.to_vec(),
+            radii: watched.iter().map(|&s| radius(s)).collect(),
+            length: backbone.length,
+            near: Vec::new(),
+        }
+    }
+
+    /// Of the backbone, at the watched place that is next.
+    fn radius(&self, arc_length: f64) -> f64 {
+        let k = self.watched.partition_point(|&s| s < arc_length).min(self.radii.len() - 1);
+        self.radii[k]
+    }
+
+    /// Looks at all pairs again where the robot is now.
+    pub fn refresh(&mut self, model: &impl Yielding, obstacles: &[Obstacle]) {
+        for pair in &mut self.near {
+            let pose = model.pose(pair.member.arc_length);
+            let obstacle = &obstacles[pair.obstacle];
+            pair.nearest = pair.member.body.track(obstacle, &pose, pair.nearest.local);
+        }
+        let far = 2.0 * NEAR * self.length;
+        self.near.retain(|pair| pair.force > 0.0 || pair.nearest.gap < far);
+    }
+
+    /// Adds the pairs that have come near; whether some of them are where the model has not been
+    /// looked at yet.
+    pub fn discover(&mut self, model: &impl Yielding, obstacles: &[Obstacle]) -> bool {
+        let within = NEAR * self.length;
+        let mut found = Vec::new();
+        for member in &self.disks {
+            let pose = model.pose(member.arc_length);
+            for (k, obstacle) in obstacles.iter().enumerate() {
+                member.body.nearest(obstacle, &pose, within, &mut found);
+                for nearest in &found {
+                    let known = |pair: &Pair| {
+                        let [dx, dy] =
+                            [0, 1].map(|i| pair.nearest.local[i] - nearest.local[i]);
+                        pair.obstacle == k
+                            && pair.member.part == member.part
+                            && dx.hypot(dy) < 0.2 * member.body.flat
+                    };
+                    if !self.near.iter().any(known) {
+                        self.near.push(Pair::new(k, *member, *nearest));
+                    }
+                }
+            }
+        }
+        let mut elsewhere = false;
+        for (k, obstacle) in obstacles.iter().enumerate() {
+            elsewhere |= self.discover_along(model, k, obstacle, within);
+        }
+        elsewhere
+    }
+
+    /// The same for the backbone and one obstacle: the least gaps along it.
+    fn discover_along(
+        &mut self,
+        model: &impl Yielding,
+        number: usize,
+        obstacle: &Obstacle,
+        within: f64,
+    ) -> bool {
+        let watched = model.watched();
+        let gap = |i: usize| {
+            obstacle.surface(model.pose(watched[i]).position).distance - self.radii[i]
+        };
+        let mut added = Vec::new();
+        let last = watched.len() - 1;
+        let mut gaps = [f64::INFINITY, f64::INFINITY, gap(1)];
+        for i in 1..=last {
+            gaps = [gaps[1], gaps[2], if i < last { gap(i + 1) } else { f64::INFINITY }];
+            let [before, here, after] = gaps;
+            if here > within || here > before || here >= after {
+                continue;
+            }
+            let arc_length = if i < last && before.is_finite() {
+                vertex([watched[i - 1], watched[i], watched[i + 1]], gaps)
+            } else {
+                watched[i]
+            };
+            // Beside a contact there is no other until the robot overlaps there.
+            let spacing = if here < -OVERLAP * self.length {
+                APART * self.length
+            } else {
+                watched[i] - watched[i - 1]
+            };
+            let known = |pair: &Pair| {
+                pair.obstacle == number
+                    && pair.member.part == Part::Backbone
+                    && (pair.member.arc_length - arc_length).abs() < spacing
+            };
+            if !self.near.iter().any(known) {
+                added.push((arc_length, self.radii[i]));
+            }
+        }
+        let elsewhere = !added.is_empty();
+        for (arc_length, rounding) in added {
+            let body = Body { flat: 0.0, rounding };
+            let member = Member { part: Part::Backbone, arc_length, body };
+            let nearest = Nearest {
+                gap: f64::INFINITY,
+                normal: Vec3::Z,
+                arm: Vec3::ZERO,
+                local: [0.0, 0.0],
+            };
+            self.near.push(Pair::new(number, member, nearest));
+        }
+        elsewhere
+    }
+
+    /// Takes over a contact of a known answer.
+    pub fn resume(&mut self, touch: &Touch, answer: &Solution, to_base: &Pose) {
+        let normal = to_base.rotation.rotate(touch.normal);
+        let point = to_base.transform(touch.point);
+        let (member, arm, local) = match touch.part {
+            Part::Disk(k) => {
+                let known = self.disks.iter().find(|member| member.part == touch.part);
+                let (Some(member), Some(pose)) = (known, answer.disks.poses.get(k)) else { return };
+                let pose = *to_base * *pose;
+                let arm = point + normal * member.body.rounding - pose.position;
+                let local = pose.rotation.conjugate().rotate(arm);
+                (*member, arm, [local.x, local.y])
+            }
+            Part::Backbone => {
+                let rounding = self.radius(touch.arc_length);
+                let body = Body { flat: 0.0, rounding };
+                let member = Member { part: touch.part, arc_length: touch.arc_length, body };
+                (member, Vec3::ZERO, [0.0, 0.0])
+            }
+        };
+        let nearest = Nearest { gap: touch.gap, normal, arm, local };
+        let force = touch.force.unwrap_or(0.0);
+        let given = nearest.push().map(|component| force * component);
+        self.near.push(Pair { force, given, ..Pair::new(touch.obstacle, member, nearest) });
+    }
+
+    /// The deepest overlap of the robot with an obstacle where it is now: obstacle, part, arc length and
+    /// depth in m.
+    pub fn deepest(
+        &self,
+        model: &impl Yielding,
+        obstacles: &[Obstacle],
+    ) -> Option<(usize, Part, f64, f64)> {
+        let mut found = Vec::new();
+        let mut deepest: Option<(usize, Part, f64, f64)> = None;
+        let mut note = |k: usize, part: Part, arc_length: f64, gap: f64| {
+            if -gap > deepest.map_or(OVERLAP * self.length, |known| known.3) {
+                deepest = Some((k, part, arc_length, -gap));
+            }
+        };
+        for (k, obstacle) in obstacles.iter().enumerate() {
+            for member in &self.disks {
+                member.body.nearest(obstacle, &model.pose(member.arc_length), 0.0, &mut found);
+                for nearest in &found {
+                    note(k, member.part, member.arc_length, nearest.gap);
+                }
+            }
+            for (&s, radius) in model.watched().iter().zip(&self.radii).skip(1) {
+                let surface = obstacle.surface(model.pose(s).position);
+                note(k, Part::Backbone, s, surface.distance - radius);
+            }
+        }
+        deepest
+    }
+
+    /// What the pairs push the robot with.
+    pub fn pushes(&self, into: &mut Vec<Push>) {
+        into.clear();
+        into.extend(self.near.iter().map(|pair| {
+            let [fx, fy, fz, mx, my, mz] = pair.given;
+            let wrench =
+                Wrench { force: Vec3::new(fx, fy, fz), moment: Vec3::new(mx, my, mz) };
+            Push { arc_length: pair.member.arc_length, wrench }
+        }));
+    }
+
+    /// The contacts in the frame that the base's pose is given in.
+    pub fn touches(&self, model: &impl Yielding, base: &Pose, forces: bool) -> Vec<Touch> {
+        let touching = self.near.iter().filter(|pair| pair.force > 0.0);
+        let mut touches: Vec<Touch> = touching
+            .map(|pair| {
+                let Pair { nearest, member, .. } = pair;
+                let centre = model.pose(member.arc_length).position;
+                let point = centre + nearest.arm - nearest.normal * member.body.rounding;
+                Touch {
+                    obstacle: pair.obstacle,
+                    part: member.part,
+                    arc_length: member.arc_length,
+                    point: base.transform(point),
+                    normal: base.rotation.rotate(nearest.normal),
+                    force: forces.then_some(pair.force),
+                    gap: nearest.gap,
+                }
+            })
+            .collect();
+        touches.sort_by(|a, b| {
+            a.arc_length.total_cmp(&b.arc_length).then(a.obstacle.cmp(&b.obstacle))
+        });
+        touches
+    }
+}
+
+/// Thickness of a disk as a part of its radius, where none is given.
+const THICKNESS: f64 = 0.1;
+
+impl Pair {
+    fn new(obstacle: usize, member: Member, nearest: Nearest) -> Self {
+        Self { obstacle, member, nearest, force: 0.0, given: [0.0; 6] }
+    }
+}
+
+/// Where the parabola through three points is least, not beyond the middles of their intervals.
+fn vertex([a, b, c]: [f64; 3], [fa, fb, fc]: [f64; 3]) -> f64 {
+    let (left, right) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
+    let bend = (right - left) / (c - a);
+    if bend <= 0.0 {
+        return b;
+    }
+    (0.5 * (a + b) - 0.5 * left / bend).clamp(0.5 * (a + b), 0.5 * (b + c))
+}

@@ -1,0 +1,289 @@
+//! The way to the answer: actuation and loads grow in steps, and contacts come and go.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::journey::Journey;
+use super::model::{Push, Yielding};
+use super::pairs::{OVERLAP, Pair, Pairs};
+use super::step::{Scratch, turned};
+use crate::case::Case;
+use crate::error::{Obstruction, SolveError};
+use crate::obstacle::Obstacle;
+use crate::robot::Robot;
+use crate::shape::{Solution, Wrench};
+
+/// Conditions of contact that are met to this, relative to length and force scale, are met.
+const MET: f64 = 1e-9;
+/// Steps of Newton's method at one place of the way; each may find another contact.
+const STEPS: usize = 40;
+/// No cross-section moves farther in one step on the way, as a part of the length.
+const STRIDE: f64 = 0.25;
+/// Free balls below this part of the length count as it, where they bound the steps on the way.
+const LEAST_REACH: f64 = 0.005;
+/// A nudge, relative to the force scale.
+const NUDGE: f64 = 2e-2;
+/// The least step on the way.
+const LEAST_STEP: f64 = 1e-4;
+
+/// Why the robot does not get on.
+enum Stop {
+    /// A step that was too long.
+    Model(SolveError),
+    NotConverged(f64),
+    Slips,
+}
+
+struct Walk<'a, M> {
+    model: &'a mut M,
+    obstacles: &'a [Obstacle],
+    length: f64,
+    pairs: Pairs,
+    pushes: Vec<Push>,
+    scratch: Scratch,
+    iterations: usize,
+    residual: f64,
+    slips: bool,
+    /// A small force that decides which way a robot slips off.
+    nudge: Option<Push>,
+    /// Where on the way the robot slipped off.
+    slipped_at: Option<f64>,
+}
+
+/// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
+pub(crate) fn solve(
+    model: &mut impl Yielding,
+    robot: &Robot,
+    case: &Case,
+    warm_start: Option<&Solution>,
+) -> Result<Solution, SolveError> {
+    let to_base = case.base.inverse();
+    let obstacles: Vec<Obstacle> = case
+        .obstacles
+        .iter()
+        .map(|obstacle| Obstacle { pose: to_base * obstacle.pose, ..obstacle.clone() })
+        .collect();
+    let journey = match warm_start {
+        Some(answer) if answer.cables.len() == case.commands.len() => {
+            Journey::from_answer(answer, case)
+        }
+        _ => Journey::from_rest(case),
+    };
+    let pairs = Pairs::new(robot, model.watched());
+    let mut walk = Walk {
+        model,
+        obstacles: &obstacles,
+        length: robot.backbone().length,
+        pairs,
+        pushes: Vec::new(),
+        scratch: Scratch::default(),
+        iterations: 0,
+        residual: 0.0,
+        slips: false,
+        nudge: None,
+        slipped_at: None,
+    };
+    let initial: Vec<f64> = walk.model.initial_lengths().to_vec();
+    let at = |way: f64| journey.at(way, &initial);
+    walk.start(&at(0.0), warm_start, &to_base)?;
+    let mut gone = walk.go(at);
+    if let Err(SolveError::Obstructed { reached, why: Obstruction::Slips, .. }) = gone {
+        // Once more, with a nudge that decides which way it slips, and is then taken away.
+        walk.slipped_at = Some(reached);
+        walk.slips = false;
+        walk.nudge = Some(walk.sideways());
+        walk.pairs.near.clear();
+        walk.model.reset();
+        walk.start(&at(0.0), warm_start, &to_base)?;
+        if walk.go(at).is_ok() {
+            gone = Ok(());
+        }
+    }
+    gone?;
+    let mut solution = walk.model.solution(&at(1.0), &walk.pushes)?;
+    let forces = walk.model.knows_forces();
+    solution.touches = walk.pairs.touches(walk.model, &case.base, forces);
+    solution.diagnostics.iterations = walk.iterations;
+    solution.diagnostics.stability_lost_at = walk.slipped_at;
+    solution.diagnostics.residual = solution.diagnostics.residual.max(walk.residual);
+    Ok(solution)
+}
+
+impl<M: Yielding> Walk<'_, M> {
+    /// Where the way begins: at a known answer with its contacts, or at rest, where nothing may overlap.
+    fn start(
+        &mut self,
+        case: &Case,
+        answer: Option<&Solution>,
+        to_base: &Pose,
+    ) -> Result<(), SolveError> {
+        let Some(answer) = answer else {
+            self.model.settle(case, &[])?;
+            return match self.pairs.deepest(self.model, self.obstacles) {
+                None => Ok(()),
+                Some((obstacle, part, arc_length, depth)) => Err(SolveError::ObstacleInTheWay {
+                    obstacle: self.obstacles[obstacle].name.clone(),
+                    part,
+                    arc_length,
+                    depth,
+                }),
+            };
+        };
+        self.model.start_from(answer);
+        for touch in answer.touches.iter().filter(|t| t.obstacle < self.obstacles.len()) {
+            self.pairs.resume(touch, answer, to_base);
+        }
+        self.pairs.pushes(&mut self.pushes);
+        self.model.settle(case, &self.pushes)
+    }
+
+    fn go(&mut self, at: impl Fn(f64) -> Case) -> Result<(), SolveError> {
+        let (mut way, mut step) = (0.0, 1.0_f64);
+        let watched = self.model.watched().to_vec();
+        let mut before: Vec<Pose> = Vec::new();
+        loop {
+            self.model.keep();
+            let kept = self.pairs.clone();
+            before.clear();
+            before.extend(watched.iter().map(|&s| self.model.pose(s)));
+            let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
+            let stop = match self.touch(&at(next), &watched, &before) {
+                Ok(None) => {
+                    way = next;
+                    if way == 1.0 {
+                        if self.nudge.take().is_none() {
+                            return Ok(());
+                        }
+                        // Once more, without the nudge.
+                        step = 1.0;
+                        continue;
+                    }
+                    step *= 2.0;
+                    continue;
+                }
+                Ok(Some(part)) => {
+                    step = (next - way) * part;
+                    None
+                }
+                Err(stop) => {
+                    step = 0.4 * (next - way);
+                    Some(stop)
+                }
+            };
+            self.model.go_back();
+            self.pairs = kept;
+            if step < LEAST_STEP {
+                return Err(self.obstructed(way, stop));
+            }
+        }
+    }
+
+    /// A force on the tip in no direction that a robot is built along.
+    fn sideways(&self) -> Push {
+        let force = Vec3::new(0.36, 0.80, 0.48) * (NUDGE * self.model.force_scale());
+        Push { arc_length: self.length, wrench: Wrench { force, moment: Vec3::ZERO } }
+    }
+
+    fn obstructed(&self, way: f64, stop: Option<Stop>) -> SolveError {
+        let touching = self.pairs.near.iter().filter(|pair| pair.force > 0.0);
+        let mut names: Vec<String> =
+            touching.map(|pair| self.obstacles[pair.obstacle].name.clone()).collect();
+        names.dedup();
+        let why = match stop {
+            Some(Stop::Model(error)) if names.is_empty() => return error,
+            Some(Stop::Model(error)) => Obstruction::Model(Box::new(error)),
+            Some(Stop::NotConverged(residual)) => Obstruction::NotConverged { residual },
+            Some(Stop::Slips) => Obstruction::Slips,
+            None => Obstruction::Leaps,
+        };
+        SolveError::Obstructed { reached: way, touching: names, why }
+    }
+
+    /// The equilibrium under a case with the obstacles. `Some(part)` where the robot would move too far at
+    /// once: a shorter step, by this part, is in order.
+    fn touch(
+        &mut self,
+        case: &Case,
+        watched: &[f64],
+        before: &[Pose],
+    ) -> Result<Option<f64>, Stop> {
+        let (mut least, mut since) = (f64::INFINITY, 0);
+        let mut looked = false;
+        for _ in 0..STEPS {
+            self.pairs.pushes(&mut self.pushes);
+            self.pushes.extend(self.nudge);
+            self.model.settle(case, &self.pushes).map_err(Stop::Model)?;
+            self.iterations += 1;
+            if let Some(part) = self.too_far(watched, before) {
+                return Ok(Some(part));
+            }
+            self.pairs.refresh(self.model, self.obstacles);
+            if self.pairs.discover(self.model, self.obstacles) && !looked {
+                // The model has not been asked there yet.
+                looked = true;
+                continue;
+            }
+            looked = false;
+            self.residual = self.error();
+            if self.residual <= MET {
+                return if self.slips { Err(Stop::Slips) } else { Ok(None) };
+            }
+            if self.residual < 0.5 * least {
+                (least, since) = (self.residual, 0);
+            } else {
+                since += 1;
+            }
+            if since > 12 {
+                break;
+            }
+            self.pairs.pushes(&mut self.pushes);
+            let compliance = &mut self.scratch.compliance;
+            self.model.compliance(&self.pushes, compliance).map_err(Stop::Model)?;
+            let cap = STRIDE * self.length;
+            let stepped = self.scratch.step(&mut self.pairs, self.model, self.obstacles, cap);
+            match stepped {
+                Ok(stepped) => self.slips = stepped.slips,
+                Err(_) => return Err(Stop::NotConverged(self.residual)),
+            }
+        }
+        Err(Stop::NotConverged(self.residual))
+    }
+
+    /// What is left of the conditions of contact, relative to length and force scale.
+    fn error(&self) -> f64 {
+        let scale = self.model.force_scale();
+        let of = |pair: &Pair| {
+            let gap = pair.nearest.gap / self.length;
+            let open = if pair.force > 0.0 { gap.abs() } else { (-gap - OVERLAP).max(0.0) };
+            let turned = turned(pair, &pair.nearest.push());
+            let [force, moment] = [0, 3].map(|i| {
+                Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm()
+            });
+            open.max((force + moment / self.length) / (scale + pair.force))
+        };
+        self.pairs.near.iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// By which part the step was too long, if any cross-section could have passed through an obstacle or a
+    /// side of one. It has not where the free balls around its centre before and after cover the way, eq. (7).
+    fn too_far(&self, watched: &[f64], before: &[Pose]) -> Option<f64> {
+        let least = LEAST_REACH * self.length;
+        let room = |distance: f64| if distance > -least { distance.max(least) } else { 0.0 };
+        let mut part = f64::INFINITY;
+        for (&s, old) in watched.iter().zip(before).skip(1) {
+            let new = self.model.pose(s).position;
+            let way = (new - old.position).norm();
+            if way <= least {
+                continue;
+            }
+            part = part.min(STRIDE * self.length / way);
+            for obstacle in self.obstacles {
+                let [before, after] =
+                    [old.position, new].map(|point| room(obstacle.surface(point).distance));
+                if before + after < way || after == 0.0 {
+                    part = part.min((before + after) / way);
+                }
+            }
+        }
+        (part < 1.0).then(|| (0.9 * part).clamp(0.1, 0.7))
+    }
+}

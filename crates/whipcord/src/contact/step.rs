@@ -1,0 +1,303 @@
+//! One step of Newton's method on the conditions of contact.
+
+use clarabel::algebra::{CscMatrix, MatrixMathMut};
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT};
+use clarabel::solver::SolverStatus;
+use whipcord_numerics::{DenseLu, Pose, UnitQuaternion, Vec3};
+
+use super::model::Yielding;
+use super::pairs::{Pair, Pairs};
+use crate::obstacle::Obstacle;
+
+/// Scratch memory of the steps.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    pub compliance: Vec<f64>,
+    /// `∂w/∂X` of each pair.
+    geometric: Vec<[[f64; 6]; 6]>,
+    /// `w` of each pair for a force of 1 N.
+    unit: Vec<[f64; 6]>,
+    matrix: Vec<f64>,
+    lu: DenseLu,
+    /// `(I − CG)⁻¹CB` by columns, the last for what the normals have turned since.
+    moves: Vec<Vec<f64>>,
+    complementarity: Complementarity,
+}
+
+/// What came of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stepped {
+    /// Whether the robot would leave this equilibrium at the slightest disturbance: eq. (6).
+    pub slips: bool,
+}
+
+/// No step leads on: the contacts have no equilibrium near.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct NoStep;
+
+impl Scratch {
+    /// Changes the forces of the pairs, and what the model is to be given, eqs. (3) to (5); no
+    /// cross-section is to move farther than `cap`.
+    pub fn step(
+        &mut self,
+        pairs: &mut Pairs,
+        model: &impl Yielding,
+        obstacles: &[Obstacle],
+        cap: f64,
+    ) -> Result<Stepped, NoStep> {
+        let count = pairs.near.len();
+        let n = 6 * count;
+        self.unit.clear();
+        self.unit.extend(pairs.near.iter().map(|pair| pair.nearest.push()));
+        self.geometric.clear();
+        self.geometric.extend(pairs.near.iter().map(|pair| geometric(pair, model, obstacles)));
+        // I − CG
+        self.matrix.clear();
+        self.matrix.resize(n * n, 0.0);
+        for i in 0..n {
+            for (k, block) in self.geometric.iter().enumerate() {
+                if pairs.near[k].force == 0.0 {
+                    continue;
+                }
+                for b in 0..6 {
+                    let row = &self.compliance[i * n + 6 * k..i * n + 6 * k + 6];
+                    let sum: f64 = row.iter().zip(block).map(|(c, g)| c * g[b]).sum();
+                    self.matrix[i * n + 6 * k + b] = -sum;
+                }
+            }
+            self.matrix[i * n + i] += 1.0;
+        }
+        self.lu.factor(n, &self.matrix).map_err(|_| NoStep)?;
+        self.moves.resize_with(count + 1, Vec::new);
+        for (k, column) in self.moves.iter_mut().enumerate() {
+            column.clear();
+            column.extend((0..n).map(|i| {
+                let row = &self.compliance[i * n..(i + 1) * n];
+                if k < count {
+                    dot(&row[6 * k..6 * k + 6], &self.unit[k])
+                } else {
+                    let pairs = pairs.near.iter().zip(&self.unit).enumerate();
+                    pairs.map(|(j, (pair, unit))| {
+                        dot(&row[6 * j..6 * j + 6], &turned(pair, unit))
+                    }).sum()
+                }
+            }));
+            self.lu.solve(column);
+        }
+        let approach = |i: usize, column: &[f64]| dot(&column[6 * i..6 * i + 6], &self.unit[i]);
+        let problem = &mut self.complementarity;
+        problem.reset(count);
+        for (i, pair) in pairs.near.iter().enumerate() {
+            problem.gaps[i] = pair.nearest.gap + approach(i, &self.moves[count]);
+            problem.forces[i] = pair.force;
+            problem.active[i] = pair.force > 0.0 || pair.nearest.gap < 0.0;
+            for j in 0..count {
+                problem.matrix[i * count + j] = approach(i, &self.moves[j]);
+            }
+        }
+        let held = problem.solve()?;
+        let slips = self.lu.is_determinant_negative() != held.negative;
+        let mut motion = self.moves[count].clone();
+        for (j, pair) in pairs.near.iter().enumerate() {
+            let change = problem.forces[j] - pair.force;
+            motion.iter_mut().zip(&self.moves[j]).for_each(|(x, y)| *x += change * y);
+        }
+        let farthest = motion.chunks(6).map(|x| x[0].hypot(x[1]).hypot(x[2])).fold(0.0, f64::max);
+        if !farthest.is_finite() {
+            return Err(NoStep);
+        }
+        let part = if farthest > cap { cap / farthest } else { 1.0 };
+        for (j, pair) in pairs.near.iter_mut().enumerate() {
+            let change = problem.forces[j] - pair.force;
+            let moved = &motion[6 * j..6 * j + 6];
+            let turning = turned(pair, &self.unit[j]);
+            for a in 0..6 {
+                let followed = dot(&self.geometric[j][a], moved);
+                pair.given[a] += part * (self.unit[j][a] * change + turning[a] + followed);
+            }
+            pair.force += part * change;
+            if pair.force <= 0.0 {
+                (pair.force, pair.given) = (0.0, [0.0; 6]);
+            }
+        }
+        Ok(Stepped { slips })
+    }
+}
+
+/// `λw` where the robot is, without the wrench that the model has been given.
+pub(super) fn turned(pair: &Pair, unit: &[f64; 6]) -> [f64; 6] {
+    core::array::from_fn(|a| pair.force * unit[a] - pair.given[a])
+}
+
+/// `G = ∂(λw)/∂X` by central differences of the geometry, which is smooth and quick.
+fn geometric(pair: &Pair, model: &impl Yielding, obstacles: &[Obstacle]) -> [[f64; 6]; 6] {
+    let mut matrix = [[0.0; 6]; 6];
+    if pair.force == 0.0 {
+        return matrix;
+    }
+    let body = &pair.member.body;
+    let pose = model.pose(pair.member.arc_length);
+    let size = body.reach().max(1e-9);
+    for b in 0..6 {
+        let mut axis = [0.0; 3];
+        axis[b % 3] = 1.0;
+        let h = if b < 3 { 1e-5 * size } else { 1e-5 };
+        let at = |h: f64| {
+            let change = Vec3::from(axis) * h;
+            let moved = if b < 3 {
+                Pose { position: pose.position + change, ..pose }
+            } else {
+                Pose { rotation: UnitQuaternion::exp(change) * pose.rotation, ..pose }
+            };
+            body.track(&obstacles[pair.obstacle], &moved, pair.nearest.local).push()
+        };
+        let (after, before) = (at(h), at(-h));
+        for (a, row) in matrix.iter_mut().enumerate() {
+            row[b] = pair.force * (after[a] - before[a]) / (2.0 * h);
+        }
+    }
+    matrix
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `gap = q + Mλ ≥ 0, λ ≥ 0, λ·gap = 0`, eq. (5).
+#[derive(Clone, Debug, Default)]
+struct Complementarity {
+    /// `M` by rows.
+    matrix: Vec<f64>,
+    /// The gaps where the forces are what they were.
+    gaps: Vec<f64>,
+    /// The forces that were, then those that solve it.
+    forces: Vec<f64>,
+    /// Which are thought to touch.
+    active: Vec<bool>,
+    lu: DenseLu,
+}
+
+/// Those that touch when it is solved.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    /// Whether the determinant of their part of M is negative.
+    negative: bool,
+}
+
+impl Complementarity {
+    fn reset(&mut self, count: usize) {
+        self.matrix.clear();
+        self.matrix.resize(count * count, 0.0);
+        for list in [&mut self.gaps, &mut self.forces] {
+            list.clear();
+            list.resize(count, 0.0);
+        }
+        self.active.clear();
+        self.active.resize(count, false);
+    }
+
+    /// Mostly what touched touches again, and linear equations say how hard. Else a quadratic
+    /// programme decides which touch.
+    fn solve(&mut self) -> Result<Held, NoStep> {
+        let count = self.gaps.len();
+        for i in 0..count {
+            let pushed: f64 =
+                (0..count).map(|j| self.matrix[i * count + j] * self.forces[j]).sum();
+            self.gaps[i] -= pushed;
+        }
+        if let Some(held) = self.with_active() {
+            return Ok(held);
+        }
+        self.choose_active()?;
+        self.with_active().ok_or(NoStep)
+    }
+
+    /// The forces that close the gaps of the active ones, if none pulls and nothing else overlaps.
+    fn with_active(&mut self) -> Option<Held> {
+        let count = self.gaps.len();
+        let touching: Vec<usize> = (0..count).filter(|&i| self.active[i]).collect();
+        let m = touching.len();
+        let part: Vec<f64> = touching
+            .iter()
+            .flat_map(|i| touching.iter().map(move |j| (i, j)))
+            .map(|(i, j)| {
+                // Contacts that depend on one another share what they carry.
+                let share = if i == j { 1.0 + SHARING } else { 1.0 };
+                self.matrix[i * count + j] * share
+            })
+            .collect();
+        let mut forces: Vec<f64> = touching.iter().map(|&i| -self.gaps[i]).collect();
+        let mut negative = false;
+        if m > 0 {
+            self.lu.factor(m, &part).ok()?;
+            self.lu.solve(&mut forces);
+            negative = self.lu.is_determinant_negative();
+        }
+        let most = forces.iter().copied().fold(0.0, f64::max);
+        let scale = self.gaps.iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
+        if forces.iter().any(|&force| !force.is_finite() || force < -ROUNDING * most) {
+            return None;
+        }
+        let free = (0..count).filter(|&i| !self.active[i]);
+        let gap = |i: usize| -> f64 {
+            let row = &self.matrix[i * count..(i + 1) * count];
+            self.gaps[i] + touching.iter().zip(&forces).map(|(&j, f)| row[j] * f).sum::<f64>()
+        };
+        if free.into_iter().any(|i| gap(i) < -ROUNDING * scale) {
+            return None;
+        }
+        self.forces.fill(0.0);
+        for (&i, &force) in touching.iter().zip(&forces) {
+            self.forces[i] = force.max(0.0);
+        }
+        Some(Held { negative })
+    }
+
+    /// Which touch, by the quadratic programme `min ½λᵀMλ + qᵀλ, λ ≥ 0`, scaled to a diagonal of 1.
+    fn choose_active(&mut self) -> Result<(), NoStep> {
+        let count = self.gaps.len();
+        let entry = |i: usize, j: usize| {
+            0.5 * (self.matrix[i * count + j] + self.matrix[j * count + i])
+        };
+        let sizes: Vec<f64> = (0..count).map(|i| entry(i, i)).collect();
+        if sizes.iter().any(|&size| size.is_nan() || size <= 0.0) {
+            return Err(NoStep);
+        }
+        let units: Vec<f64> = sizes.iter().map(|size| size.sqrt().recip()).collect();
+        let mut linear: Vec<f64> = (0..count).map(|i| self.gaps[i] * units[i]).collect();
+        let largest = linear.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
+        if largest == 0.0 {
+            self.active.fill(false);
+            return Ok(());
+        }
+        linear.iter_mut().for_each(|q| *q /= largest);
+        let upper = (0..count).flat_map(|j| (0..=j).map(move |i| (i, j)));
+        let (rows, columns): (Vec<usize>, Vec<usize>) = upper.clone().unzip();
+        let values = upper.map(|(i, j)| entry(i, j) * units[i] * units[j]).collect();
+        let quadratic = CscMatrix::new_from_triplets(count, count, rows, columns, values);
+        let mut signs = CscMatrix::identity(count);
+        signs.negate();
+        let settings = DefaultSettingsBuilder::default()
+            .verbose(false)
+            .build()
+            .map_err(|_| NoStep)?;
+        let bounds = vec![0.0; count];
+        let cones = [NonnegativeConeT(count)];
+        let mut solver =
+            DefaultSolver::new(&quadratic, &linear, &signs, &bounds, &cones, settings)
+                .map_err(|_| NoStep)?;
+        solver.solve();
+        if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+            return Err(NoStep);
+        }
+        for (i, active) in self.active.iter_mut().enumerate() {
+            *active = solver.solution.x[i] > solver.solution.z[i];
+        }
+        Ok(())
+    }
+}
+
+/// What a contact yields of itself, as a part of what the robot does.
+const SHARING: f64 = 1e-11;
+/// Forces and gaps smaller than this beside the largest are rounding.
+const ROUNDING: f64 = 1e-9;

@@ -1,0 +1,203 @@
+//! How the sections yield to what pushes the robot: the side of contact that this model is asked for.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::FourBar;
+use super::joint::Joint;
+use super::options::{LengthRule, Objective};
+use super::pushed::{Load, Pushed, Restless};
+use super::refusal;
+use super::solve::Workspace;
+use crate::case::Case;
+use crate::contact::{self, Push, Yielding};
+use crate::error::SolveError;
+use crate::shape::{NoStability, Solution, Wrench};
+
+/// The backbone is watched at this many places or more from base to tip.
+const WATCHED: usize = 40;
+
+/// The sections among obstacles.
+struct Touched<'a> {
+    model: &'a FourBar,
+    workspace: &'a mut Workspace,
+    /// Newtons by the model's own measure of force; 1 where no stiffness is known.
+    scale: f64,
+    watched: Vec<f64>,
+    /// Section and fraction of each watched place, and where it is.
+    places: Vec<(usize, f64)>,
+    poses: Vec<Pose>,
+    found: Pushed,
+    kept: Pushed,
+    targets: Vec<f64>,
+    loads: Vec<Load>,
+}
+
+impl FourBar {
+    /// The shape among the obstacles of a case.
+    pub(super) fn solve_in_contact(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        case.check(&self.robot)?;
+        refusal::case(&self.robot, case)?;
+        if self.options.objective != Objective::StrainEnergy
+            || self.options.lengths != LengthRule::Free
+        {
+            return Err(refusal::unsupported(
+                "obstacles",
+                "only lengths and no energy decide where it bends",
+                "take the objective strain-energy and the length rule free, or use cosserat",
+            ));
+        }
+        let disks = &self.robot.disks().arc_lengths;
+        let each = WATCHED.div_ceil(self.sections.len());
+        let mut watched = vec![0.0];
+        for pair in disks.windows(2) {
+            let within = |k: usize| pair[0] + (pair[1] - pair[0]) * k as f64 / each as f64;
+            watched.extend((1..each).map(within));
+            watched.push(pair[1]);
+        }
+        let places = watched.iter().map(|&s| self.locate(s)).collect();
+        let mut found = Pushed::default();
+        found.reset(&self.sections, self.initial_lengths.len());
+        let mut touched = Touched {
+            model: self,
+            workspace,
+            scale: self.tension_scale.unwrap_or(1.0),
+            watched,
+            places,
+            poses: Vec::new(),
+            kept: found.clone(),
+            found,
+            targets: Vec::new(),
+            loads: Vec::new(),
+        };
+        contact::solve(&mut touched, &self.robot, case, warm_start)
+    }
+
+    /// The section of an arc length and the fraction of it that lies behind, the whole of it at a disk.
+    fn locate(&self, arc_length: f64) -> (usize, f64) {
+        let (section, part) = self.robot.disks().locate(arc_length);
+        if part == 0.0 && section > 0 { (section - 1, 1.0) } else { (section, part) }
+    }
+}
+
+impl Touched<'_> {
+    fn set_loads(&mut self, pushes: &[Push]) {
+        self.loads.clear();
+        for push in pushes {
+            let (section, part) = self.model.locate(push.arc_length);
+            let Wrench { force, moment } = push.wrench;
+            let wrench = Wrench { force: force / self.scale, moment: moment / self.scale };
+            self.loads.push(Load { section, part, wrench });
+        }
+    }
+
+    fn look(&mut self) {
+        let (found, sections) = (&self.found, &self.model.sections);
+        self.poses.clear();
+        self.poses.extend(self.places.iter().map(|&(s, part)| found.pose_at(sections, s, part)));
+    }
+}
+
+fn restless(Restless: Restless) -> SolveError {
+    SolveError::NotConverged {
+        iterations: 0,
+        residual: 1.0,
+        last_load: 0.0,
+        advice: "shorten the cables less, or use more sections",
+    }
+}
+
+impl Yielding for Touched<'_> {
+    fn watched(&self) -> &[f64] {
+        &self.watched
+    }
+
+    fn initial_lengths(&self) -> &[f64] {
+        &self.model.initial_lengths
+    }
+
+    fn knows_forces(&self) -> bool {
+        self.model.tension_scale.is_some()
+    }
+
+    fn force_scale(&self) -> f64 {
+        // The energy of a robot that bends by 1 rad is about n times the scale.
+        self.scale * self.model.sections.len() as f64 / self.model.robot.backbone().length
+    }
+
+    fn reset(&mut self) {
+        self.found.reset(&self.model.sections, self.model.initial_lengths.len());
+    }
+
+    fn start_from(&mut self, answer: &Solution) {
+        self.found.start_from(&self.model.sections, answer);
+        let scale = self.scale;
+        let pulls = answer.cables.iter().map(|cable| cable.tension.unwrap_or(0.0) / scale);
+        self.found.multipliers.clear();
+        self.found.multipliers.extend(pulls);
+    }
+
+    fn settle(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
+        self.targets.clear();
+        for (command, &initial) in case.commands.iter().zip(&self.model.initial_lengths) {
+            let shortening = command.shortening.map_or(0.0, |s| s.in_metres(initial));
+            self.targets.push(initial - shortening);
+        }
+        self.set_loads(pushes);
+        self.found.settle(&self.model.sections, &self.targets, &self.loads).map_err(restless)?;
+        self.look();
+        Ok(())
+    }
+
+    fn pose(&self, arc_length: f64) -> Pose {
+        let k = self.watched.partition_point(|&s| s < arc_length);
+        if self.watched.get(k) == Some(&arc_length) {
+            return self.poses[k];
+        }
+        let (section, part) = self.model.locate(arc_length);
+        self.found.pose_at(&self.model.sections, section, part)
+    }
+
+    fn compliance(&mut self, pushes: &[Push], compliance: &mut Vec<f64>) -> Result<(), SolveError> {
+        self.set_loads(pushes);
+        let (sections, targets) = (&self.model.sections, &self.targets);
+        self.found.compliance(sections, targets, &self.loads, compliance).map_err(restless)?;
+        compliance.iter_mut().for_each(|entry| *entry /= self.scale);
+        Ok(())
+    }
+
+    fn keep(&mut self) {
+        self.kept.clone_from(&self.found);
+    }
+
+    fn go_back(&mut self) {
+        self.found.clone_from(&self.kept);
+        self.look();
+    }
+
+    fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
+        let joints = &mut self.workspace.joints;
+        joints.clear();
+        joints.extend(self.found.bends.iter().map(|&bend| Joint::Bend(bend)));
+        self.workspace.targets.clone_from(&self.targets);
+        let (model, multipliers) = (self.model, &self.found.multipliers);
+        let mut solution = model.solution_of_joints(case.base, self.workspace, multipliers);
+        if self.knows_forces() {
+            let mut total = Wrench::default();
+            for push in pushes {
+                let arm = self.pose(push.arc_length).position;
+                total.force += push.wrench.force;
+                total.moment += push.wrench.moment + arm.cross(push.wrench.force);
+            }
+            solution.base_wrench = Some(total);
+        }
+        if pushes.iter().any(|push| push.wrench.force != Vec3::ZERO) {
+            solution.diagnostics.stability_absent = Some(NoStability::Touching);
+        }
+        Ok(solution)
+    }
+}

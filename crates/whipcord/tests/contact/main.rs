@@ -1,0 +1,86 @@
+//! Robots among obstacles.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod cosserat;
+mod four_bar;
+
+use whipcord::{
+    Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, Part, PointLoad, Pose, Robot,
+    Routing, Section, Solution, UnitQuaternion, Vec3, Wrench,
+};
+
+/// A finger of the paper's material with one straight cable at +x.
+fn finger(sections: usize) -> Robot {
+    let length = 0.18;
+    let material =
+        Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Material::default() };
+    let section = Some(Section::circle(0.003));
+    let backbone = Backbone { material, section, ..Backbone::new(length) };
+    let disks = Disks {
+        outer_radius: Some(0.01),
+        thickness: Some(0.002),
+        ..Disks::equally_spaced(length, sections + 1, 0.008)
+    };
+    let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+    Robot::new(backbone, disks, vec![cable]).unwrap()
+}
+
+fn sphere(position: Vec3, radius: f64) -> Obstacle {
+    Obstacle {
+        name: "ball".to_owned(),
+        form: Form::Sphere { radius },
+        pose: Pose { position, rotation: UnitQuaternion::IDENTITY },
+    }
+}
+
+/// A wall at x whose free side is that of smaller x.
+fn wall(x: f64) -> Obstacle {
+    let quarter = Vec3::new(0.0, -core::f64::consts::FRAC_PI_2, 0.0);
+    Obstacle {
+        name: "wall".to_owned(),
+        form: Form::HalfSpace,
+        pose: Pose { position: Vec3::new(x, 0.0, 0.0), rotation: UnitQuaternion::exp(quarter) },
+    }
+}
+
+fn among(case: Case, obstacles: Vec<Obstacle>) -> Case {
+    Case { obstacles, ..case }
+}
+
+/// The obstacle with the world moved under it.
+fn moved(obstacle: &Obstacle, by: &Pose) -> Obstacle {
+    Obstacle { pose: *by * obstacle.pose, ..obstacle.clone() }
+}
+
+/// The contacts of an answer whose base is at the origin, as point loads, and their resultant there.
+fn pushes_of(solution: &Solution) -> (Loads, Wrench) {
+    let mut loads = Loads::default();
+    let mut total = Wrench::default();
+    for touch in &solution.touches {
+        let force = touch.normal * touch.force.unwrap();
+        let Part::Disk(k) = touch.part else { panic!("{touch:?}") };
+        let centre = solution.disks.poses[k].position;
+        let moment = (touch.point - centre).cross(force);
+        loads.points.push(PointLoad { at: touch.arc_length, force, moment, follower: false });
+        total.force += force;
+        total.moment += touch.point.cross(force);
+    }
+    (loads, total)
+}
+
+/// No disk overlaps the obstacle: every point of its flat inside is farther away than its rounding.
+fn assert_clear(robot: &Robot, solution: &Solution, obstacle: &Obstacle) {
+    let rounding = 0.5 * robot.disks().thickness.unwrap();
+    let flat = robot.disks().outer_radius.unwrap() - rounding;
+    for pose in &solution.disks.poses[1..] {
+        for k in 0..360 {
+            for part in [0.5, 1.0] {
+                let (sin, cos) = f64::from(k).to_radians().sin_cos();
+                let point = pose.transform(Vec3::new(cos, sin, 0.0) * (part * flat));
+                let gap = obstacle.surface(point).distance - rounding;
+                assert!(gap > -1e-6 * robot.backbone().length, "{gap} at {point:?}");
+            }
+        }
+    }
+}
