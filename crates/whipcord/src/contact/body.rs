@@ -39,13 +39,7 @@ impl Body {
 
     /// All places that are nearer to an obstacle than their neighbours, and no farther than
     /// `within`, into `found`.
-    pub fn nearest(
-        &self,
-        obstacle: &Obstacle,
-        pose: &Pose,
-        within: f64,
-        found: &mut Vec<Nearest>,
-    ) {
+    pub fn nearest(&self, obstacle: &Obstacle, pose: &Pose, within: f64, found: &mut Vec<Nearest>) {
         found.clear();
         let centre = obstacle.surface(pose.position);
         // The distance changes by no more than the way.

@@ -96,8 +96,7 @@ impl Pairs {
                 member.body.nearest(obstacle, &pose, within, &mut found);
                 for nearest in &found {
                     let known = |pair: &Pair| {
-                        let [dx, dy] =
-                            [0, 1].map(|i| pair.nearest.local[i] - nearest.local[i]);
+                        let [dx, dy] = [0, 1].map(|i| pair.nearest.local[i] - nearest.local[i]);
                         pair.obstacle == k
                             && pair.member.part == member.part
                             && dx.hypot(dy) < 0.2 * member.body.flat
@@ -124,9 +123,8 @@ impl Pairs {
         within: f64,
     ) -> bool {
         let watched = model.watched();
-        let gap = |i: usize| {
-            obstacle.surface(model.pose(watched[i]).position).distance - self.radii[i]
-        };
+        let gap =
+            |i: usize| obstacle.surface(model.pose(watched[i]).position).distance - self.radii[i];
         let mut added = Vec::new();
         let last = watched.len() - 1;
         let mut gaps = [f64::INFINITY, f64::INFINITY, gap(1)];
@@ -160,12 +158,8 @@ impl Pairs {
         for (arc_length, rounding) in added {
             let body = Body { flat: 0.0, rounding };
             let member = Member { part: Part::Backbone, arc_length, body };
-            let nearest = Nearest {
-                gap: f64::INFINITY,
-                normal: Vec3::Z,
-                arm: Vec3::ZERO,
-                local: [0.0, 0.0],
-            };
+            let nearest =
+                Nearest { gap: f64::INFINITY, normal: Vec3::Z, arm: Vec3::ZERO, local: [0.0, 0.0] };
             self.near.push(Pair::new(number, member, nearest));
         }
         elsewhere
@@ -231,8 +225,7 @@ impl Pairs {
         into.clear();
         into.extend(self.near.iter().map(|pair| {
             let [fx, fy, fz, mx, my, mz] = pair.given;
-            let wrench =
-                Wrench { force: Vec3::new(fx, fy, fz), moment: Vec3::new(mx, my, mz) };
+            let wrench = Wrench { force: Vec3::new(fx, fy, fz), moment: Vec3::new(mx, my, mz) };
             Push { arc_length: pair.member.arc_length, wrench }
         }));
     }

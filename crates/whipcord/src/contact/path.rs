@@ -255,9 +255,8 @@ impl<M: Yielding> Walk<'_, M> {
             let gap = pair.nearest.gap / self.length;
             let open = if pair.force > 0.0 { gap.abs() } else { (-gap - OVERLAP).max(0.0) };
             let turned = turned(pair, &pair.nearest.push());
-            let [force, moment] = [0, 3].map(|i| {
-                Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm()
-            });
+            let [force, moment] =
+                [0, 3].map(|i| Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm());
             open.max((force + moment / self.length) / (scale + pair.force))
         };
         self.pairs.near.iter().map(of).fold(0.0, f64::max)

@@ -1,8 +1,8 @@
 //! One step of Newton's method on the conditions of contact.
 
 use clarabel::algebra::{CscMatrix, MatrixMathMut};
-use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT};
 use clarabel::solver::SolverStatus;
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT};
 use whipcord_numerics::{DenseLu, Pose, UnitQuaternion, Vec3};
 
 use super::model::Yielding;
@@ -77,9 +77,9 @@ impl Scratch {
                     dot(&row[6 * k..6 * k + 6], &self.unit[k])
                 } else {
                     let pairs = pairs.near.iter().zip(&self.unit).enumerate();
-                    pairs.map(|(j, (pair, unit))| {
-                        dot(&row[6 * j..6 * j + 6], &turned(pair, unit))
-                    }).sum()
+                    pairs
+                        .map(|(j, (pair, unit))| dot(&row[6 * j..6 * j + 6], &turned(pair, unit)))
+                        .sum()
                 }
             }));
             self.lu.solve(column);
@@ -201,8 +201,7 @@ impl Complementarity {
     fn solve(&mut self) -> Result<Held, NoStep> {
         let count = self.gaps.len();
         for i in 0..count {
-            let pushed: f64 =
-                (0..count).map(|j| self.matrix[i * count + j] * self.forces[j]).sum();
+            let pushed: f64 = (0..count).map(|j| self.matrix[i * count + j] * self.forces[j]).sum();
             self.gaps[i] -= pushed;
         }
         if let Some(held) = self.with_active() {
@@ -256,9 +255,8 @@ impl Complementarity {
     /// Which touch, by the quadratic programme `min ½λᵀMλ + qᵀλ, λ ≥ 0`, scaled to a diagonal of 1.
     fn choose_active(&mut self) -> Result<(), NoStep> {
         let count = self.gaps.len();
-        let entry = |i: usize, j: usize| {
-            0.5 * (self.matrix[i * count + j] + self.matrix[j * count + i])
-        };
+        let entry =
+            |i: usize, j: usize| 0.5 * (self.matrix[i * count + j] + self.matrix[j * count + i]);
         let sizes: Vec<f64> = (0..count).map(|i| entry(i, i)).collect();
         if sizes.iter().any(|&size| size.is_nan() || size <= 0.0) {
             return Err(NoStep);
@@ -277,15 +275,12 @@ impl Complementarity {
         let quadratic = CscMatrix::new_from_triplets(count, count, rows, columns, values);
         let mut signs = CscMatrix::identity(count);
         signs.negate();
-        let settings = DefaultSettingsBuilder::default()
-            .verbose(false)
-            .build()
-            .map_err(|_| NoStep)?;
+        let settings =
+            DefaultSettingsBuilder::default().verbose(false).build().map_err(|_| NoStep)?;
         let bounds = vec![0.0; count];
         let cones = [NonnegativeConeT(count)];
-        let mut solver =
-            DefaultSolver::new(&quadratic, &linear, &signs, &bounds, &cones, settings)
-                .map_err(|_| NoStep)?;
+        let mut solver = DefaultSolver::new(&quadratic, &linear, &signs, &bounds, &cones, settings)
+            .map_err(|_| NoStep)?;
         solver.solve();
         if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
             return Err(NoStep);

@@ -11,6 +11,8 @@ use super::state::{Direction, State};
 use super::statics;
 use crate::case::Case;
 use crate::error::SolveError;
+use crate::model::ModelKind;
+use crate::obstacle;
 use crate::shape::Solution;
 
 /// How far [`Cosserat::branches`] goes.
@@ -126,6 +128,7 @@ impl Cosserat {
         options: &BranchOptions,
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
+        obstacle::refuse_for("branches", ModelKind::Cosserat, case)?;
         // What has no shape without load, or folds, is told with its reason.
         let answer = match self.solve(case, None, workspace) {
             Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. }) => None,

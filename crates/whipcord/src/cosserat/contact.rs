@@ -132,7 +132,7 @@ impl Yielding for Pushed<'_> {
     fn settle(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
         let case = self.with_pushes(case, pushes);
         let places = pushes.iter().map(|push| push.arc_length);
-        if !self.model.is_some() || !places.clone().eq(self.pushed.iter().copied()) {
+        if self.model.is_none() || !places.clone().eq(self.pushed.iter().copied()) {
             let stations = Stations::At(self.stations(pushes));
             let options = Options { stations, ..self.options.clone() };
             self.model = Some(Cosserat::new(self.robot, &case.loads, &options)?);
@@ -140,8 +140,7 @@ impl Yielding for Pushed<'_> {
         }
         let Some(model) = &self.model else { return Ok(()) };
         let (last, workspace) = (self.last.as_ref(), &mut self.workspace);
-        let (solution, derivatives) =
-            model.solve_with_derivatives(&case, last, &[], workspace)?;
+        let (solution, derivatives) = model.solve_with_derivatives(&case, last, &[], workspace)?;
         self.derivatives = Some(derivatives);
         self.last = Some(solution);
         Ok(())

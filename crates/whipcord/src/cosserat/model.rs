@@ -16,6 +16,7 @@ use super::without_load::section_failure;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
+use crate::obstacle;
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Problem, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
@@ -162,14 +163,7 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        if !case.obstacles.is_empty() {
-            return Err(SolveError::Unsupported {
-                model: ModelKind::Cosserat,
-                path: "the question for derivatives".to_owned(),
-                what: "among obstacles",
-                advice: "leave them out, or solve neighbouring cases",
-            });
-        }
+        obstacle::refuse_for("derivatives", ModelKind::Cosserat, case)?;
         let (solution, grid) = self.solve_keeping_grid(case, warm_start, workspace)?;
         let Workspace { scratch, commands, .. } = workspace;
         let starts = scratch.chain_starts();

@@ -12,6 +12,7 @@ use super::solve::{LOOSE, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::model::ModelKind;
+use crate::obstacle;
 use crate::shape::Solution;
 
 /// How an answer of the four-bar model changes with how much each cable is shortened.
@@ -94,12 +95,7 @@ impl FourBar {
                 "take the objective coupler-angle or strain-energy",
             ));
         }
-        if !case.obstacles.is_empty() {
-            return Err(unsupported(
-                "among obstacles",
-                "leave them out, or solve neighbouring cases",
-            ));
-        }
+        obstacle::refuse_for("derivatives", ModelKind::FourBar, case)?;
         let (solution, compromise) = self.solve_and_tell(case, workspace)?;
         if compromise {
             return Err(unsupported(

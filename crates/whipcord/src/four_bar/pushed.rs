@@ -232,9 +232,8 @@ impl Pushed {
             for b in 0..3 {
                 let mut step = [0.0; 3];
                 step[b] = H;
-                let motion = |step: Vec3| {
-                    bend.moved(step).motion_at(part, section.length, section.chord)
-                };
+                let motion =
+                    |step: Vec3| bend.moved(step).motion_at(part, section.length, section.chord);
                 let (after, before) = (motion(Vec3::from(step)), motion(-Vec3::from(step)));
                 let swing = if inside { Vec3::ZERO } else { own[b].angular.cross(arm) };
                 for a in 0..3 {
@@ -263,10 +262,8 @@ impl Pushed {
             return motion.map(|twist| turned(&self.disks[s], twist));
         }
         let arm = at - self.disks[s + 1].position;
-        self.motions[s].map(|Twist { linear, angular }| Twist {
-            linear: linear + angular.cross(arm),
-            angular,
-        })
+        self.motions[s]
+            .map(|Twist { linear, angular }| Twist { linear: linear + angular.cross(arm), angular })
     }
 
     /// Pose of the cross-section at a fraction of a section, base frame.

@@ -12,7 +12,11 @@ const GEOMETRIC: &str = "the four-bar model is geometric: leave it out, or use c
 const GIVE_SHORTENING: &str =
     "the four-bar model is geometric: give each cable's shortening, or use cosserat";
 
-pub(super) fn unsupported(path: impl Into<String>, what: &'static str, advice: &'static str) -> SolveError {
+pub(super) fn unsupported(
+    path: impl Into<String>,
+    what: &'static str,
+    advice: &'static str,
+) -> SolveError {
     SolveError::Unsupported { model: ModelKind::FourBar, path: path.into(), what, advice }
 }
 

@@ -94,6 +94,19 @@ pub(crate) fn refuse(model: ModelKind, case: &Case) -> Result<(), SolveError> {
     })
 }
 
+/// Refuses a case with obstacles where something other than its shape is asked for.
+pub(crate) fn refuse_for(what: &str, model: ModelKind, case: &Case) -> Result<(), SolveError> {
+    if case.obstacles.is_empty() {
+        return Ok(());
+    }
+    Err(SolveError::Unsupported {
+        model,
+        path: format!("the question for {what}"),
+        what: "among obstacles",
+        advice: "leave them out, or solve neighbouring cases",
+    })
+}
+
 impl Obstacle {
     /// The surface as a point in the world sees it.
     #[must_use]

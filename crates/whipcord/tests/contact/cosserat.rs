@@ -76,8 +76,7 @@ fn moving_base_and_obstacles_moves_the_answer() {
         rotation: UnitQuaternion::exp(Vec3::new(0.4, -1.1, 0.7)),
     };
     let here = among(Case::with_tensions(&[3.0]), vec![ball.clone()]);
-    let there =
-        Case { base, ..among(Case::with_tensions(&[3.0]), vec![moved(&ball, &base)]) };
+    let there = Case { base, ..among(Case::with_tensions(&[3.0]), vec![moved(&ball, &base)]) };
     let [here, there] = [here, there].map(|case| solve(&robot, &case).unwrap());
     for (a, b) in here.disks.poses.iter().zip(&there.disks.poses) {
         assert!((base.transform(a.position) - b.position).norm() < 1e-8 * LENGTH);
@@ -137,10 +136,7 @@ fn what_cannot_be_is_said() {
 
     // Between two walls that leave no room for the bend.
     let walls = [wall(0.0105), moved(&wall(0.0105), &turned_over())];
-    let case = among(
-        Case::with_shortenings(&[Shortening::Length(0.03)]),
-        walls.into(),
-    );
+    let case = among(Case::with_shortenings(&[Shortening::Length(0.03)]), walls.into());
     let options = Options { drive: whipcord::Drive::Shortening, ..Options::default() };
     let model = Cosserat::new(&robot, &Loads::default(), &options).unwrap();
     let error = model.solve(&case, None, &mut Workspace::default()).unwrap_err();

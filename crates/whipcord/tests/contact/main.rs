@@ -6,8 +6,8 @@ mod cosserat;
 mod four_bar;
 
 use whipcord::{
-    Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, Part, PointLoad, Pose, Robot,
-    Routing, Section, Solution, UnitQuaternion, Vec3, Wrench,
+    Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, PointLoad, Pose, Robot, Routing,
+    Section, Shape, Solution, UnitQuaternion, Vec3, Wrench,
 };
 
 /// A finger of the paper's material with one straight cable at +x.
@@ -59,8 +59,9 @@ fn pushes_of(solution: &Solution) -> (Loads, Wrench) {
     let mut total = Wrench::default();
     for touch in &solution.touches {
         let force = touch.normal * touch.force.unwrap();
-        let Part::Disk(k) = touch.part else { panic!("{touch:?}") };
-        let centre = solution.disks.poses[k].position;
+        let Shape { arc_length, poses } = &solution.disks;
+        let disk = arc_length.iter().position(|&s| s == touch.arc_length).unwrap();
+        let centre = poses[disk].position;
         let moment = (touch.point - centre).cross(force);
         loads.points.push(PointLoad { at: touch.arc_length, force, moment, follower: false });
         total.force += force;
