@@ -43,6 +43,8 @@ __all__ = [
     "NoRowError",
     "NotConvergedError",
     "NothingFoundError",
+    "ObstacleInTheWayError",
+    "ObstructedError",
     "SectionFoldsError",
     "SectionOutOfReachError",
     "SolveError",
@@ -288,6 +290,26 @@ class NotConvergedError(SolveError):
     """Fraction of the given load up to which there was an answer, from 0 to 1."""
     advice: str
     """What to do."""
+
+
+class ObstacleInTheWayError(SolveError):
+    """An obstacle overlaps the robot before anything acts."""
+
+    obstacle: str
+    """Name of the obstacle."""
+    arc_length: float
+    """Arc length in m of the cross-section that it overlaps most."""
+    depth: float
+    """How far they overlap in m."""
+
+
+class ObstructedError(SolveError):
+    """The obstacles let the robot get only a part of the way."""
+
+    reached: float
+    """The part of the way, from 0 to 1."""
+    touching: Sequence[str]
+    """Names of the obstacles that it touches there."""
 
 
 class TensionsNotFoundError(SolveError):

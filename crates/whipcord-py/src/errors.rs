@@ -296,6 +296,20 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
                 ("advice", Text(advice)),
             ],
         ),
+        SolveError::ObstacleInTheWay { obstacle, arc_length, depth, .. } => raise(
+            "ObstacleInTheWayError",
+            &[
+                ("obstacle", Text(obstacle)),
+                ("arc_length", Number(*arc_length)),
+                ("depth", Number(*depth)),
+            ],
+        ),
+        SolveError::Obstructed { reached, touching, .. } => {
+            exception(py, "ObstructedError", message, |dict| {
+                dict.set_item("reached", reached)?;
+                dict.set_item("touching", touching)
+            })
+        }
         SolveError::TensionsNotFound => raise("TensionsNotFoundError", &[]),
         SolveError::NoDerivatives => raise("NoDerivativesError", &[]),
         SolveError::StepsTooCoarse { error, tolerance, steps } => raise(
