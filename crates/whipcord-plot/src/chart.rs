@@ -6,6 +6,7 @@ use crate::error::{PlotError, finite, not_empty, positive};
 use crate::font;
 use crate::legend::{Entry, Legend, Swatch};
 use crate::marker::{self, Marker};
+use crate::names::{self, Area};
 use crate::svg::{Anchor, Fill, Point, Stroke, Svg, Text};
 use crate::title;
 
@@ -84,8 +85,12 @@ pub enum Layer {
     Dashed(Vec<[f64; 2]>),
     /// A sign at each point.
     Markers(Vec<[f64; 2]>),
+    /// A hollow sign at each point.
+    Rings(Vec<[f64; 2]>),
     /// A small pale sign at each point, for the many from which something is gathered.
     Dots(Vec<[f64; 2]>),
+    /// A word near each point, where it lies on no sign and on no other word.
+    Names(Vec<([f64; 2], String)>),
     /// (x, y, e): a bar from y − e to y + e.
     Errors(Vec<[f64; 3]>),
     /// A column from zero to each point, beside those of other series at the same x.
@@ -152,7 +157,10 @@ impl Layer {
     /// All numbers that must find a place: (x, y).
     fn extremes(&self, log: bool) -> Vec<Point> {
         match self {
-            Self::Line(p) | Self::Dashed(p) | Self::Markers(p) | Self::Dots(p) => p.clone(),
+            Self::Line(p) | Self::Dashed(p) | Self::Markers(p) | Self::Rings(p) | Self::Dots(p) => {
+                p.clone()
+            }
+            Self::Names(list) => list.iter().map(|(point, _)| *point).collect(),
             Self::Columns(p) => p.iter().flat_map(|&[x, y]| [[x, y], [x, 0.0]]).collect(),
             // Where the logarithm ends, the bar does.
             Self::Errors(list) => list
@@ -171,9 +179,11 @@ impl Layer {
                 }
                 list.iter().map(|&[x, y, _]| [x, y]).collect()
             }
+            Self::Names(list) => list.iter().map(|(point, _)| *point).collect(),
             Self::Line(p)
             | Self::Dashed(p)
             | Self::Markers(p)
+            | Self::Rings(p)
             | Self::Dots(p)
             | Self::Columns(p) => p.clone(),
         };
@@ -337,9 +347,60 @@ impl Chart {
             }
             svg.close();
         }
+        self.draw_names(svg, frame);
+    }
+
+    /// Last, as they keep clear of every sign.
+    fn draw_names(&self, svg: &mut Svg, frame: &Frame) {
+        let layers = || self.series.iter().flat_map(|one| one.layers.iter().map(move |l| (one, l)));
+        let names: Vec<(&Series, Point, &str)> = layers()
+            .filter_map(|(one, layer)| match layer {
+                Layer::Names(list) => Some(list.iter().map(move |(p, name)| (one, *p, name))),
+                _ => None,
+            })
+            .flatten()
+            .map(|(one, point, name)| (one, frame.place(point), name.as_str()))
+            .collect();
+        if names.is_empty() {
+            return;
+        }
+        let signs: Vec<Area> = layers()
+            .filter_map(|(_, layer)| match layer {
+                Layer::Markers(p) | Layer::Rings(p) => Some(p),
+                _ => None,
+            })
+            .flatten()
+            .map(|&point| Area::around(frame.place(point), 1.6 * SIGN))
+            .collect();
+        let height = 1.25 * LABEL_SIZE;
+        let words: Vec<(Point, [f64; 2])> = names
+            .iter()
+            .map(|&(_, at, name)| (at, [font::width(name, LABEL_SIZE, false), height]))
+            .collect();
+        let (left, top) = (frame.left, frame.top);
+        let inside = Area { left, top, right: frame.right(), bottom: frame.bottom() };
+        svg.open("names");
+        let placed = names::place(&words, &signs, inside);
+        for (placed, _) in placed.iter().zip(&names) {
+            if let Some([from, to]) = placed.leader {
+                svg.line(from, to, Stroke::new(Colour::GREY, 0.7));
+            }
+        }
+        // What lies below shines through, and no more.
+        let veil = Some(Fill::new(Colour::WHITE).opacity(0.75));
+        for (placed, (_, size)) in placed.iter().zip(&words) {
+            let [left, middle] = placed.at;
+            svg.rect([left, middle - 0.5 * size[1]], *size, veil, None);
+        }
+        for (placed, (_, _, name)) in placed.iter().zip(&names) {
+            svg.text(placed.at, &Text::new(name, LABEL_SIZE));
+        }
+        svg.close();
     }
 }
 
+/// Size of signs in px.
+const SIGN: f64 = 3.6;
 const LINE: f64 = 1.6;
 const DASH: &str = "5 4";
 
@@ -355,9 +416,17 @@ impl Series {
             Layer::Markers(p) => {
                 for at in at(p) {
                     let rim = Some(Stroke::new(Colour::WHITE, 0.8));
-                    marker::draw(svg, self.marker, at, 3.6, Fill::new(self.colour), rim);
+                    marker::draw(svg, self.marker, at, SIGN, Fill::new(self.colour), rim);
                 }
             }
+            Layer::Rings(p) => {
+                for at in at(p) {
+                    let rim = Some(Stroke::new(self.colour, LINE));
+                    marker::draw(svg, self.marker, at, SIGN, Fill::new(Colour::WHITE), rim);
+                }
+            }
+            // Drawn when all else is.
+            Layer::Names(_) => {}
             Layer::Dots(p) => {
                 for at in at(p) {
                     svg.circle(at, 1.7, Some(Fill::new(self.colour).opacity(0.35)), None);
@@ -398,8 +467,12 @@ impl Series {
                 Layer::Line(_) => Swatch::Line(Stroke::new(self.colour, LINE)),
                 Layer::Dashed(_) => Swatch::Line(Stroke::new(self.colour, 1.2).dash(DASH)),
                 Layer::Markers(_) => Swatch::Marker(self.marker, Fill::new(self.colour), rim),
+                Layer::Rings(_) => {
+                    let rim = Some(Stroke::new(self.colour, LINE));
+                    Swatch::Marker(self.marker, Fill::new(Colour::WHITE), rim)
+                }
                 Layer::Columns(_) => Swatch::Area(Fill::new(self.colour), None),
-                Layer::Dots(_) | Layer::Errors(_) => continue,
+                Layer::Dots(_) | Layer::Errors(_) | Layer::Names(_) => continue,
             });
         }
         Some(Entry { label: self.label.clone(), swatches })

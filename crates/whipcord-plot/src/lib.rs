@@ -2,7 +2,7 @@
 //!
 //! [`robot_figure`] draws a robot in space with three orthogonal views, [`overlay_figure`] over a
 //! photograph; [`distance_chart`],
-//! [`timing_chart`] and [`accuracy_chart`] draw tables, and [`Chart`] is what they are made with.
+//! [`timing_chart`], [`accuracy_chart`] and [`pareto_chart`] draw tables, and [`Chart`] is what they are made with.
 //! Each returns an SVG document, which [`png`] turns into pixels. Input is in SI units; pictures
 //! show mm. The same input gives the same bytes on every machine.
 //!
@@ -22,8 +22,10 @@ mod font;
 mod legend;
 mod load_marks;
 mod marker;
+mod names;
 mod orthogonal;
 mod overlay;
+mod pareto;
 mod png;
 mod projection;
 mod robot_figure;
@@ -45,6 +47,7 @@ pub use ellipsoid::{Ellipsoid, Quantity};
 pub use error::PlotError;
 pub use marker::Marker;
 pub use overlay::{OverlayOptions, Photograph, overlay_figure};
+pub use pareto::{ParetoSeries, pareto_chart};
 pub use png::png;
 pub use robot_figure::{
     CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, label, robot_figure,

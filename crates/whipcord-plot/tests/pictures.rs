@@ -17,9 +17,9 @@ use whipcord::{
     Profile, Robot, Routing, Section, UnitQuaternion, Vec3,
 };
 use whipcord_plot::{
-    AccuracySeries, Acting, AxisSpec, Chart, DistanceSeries, Ellipsoid, FigureOptions, Layer,
-    PlotError, Quantity, RobotView, Scale, Series, TimingSeries, ViewStyle, accuracy_chart,
-    distance_chart, png, robot_figure, timing_chart,
+    AccuracySeries, Acting, AxisSpec, Chart, Colour, DistanceSeries, Ellipsoid, FigureOptions,
+    Layer, Marker, ParetoSeries, PlotError, Quantity, RobotView, Scale, Series, TimingSeries,
+    ViewStyle, accuracy_chart, distance_chart, pareto_chart, png, robot_figure, timing_chart,
 };
 
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
@@ -369,6 +369,37 @@ fn errors_of_zero_are_drawn_at_rounding() {
     let svg = accuracy_chart("Accuracy", &[series], &[2, 4]).unwrap();
     check(&svg);
     assert_eq!(legend(&svg), ["a", "slope −2", "slope −4"]);
+}
+
+fn models(count: usize, spread: f64) -> Vec<ParetoSeries> {
+    let case = |i: usize, k: usize| {
+        let at = (i * 7 % count) as f64 + 0.3 * k as f64;
+        [2e-6 * (1.0 + spread * at), 1e-2 / (1.0 + spread * (i as f64 + 0.2 * k as f64))]
+    };
+    let one = |i: usize| ParetoSeries {
+        label: format!("a model of rods, number {i}"),
+        cases: (0..5).map(|k| case(i, k)).collect(),
+        look: (Colour::nth(i / 2), Marker::nth(i / 2)),
+        hollow: i % 2 == 1,
+    };
+    (0..count).map(one).collect()
+}
+
+#[test]
+fn names_of_models_lie_apart_however_close_the_models_are() {
+    for spread in [0.0, 0.05, 1.0, 20.0] {
+        for count in [1, 2, 12] {
+            let svg = pareto_chart("Error against time", &models(count, spread)).unwrap();
+            check(&svg);
+            assert_eq!(svg.matches("a model of rods").count(), count, "{spread}");
+        }
+    }
+    // What is exact is drawn at rounding.
+    let exact = ParetoSeries { cases: vec![[1e-6, 0.0]], ..models(1, 1.0).remove(0) };
+    check(&pareto_chart("", &[exact]).unwrap());
+    let timeless = ParetoSeries { cases: vec![[0.0, 0.1]], ..models(1, 1.0).remove(0) };
+    assert!(matches!(pareto_chart("", &[timeless]), Err(PlotError::NotPositive { .. })));
+    assert!(matches!(pareto_chart("", &[]), Err(PlotError::Empty { .. })));
 }
 
 #[test]
