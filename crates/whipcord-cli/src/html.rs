@@ -19,6 +19,13 @@ impl Figure {
     }
 }
 
+/// Notes, one below the other; nothing of none.
+pub fn list<'a>(items: impl IntoIterator<Item = &'a String>) -> String {
+    let items: String =
+        items.into_iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect();
+    if items.is_empty() { items } else { format!("<ul class=\"notes\">\n{items}</ul>\n") }
+}
+
 /// What a report ends with.
 pub fn footer() -> String {
     format!(

@@ -18,9 +18,11 @@ mod rubbing;
 mod statistics;
 mod steps;
 mod style;
+mod suite;
 mod superposition;
 mod table;
 mod timing;
+mod trial;
 mod verbs;
 mod words;
 

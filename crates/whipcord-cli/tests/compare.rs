@@ -7,10 +7,13 @@ mod support;
 use std::path::Path;
 
 use support::{Scratch, fail, pushed_rod, robot, settings, succeed};
-use whipcord::ModelKind;
+use whipcord::{Drive, ModelKind};
 
-/// Of a case that the four-bar model takes: each model once, and that one again with the lengths of another.
-const RUNS: usize = ModelKind::ALL.len() + 1;
+/// Of a case that all models take: each once, and the geometric ones again with the lengths of another.
+fn runs() -> usize {
+    let geometric = |kind: &&ModelKind| kind.natural_drive() == Drive::Shortening;
+    ModelKind::ALL.len() + ModelKind::ALL.iter().filter(geometric).count()
+}
 
 fn files(folder: &Path, extension: &str) -> Vec<std::path::PathBuf> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
@@ -50,14 +53,15 @@ fn the_papers_table_is_solved_drawn_and_written() {
     settings(Some(&out)).bind(|| insta::assert_snapshot!("table1", text));
 
     let csv = files(&out, "csv");
-    assert_eq!(csv.len(), 3 + 4 * 3);
+    assert_eq!(csv.len(), 4 + 4 * 3);
     for path in &csv {
         let rows = rows(&std::fs::read_to_string(path).unwrap());
         assert!(rows.len() > 1 && rows.iter().all(|row| row.len() == rows[0].len()));
         assert!(rows.iter().flatten().all(|cell| !["NaN", "inf"].contains(&cell.as_str())));
     }
     let cases = rows(&std::fs::read_to_string(out.join("cases.csv")).unwrap());
-    assert_eq!(cases.len(), 1 + 4 * RUNS);
+    // One arc takes the straight cable alone.
+    assert_eq!(cases.len(), 1 + 4 * runs() - 3);
     let rms = cases[0].iter().position(|name| name == "rms_to_first_model").unwrap();
     for row in cases.iter().filter(|row| row[4] == "cosserat-shape") {
         let rms: f64 = row[rms].parse().unwrap();
@@ -65,7 +69,7 @@ fn the_papers_table_is_solved_drawn_and_written() {
     }
 
     let (svg, png) = (files(&out, "svg"), files(&out, "png"));
-    assert_eq!((svg.len(), png.len()), (8, 8));
+    assert_eq!((svg.len(), png.len()), (9, 9));
     for path in png {
         let image = resvg::tiny_skia::Pixmap::decode_png(&std::fs::read(&path).unwrap()).unwrap();
         let first = image.pixels()[0];
@@ -90,7 +94,7 @@ fn the_report_needs_no_other_file_and_no_network() {
         rest = rest.replace(namespace, "");
     }
     assert!(!rest.contains("http://") && !rest.contains("https://"));
-    assert_eq!(html.matches("<svg").count(), 2);
+    assert_eq!(html.matches("<svg").count(), 3);
     for words in ["not public", "Mahapatra", "from hole to hole", "10.07 s", "prefers-color-scheme"]
     {
         assert!(html.contains(words), "the report does not say {words}");
@@ -123,7 +127,10 @@ fn what_the_robot_leaves_is_marked() {
         .iter()
         .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
         .collect();
-    assert_eq!(names, ["cases.csv", "distances.csv", "rod-disks.csv", "rod-stations.csv"]);
+    assert_eq!(
+        names,
+        ["accuracy.csv", "cases.csv", "distances.csv", "rod-disks.csv", "rod-stations.csv"]
+    );
 }
 
 #[test]
@@ -147,7 +154,7 @@ fn cases_of_one_title_and_name_are_told_apart() {
     succeed(&["compare", &files[0], &files[1], &files[2], "--out", &out]);
     let stems = ["case", "case-3", "case-2"];
     // The runs of each case, and the pairs of them.
-    for (name, of_each) in [("cases.csv", RUNS), ("distances.csv", RUNS * (RUNS - 1) / 2)] {
+    for (name, of_each) in [("cases.csv", runs()), ("distances.csv", runs() * (runs() - 1) / 2)] {
         let rows = rows(&std::fs::read_to_string(Path::new(&out).join(name)).unwrap());
         assert_eq!(rows[0][..3], ["case", "file", "stem"]);
         assert_eq!(rows.len(), 1 + 3 * of_each);
@@ -169,7 +176,7 @@ fn measured_disks_are_compared_with() {
     let text = robot("tension = \"400 gf\"\n[measured]\ndisks = \"disks.csv\"");
     let file = scratch.write("measured.toml", &text);
     let out = scratch.file("report");
-    let text = succeed(&["compare", &file, "--out", &out]);
+    let text = succeed(&["compare", &file, "--out", &out, "--model", "cosserat"]);
     assert!(text.contains("to measured"));
     let cases = rows(&std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap());
     let column = cases[0].iter().position(|name| name == "rms_to_measured").unwrap();
@@ -183,7 +190,7 @@ fn measured(scratch: &Scratch, lines: &str, table: &str) -> (f64, String) {
     let text = format!("tension = \"400 gf\"\n[measured]\ndisks = \"seen.csv\"\n{lines}");
     let file = scratch.write("moved.toml", &robot(&text));
     let out = scratch.file("report");
-    let text = succeed(&["compare", &file, "--out", &out]);
+    let text = succeed(&["compare", &file, "--out", &out, "--model", "cosserat"]);
     let cases = rows(&std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap());
     let column = cases[0].iter().position(|name| name == "rms_to_measured").unwrap();
     (cases[1][column].parse().unwrap_or(f64::INFINITY), text)
@@ -276,4 +283,108 @@ fn bad_input_has_status_2() {
     let file = scratch.write("file", "");
     let message = fail(2, &["compare", "examples/table1", "--out", &file]);
     assert!(message.contains("cannot create"), "{message}");
+}
+
+fn json(args: &[&str]) -> serde_json::Value {
+    serde_json::from_str(&succeed(args)).unwrap()
+}
+
+#[test]
+fn accuracy_is_told_in_json_and_csv_alike() {
+    let scratch = Scratch::new();
+    let (out, plot) = (scratch.file("report"), scratch.file("error-over-time.svg"));
+    let args = ["compare", "examples/table1/case-3.toml", "--out", &out, "--plot", &plot, "--json"];
+    let object = json(&[&args[..], &["--reference", "cosserat:fine"]].concat());
+    let case = &object["cases"][0];
+    assert_eq!((&case["sections"], &case["length"]), (&9.into(), &0.18.into()));
+    assert_eq!(case["reference"]["model"], "cosserat");
+    assert!(case["reference"]["uncertainty"].as_f64().unwrap() < 1e-9);
+    let of = |model: &str, variant: &str| {
+        let runs = case["runs"].as_array().unwrap();
+        let run = runs.iter().find(|run| run["model"] == model && run["variant"] == variant);
+        run.unwrap().clone()
+    };
+    let error = |run: &serde_json::Value| run["error"]["rms"].as_f64().unwrap();
+    assert!(error(&of("cosserat", "usual")) < 1e-9);
+    // What the table has as the distance to the Cosserat model.
+    assert!((error(&of("cosserat-disks", "usual")) - 0.97e-3).abs() < 5e-6);
+    let four_bar = of("four-bar", "usual");
+    assert!((error(&four_bar) - 2.88e-3).abs() < 5e-6);
+    assert_eq!(four_bar["commands"], "reference");
+    assert!(of("constant-curvature", "usual")["failure"].as_str().unwrap().contains("parallel"));
+    let topics: Vec<&str> = object["verdict"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|finding| finding["topic"].as_str().unwrap())
+        .collect();
+    let first = ["control", "design", "unknown-material", "many-sections"];
+    assert_eq!((&topics[..4], &topics[4..]), (&first[..], &["paper"; 3][..]));
+    assert_eq!(object["with_many_sections"][0]["sections"], 100);
+
+    let table = rows(&std::fs::read_to_string(Path::new(&out).join("accuracy.csv")).unwrap());
+    let column = |name: &str| table[0].iter().position(|cell| cell == name).unwrap();
+    let row = table.iter().find(|row| row[column("model")] == "four-bar").unwrap();
+    assert_eq!(row[column("rms")].parse::<f64>().unwrap(), error(&four_bar));
+    let svg = std::fs::read_to_string(&plot).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("four-bar, strain energy"));
+}
+
+#[test]
+fn models_and_references_are_chosen() {
+    let scratch = Scratch::new();
+    let out = scratch.file("report");
+    scratch.write("disks.csv", "disk,x,y,z\n1,0,0,0\n5,0,0.02,0.07\n10,0,0.1,0.13\n");
+    let lines = "tension = \"400 gf\"\nshortening = \"5.7 %\"\n[measured]\ndisks = \"disks.csv\"";
+    let file = scratch.write("measured.toml", &robot(lines));
+    let args = ["compare", &file, "--out", &out, "--json", "--model", "four-bar"];
+    let object = json(&args);
+    let runs = object["cases"][0]["runs"].as_array().unwrap();
+    assert!(runs.iter().all(|run| run["model"] == "four-bar" && run["commands"] == "case"));
+    assert_eq!(object["cases"][0]["reference"]["name"], "what was measured");
+    // As in the table of all answers.
+    let cases = rows(&std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap());
+    let column = cases[0].iter().position(|name| name == "rms_to_measured").unwrap();
+    let rms: f64 = cases[1][column].parse().unwrap();
+    assert!((runs[0]["error"]["rms"].as_f64().unwrap() - rms).abs() < 1e-12);
+
+    let object = json(&[&args[..], &["--reference", "cosserat"]].concat());
+    assert_eq!(object["cases"][0]["reference"]["name"], "cosserat");
+    let bare = scratch.write("bare.toml", &robot("shortening = \"5.7 %\""));
+    let text = succeed(&["compare", &bare, "--out", &out, "--reference", "measured"]);
+    assert!(text.contains("no reference: measured") && !text.contains("Which model"), "{text}");
+    let message = fail(2, &["compare", &bare, "--out", &out, "--reference", "four-bar:fine"]);
+    assert!(message.contains("four-bar has no resolution to refine"), "{message}");
+    let message = fail(2, &["compare", &bare, "--out", &out, "--plot", &bare]);
+    assert!(message.contains("is read: write to another file"), "{message}");
+}
+
+#[test]
+fn a_suite_is_listed_written_and_tried() {
+    let scratch = Scratch::new();
+    let text = succeed(&["compare", "--suite", "routing", "--list"]);
+    assert_eq!(text.lines().count(), 2 + 140);
+    let folder = scratch.file("suite");
+    let text = succeed(&["compare", "--suite", "routing", "--write", &folder]);
+    assert!(text.starts_with("140 robot files"), "{text}");
+    let file = format!("{folder}/crossing-9-90-loaded.toml");
+    let text = succeed(&["check", &file]);
+    assert!(text.contains("crossing, 9 sections, 90°, loaded"), "{text}");
+
+    let out = scratch.file("report");
+    let args = ["compare", "--suite", "routing", "--out", &out];
+    // The one arc takes the straight cables without a load alone, and takes no time.
+    let chosen = ["--model", "constant-curvature", "--reference", "cosserat"];
+    let text = succeed(&[&args[..], &chosen[..]].concat());
+    let row = text.lines().find(|line| line.starts_with("constant-curvature")).unwrap();
+    assert!(row.contains(" 20/140 "), "{text}");
+    assert!(text.contains("a cable that does not run parallel"), "{text}");
+    let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    for words in
+        ["by routing", "by bending", "S-shaped", "Case by case", "<svg", "Material unknown"]
+    {
+        assert!(html.contains(words), "the report does not say {words}");
+    }
+    fail(2, &["compare", "examples/table1", "--suite", "routing"]);
+    fail(2, &["compare", "examples/table1", "--list"]);
 }

@@ -2,10 +2,7 @@
 
 use std::hint::black_box;
 
-use whipcord::cosserat::{self, Accuracy};
-use whipcord::{
-    Drive, Model, ModelKind, Robot, SolveError, Statics as _, Stations, cosserat_disks,
-};
+use whipcord::{Drive, Model, ModelKind, Robot, SolveError, Statics as _, Stations};
 
 use super::Samples;
 use thiserror::Error;
@@ -14,6 +11,7 @@ use super::paper::Example;
 use super::resample::resample;
 use crate::failure::refuses;
 use crate::statistics::Line;
+use crate::trial::contender::step_per_section;
 
 /// Numbers of sections: six from 5 to 320, about equally far apart on a logarithmic axis.
 pub const SECTIONS: [usize; 6] = [5, 10, 20, 50, 125, 320];
@@ -47,24 +45,9 @@ pub enum Untimed {
     },
 }
 
-/// The model as the paper times it: one integration step for each section of the Cosserat rod, and
-/// nothing computed that the shape does not need.
+/// The model as the paper times it.
 fn model(kind: ModelKind, sections: usize) -> Model {
-    match kind {
-        ModelKind::Cosserat => Model::Cosserat(cosserat::Options {
-            accuracy: Accuracy::Steps(sections),
-            stability: false,
-            ..Default::default()
-        }),
-        ModelKind::CosseratDisks => Model::CosseratDisks(cosserat_disks::Options {
-            accuracy: Accuracy::Steps(sections),
-            stability: false,
-            ..Default::default()
-        }),
-        ModelKind::FourBar | ModelKind::ConstantCurvature => {
-            Model::new(kind, Stations::Disks, Drive::Natural)
-        }
-    }
+    step_per_section(Model::new(kind, Stations::Disks, Drive::Natural), sections)
 }
 
 /// Why a model does not solve an example as it is; then it is not to be cut into other sections.

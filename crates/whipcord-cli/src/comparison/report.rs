@@ -2,13 +2,18 @@
 
 use super::study::{Commands, Study};
 use super::tables;
-use crate::html::{Figure, escape, footer, page};
+use crate::html::{Figure, escape, footer, list, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
 use crate::words::{describe, instability};
 
-/// The report of these cases with the figures of each.
-pub fn html(studies: &[Study], figures: &[Vec<Figure>], passed_over: &[String]) -> String {
+/// The report of these cases with the figures of each; `accuracy` is the section about all of them.
+pub fn html(
+    studies: &[Study],
+    figures: &[Vec<Figure>],
+    accuracy: &str,
+    passed_over: &[String],
+) -> String {
     let mut body = String::from("<h1>Models side by side</h1>\n");
     body += &tables::summary(studies).html();
     body += &list(tables::notes(studies).iter().chain(passed_over));
@@ -24,6 +29,7 @@ pub fn html(studies: &[Study], figures: &[Vec<Figure>], passed_over: &[String]) 
         }
         body += "</ul></nav>\n";
     }
+    body += accuracy;
     for (i, (study, figures)) in studies.iter().zip(figures).enumerate() {
         body += &section(i + 1, study, figures);
     }
@@ -55,7 +61,7 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
         html += "<h3>Cables</h3>\n";
         html += &cables.html();
     }
-    html += &list(case_notes(study).iter());
+    html += &list(&case_notes(study));
     html + "</section>\n"
 }
 
@@ -163,9 +169,4 @@ fn case_notes(study: &Study) -> Vec<String> {
         ));
     }
     notes
-}
-
-fn list<'a>(items: impl Iterator<Item = &'a String>) -> String {
-    let items: String = items.map(|item| format!("<li>{}</li>\n", escape(item))).collect();
-    if items.is_empty() { items } else { format!("<ul class=\"notes\">\n{items}</ul>\n") }
 }

@@ -1,12 +1,10 @@
 //! One case solved by every model that can take it.
 
 use whipcord::observation::{Distances, Incomparable, distances};
-use whipcord::{
-    CableCommand, Case, Drive, Model, ModelKind, Robot, Shape, Shortening, Solution, SolveError,
-    Stations, Vec3,
-};
+use whipcord::{Case, Drive, Model, ModelKind, Robot, Shape, Solution, SolveError, Stations, Vec3};
 
 use crate::timing::{self, TimedSolution, Timing};
+use crate::trial::like_for_like;
 use crate::words::driven_by;
 use whipcord_io::{CaseFile, Measured};
 use whipcord_plot::FINE_STATIONS;
@@ -76,6 +74,11 @@ impl Run {
         self.outcome.as_ref().is_ok_and(|solved| solved.solution.diagnostics.is_unstable())
     }
 
+    /// Whether the model cannot take the robot or the case, whatever the commands.
+    fn is_refused(&self) -> bool {
+        matches!(self.outcome, Err(SolveError::Unsupported { .. }))
+    }
+
     /// `four-bar (Cosserat's shortening)`
     pub fn label(&self) -> String {
         match self.commands {
@@ -86,15 +89,25 @@ impl Run {
 }
 
 impl Study {
-    /// Solves the case with every model.
-    pub fn new(file: CaseFile, stem: String) -> Self {
+    /// Solves the case with these models.
+    pub fn new(file: CaseFile, stem: String, kinds: &[ModelKind]) -> Self {
         let CaseFile { robot, case, measured, .. } = &file;
         let run = |kind, case, commands| run(kind, robot, case, commands, measured.as_ref());
         let mut runs: Vec<Run> =
-            ModelKind::ALL.into_iter().map(|kind| run(kind, case, Commands::File)).collect();
-        if let Some(case) = like_for_like(robot, &runs) {
-            runs.push(run(ModelKind::FourBar, &case, Commands::CosseratShape));
-        }
+            kinds.iter().map(|&kind| run(kind, case, Commands::File)).collect();
+        // Of geometric models, which take their lengths alone from the case.
+        let geometric = kinds
+            .iter()
+            .copied()
+            .filter(|kind| kind.natural_drive() == Drive::Shortening)
+            .filter(|kind| !runs.iter().any(|run| run.model == *kind && run.is_refused()));
+        let like = geometric
+            .filter_map(|kind| Some((kind, like_for_like(robot, case, cosserat(&runs)?)?)))
+            .map(|(kind, case)| {
+                self::run(kind, robot, &case, Commands::CosseratShape, measured.as_ref())
+            })
+            .collect::<Vec<_>>();
+        runs.extend(like);
         Self { file, stem, runs }
     }
 
@@ -144,27 +157,8 @@ fn run(
     Run { model: kind, commands, driven_by: driven_by(kind, Drive::Natural, case), outcome }
 }
 
-/// The case in which every cable has, from hole to hole, the length that it has over the Cosserat
-/// model's shape. `None` when there are no cables, when that has no shape, when the four-bar model
-/// cannot take the robot or its loads, or when a cable ends between two disks.
-fn like_for_like(robot: &Robot, runs: &[Run]) -> Option<Case> {
-    if robot.cables().is_empty() {
-        return None;
-    }
-    let outcome = |model| runs.iter().find(|run| run.model == model).map(|run| &run.outcome);
-    if let Err(SolveError::Unsupported { .. }) = outcome(ModelKind::FourBar)? {
-        return None;
-    }
-    let bent = &outcome(ModelKind::Cosserat)?.as_ref().ok()?.solution.disks;
-    let straight = Shape::straight(&robot.disks().arc_lengths);
-    let commands: Option<Vec<CableCommand>> = robot
-        .routes()
-        .iter()
-        .map(|route| {
-            let initial = straight.hole_to_hole_length(route)?;
-            let shortening = Shortening::Fraction(1.0 - bent.hole_to_hole_length(route)? / initial);
-            Some(CableCommand { tension: None, shortening: Some(shortening) })
-        })
-        .collect();
-    Some(Case { commands: commands?, ..Case::default() })
+/// The Cosserat model's answer.
+fn cosserat(runs: &[Run]) -> Option<&Solution> {
+    let run = runs.iter().find(|run| run.model == ModelKind::Cosserat)?;
+    Some(&run.outcome.as_ref().ok()?.solution)
 }

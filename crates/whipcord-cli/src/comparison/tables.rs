@@ -110,7 +110,7 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
     let like_for_like = |run: &Run| run.commands == Commands::CosseratShape;
     if studies.iter().any(|s| s.runs.iter().any(like_for_like)) {
         notes.push(String::from(
-            "\"(Cosserat's)\": the four-bar model with the cable lengths, from hole to hole, of the Cosserat shape, so that the models are compared like for like.",
+            "\"(Cosserat's)\": a geometric model with the cable lengths, from hole to hole, of the Cosserat shape, so that the models are compared like for like.",
         ));
     }
     if studies.iter().flat_map(|study| &study.runs).any(Run::is_unstable) {

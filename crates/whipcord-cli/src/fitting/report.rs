@@ -1,7 +1,7 @@
 //! The report: one HTML file that needs no other and no network.
 
 use super::{Fit, tables};
-use crate::html::{Figure, escape, footer, page};
+use crate::html::{Figure, escape, footer, list, page};
 
 /// The report of a fit with its figures.
 pub fn html(fit: &Fit, figures: &[Figure]) -> String {
@@ -13,14 +13,7 @@ pub fn html(fit: &Fit, figures: &[Figure]) -> String {
     }
     body += "</ul>\n<h2>Estimates</h2>\n";
     body += &tables::estimates(fit).html();
-    let notes = tables::notes(fit);
-    if !notes.is_empty() {
-        body += "<ul class=\"notes\">\n";
-        for note in notes {
-            body += &format!("<li>{}</li>\n", escape(&note));
-        }
-        body += "</ul>\n";
-    }
+    body += &list(&tables::notes(fit));
     body += "<h2>Correlations</h2>\n";
     body += &tables::correlations(fit).html();
     for (title, table) in

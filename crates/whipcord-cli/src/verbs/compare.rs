@@ -1,76 +1,151 @@
-//! `whipcord compare`: every case with every model that can take it, side by side.
+//! `whipcord compare`: every case with every model that can take it, side by side, and which to use for what.
 
 use std::num::NonZero;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use clap::Args;
+use whipcord::ModelKind;
 
 use crate::comparison::figures::figures;
 use crate::comparison::study::Study;
 use crate::comparison::{csv, report, tables};
 use crate::failure::Failure;
-use crate::files::{Folder, unique_names};
-use crate::html::Figure;
+use crate::files::{self, Folder, picture, plot_failure, unique_names, write};
+use crate::html::{Figure, page};
 use crate::inputs::Inputs;
 use crate::progress;
 use crate::style::Style;
+use crate::suite::{self, Suite, SuiteCase};
+use crate::trial::results::Results;
+use crate::trial::yardstick::Choice;
+use crate::trial::{self, Subject};
+use crate::verbs::solve::model_parser;
 
-/// Solve every case with every model that can take it and put the answers side by side
+/// Solve every case with every model that can take it, put the answers side by side, and say which model to use
+/// for what
 ///
-/// Prints one table, and writes a self-contained HTML report, the figures as SVG and PNG, and every
-/// number as CSV.
+/// Prints the answers of the models, how far each is from a reference, how long it takes, and a verdict in words;
+/// and writes a self-contained HTML report, the figures as SVG and PNG, and every number as CSV.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     /// Robot files, or folders of them
-    #[arg(required = true)]
+    #[arg(required_unless_present = "suite", conflicts_with = "suite")]
     files: Vec<PathBuf>,
+    /// Models; all of them by default
+    #[arg(long = "model", value_name = "NAME", value_parser = model_parser())]
+    models: Vec<ModelKind>,
+    /// What errors are measured against: a model, NAME or NAME:fine for fine resolution; `measured`, what [measured]
+    /// of the file names; or `trusted`: what was measured, without it cosserat-disks:fine where the file gives the
+    /// holes that cables run through, else cosserat:fine
+    #[arg(long, value_name = "MODEL[:fine]", default_value = "trusted")]
+    reference: Choice,
+    /// Cases that the program brings along instead of files
+    #[arg(long, value_enum)]
+    suite: Option<Suite>,
+    /// Print the cases of the suite and solve none
+    #[arg(long)]
+    list: bool,
+    /// Write the cases of the suite as robot files and solve none
+    #[arg(long, value_name = "DIR", conflicts_with = "list")]
+    write: Option<PathBuf>,
+    /// Print every model on every case, too
+    #[arg(long)]
+    rows: bool,
+    /// Draw error against time to a file, SVG or PNG by its name
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
     /// Folder for report, figures and CSV
     #[arg(long, value_name = "DIR", default_value = "whipcord-report")]
     out: PathBuf,
 }
 
-/// Solves, writes the files, and returns the table.
+/// Solves, writes the files, and returns what standard output shows.
 pub fn run(args: &CompareArgs, style: Style) -> Result<String, Failure> {
+    match args.suite {
+        Some(suite) => run_suite(args, suite, style),
+        None if args.list || args.write.is_some() => Err(Failure::Input(String::from(
+            "error: --list and --write are for the cases of a --suite",
+        ))),
+        None => run_files(args, style),
+    }
+}
+
+fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, Failure> {
+    let cases = suite.cases().map_err(|error| Failure::Input(format!("error: {error}")))?;
+    if args.list {
+        return Ok(suite::list(&cases).text(style));
+    }
+    if let Some(path) = &args.write {
+        return write_suite(path, &cases);
+    }
+    // As on a real robot, which the holes that a file lists would say.
+    let reference = match args.reference {
+        Choice::Trusted => Choice::Model { kind: ModelKind::CosseratDisks, fine: true },
+        choice => choice,
+    };
+    let subjects: Vec<Subject> = cases.iter().map(SuiteCase::subject).collect();
+    let progress = progress::bar(subjects.len());
+    let results = Results::of(&subjects, &kinds(args), reference, |title| {
+        progress.set_message(title.to_owned());
+        progress.inc(1);
+    });
+    progress.finish_and_clear();
+    let folder = Folder::create(&args.out)?;
+    let (accuracy, text) = accuracy(args, &folder, &results, style)?;
+    let body = format!("<h1>Models on trial</h1>\n{accuracy}{}", crate::html::footer());
+    folder.write("report.html", &page("Whipcord: models on trial", &body))?;
+    finish(args, &results, text, &folder)
+}
+
+fn write_suite(path: &Path, cases: &[SuiteCase]) -> Result<String, Failure> {
+    let folder = Folder::create(path)?;
+    for case in cases {
+        let text = case.file().map_err(|error| Failure::Input(format!("error: {error}")))?;
+        folder.write(&format!("{}.toml", case.stem), &text)?;
+    }
+    Ok(format!("{} robot files: {}\n", cases.len(), path.display()))
+}
+
+fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     let Inputs { cases, notes: passed_over } = Inputs::read(&args.files)?;
+    if let Some(path) = &args.plot {
+        files::keep(path, cases.iter().flat_map(|case| case.files()))?;
+    }
     let stems = unique_names(cases.iter().map(|case| case.path.as_path()));
-    let progress = progress::bar(cases.len());
+    let progress = progress::bar(2 * cases.len());
+    let kinds = kinds(args);
     let studies: Vec<Study> = cases
         .into_iter()
         .zip(stems)
         .map(|(case, stem)| {
             progress.set_message(case.title.clone());
-            let study = Study::new(case, stem);
+            let study = Study::new(case, stem, &kinds);
             progress.inc(1);
             study
         })
         .collect();
-    progress.finish_and_clear();
-
     let unsolved = unsolved(&studies);
     if studies.iter().all(|study| study.reference().is_none()) {
+        progress.finish_and_clear();
         return Err(Failure::Solve(unsolved.trim_end().to_owned()));
     }
+    let subjects: Vec<Subject> = studies.iter().map(subject).collect();
+    let results = Results::of(&subjects, &kinds, args.reference, |title| {
+        progress.set_message(title.to_owned());
+        progress.inc(1);
+    });
+    progress.finish_and_clear();
 
     let folder = Folder::create(&args.out)?;
     let figures = write_figures(&folder, &studies)?;
-    for study in studies.iter().filter(|study| study.reference().is_some()) {
-        let stem = &study.stem;
-        folder.write_table(&format!("{stem}-disks.csv"), &csv::disks(study))?;
-        folder.write_table(&format!("{stem}-stations.csv"), &csv::stations(study))?;
-        if let Some(cables) = csv::cables(study) {
-            folder.write_table(&format!("{stem}-cables.csv"), &cables)?;
-        }
-    }
-    folder.write_table("cases.csv", &csv::summary(&studies))?;
-    if let Some(distances) = csv::distances(&studies) {
-        folder.write_table("distances.csv", &distances)?;
-    }
-    if let Some(reference) = csv::reference(&studies) {
-        folder.write_table("reference.csv", &reference)?;
-    }
-    folder.write("report.html", &report::html(&studies, &figures, &passed_over))?;
+    write_numbers(&folder, &studies)?;
+    let (accuracy, trials) = accuracy(args, &folder, &results, style)?;
+    folder.write("report.html", &report::html(&studies, &figures, &accuracy, &passed_over))?;
 
     if !unsolved.is_empty() {
         return Err(Failure::Solve(format!(
@@ -82,8 +157,85 @@ pub fn run(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     for note in tables::notes(&studies).iter().chain(&passed_over) {
         text += &format!("{note}\n");
     }
-    text += &format!("Report: {}\n", folder.path().join("report.html").display());
-    Ok(text)
+    text += &format!("\n{trials}");
+    finish(args, &results, text, &folder)
+}
+
+fn subject(study: &Study) -> Subject<'_> {
+    Subject {
+        title: &study.file.title,
+        stem: &study.stem,
+        robot: &study.file.robot,
+        case: &study.file.case,
+        measured: study.file.measured.as_ref(),
+        tags: None,
+    }
+}
+
+fn kinds(args: &CompareArgs) -> Vec<ModelKind> {
+    let wanted = |kind: &ModelKind| args.models.is_empty() || args.models.contains(kind);
+    ModelKind::ALL.into_iter().filter(wanted).collect()
+}
+
+/// Draws and writes what the trials gave; its part of the report, and its part of what is printed.
+fn accuracy(
+    args: &CompareArgs,
+    folder: &Folder,
+    results: &Results,
+    style: Style,
+) -> Result<(String, String), Failure> {
+    let pareto = trial::picture::pareto("Error against time", results)
+        .map_err(|error| plot_failure(folder.path(), &error))?;
+    if let Some(svg) = &pareto {
+        folder.write_figure("pareto", svg)?;
+        if let Some(path) = &args.plot {
+            write(path, &picture(svg, path)?)?;
+        }
+    }
+    folder.write_table("accuracy.csv", &trial::output::csv(results))?;
+    let figure = pareto.map(|svg| Figure {
+        name: "pareto",
+        caption: "Error, relative to the length of the backbone, against the time of a solve: each case as a dot, the medians of each model as its sign, hollow for a variant. Pale is what another model betters in both.".into(),
+        svg,
+    });
+    let html = trial::report::section(results, figure.as_ref());
+    let mut text = style.heading("Accuracy and time") + "\n\n";
+    text += &trial::tables::text(results, args.rows, style);
+    Ok((html, text))
+}
+
+/// What standard output shows.
+fn finish(
+    args: &CompareArgs,
+    results: &Results,
+    text: String,
+    folder: &Folder,
+) -> Result<String, Failure> {
+    if args.json {
+        let json = trial::output::json(results).map_err(|error| files::no_result(&error))?;
+        return Ok(format!("{json:#}\n"));
+    }
+    Ok(format!("{text}Report: {}\n", folder.path().join("report.html").display()))
+}
+
+/// The numbers of all cases, and of each that has an answer.
+fn write_numbers(folder: &Folder, studies: &[Study]) -> Result<(), Failure> {
+    for study in studies.iter().filter(|study| study.reference().is_some()) {
+        let stem = &study.stem;
+        folder.write_table(&format!("{stem}-disks.csv"), &csv::disks(study))?;
+        folder.write_table(&format!("{stem}-stations.csv"), &csv::stations(study))?;
+        if let Some(cables) = csv::cables(study) {
+            folder.write_table(&format!("{stem}-cables.csv"), &cables)?;
+        }
+    }
+    folder.write_table("cases.csv", &csv::summary(studies))?;
+    if let Some(distances) = csv::distances(studies) {
+        folder.write_table("distances.csv", &distances)?;
+    }
+    if let Some(reference) = csv::reference(studies) {
+        folder.write_table("reference.csv", &reference)?;
+    }
+    Ok(())
 }
 
 /// What the models say of the cases that none of them can solve.

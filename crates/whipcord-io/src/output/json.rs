@@ -95,17 +95,22 @@ fn diagnostics(diagnostics: &Diagnostics, solve_time: f64) -> Result<Value, NonF
     Ok(Value::Object(object))
 }
 
-pub(super) fn number(path: impl FnOnce() -> String, value: f64) -> Result<Value, NonFinite> {
+/// A number as JSON.
+///
+/// # Errors
+/// [`NonFinite`] with the path where it stands.
+pub fn number(path: impl FnOnce() -> String, value: f64) -> Result<Value, NonFinite> {
     match Number::from_f64(value) {
         Some(number) => Ok(Value::Number(number)),
         None => Err(NonFinite { path: path(), value }),
     }
 }
 
-pub(super) fn optional(
-    path: impl FnOnce() -> String,
-    value: Option<f64>,
-) -> Result<Value, NonFinite> {
+/// A number or null as JSON.
+///
+/// # Errors
+/// As [`number`].
+pub fn optional(path: impl FnOnce() -> String, value: Option<f64>) -> Result<Value, NonFinite> {
     value.map_or(Ok(Value::Null), |value| number(path, value))
 }
 

@@ -1,0 +1,90 @@
+//! Cases that the program brings along to try models on.
+
+mod routing;
+
+use clap::ValueEnum;
+use whipcord::{Case, Robot, RobotError};
+use whipcord_io::{Inexpressible, describe, toml};
+
+use crate::quantity::degrees;
+use crate::table::{Align, Table};
+use crate::trial::{Subject, Tags};
+
+/// A suite of cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Suite {
+    /// Straight, helical, S-shaped, converging and crossing cables; 5 to 100 sections; bent by 30° to 270°;
+    /// without and with a load
+    Routing,
+}
+
+/// A case of a suite.
+#[derive(Clone, Debug)]
+pub struct SuiteCase {
+    /// What its file is called.
+    pub stem: String,
+    /// For people.
+    pub title: String,
+    /// The robot.
+    pub robot: Robot,
+    /// What is asked of it.
+    pub case: Case,
+    /// What it stands for.
+    pub tags: Tags,
+}
+
+impl Suite {
+    /// Its cases.
+    ///
+    /// # Errors
+    /// None: the numbers are valid, as a test shows.
+    pub fn cases(self) -> Result<Vec<SuiteCase>, RobotError> {
+        match self {
+            Self::Routing => routing::cases(),
+        }
+    }
+}
+
+impl SuiteCase {
+    /// As the models are tried on it.
+    pub fn subject(&self) -> Subject<'_> {
+        Subject {
+            title: &self.title,
+            stem: &self.stem,
+            robot: &self.robot,
+            case: &self.case,
+            measured: None,
+            tags: Some(self.tags),
+        }
+    }
+
+    /// As a robot file.
+    ///
+    /// # Errors
+    /// None: what a suite is made of can be written, as a test shows.
+    pub fn file(&self) -> Result<String, Inexpressible> {
+        Ok(toml(&describe(Some(&self.title), &self.robot, &self.case)?))
+    }
+}
+
+/// What the cases are, one to a line.
+pub fn list(cases: &[SuiteCase]) -> Table {
+    let mut table = Table::new([
+        ("case", Align::Left),
+        ("routing", Align::Left),
+        ("sections", Align::Right),
+        ("bending", Align::Right),
+        ("load", Align::Left),
+    ]);
+    table.group();
+    for case in cases {
+        table.row(vec![
+            case.stem.clone(),
+            case.tags.routing.to_owned(),
+            (case.robot.disks().count() - 1).to_string(),
+            degrees(case.tags.bending),
+            if case.tags.loaded { "force at the tip" } else { "" }.to_owned(),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,240 @@
+//! Models on trial: how far each is from a reference, and how long it takes.
+
+pub mod contender;
+pub mod output;
+pub mod picture;
+pub mod report;
+pub mod results;
+pub mod standing;
+pub mod summary;
+pub mod tables;
+#[cfg(test)]
+mod tests;
+pub mod verdict;
+pub mod yardstick;
+
+use whipcord::{
+    CableCommand, Case, Drive, Pose, Robot, Shape, Shortening, Solution, SolveError, Stations,
+    at_rest,
+};
+use whipcord_io::Measured;
+
+use self::contender::Contender;
+use self::yardstick::{Choice, NoYardstick, Yardstick};
+use crate::timing::{self, Timing};
+use crate::words::driven_by;
+
+/// What the models are tried on.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// For people.
+    pub title: &'a str,
+    /// What tells it from others: what the names of its own result files begin with.
+    pub stem: &'a str,
+    /// The robot.
+    pub robot: &'a Robot,
+    /// What is asked of it.
+    pub case: &'a Case,
+    /// What the real one did.
+    pub measured: Option<&'a Measured>,
+    /// What it stands for in a suite.
+    pub tags: Option<Tags>,
+}
+
+/// What a case of a suite stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tags {
+    /// How its cables run.
+    pub routing: &'static str,
+    /// By how much it is bent, in rad, as the suite counts it.
+    pub bending: f64,
+    /// Whether it carries a load.
+    pub loaded: bool,
+}
+
+impl Subject<'_> {
+    /// Number of sections between disks.
+    pub fn sections(&self) -> usize {
+        self.robot.disks().count().saturating_sub(1)
+    }
+}
+
+/// One case, and how the models did on it.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// For people.
+    pub title: String,
+    /// What tells it from others.
+    pub stem: String,
+    /// Number of sections between disks.
+    pub sections: usize,
+    /// Length of the backbone in m.
+    pub length: f64,
+    /// What it stands for in a suite.
+    pub tags: Option<Tags>,
+    /// What is measured against, or why there is nothing.
+    pub yardstick: Result<Yardstick, NoYardstick>,
+    /// One for each contender.
+    pub entries: Vec<Entry>,
+}
+
+/// One contender on one case.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Who.
+    pub contender: Contender,
+    /// Where its commands come from.
+    pub commands: Commands,
+    /// What drove it, in words.
+    pub driven_by: String,
+    /// Its answer, or why there is none.
+    pub outcome: Result<Answer, SolveError>,
+    /// Whether it solves the robot without section, material and stiffness.
+    pub without_material: bool,
+}
+
+/// Where the commands of an entry come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Commands {
+    /// From the case.
+    Case,
+    /// The reference's own: its tensions, and what its cables lose from hole to hole. With them, what is left
+    /// between a model and the reference is their difference.
+    Reference,
+}
+
+/// What an entry is judged by.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// How far it is from the reference, or why that cannot be told, in words.
+    pub miss: Result<Miss, String>,
+    /// A cold solve by a model that is built; of several steps the last one.
+    pub solve: Timing,
+    /// Building the model, once for a robot.
+    pub build: Timing,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Steps or sections.
+    pub steps: usize,
+    /// Whether the robot leaves this shape.
+    pub unstable: bool,
+}
+
+/// Distances in m from the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Miss {
+    /// Root mean square over the disks without the base, or over the markers.
+    pub rms: f64,
+    /// The greatest.
+    pub greatest: f64,
+    /// Of the tip; `None` where it was not measured.
+    pub tip: Option<f64>,
+}
+
+impl Trial {
+    /// Tries all contenders on a case.
+    pub fn new(subject: &Subject, contenders: &[Contender], choice: Choice) -> Self {
+        let yardstick = Yardstick::new(subject, choice);
+        let reference = yardstick.as_ref().ok();
+        let like = reference.and_then(|yardstick| {
+            like_for_like(subject.robot, subject.case, yardstick.solution.as_ref()?)
+        });
+        let bare = without_material(subject.robot);
+        let entries = contenders
+            .iter()
+            .map(|&contender| entry(contender, subject, reference, like.as_ref(), bare.as_ref()))
+            .collect();
+        Self {
+            title: subject.title.to_owned(),
+            stem: subject.stem.to_owned(),
+            sections: subject.sections(),
+            length: subject.robot.backbone().length,
+            tags: subject.tags,
+            yardstick,
+            entries,
+        }
+    }
+
+    /// The answer of a contender.
+    pub fn answer(&self, contender: Contender) -> Option<&Answer> {
+        self.entries.iter().find(|entry| entry.contender == contender)?.outcome.as_ref().ok()
+    }
+
+    /// How far a contender is from the reference, relative to the length of the backbone.
+    pub fn error(&self, contender: Contender) -> Option<f64> {
+        Some(self.answer(contender)?.miss.as_ref().ok()?.rms / self.length)
+    }
+}
+
+fn entry(
+    contender: Contender,
+    subject: &Subject,
+    reference: Option<&Yardstick>,
+    like: Option<&Case>,
+    bare: Option<&Robot>,
+) -> Entry {
+    let (robot, model) = (subject.robot, contender.model(subject.sections()));
+    let solve = |case: &Case| timing::solve(&model, robot, case).map_err(|(_, error)| error);
+    let as_given = || (Commands::Case, subject.case, solve(subject.case));
+    let as_reference = |case| (Commands::Reference, case, solve(case));
+    // A geometric model is given the reference's lengths: its own, where the case has any, were measured or
+    // chosen for other reasons. A model that knows forces gets the reference's only where the case has none for it.
+    let (commands, case, outcome) = match (contender.kind.natural_drive(), like) {
+        (Drive::Shortening, Some(like)) => as_reference(like),
+        (_, like) => match (as_given(), like) {
+            ((_, _, Err(SolveError::Missing { .. })), Some(like)) => as_reference(like),
+            (given, _) => given,
+        },
+    };
+    let outcome = outcome.map(|timed| {
+        let diagnostics = &timed.solution.diagnostics;
+        let nothing = || Err("there is no reference".to_owned());
+        Answer {
+            miss: reference.map_or_else(nothing, |r| r.miss(subject, &timed.solution)),
+            solve: timed.solve,
+            build: timed.build,
+            iterations: diagnostics.iterations,
+            steps: diagnostics.steps,
+            unstable: diagnostics.is_unstable(),
+        }
+    });
+    let without_material = bare.is_some_and(|bare| {
+        model.prepare(bare, &case.loads).is_ok_and(|mut model| model.solve(case, None).is_ok())
+    });
+    let driven_by = driven_by(contender.kind, Drive::Natural, case);
+    Entry { contender, commands, driven_by, outcome, without_material }
+}
+
+/// The robot as a geometric model sees it. `None` where a robot cannot be without them.
+fn without_material(robot: &Robot) -> Option<Robot> {
+    let mut backbone = robot.backbone().clone();
+    backbone.section = None;
+    backbone.material = Default::default();
+    backbone.stiffness = None;
+    Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec()).ok()
+}
+
+/// The case in which every cable has the tension of a solution and loses as much, from hole to hole, as over its
+/// shape; in one step. `None` when there are no cables, or one ends between two disks.
+pub fn like_for_like(robot: &Robot, case: &Case, solution: &Solution) -> Option<Case> {
+    if robot.cables().is_empty() {
+        return None;
+    }
+    let rest = if robot.backbone().rest_curvature.is_zero() {
+        Shape::straight(&robot.disks().arc_lengths)
+    } else {
+        at_rest(robot, Pose::IDENTITY, &Stations::Disks)?.disks
+    };
+    let commands: Option<Vec<CableCommand>> = robot
+        .routes()
+        .iter()
+        .zip(&solution.cables)
+        .map(|(route, cable)| {
+            let (initial, now) =
+                (rest.hole_to_hole_length(route)?, solution.disks.hole_to_hole_length(route)?);
+            let shortening = Shortening::Fraction(1.0 - now / initial);
+            Some(CableCommand { tension: cable.tension, shortening: Some(shortening) })
+        })
+        .collect();
+    Some(Case { commands: commands?, before: Vec::new(), ..case.clone() })
+}

@@ -1,0 +1,216 @@
+//! Every number of the trials, in SI: as CSV and as JSON.
+
+use serde_json::{Value, json};
+use whipcord::CommandDerivatives;
+use whipcord_io::{Cell, CsvTable, NonFinite, json_number, json_optional};
+
+use super::results::Results;
+use super::standing::Standing;
+use super::verdict::Finding;
+use super::{Answer, Commands, Entry, Tags, Trial};
+
+impl Commands {
+    /// In tables for programs.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Case => "case",
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// One row for each contender on each case, those with many sections last.
+pub fn csv(results: &Results) -> CsvTable {
+    let mut csv = CsvTable::new([
+        "case",
+        "stem",
+        "sections",
+        "routing",
+        "bending",
+        "loaded",
+        "reference",
+        "reference_uncertainty",
+        "model",
+        "variant",
+        "commands",
+        "driven_by",
+        "rms",
+        "greatest",
+        "tip",
+        "rms_over_length",
+        "solve_time",
+        "solve_time_repeats",
+        "build_time",
+        "iterations",
+        "steps",
+        "unstable",
+        "failure",
+    ]);
+    for trial in results.trials.iter().chain(&results.cut) {
+        for entry in &trial.entries {
+            let mut row = identity(trial).to_vec();
+            row.extend([
+                Cell::from(entry.contender.kind.name()),
+                Cell::from(entry.contender.variant_name()),
+                Cell::from(entry.commands.name()),
+                Cell::from(entry.driven_by.as_str()),
+            ]);
+            row.extend(answer_cells(trial, entry));
+            csv.push(row);
+        }
+    }
+    csv
+}
+
+fn identity(trial: &Trial) -> [Cell; 8] {
+    let yardstick = trial.yardstick.as_ref().ok();
+    let tags = trial.tags;
+    let text = |text: Option<&str>| text.map_or(Cell::Empty, Cell::from);
+    [
+        Cell::from(trial.title.as_str()),
+        Cell::from(trial.stem.as_str()),
+        Cell::from(trial.sections),
+        text(tags.map(|tags| tags.routing)),
+        Cell::from(tags.map(|tags| tags.bending)),
+        text(tags.map(|tags| if tags.loaded { "true" } else { "false" })),
+        text(yardstick.map(|yardstick| yardstick.name.as_str())),
+        Cell::from(yardstick.and_then(|yardstick| yardstick.uncertainty)),
+    ]
+}
+
+fn answer_cells(trial: &Trial, entry: &Entry) -> Vec<Cell> {
+    let answer = match &entry.outcome {
+        Ok(answer) => answer,
+        Err(error) => {
+            let mut cells = vec![Cell::Empty; 10];
+            cells.push(Cell::from(error.to_string()));
+            return cells;
+        }
+    };
+    let miss = answer.miss.as_ref().ok();
+    vec![
+        Cell::from(miss.map(|miss| miss.rms)),
+        Cell::from(miss.map(|miss| miss.greatest)),
+        Cell::from(miss.and_then(|miss| miss.tip)),
+        Cell::from(miss.map(|miss| miss.rms / trial.length)),
+        Cell::from(answer.solve.median),
+        Cell::from(answer.solve.repeats),
+        Cell::from(answer.build.median),
+        Cell::from(answer.iterations),
+        Cell::from(answer.steps),
+        Cell::from(if answer.unstable { "true" } else { "false" }),
+        answer.miss.as_ref().err().map_or(Cell::Empty, |why| Cell::from(why.as_str())),
+    ]
+}
+
+/// What `whipcord compare --json` prints.
+///
+/// # Errors
+/// [`NonFinite`] with the place of a number that is not finite.
+pub fn json(results: &Results) -> Result<Value, NonFinite> {
+    let trials = |trials: &[Trial], name: &str| -> Result<Vec<Value>, NonFinite> {
+        let each = trials.iter().enumerate();
+        each.map(|(i, trial)| trial_json(&format!("{name}[{i}]"), trial)).collect()
+    };
+    let models = results.standings().iter().map(standing_json).collect::<Result<Vec<_>, _>>()?;
+    Ok(json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "cases": trials(&results.trials, "cases")?,
+        "with_many_sections": trials(&results.cut, "with_many_sections")?,
+        "models": models,
+        "verdict": results.verdict().iter().map(finding_json).collect::<Vec<_>>(),
+    }))
+}
+
+fn trial_json(path: &str, trial: &Trial) -> Result<Value, NonFinite> {
+    let reference = match &trial.yardstick {
+        Ok(yardstick) => json!({
+            "name": yardstick.name,
+            "model": yardstick.kind.map(whipcord::ModelKind::name),
+            "uncertainty": json_optional(|| format!("{path}.reference.uncertainty"), yardstick.uncertainty)?,
+        }),
+        Err(_) => Value::Null,
+    };
+    let runs = trial.entries.iter().enumerate();
+    let runs = runs.map(|(i, entry)| run_json(&format!("{path}.runs[{i}]"), trial, entry));
+    Ok(json!({
+        "title": trial.title,
+        "stem": trial.stem,
+        "sections": trial.sections,
+        "length": json_number(|| format!("{path}.length"), trial.length)?,
+        "tags": trial.tags.map(|Tags { routing, bending, loaded }| {
+            json!({ "routing": routing, "bending": bending, "loaded": loaded })
+        }),
+        "reference": reference,
+        "no_reference": trial.yardstick.as_ref().err().map(ToString::to_string),
+        "runs": runs.collect::<Result<Vec<_>, _>>()?,
+    }))
+}
+
+fn run_json(path: &str, trial: &Trial, entry: &Entry) -> Result<Value, NonFinite> {
+    let mut run = json!({
+        "model": entry.contender.kind.name(),
+        "variant": entry.contender.variant_name(),
+        "commands": entry.commands.name(),
+        "driven_by": entry.driven_by,
+    });
+    let Answer { miss, solve, build, iterations, steps, unstable } = match &entry.outcome {
+        Ok(answer) => answer,
+        Err(error) => {
+            run["failure"] = json!(error.to_string());
+            return Ok(run);
+        }
+    };
+    match miss {
+        Ok(miss) => {
+            run["error"] = json!({
+                "rms": json_number(|| format!("{path}.error.rms"), miss.rms)?,
+                "greatest": json_number(|| format!("{path}.error.greatest"), miss.greatest)?,
+                "tip": json_optional(|| format!("{path}.error.tip"), miss.tip)?,
+                "rms_over_length":
+                    json_number(|| format!("{path}.error.rms_over_length"), miss.rms / trial.length)?,
+            });
+        }
+        Err(why) => run["not_compared"] = json!(why),
+    }
+    run["solve_time"] = json_number(|| format!("{path}.solve_time"), solve.median)?;
+    run["solve_time_repeats"] = json!(solve.repeats);
+    run["build_time"] = json_number(|| format!("{path}.build_time"), build.median)?;
+    run["iterations"] = json!(iterations);
+    run["steps"] = json!(steps);
+    run["unstable"] = json!(unstable);
+    Ok(run)
+}
+
+fn standing_json(standing: &Standing) -> Result<Value, NonFinite> {
+    let (kind, variant) = (standing.contender.kind.name(), standing.contender.variant_name());
+    let number = |name: &str, value| json_optional(|| format!("models.{kind}.{name}"), value);
+    Ok(json!({
+        "model": kind,
+        "variant": variant,
+        "cases": standing.of,
+        "answered": standing.answered,
+        "unstable": standing.unstable,
+        "within_tolerance": standing.within,
+        "median_error": number("median_error", standing.median_error)?,
+        "worst_error": number("worst_error", standing.worst_error)?,
+        "worst_case": standing.worst_case,
+        "solve_time": number("solve_time", standing.time)?,
+        "iterations": number("iterations", standing.iterations)?,
+        "derivatives": match standing.derivatives {
+            CommandDerivatives::Exact => "exact",
+            CommandDerivatives::Differences => "differences",
+        },
+        "without_material": standing.without_material,
+    }))
+}
+
+fn finding_json(finding: &Finding) -> Value {
+    json!({
+        "topic": finding.topic.name(),
+        "model": finding.choice.map(|choice| choice.kind.name()),
+        "variant": finding.choice.map(super::contender::Contender::variant_name),
+        "confirmed": finding.confirmed,
+        "text": finding.text,
+    })
+}

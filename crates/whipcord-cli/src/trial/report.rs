@@ -1,0 +1,32 @@
+//! The trials in a report.
+
+use super::results::Results;
+use super::{summary, tables};
+use crate::html::{Figure, escape, list};
+
+/// How the models did: tables, picture and verdict.
+pub fn section(results: &Results, pareto: Option<&Figure>) -> String {
+    let mut html = String::from("<section id=\"accuracy\"><h2>Accuracy and time</h2>\n");
+    html += &tables::standings(results).html();
+    html += &list(&tables::notes(results));
+    html += &pareto.map(Figure::html).unwrap_or_default();
+    for (heading, table) in summary::tables(&results.trials, &results.contenders) {
+        html += &format!("<h3>{}</h3>\n{}", escape(&heading), table.html());
+    }
+    let verdict = results.verdict();
+    if !verdict.is_empty() {
+        html += "<h3>Which model for what</h3>\n<dl>\n";
+        for finding in &verdict {
+            let (topic, text) = (finding.topic.words(), escape(&finding.text));
+            html += &format!("<dt>{topic}</dt><dd>{text}</dd>\n");
+        }
+        html += "</dl>\n";
+    }
+    html += "<h3>Case by case</h3>\n";
+    html += &tables::entries(&results.trials).html();
+    if !results.cut.is_empty() {
+        html += "<h3>The same robots cut into many sections</h3>\n";
+        html += &tables::entries(&results.cut).html();
+    }
+    html + "</section>\n"
+}

@@ -1,0 +1,106 @@
+//! All trials of a comparison, and what follows from them.
+
+use whipcord::ModelKind;
+
+use super::contender::{Contender, Variant};
+use super::standing::{Duel, Standing};
+use super::verdict::{Evidence, Finding, MANY_SECTIONS, Many, verdict};
+use super::yardstick::Choice;
+use super::{Subject, Trial};
+use crate::benchmark::resample::resample;
+
+/// Sections that robots are cut into to see what many of them cost.
+const CUT_INTO: usize = 100;
+/// How many robots are cut at most: the time of a solve hangs on the sections rather than on the routing.
+const CUT: usize = 4;
+
+/// All trials of a comparison.
+#[derive(Clone, Debug)]
+pub struct Results {
+    /// Who took part.
+    pub contenders: Vec<Contender>,
+    /// On every case.
+    pub trials: Vec<Trial>,
+    /// On some of the same robots cut into many sections, where none has many of its own.
+    pub cut: Vec<Trial>,
+}
+
+impl Results {
+    /// Tries these models and their variants on all cases; `each` is told of every case before it begins.
+    pub fn of(
+        subjects: &[Subject],
+        kinds: &[ModelKind],
+        choice: Choice,
+        mut each: impl FnMut(&str),
+    ) -> Self {
+        let contenders = Contender::of(kinds);
+        let trials: Vec<Trial> = subjects
+            .iter()
+            .map(|subject| {
+                each(subject.title);
+                Trial::new(subject, &contenders, choice)
+            })
+            .collect();
+        let cut = if trials.iter().any(|trial| trial.sections >= MANY_SECTIONS) {
+            Vec::new()
+        } else {
+            each("many sections");
+            // What was measured was measured on the robot as it is.
+            let choice = if choice == Choice::Measured { Choice::Trusted } else { choice };
+            let cut = subjects.iter().filter_map(|subject| {
+                let robot = resample(subject.robot, CUT_INTO).ok()?;
+                Some(Trial::new(
+                    &Subject { robot: &robot, measured: None, ..*subject },
+                    &contenders,
+                    choice,
+                ))
+            });
+            cut.filter(|trial| trial.yardstick.is_ok()).take(CUT).collect()
+        };
+        Self { contenders, trials, cut }
+    }
+
+    /// How each did on all cases that there is a reference for.
+    pub fn standings(&self) -> Vec<Standing> {
+        Standing::of_all(&self.contenders, &judged(&self.trials))
+    }
+
+    /// Which model to use for what.
+    pub fn verdict(&self) -> Vec<Finding> {
+        verdict(&self.evidence())
+    }
+
+    fn evidence(&self) -> Evidence {
+        let trials = judged(&self.trials);
+        let mut kinds = trials.iter().map(|trial| trial.yardstick.as_ref().ok()?.kind);
+        let first = kinds.next().flatten();
+        let many = if self.cut.is_empty() {
+            trials.iter().copied().filter(|trial| trial.sections >= MANY_SECTIONS).collect()
+        } else {
+            judged(&self.cut)
+        };
+        Evidence {
+            standings: self.standings(),
+            reference: first.filter(|_| kinds.all(|kind| kind == first)),
+            duels: self.duels(&trials),
+            many: many.iter().map(|trial| trial.sections).min().map(|sections| Many {
+                sections,
+                standings: Standing::of_all(&self.contenders, &many),
+                duels: self.duels(&many),
+            }),
+        }
+    }
+
+    /// The paper's two models against each other: the four-bar model as it is, and the Cosserat model in each
+    /// variant, first as it is.
+    fn duels(&self, trials: &[&Trial]) -> Vec<(Contender, Duel)> {
+        let four_bar = Contender { kind: ModelKind::FourBar, variant: Variant::Usual };
+        let rods = self.contenders.iter().filter(|rod| rod.kind == ModelKind::Cosserat);
+        rods.filter_map(|&rod| Some((rod, Duel::between(four_bar, rod, trials)?))).collect()
+    }
+}
+
+/// Those with a reference.
+fn judged(trials: &[Trial]) -> Vec<&Trial> {
+    trials.iter().filter(|trial| trial.yardstick.is_ok()).collect()
+}

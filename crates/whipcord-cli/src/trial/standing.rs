@@ -1,0 +1,197 @@
+//! How the contenders did on several cases together.
+
+use whipcord::CommandDerivatives;
+
+use super::contender::Contender;
+use super::verdict::TOLERANCE;
+use super::{Answer, Trial};
+use crate::statistics::median;
+
+/// How a contender did on several cases. Errors are root mean squares over the disks, relative to the length of
+/// the backbone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// Who.
+    pub contender: Contender,
+    /// Number of cases.
+    pub of: usize,
+    /// Number of those that it answered.
+    pub answered: usize,
+    /// Number of those whose error is known.
+    pub judged: usize,
+    /// Number of answers that the robot leaves.
+    pub unstable: usize,
+    /// Number of cases whose error is at most [`TOLERANCE`].
+    pub within: usize,
+    /// Median of the errors.
+    pub median_error: Option<f64>,
+    /// Greatest error.
+    pub worst_error: Option<f64>,
+    /// The case that it is of.
+    pub worst_case: Option<String>,
+    /// Median over the cases of the median time of a solve in s.
+    pub time: Option<f64>,
+    /// Median of the Newton iterations.
+    pub iterations: Option<f64>,
+    /// Where its derivatives by the commands come from.
+    pub derivatives: CommandDerivatives,
+    /// Whether it answered every case without section and material that it answered with them.
+    pub without_material: bool,
+}
+
+impl Standing {
+    /// How a contender did.
+    pub fn of(contender: Contender, trials: &[&Trial]) -> Self {
+        let answers: Vec<&Answer> =
+            trials.iter().filter_map(|trial| trial.answer(contender)).collect();
+        let errors: Vec<(f64, &str)> = trials
+            .iter()
+            .filter_map(|trial| Some((trial.error(contender)?, trial.title.as_str())))
+            .collect();
+        let worst = errors.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let answered = || {
+            let entries = trials.iter().flat_map(|trial| &trial.entries);
+            entries.filter(|entry| entry.contender == contender && entry.outcome.is_ok())
+        };
+        Self {
+            contender,
+            of: trials.len(),
+            answered: answers.len(),
+            judged: errors.len(),
+            unstable: answers.iter().filter(|answer| answer.unstable).count(),
+            within: errors.iter().filter(|(error, _)| *error <= TOLERANCE).count(),
+            median_error: some_median(errors.iter().map(|(error, _)| *error).collect()),
+            worst_error: worst.map(|(error, _)| *error),
+            worst_case: worst.map(|(_, title)| (*title).to_owned()),
+            time: some_median(answers.iter().map(|answer| answer.solve.median).collect()),
+            iterations: some_median(
+                answers.iter().map(|answer| answer.iterations as f64).collect(),
+            ),
+            derivatives: contender.kind.command_derivatives(),
+            without_material: !answers.is_empty() && answered().all(|entry| entry.without_material),
+        }
+    }
+
+    /// How each did.
+    pub fn of_all(contenders: &[Contender], trials: &[&Trial]) -> Vec<Self> {
+        contenders.iter().map(|&contender| Self::of(contender, trials)).collect()
+    }
+}
+
+/// `None` of nothing.
+fn some_median(mut values: Vec<f64>) -> Option<f64> {
+    (!values.is_empty()).then(|| median(&mut values))
+}
+
+/// Two contenders on the cases that both answered and whose errors are known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Duel {
+    /// Number of those cases.
+    pub cases: usize,
+    /// Median of how many times as long the second takes.
+    pub slower: f64,
+    /// Median times of both in s.
+    pub times: [f64; 2],
+    /// Medians of the relative errors of both.
+    pub median_errors: [f64; 2],
+    /// Greatest relative errors of both.
+    pub worst_errors: [f64; 2],
+}
+
+impl Duel {
+    /// `None` where there is no such case.
+    pub fn between(a: Contender, b: Contender, trials: &[&Trial]) -> Option<Self> {
+        let both: Vec<[(f64, f64); 2]> = trials
+            .iter()
+            .filter_map(|trial| {
+                let of = |who| Some((trial.answer(who)?.solve.median, trial.error(who)?));
+                Some([of(a)?, of(b)?])
+            })
+            .collect();
+        let times = |i: usize| both.iter().map(|pair| pair[i].0).collect::<Vec<_>>();
+        let errors = |i: usize| both.iter().map(|pair| pair[i].1).collect::<Vec<_>>();
+        let worst = |i: usize| errors(i).into_iter().fold(0.0, f64::max);
+        let slower = some_median(both.iter().map(|[a, b]| b.0 / a.0).collect())?;
+        Some(Self {
+            cases: both.len(),
+            slower,
+            times: [some_median(times(0))?, some_median(times(1))?],
+            median_errors: [some_median(errors(0))?, some_median(errors(1))?],
+            worst_errors: [worst(0), worst(1)],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use whipcord::{ModelKind, SolveError};
+
+    use super::*;
+    use crate::timing::Timing;
+    use crate::trial::contender::Variant;
+    use crate::trial::yardstick::{Choice, Yardstick};
+    use crate::trial::{Commands, Entry, Miss, Subject};
+
+    const A: Contender = Contender { kind: ModelKind::FourBar, variant: Variant::Usual };
+    const B: Contender = Contender { kind: ModelKind::Cosserat, variant: Variant::Usual };
+
+    /// Of a robot of 2 m: error in m and time of both, `None` where there is no answer.
+    fn trial(title: &str, results: [Option<(f64, f64)>; 2]) -> Trial {
+        let example = crate::benchmark::paper::table_1().unwrap().remove(0);
+        let subject = Subject {
+            title,
+            stem: title,
+            robot: &example.robot,
+            case: &example.case,
+            measured: None,
+            tags: None,
+        };
+        let timing = |median| Timing { median, repeats: 1 };
+        let entry = |(contender, result): (Contender, Option<(f64, f64)>)| Entry {
+            contender,
+            commands: Commands::Case,
+            driven_by: String::new(),
+            outcome: result
+                .map(|(rms, time)| Answer {
+                    miss: Ok(Miss { rms, greatest: rms, tip: None }),
+                    solve: timing(time),
+                    build: timing(0.0),
+                    iterations: 3,
+                    steps: 1,
+                    unstable: false,
+                })
+                .ok_or(SolveError::NoLever { cable: String::new(), disk: 1 }),
+            without_material: contender == A,
+        };
+        let reference = Choice::Model { kind: ModelKind::Cosserat, fine: false };
+        Trial {
+            title: title.to_owned(),
+            stem: title.to_owned(),
+            sections: 9,
+            length: 2.0,
+            tags: None,
+            yardstick: Yardstick::new(&subject, reference),
+            entries: [A, B].into_iter().zip(results).map(entry).collect(),
+        }
+    }
+
+    #[test]
+    fn errors_are_counted_in_lengths_and_refusals_are_not_forgotten() {
+        let trials = [
+            trial("near", [Some((0.03125, 1.0)), Some((0.001, 4.0))]),
+            trial("far", [Some((0.125, 3.0)), Some((0.002, 3.0))]),
+            trial("refused", [None, Some((0.004, 9.0))]),
+        ];
+        let trials: Vec<&Trial> = trials.iter().collect();
+        let a = Standing::of(A, &trials);
+        assert_eq!((a.of, a.answered, a.judged, a.within), (3, 2, 2, 1));
+        assert_eq!((a.median_error, a.worst_error), (Some(0.0390625), Some(0.0625)));
+        assert_eq!((a.worst_case.as_deref(), a.time), (Some("far"), Some(2.0)));
+        assert!(a.without_material && !Standing::of(B, &trials).without_material);
+        // The two are compared on what both answered: 4 and 1 times as long.
+        let duel = Duel::between(A, B, &trials).unwrap();
+        assert_eq!((duel.cases, duel.slower, duel.times), (2, 2.5, [2.0, 3.5]));
+        assert_eq!(duel.worst_errors, [0.0625, 0.001]);
+        assert_eq!(Duel::between(A, B, &trials[2..]), None);
+    }
+}

@@ -1,0 +1,195 @@
+//! What errors are measured against: a model that is believed, or what the real robot did.
+
+use core::fmt;
+use core::str::FromStr;
+
+use whipcord::observation::distances;
+use whipcord::{Drive, Model, ModelKind, Routing, Solution, SolveError, Stations};
+
+use super::{Miss, Subject};
+use crate::trial::contender::fine;
+
+/// What a user wants errors to be measured against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Choice {
+    /// What was measured in space; without that, by [`trusted`], the first model that has an answer.
+    #[default]
+    Trusted,
+    /// What was measured.
+    Measured,
+    /// A model.
+    Model {
+        /// Which.
+        kind: ModelKind,
+        /// Whether at fine resolution.
+        fine: bool,
+    },
+}
+
+impl FromStr for Choice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "trusted" => return Ok(Self::Trusted),
+            "measured" => return Ok(Self::Measured),
+            _ => {}
+        }
+        let (name, is_fine) = match text.split_once(':') {
+            None => (text, false),
+            Some((name, "fine")) => (name, true),
+            Some((_, other)) => return Err(format!("`:{other}` says nothing: `:fine` does")),
+        };
+        let kind: ModelKind = name.parse().map_err(|error| format!("{error}, or measured"))?;
+        if is_fine && fine(kind).is_none() {
+            return Err(format!("{kind} has no resolution to refine: leave out `:fine`"));
+        }
+        Ok(Self::Model { kind, fine: is_fine })
+    }
+}
+
+/// With more sections than this, a cable from hole to hole is as good as a continuous one: the two are
+/// 1.7 % of the length apart at the paper's 9 sections, less by the square of their number, and so by 10⁻⁴ here.
+const FEW_SECTIONS: usize = 100;
+
+/// What is measured against.
+#[derive(Clone, Debug)]
+pub struct Yardstick {
+    /// In words.
+    pub name: String,
+    /// The model; `None` for a measurement.
+    pub kind: Option<ModelKind>,
+    /// Its own estimate of its error in m: of the model how far its answer is from the exact one of its
+    /// equations, of a measurement the standard deviation of a coordinate, where it is given.
+    pub uncertainty: Option<f64>,
+    /// The model's answer.
+    pub solution: Option<Solution>,
+}
+
+/// Why there is nothing to measure against.
+#[derive(Clone, Debug)]
+pub struct NoYardstick(Vec<(String, Option<SolveError>)>);
+
+impl fmt::Display for NoYardstick {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, (name, error)) in self.0.iter().enumerate() {
+            let separator = if i > 0 { "; " } else { "" };
+            match error {
+                Some(error) => write!(f, "{separator}{name}: {error}")?,
+                None => write!(f, "{separator}{name}: there is nothing in space in the file")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Yardstick {
+    /// What a case is measured against.
+    ///
+    /// # Errors
+    /// [`NoYardstick`] when nothing was measured, or the model has no answer.
+    pub fn new(subject: &Subject, choice: Choice) -> Result<Self, NoYardstick> {
+        let measured = || measured(subject);
+        match choice {
+            Choice::Measured => {
+                measured().ok_or_else(|| NoYardstick(vec![("measured".into(), None)]))
+            }
+            Choice::Model { kind, fine } => {
+                solved(subject, kind, fine).map_err(|(name, e)| NoYardstick(vec![(name, Some(e))]))
+            }
+            Choice::Trusted => measured().map_or_else(|| trusted(subject), Ok),
+        }
+    }
+
+    /// How far an answer is from it.
+    ///
+    /// # Errors
+    /// Why the two cannot be compared, in words.
+    pub fn miss(&self, subject: &Subject, answer: &Solution) -> Result<Miss, String> {
+        if let Some(truth) = &self.solution {
+            let distances: Vec<f64> = answer.disks.distances(&truth.disks).collect();
+            return Ok(Miss {
+                rms: answer.disks.rms_distance(&truth.disks),
+                greatest: distances.iter().copied().fold(0.0, f64::max),
+                tip: distances.last().copied(),
+            });
+        }
+        let nothing = || "nothing was measured in space".to_owned();
+        let measured = subject.measured.ok_or_else(nothing)?;
+        let (robot, case) = (subject.robot, subject.case);
+        let (seen, alignment) = (&measured.observations, measured.alignment);
+        let apart = distances(answer.model, robot, case, answer, seen, alignment)
+            .map_err(|error| error.to_string())?
+            .ok_or_else(nothing)?;
+        let rms = apart.rms().ok_or_else(|| "only the base was measured".to_owned())?;
+        let moving = || apart.markers.iter().filter(|marker| !marker.at_base);
+        let far = |marker: &whipcord::observation::Apart| (marker.model - marker.measured).norm();
+        let last = Some(robot.disks().count());
+        Ok(Miss {
+            rms,
+            greatest: moving().map(far).fold(0.0, f64::max),
+            tip: moving().find(|marker| marker.disk == last).map(far),
+        })
+    }
+}
+
+fn measured(subject: &Subject) -> Option<Yardstick> {
+    let measured = subject.measured?;
+    let last = subject.case.before.len();
+    let counts = |seen: &whipcord::Observation| seen.step == last && !seen.seen.is_in_image();
+    measured.observations.iter().any(counts).then(|| Yardstick {
+        name: "what was measured".to_owned(),
+        kind: None,
+        uncertainty: measured.deviation,
+        solution: None,
+    })
+}
+
+/// The rod whose cables run as the real ones do: straight from hole to hole, where the file gives the holes
+/// and there are few enough sections for it to matter; else the rod with continuous cables. At fine
+/// resolution; where that gives no answer, as it is; and then the other rod.
+fn trusted(subject: &Subject) -> Result<Yardstick, NoYardstick> {
+    let robot = subject.robot;
+    let through_holes =
+        robot.cables().iter().any(|cable| matches!(cable.routing, Routing::Holes { .. }));
+    let kinds = if through_holes && subject.sections() <= FEW_SECTIONS {
+        [ModelKind::CosseratDisks, ModelKind::Cosserat]
+    } else {
+        [ModelKind::Cosserat, ModelKind::CosseratDisks]
+    };
+    let mut refusals = Vec::new();
+    for kind in kinds {
+        for fine in [true, false] {
+            match solved(subject, kind, fine) {
+                Ok(yardstick) => return Ok(yardstick),
+                // The same refusal twice says nothing more.
+                Err((name, error)) if !fine => refusals.push((name, Some(error))),
+                Err(_) => {}
+            }
+        }
+    }
+    Err(NoYardstick(refusals))
+}
+
+fn solved(
+    subject: &Subject,
+    kind: ModelKind,
+    is_fine: bool,
+) -> Result<Yardstick, (String, SolveError)> {
+    let name = if is_fine { format!("{kind} at fine resolution") } else { kind.to_string() };
+    let model = fine(kind)
+        .filter(|_| is_fine)
+        .unwrap_or_else(|| Model::new(kind, Stations::Disks, Drive::Natural));
+    let solved = model
+        .prepare(subject.robot, &subject.case.loads)
+        .and_then(|mut model| model.solve_to_the_end(subject.case).map_err(|(_, error)| error));
+    match solved {
+        Err(error) => Err((name, error)),
+        Ok(solution) => {
+            let diagnostics = &solution.diagnostics;
+            let left = diagnostics.residual * subject.robot.backbone().length;
+            let uncertainty = Some(diagnostics.discretization_error.unwrap_or(0.0) + left);
+            Ok(Yardstick { name, kind: Some(kind), uncertainty, solution: Some(solution) })
+        }
+    }
+}
