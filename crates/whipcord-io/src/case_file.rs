@@ -104,7 +104,11 @@ fn read(
     let Value::Table(entries) = &document.value else { return None };
     let fields = check::table(entries, document.span, &ROOT, problems);
     steps(&fields, &document, problems);
-    let parts = parts(&fields, &document, problems);
+    let mut parts = parts(&fields, &document, problems);
+    let obstacles = read::obstacles(fields.tables("obstacles"), &document, sources, problems);
+    if let Some(parts) = &mut parts {
+        parts.obstacles = obstacles;
+    }
     let robot = read::Extent {
         disks: parts.as_ref().map(|parts| parts.disks.count()),
         length: parts.as_ref().map(|parts| parts.backbone.length),
@@ -144,11 +148,11 @@ fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Pa
     let disks = read::disks(fields.table("disks")?, backbone.length)?;
     let loads = fields.table("loads").map(|table| read::loads(table, backbone.length));
     let loads = loads.unwrap_or_default();
-    let base = match fields.table("base").map(read::base) {
+    let base = match fields.table("base").map(read::pose) {
         None => Pose::IDENTITY,
         Some(Ok(base)) => base,
         Some(Err(path)) => {
-            let (path, problem) = (path.to_owned(), Problem::NoDirection);
+            let (path, problem) = (format!("base.{path}"), Problem::NoDirection);
             let span = document.locate(&path).span;
             problems.push(span, || FileProblem::Physical { path, problem });
             Pose::IDENTITY
@@ -165,6 +169,7 @@ fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Pa
         loads,
         base,
         steps: steps.collect(),
+        obstacles: Vec::new(),
     })
 }
 

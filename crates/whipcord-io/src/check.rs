@@ -309,8 +309,18 @@ pub(crate) fn value(
             });
             Some(Data::Tables(tables.collect()))
         }
+        (Kind::TablesOfKinds { title, tag, variants }, Value::List(items))
+            if items.iter().all(|item| matches!(item.value, Value::Table(_))) =>
+        {
+            let tables = items.iter().map(|item| match &item.value {
+                Value::Table(entries) => variant(item, entries, title, tag, variants, problems),
+                _ => None,
+            });
+            // One that is refused has been reported; the others keep their numbers.
+            Some(Data::Tables(tables.map(Option::unwrap_or_default).collect()))
+        }
         (Kind::Variants { tag, variants }, Value::Table(entries)) => {
-            variant(node, entries, tag, variants, problems)
+            variant(node, entries, "`routing`", tag, variants, problems).map(Data::Table)
         }
         _ => wrong_type(node, kind, key, problems),
     }
@@ -389,17 +399,18 @@ fn choice(
     None
 }
 
-fn variant(
+pub(crate) fn variant(
     node: &Node,
     entries: &Entries,
+    title: &'static str,
     tag: &'static Key,
     variants: &'static [(&'static str, Table)],
     problems: &mut Problems,
-) -> Option<Data> {
+) -> Option<Fields> {
     let Some(entry) = entries.get(tag.name) else {
         problems.push(node.span, || FileProblem::Missing {
             key: tag.title(),
-            table: "`routing`",
+            table: title,
             example: tag.example_line(),
         });
         return None;
@@ -409,7 +420,7 @@ fn variant(
     let mut rest = entries.clone();
     rest.remove(tag.name);
     let fields = table(&rest, node.span, declared, problems);
-    Some(Data::Table(Fields { variant: word, ..fields }))
+    Some(Fields { variant: word, ..fields })
 }
 
 fn empty(key: &Key) -> FileProblem {
@@ -443,6 +454,13 @@ fn wrong_type(
             (Kind::Tables(inner), Value::Table(_)) => {
                 expected = format!("a list, begun by {}", inner.title);
                 format!("write {} with double brackets", inner.title)
+            }
+            (Kind::TablesOfKinds { title, .. }, Value::Table(_)) => {
+                expected = format!("a list, begun by {title}");
+                format!("write {title} with double brackets")
+            }
+            (Kind::TablesOfKinds { title, .. }, _) => {
+                format!("begin it with {title} on a line of its own")
             }
             (Kind::Table(inner), Value::List(_)) if inner.title.starts_with('[') => {
                 format!("write {} with single brackets, once", inner.title)

@@ -273,6 +273,14 @@ pub enum FileProblem {
         /// What to do.
         help: String,
     },
+    /// A file that is no triangle mesh.
+    #[error("cannot read `{path}` as a triangle mesh: {reason}")]
+    Mesh {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A line of a table of measured positions.
     #[error("{message}")]
     Measured {
@@ -286,7 +294,9 @@ pub enum FileProblem {
 /// What the library says of a quantity, as a sentence.
 fn physical(path: &str, problem: &Problem) -> String {
     let said = problem.to_string();
-    let predicate = ["must ", "has ", "names ", "lies "].iter().any(|verb| said.starts_with(verb));
+    let predicate = ["must ", "has ", "names ", "lies ", "is ", "make ", "makes "]
+        .iter()
+        .any(|verb| said.starts_with(verb));
     format!("{}{} {said}", in_words(path), if predicate { "" } else { ":" })
 }
 

@@ -15,6 +15,8 @@ use crate::source::{Sources, Span};
 pub(crate) const LARGEST: usize = 1 << 20;
 /// A table of what was measured: a million lines.
 pub(crate) const LARGEST_TABLE: usize = 1 << 26;
+/// A mesh: two million triangles in binary STL.
+pub(crate) const LARGEST_MESH: usize = 1 << 27;
 /// Files that may extend one another.
 const LONGEST_CHAIN: usize = 16;
 

@@ -21,7 +21,7 @@ impl FileProblem {
                 "check that it is a file and that you may read it".to_owned()
             }
             Self::TooLarge { .. } => {
-                "a robot file takes a few kilobytes, a table of what was measured a few megabytes: is this the file you meant?".to_owned()
+                "a robot file takes a few kilobytes, a table of what was measured or a mesh a few megabytes: is this the file you meant?".to_owned()
             }
             Self::NotUtf8 { .. } => {
                 "is this the file you meant? If so, save it as UTF-8 text".to_owned()
@@ -66,6 +66,9 @@ impl FileProblem {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("choose {}", listed(choices.iter().copied(), "or")),
             },
+            Self::Mesh { .. } => {
+                "is this the file you meant? If so, export the part anew as binary STL".to_owned()
+            }
             Self::Physical { problem, .. } => physical_help(problem),
             Self::Needed { help, .. } | Self::NotTaken { help, .. } | Self::Measured { help, .. } => {
                 (*help).to_owned()

@@ -52,7 +52,7 @@ fn find_owners(key: &str, table: &Table, owners: &mut Vec<&'static str>) {
     for key_of_table in table.keys {
         match &key_of_table.kind {
             Kind::Table(inner) | Kind::Tables(inner) => find_owners(key, inner, owners),
-            Kind::Variants { variants, .. } => {
+            Kind::Variants { variants, .. } | Kind::TablesOfKinds { variants, .. } => {
                 variants.iter().for_each(|(_, inner)| find_owners(key, inner, owners));
             }
             _ => {}

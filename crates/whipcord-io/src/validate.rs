@@ -2,7 +2,8 @@
 
 use whipcord::robot::limits::Range;
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Loads, Pose, Problem, Robot, RobotError, SolveError,
+    Backbone, Cable, CableCommand, Case, Disks, Loads, Obstacle, Pose, Problem, Robot, RobotError,
+    SolveError,
 };
 
 use crate::error::{Diagnostic, FileProblem, Problems};
@@ -20,6 +21,7 @@ pub(crate) struct Parts {
     /// Steps of actuation, each with a command for each cable; where there are any, the last one
     /// stands for `commands`.
     pub steps: Vec<Vec<CableCommand>>,
+    pub obstacles: Vec<Obstacle>,
 }
 
 /// What the places of the library's commands are in the file.
@@ -37,7 +39,8 @@ pub(crate) fn assemble(
     document: &Node,
     problems: &mut Problems,
 ) -> Option<(Robot, Case)> {
-    let Parts { backbone, disks, mut cables, mut commands, loads, base, steps: mut before } = parts;
+    let Parts { backbone, disks, mut cables, mut commands, loads, base, .. } = parts;
+    let Parts { steps: mut before, obstacles, .. } = parts;
     let last = before.pop();
     let mut numbers = Numbering {
         cables: (0..cables.len()).collect(),
@@ -63,7 +66,7 @@ pub(crate) fn assemble(
             }
         }
     };
-    let mut case = Case { commands, loads, base, before, obstacles: Vec::new() };
+    let mut case = Case { commands, loads, base, before, obstacles };
     while let Err(error) = case.check(&robot) {
         report(&error, &numbers, document, problems);
         let refused = match step_of(&error) {

@@ -12,7 +12,7 @@ fn examples() -> PathBuf {
 
 fn all() -> Vec<PathBuf> {
     let mut found = Vec::new();
-    for folder in [examples(), examples().join("table1")] {
+    for folder in [examples(), examples().join("table1"), examples().join("contact")] {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|extension| extension == "toml") {

@@ -6,7 +6,7 @@ use super::{Item, Table, toml};
 use crate::check::{self, Data, Fields};
 use crate::error::{FileError, Problems};
 use crate::node::{self, Value};
-use crate::schema::{Kind, ROOT, Table as Declared};
+use crate::schema::{Key, Kind, ROOT, Table as Declared};
 use crate::source::Sources;
 use crate::units::{Dimension, percent};
 
@@ -31,16 +31,33 @@ pub fn table_in_si(name: &str, table: &Table) -> Result<Table, FileError> {
     let file = sources.add(Path::new(name), Some(text.clone()));
     let mut in_si = Table::default();
     if let Some(root) = node::parse(file, &text, &mut problems)
-        && let (Value::Table(entries), Some(declared)) = (&root.value, declared(name))
+        && let (Value::Table(entries), Some(kind)) = (&root.value, declared(name))
     {
-        let fields = check::table(entries, root.span, declared, &mut problems);
-        in_si = plain(&fields, declared);
+        in_si = match kind {
+            Declaration::Table(declared) => {
+                plain(&check::table(entries, root.span, declared, &mut problems), declared)
+            }
+            Declaration::OfKinds { title, tag, variants } => {
+                let of_kind = check::variant(&root, entries, title, tag, variants, &mut problems);
+                of_kind.map(|fields| variant(&fields, tag, variants)).unwrap_or_default()
+            }
+        };
     }
     if problems.is_empty() { Ok(in_si) } else { Err(problems.into_error(sources)) }
 }
 
+/// What a file may say in a table.
+enum Declaration {
+    Table(&'static Declared),
+    OfKinds {
+        title: &'static str,
+        tag: &'static Key,
+        variants: &'static [(&'static str, Declared)],
+    },
+}
+
 /// What a file may say in the table of this name.
-fn declared(name: &str) -> Option<&'static Declared> {
+fn declared(name: &str) -> Option<Declaration> {
     let mut table = &ROOT;
     for part in name.split('.') {
         match table.key(part)?.kind {
@@ -52,10 +69,13 @@ fn declared(name: &str) -> Option<&'static Declared> {
                 });
                 table = inner?;
             }
+            Kind::TablesOfKinds { title, tag, variants } => {
+                return Some(Declaration::OfKinds { title, tag, variants });
+            }
             _ => return None,
         }
     }
-    Some(table)
+    Some(Declaration::Table(table))
 }
 
 /// The entries in the order in which they are declared.
@@ -93,16 +113,24 @@ fn item(data: &Data, kind: &Kind) -> Item {
             list.iter().map(|fields| plain(fields, declared)).collect::<Vec<_>>().into()
         }
         (Data::Table(fields), Kind::Variants { tag, variants }) => {
-            let mut table = Table::default();
-            table.insert(tag.name, fields.variant);
-            let of_variant = variants.iter().find(|(word, _)| *word == fields.variant);
-            let rest = of_variant.map(|(_, declared)| plain(fields, declared)).unwrap_or_default();
-            table.entries.extend(rest.entries);
-            table.into()
+            variant(fields, tag, variants).into()
+        }
+        (Data::Tables(list), Kind::TablesOfKinds { tag, variants, .. }) => {
+            list.iter().map(|fields| variant(fields, tag, variants)).collect::<Vec<_>>().into()
         }
         // The check has let nothing through that its kind does not have.
         _ => Item::List(Vec::new()),
     }
+}
+
+/// The entries of a table that is one of several kinds, the kind first.
+fn variant(fields: &Fields, tag: &Key, variants: &[(&'static str, Declared)]) -> Table {
+    let mut table = Table::default();
+    table.insert(tag.name, fields.variant);
+    let of_variant = variants.iter().find(|(word, _)| *word == fields.variant);
+    let rest = of_variant.map(|(_, declared)| plain(fields, declared)).unwrap_or_default();
+    table.entries.extend(rest.entries);
+    table
 }
 
 /// Whether checked data are of this kind.

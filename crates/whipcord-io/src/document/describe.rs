@@ -8,6 +8,7 @@ use whipcord::{
     UnitQuaternion, Vec3,
 };
 
+use super::obstacle::obstacle;
 use super::{Item, Table};
 use crate::units::percent;
 
@@ -39,10 +40,14 @@ pub fn describe(title: Option<&str>, robot: &Robot, case: &Case) -> Result<Table
         file.insert("cables", cables);
     }
     if case.base != Pose::IDENTITY {
-        file.insert("base", base(&case.base));
+        file.insert("base", placed(Table::default(), &case.base));
     }
     if case.loads != Loads::default() {
         file.insert("loads", loads(&case.loads)?);
+    }
+    if !case.obstacles.is_empty() {
+        let obstacles = case.obstacles.iter().map(obstacle);
+        file.insert("obstacles", obstacles.collect::<Result<Vec<_>, _>>()?);
     }
     if in_steps {
         let steps = case.before.iter().chain([&case.commands]);
@@ -199,6 +204,8 @@ fn disks(disks: &Disks, length: f64) -> Table {
     if disks.mass != 0.0 {
         table.insert("mass", disks.mass);
     }
+    table.insert_some("outer_radius", disks.outer_radius);
+    table.insert_some("thickness", disks.thickness);
     table
 }
 
@@ -281,13 +288,13 @@ fn step(commands: &[CableCommand]) -> Result<Table, Inexpressible> {
     Ok(table)
 }
 
-fn base(base: &Pose) -> Table {
-    let mut table = Table::default();
-    if base.position != Vec3::ZERO {
-        table.insert("position", base.position);
+/// The table with where a thing is.
+pub(super) fn placed(mut table: Table, pose: &Pose) -> Table {
+    if pose.position != Vec3::ZERO {
+        table.insert("position", pose.position);
     }
-    if base.rotation != UnitQuaternion::IDENTITY {
-        table.insert("orientation", base.rotation.wxyz());
+    if pose.rotation != UnitQuaternion::IDENTITY {
+        table.insert("orientation", pose.rotation.wxyz());
     }
     table
 }

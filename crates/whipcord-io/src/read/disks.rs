@@ -17,7 +17,7 @@ pub(crate) fn disks(fields: &Fields, length: f64) -> Option<Disks> {
         hole_circle_radii,
         holes: fields.count("holes"),
         mass: fields.number("mass").unwrap_or(0.0),
-        outer_radius: None,
-        thickness: None,
+        outer_radius: fields.number("outer_radius"),
+        thickness: fields.number("thickness"),
     })
 }

@@ -1,7 +1,7 @@
 use whipcord::{DistributedLoad, LoadFrame, Loads, PointLoad, PointMass, Profile, Vec3};
 
-use super::vec3;
-use crate::check::{Data, Fields};
+use super::{vec3, vector};
+use crate::check::Fields;
 
 /// `[loads]` of a robot whose backbone has this length.
 pub(crate) fn loads(fields: &Fields, length: f64) -> Loads {
@@ -58,11 +58,4 @@ fn profile(fields: &Fields, length: f64) -> Profile {
         None => fields.list(name).unwrap_or_default().iter().filter_map(vector).collect(),
     };
     Profile::Linear { force: values("force"), moment: values("moment"), at }
-}
-
-fn vector(data: &Data) -> Option<Vec3> {
-    match data.as_list()? {
-        [x, y, z] => Some(Vec3::new(x.as_number()?, y.as_number()?, z.as_number()?)),
-        _ => None,
-    }
 }

@@ -1,16 +1,17 @@
 //! From checked tables to the library's types, one reader per table.
 
 mod backbone;
-mod base;
 mod cables;
 mod disks;
 mod fit;
 mod loads;
 mod measured;
+mod mesh;
+mod obstacles;
+mod pose;
 mod reference;
 
 pub(crate) use backbone::backbone;
-pub(crate) use base::base;
 pub(crate) use cables::{cable, command, step};
 pub(crate) use disks::disks;
 pub(crate) use fit::fit;
@@ -18,13 +19,22 @@ pub use fit::{Fit, quantity};
 pub(crate) use loads::loads;
 pub(crate) use measured::{Extent, read as measured};
 pub use measured::{LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, load_markers};
+pub(crate) use obstacles::obstacles;
+pub(crate) use pose::pose;
 pub use reference::Reference;
 pub(crate) use reference::reference;
 
 use whipcord::Vec3;
 
-use crate::check::Fields;
+use crate::check::{Data, Fields};
 
 fn vec3(fields: &Fields, name: &str) -> Option<Vec3> {
     fields.vector(name).map(|[x, y, z]| Vec3::new(x, y, z))
+}
+
+fn vector(data: &Data) -> Option<Vec3> {
+    match data.as_list()? {
+        [x, y, z] => Some(Vec3::new(x.as_number()?, y.as_number()?, z.as_number()?)),
+        _ => None,
+    }
 }

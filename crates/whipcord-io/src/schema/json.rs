@@ -151,12 +151,18 @@ fn kind(declared: &Kind) -> Value {
         }
         Kind::Table(inner) => table(inner),
         Kind::Tables(inner) => json!({ "type": "array", "items": whole(inner) }),
-        Kind::Variants { tag, variants } => {
-            let variants: Vec<Value> =
-                variants.iter().map(|(word, inner)| variant(tag.name, word, inner)).collect();
-            json!({ "type": "object", "oneOf": variants })
+        Kind::Variants { tag, variants } => of_kinds(tag.name, variants),
+        Kind::TablesOfKinds { tag, variants, .. } => {
+            json!({ "type": "array", "items": of_kinds(tag.name, variants) })
         }
     }
+}
+
+/// A table that is one of several kinds.
+fn of_kinds(tag: &str, variants: &[(&str, Table)]) -> Value {
+    let variants: Vec<Value> =
+        variants.iter().map(|(word, inner)| variant(tag, word, inner)).collect();
+    json!({ "type": "object", "oneOf": variants })
 }
 
 fn variant(tag: &str, word: &str, declared: &Table) -> Value {

@@ -4,6 +4,7 @@ use whipcord::robot::limits::{self, Range};
 
 use super::backbone_keys::BACKBONE;
 use super::load_keys::{BASE, LOADS};
+use super::obstacle_keys::OBSTACLES;
 use super::{Key, Kind, Rule, Table};
 use crate::read::LENGTH_UNITS;
 use crate::units::Dimension;
@@ -62,6 +63,7 @@ pub(crate) static ROOT: Table = Table {
         key("cables", Kind::Tables(&CABLE), CABLE.title, CABLE.doc),
         key("base", Kind::Table(&BASE), BASE.title, BASE.doc),
         key("loads", Kind::Table(&LOADS), LOADS.title, LOADS.doc),
+        OBSTACLES,
         key("steps", Kind::Tables(&STEP), STEP.title, STEP.doc),
         key("measured", Kind::Table(&MEASURED), MEASURED.title, MEASURED.doc),
         key("reference", Kind::Table(&REFERENCE), REFERENCE.title, REFERENCE.doc),
@@ -103,6 +105,18 @@ static DISKS: Table = Table {
             Kind::Quantity(&[Dimension::Mass], limits::MASS),
             r#""1.2 g""#,
             "Mass of each disk; 0 by default.",
+        ),
+        key(
+            "outer_radius",
+            LENGTH,
+            r#""10 mm""#,
+            "Outer radius of the disks, with which they touch obstacles; by default that of each disk's hole circle.",
+        ),
+        key(
+            "thickness",
+            LENGTH,
+            r#""2 mm""#,
+            "Thickness of the disks, whose rims are rounded with half of it where they touch obstacles; by default a tenth of the outer radius.",
         ),
     ],
     rules: &[Rule::ExactlyOne(&["count", "positions"])],

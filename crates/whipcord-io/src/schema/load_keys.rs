@@ -12,9 +12,10 @@ const LINE_FORCE: Kind =
     Kind::Vector(&Kind::Quantity(&[Dimension::LineForce], limits::LINE_FORCE), 3);
 const LINE_MOMENT: Kind =
     Kind::Vector(&Kind::Quantity(&[Dimension::LineMoment], limits::LINE_MOMENT), 3);
-const POSITION: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Length], limits::COORDINATE), 3);
+pub(super) const POSITION: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Length], limits::COORDINATE), 3);
 /// A component of a quaternion or an axis, whatever its norm.
-const DIRECTION: Range = Range { least: -1e6, above: false, greatest: 1e6, unit: "" };
+pub(super) const DIRECTION: Range = Range { least: -1e6, above: false, greatest: 1e6, unit: "" };
 
 pub(super) static LOADS: Table = Table {
     title: "[loads]",
@@ -148,8 +149,8 @@ pub(super) static BASE: Table = Table {
     rules: &[Rule::AtMostOne(&["orientation", "rotation"])],
 };
 
-static ROTATION: Table = Table {
-    title: "base.rotation",
+pub(super) static ROTATION: Table = Table {
+    title: "`rotation`",
     doc: "A rotation about an axis.",
     keys: &[
         key(

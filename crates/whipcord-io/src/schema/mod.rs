@@ -5,6 +5,7 @@ mod backbone_keys;
 mod json;
 mod keys;
 mod load_keys;
+mod obstacle_keys;
 
 use whipcord::robot::limits::Range;
 
@@ -60,6 +61,12 @@ pub(crate) enum Kind {
     Table(&'static Table),
     /// `[[name]]`, any number of times.
     Tables(&'static Table),
+    /// `[[name]]`, any number of times, each a table whose key `tag` says which of these it is.
+    TablesOfKinds {
+        title: &'static str,
+        tag: &'static Key,
+        variants: &'static [(&'static str, Table)],
+    },
     /// A table whose key `tag` says which of these it is.
     Variants {
         tag: &'static Key,
@@ -101,7 +108,9 @@ impl Table {
 impl Key {
     /// A line that gives the key a value, or the header of its table.
     pub(crate) fn example_line(&self) -> String {
-        if self.example.starts_with("[") && matches!(self.kind, Kind::Table(_) | Kind::Tables(_)) {
+        if self.example.starts_with("[")
+            && matches!(self.kind, Kind::Table(_) | Kind::Tables(_) | Kind::TablesOfKinds { .. })
+        {
             self.example.to_owned()
         } else {
             format!("{} = {}", self.name, self.example)
@@ -114,6 +123,7 @@ impl Key {
             Kind::Table(table) | Kind::Tables(table) if table.title.starts_with('[') => {
                 table.title.to_owned()
             }
+            Kind::TablesOfKinds { title, .. } => (*title).to_owned(),
             _ => format!("`{}`", self.name),
         }
     }
@@ -142,7 +152,7 @@ impl Kind {
                 names.join(", or ")
             }
             Self::Table(_) | Self::Variants { .. } => "a table".to_owned(),
-            Self::Tables(_) => "a list of tables".to_owned(),
+            Self::Tables(_) | Self::TablesOfKinds { .. } => "a list of tables".to_owned(),
         }
     }
 }

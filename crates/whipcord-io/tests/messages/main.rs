@@ -7,6 +7,7 @@ mod cameras;
 mod common;
 mod files;
 mod models;
+mod obstacles;
 
 use whipcord_io::{FileError, parse};
 

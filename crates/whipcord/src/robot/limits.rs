@@ -84,6 +84,8 @@ pub const DISTORTION_COEFFICIENT: Range = Range::either_way(1e6, "");
 pub const LENS_TILT: Range = Range::either_way(1.5, "rad");
 /// An exponent of a superellipsoid: from all but a box to all but an octahedron; within it is convex.
 pub const SUPERELLIPSOID_EXPONENT: Range = Range::from(0.1, 1.9, "");
+/// A factor on the lengths of a triangle mesh.
+pub const MESH_SCALE: Range = Range::from(1e-12, 1e12, "");
 /// Greatest coefficient of a polynomial, whatever its power.
 const LARGEST_COEFFICIENT: f64 = 1e100;
 /// Least distance in m between neighbouring disks.
