@@ -18,6 +18,7 @@ from whipcord import (
     Disks,
     DistributedLoad,
     Loads,
+    Obstacle,
     PointLoad,
     PointMass,
     Robot,
@@ -58,6 +59,22 @@ def test_what_is_written_solves_to_the_same_bits(path: Path, tmp_path: Path) -> 
         return
     model = "cosserat-disks" if case.robot.cables[0].friction else "cosserat"
     assert np.array_equal(copy.solve(model=model).position, case.solve(model=model).position)
+
+
+def test_obstacles_come_and_go_with_a_case() -> None:
+    case = whipcord.load(Path(__file__).resolve().parents[2] / "examples/contact/arm-at-wall.toml")
+    (wall,) = case.obstacles
+    assert wall.kind == "half-space" and wall.name == "wall" and wall.position == (0.04, 0.0, 0.0)
+    assert case.robot.disks.outer_radius == 0.01
+    ball = Obstacle(kind="sphere", radius="5 mm", rotation={"axis": [0, 0, 1], "angle": 1.0})
+    assert pickle.loads(pickle.dumps(ball)) == ball and hash(ball) == hash(ball.replace())
+    both = case.replace(obstacles=[wall, ball])
+    assert [obstacle.name for obstacle in both.obstacles] == ["wall", "obstacle-2"]
+    assert both.replace(obstacles=()).obstacles == () and case != both
+    with pytest.raises(whipcord.InputError, match="a sphere has no `radius`"):
+        Obstacle(kind="sphere")
+    with pytest.raises(whipcord.InputError, match="there is no such file"):
+        case.replace(obstacles=[Obstacle(kind="mesh", file="none.stl", unit="mm")])
 
 
 def everything() -> Case:

@@ -35,11 +35,12 @@ from .errors import (
 )
 from .fitting import CrossValidation, Estimate, Fit, HeldOut, ModelFit, Unknown, Unresolved, fit
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
+from .obstacles import Obstacle
 from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
-from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution
+from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution, Touch
 
 __all__ = [
     "Along",
@@ -79,6 +80,7 @@ __all__ = [
     "ModelError",
     "ModelFit",
     "Observation",
+    "Obstacle",
     "Overlaid",
     "Overlay",
     "Place",
@@ -94,6 +96,7 @@ __all__ = [
     "Solution",
     "SolveError",
     "Step",
+    "Touch",
     "Unknown",
     "Unresolved",
     "WhipcordError",

@@ -15,6 +15,7 @@ from ._tables import Quantity, part, parts, plain
 from .camera import Camera
 from .errors import InputError
 from .loads import Base, Loads, Step
+from .obstacles import Obstacle
 from .published import Measured, Reference, published, still_true
 from .robot import Robot
 
@@ -35,6 +36,7 @@ class Description:
         loads: Loads | None = None,
         base: Base | None = None,
         steps: Sequence[Step] = (),
+        obstacles: Sequence[Obstacle] = (),
         title: str = "case",
     ) -> None:
         if not isinstance(robot, Robot):
@@ -50,6 +52,7 @@ class Description:
             "cables": cables or None,
             "base": part(base, Base, "base") or None,
             "loads": part(loads, Loads, "loads") or None,
+            "obstacles": parts(obstacles, Obstacle, "obstacles"),
             "steps": parts(steps, Step, "steps"),
         }
         self._keep(_core.Setup.of_tables(tables, "Case"))
@@ -93,6 +96,11 @@ class Description:
         return Base._of(self._tables.get("base", {}))
 
     @cached_property
+    def obstacles(self) -> tuple[Obstacle, ...]:
+        """What stands in the robot's way."""
+        return tuple(Obstacle._of(obstacle) for obstacle in self._tables.get("obstacles", ()))
+
+    @cached_property
     def steps(self) -> tuple[Step, ...]:
         """Steps of actuation; none where the case is a single one."""
         return tuple(Step._of(step) for step in self._tables.get("steps", ()))
@@ -126,15 +134,17 @@ class Description:
         return tuple(cable.get(key) for cable in cables)
 
     def replace(self: Self, **changes: Any) -> Self:
-        """The same case with another robot, other commands, loads, base, steps or title.
+        """The same case with another robot, other commands, loads, base, steps, obstacles or title.
 
         Other commands take the place of the steps, and with them of what friction keeps of the steps before.
-        What was measured stays as long as commands, loads, base and the places of the disks do; what was
+        What was measured stays as long as commands, loads, base, obstacles and the places of the disks do; what was
         published, as long as the whole robot does too.
         """
         given: dict[str, Any] = {"loads": self.loads, "base": self.base, "title": self.title}
         if {"tension", "shortening"} & changes.keys() and "steps" not in changes:
             changes = {"steps": (), **changes}
+        if self.obstacles:
+            given["obstacles"] = self.obstacles
         if self.steps:
             given["steps"] = self.steps
         else:
@@ -259,6 +269,9 @@ class Description:
             given.append(f"loads={self.loads!r}")
         if self.base != Base():
             given.append(f"base={self.base!r}")
+        if self.obstacles:
+            around = ", ".join(str(obstacle.name) for obstacle in self.obstacles)
+            given.append(f"obstacles [{around}]")
         length = self.robot.backbone.length
         asked = "".join(f", {item}" for item in given)
         return f"<Case {self.title!r}: robot of {length} m, cables [{names}]{asked}>"

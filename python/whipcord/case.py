@@ -54,6 +54,8 @@ class Case(Description):
         Where the base is; by default the frames of base and world are one.
     steps
         Steps of actuation, the last of which is the case; instead of `tension` and `shortening`.
+    obstacles
+        What stands in the robot's way.
     title
         What it is.
 

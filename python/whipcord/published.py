@@ -135,7 +135,7 @@ def still_true(case: Description, other: Description) -> tuple[bool, bool]:
     """Whether what was measured and what was published for a case is so for another."""
     if case.measured is None and case.reference is None:
         return False, False
-    asked = ("tension", "shortening", "steps", "loads", "base")
+    asked = ("tension", "shortening", "steps", "loads", "base", "obstacles")
     same = all(getattr(case, name) == getattr(other, name) for name in asked)
     disks = ("count", "positions")
     if not same or any(getattr(case.robot.disks, n) != getattr(other.robot.disks, n) for n in disks):

@@ -242,6 +242,9 @@ class Disks(Table):
         counter-clockwise, seen from the tip.
     mass
         Mass of each disk in kg.
+    outer_radius, thickness
+        Of each disk in m, where it touches obstacles; by default the radius of its hole circle and a tenth of
+        the outer radius.
 
     Examples
     --------
@@ -254,6 +257,8 @@ class Disks(Table):
     hole_circle_radius: float | tuple[float, ...] | None = None
     holes: int | None = None
     mass: float = 0.0
+    outer_radius: float | None = None
+    thickness: float | None = None
 
     _name: ClassVar[str] = "disks"
 
@@ -265,6 +270,8 @@ class Disks(Table):
         hole_circle_radius: Quantity | Sequence[Quantity] | None = None,
         holes: int | None = None,
         mass: Quantity | None = None,
+        outer_radius: Quantity | None = None,
+        thickness: Quantity | None = None,
     ) -> None:
         self._set(
             count=count,
@@ -272,6 +279,8 @@ class Disks(Table):
             hole_circle_radius=hole_circle_radius,
             holes=holes,
             mass=mass,
+            outer_radius=outer_radius,
+            thickness=thickness,
         )
 
 

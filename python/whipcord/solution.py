@@ -20,7 +20,16 @@ if TYPE_CHECKING:
     from .case import Case
     from .robot import Robot
 
-__all__ = ["Branches", "CableState", "CriticalPoint", "Diagnostics", "Equilibrium", "Shape", "Solution"]
+__all__ = [
+    "Branches",
+    "CableState",
+    "CriticalPoint",
+    "Diagnostics",
+    "Equilibrium",
+    "Shape",
+    "Solution",
+    "Touch",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -76,6 +85,29 @@ class CableState:
     def shortening(self) -> float:
         """Initial minus present length in m."""
         return self.initial_length - self.length
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """A place where the robot touches an obstacle, without friction."""
+
+    obstacle: str
+    """Name of the obstacle."""
+    part: str
+    """``"backbone"`` or ``"disk"``: what touches it."""
+    disk: int | None
+    """Number of the disk, from 0 at the base; None where the backbone touches."""
+    arc_length: float
+    """Arc length of the cross-section that touches, in m."""
+    point: Array
+    """(3,) the place in m, in the world."""
+    normal: Array
+    """(3,) unit normal out of the obstacle."""
+    force: float | None
+    """With how much the obstacle pushes the robot along the normal, in N; None from a model that knows no
+    forces."""
+    gap: float
+    """Distance between robot and obstacle in m; negative where they overlap by a remainder of the iteration."""
 
 
 @dataclass(frozen=True)
@@ -215,6 +247,14 @@ class Solution:
         a model that knows no forces."""
         wrench = self._answer.base_wrench
         return None if wrench is None else np.array(wrench)
+
+    @cached_property
+    def touches(self) -> tuple[Touch, ...]:
+        """Where the robot touches the obstacles of its case."""
+        return tuple(
+            Touch(**{**touch, "point": np.array(touch["point"]), "normal": np.array(touch["normal"])})
+            for touch in self._answer.touches
+        )
 
     @cached_property
     def diagnostics(self) -> Diagnostics:

@@ -22,6 +22,7 @@ mod suite;
 mod superposition;
 mod table;
 mod timing;
+mod touches;
 mod trial;
 mod verbs;
 mod words;

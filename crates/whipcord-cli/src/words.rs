@@ -1,10 +1,14 @@
 //! A robot and its case in words.
 
+use std::path::Path;
+
 use whipcord::case::Piece;
+use whipcord::obstacle::Bends;
 use whipcord::robot::SectionProperties;
 use whipcord::{
-    Along, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Interpolation, LoadFrame,
-    Loads, ModelKind, Pose, RestCurvature, Robot, Routing, Section, Solution, Stiffness, Vec3,
+    Along, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Form, Interpolation,
+    LoadFrame, Loads, ModelKind, Pose, RestCurvature, Robot, Routing, Section, Solution, Stiffness,
+    Vec3,
 };
 use whipcord_io::CaseFile;
 
@@ -44,9 +48,51 @@ pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
     }
     lines.push(("loads".to_owned(), loads(&case.loads)));
     if case.base != Pose::IDENTITY {
-        lines.push(("base".to_owned(), base(&case.base)));
+        lines.push(("base".to_owned(), placed(&case.base)));
+    }
+    for obstacle in &case.obstacles {
+        let words = format!("{}, {}", form(&obstacle.form), placed(&obstacle.pose));
+        lines.push((format!("obstacle {}", obstacle.name), words));
     }
     lines
+}
+
+fn form(form: &Form) -> String {
+    let by = |v: Vec3| v.to_array().map(millimetres).join(" by ");
+    match form {
+        Form::HalfSpace => "half-space".to_owned(),
+        Form::Sphere { radius } => format!("sphere of radius {}", millimetres(*radius)),
+        Form::Capsule { radius, length } => format!(
+            "capsule of radius {} about a segment of {}",
+            millimetres(*radius),
+            millimetres(*length)
+        ),
+        Form::Box { size } => format!("box of {}", by(*size)),
+        Form::Cylinder { radius, length } => format!(
+            "cylinder of radius {} and length {}",
+            millimetres(*radius),
+            millimetres(*length)
+        ),
+        Form::Pipe(pipe) => {
+            let course = match (pipe.points().len(), pipe.bends()) {
+                (2, _) => "straight".to_owned(),
+                (count, Bends::Smooth) => format!("smooth through {count} points"),
+                (count, Bends::Corners) => format!("with corners at {} points", count - 2),
+            };
+            format!("pipe of radius {}, {course}", millimetres(pipe.radius()))
+        }
+        Form::Superellipsoid(body) => {
+            let [e1, e2] = body.exponents().map(|e| number(e, 4));
+            format!("superellipsoid, semi-axes {}, exponents {e1} and {e2}", by(body.semi_axes()))
+        }
+        Form::Mesh(mesh) => {
+            let count = mesh.triangles().len();
+            let file = mesh.file().map(|file| Path::new(&file.path));
+            let name = file.and_then(Path::file_name).map(|name| name.to_string_lossy());
+            let from = name.map_or_else(String::new, |name| format!(" from {name}"));
+            format!("mesh of {count} triangles{from}")
+        }
+    }
 }
 
 fn backbone(robot: &Robot) -> String {
@@ -198,7 +244,16 @@ fn disks(disks: &Disks) -> String {
     } else {
         String::new()
     };
-    format!("{}, {spacing}{holes}{circle}{mass}", disks.count())
+    let rim = match (disks.outer_radius, disks.thickness) {
+        (None, None) => String::new(),
+        (radius, thickness) => {
+            let radius = radius.map(|r| format!("outer radius {}", millimetres(r)));
+            let thickness = thickness.map(|t| format!("{} thick", millimetres(t)));
+            let parts = [radius, thickness].into_iter().flatten();
+            format!(", {}", parts.collect::<Vec<_>>().join(", "))
+        }
+    };
+    format!("{}, {spacing}{holes}{circle}{mass}{rim}", disks.count())
 }
 
 fn extent(values: &[f64]) -> Option<(f64, f64)> {
@@ -327,10 +382,10 @@ fn distributed(load: &DistributedLoad) -> String {
     format!("{what} spread from {from} to {to}{stations}{follows}")
 }
 
-fn base(base: &Pose) -> String {
-    let place = base.position;
+fn placed(pose: &Pose) -> String {
+    let place = pose.position;
     let mut text = format!("at {}", [place.x, place.y, place.z].map(millimetres).join(", "));
-    let turn = base.rotation.log();
+    let turn = pose.rotation.log();
     let angle = turn.norm();
     if angle > 0.0 {
         text += &format!(", turned by {} about {}", degrees(angle), vector(turn / angle));

@@ -33,7 +33,7 @@ pub use files::read_photograph;
 pub use output::{
     Beside, Cell, CsvTable, NonFinite, answer_json, fit_json, json_number, json_optional,
     marks_csv, remove_unfinished, shape_csv, solution_json, status_words, steps_csv,
-    stiffness_json, write_atomically,
+    stiffness_json, touches_csv, write_atomically,
 };
 pub use read::{
     Fit, LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers, quantity,

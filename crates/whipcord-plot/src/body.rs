@@ -237,6 +237,7 @@ fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
             if radius == 0.0 {
                 radius = 0.02 * robot.backbone().length;
             }
+            let radius = disks.outer_radius.unwrap_or(radius);
             // Holes fill a third of their circle at most.
             let hole_radius = if holes == 0 {
                 0.0

@@ -118,7 +118,8 @@ impl Plan {
         svg.open("view");
         let frame = ([left, top], [width, height]);
         self.draw_axes(svg, frame, axes, origin);
-        drawn.draw(svg, &view, 3.0);
+        let name = axes.map(|a| ["x", "y", "z"][a]).concat();
+        drawn.draw(svg, &view, (&name, frame.0, frame.1), 3.0);
         drawn.loads.draw_gravity_in(svg, &view, frame, &drawn.points);
         svg.close();
     }

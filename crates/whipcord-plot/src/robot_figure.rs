@@ -2,7 +2,7 @@
 
 use core::fmt::Display;
 
-use whipcord::{ModelKind, Pose, Robot, Shape, Solution, Stations, Vec3, at_rest};
+use whipcord::{ModelKind, Obstacle, Pose, Robot, Shape, Solution, Stations, Touch, Vec3, at_rest};
 
 use crate::acting::Acting;
 use crate::body::{Body, Part};
@@ -12,12 +12,14 @@ use crate::error::{PlotError, finite, not_empty};
 use crate::legend::{Entry, Legend, Swatch};
 use crate::load_marks::LoadMarks;
 use crate::marker::{self, Marker};
+use crate::obstacles::Obstacles;
 use crate::orthogonal;
 use crate::projection::Projection;
 use crate::scene::{self, Look};
 use crate::space;
-use crate::svg::{Fill, Stroke, Svg};
+use crate::svg::{Fill, Point, Stroke, Svg};
 use crate::title::{LINE, Title};
+use crate::touch_marks::TouchMarks;
 
 /// One shape of the robot: that of a model, or that before actuation.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +67,10 @@ pub struct FigureOptions {
     pub loads: Acting,
     /// How places of it yield and move; drawn over the robot.
     pub ellipsoids: Vec<Ellipsoid>,
+    /// What stands in its way.
+    pub obstacles: Vec<Obstacle>,
+    /// Where one of the shapes touches it; drawn over all of them.
+    pub touches: Vec<Touch>,
     /// Direction from which the robot is seen in space, in rad from x towards y; `None` for one
     /// that shows the bending well.
     pub azimuth: Option<f64>,
@@ -81,6 +87,8 @@ impl Default for FigureOptions {
             measured: Vec::new(),
             loads: Acting::default(),
             ellipsoids: Vec::new(),
+            obstacles: Vec::new(),
+            touches: Vec::new(),
             azimuth: None,
             elevation: 22_f64.to_radians(),
             width: 980.0,
@@ -156,6 +164,8 @@ pub(crate) struct Drawn<'a> {
     pub measured: &'a [Vec3],
     pub loads: LoadMarks,
     pub ellipsoids: Ellipsoids,
+    obstacles: Obstacles,
+    touches: TouchMarks,
     /// Points that span all of it.
     pub points: Vec<Vec3>,
 }
@@ -175,14 +185,27 @@ impl<'a> Drawn<'a> {
         let loads = LoadMarks::new(&options.loads, extent);
         let ellipsoids = Ellipsoids::new(&options.ellipsoids, extent, colours.free);
         points.extend(loads.outline().chain(ellipsoids.outline()));
-        Self { bodies, measured: &options.measured, loads, ellipsoids, points }
+        let touches = TouchMarks::new(&options.touches, extent);
+        points.extend(touches.outline());
+        let obstacles = Obstacles::new(&options.obstacles, &points);
+        points.extend(obstacles.outline());
+        Self { bodies, measured: &options.measured, loads, ellipsoids, obstacles, touches, points }
     }
 
-    /// All in a view; measured positions of this radius in px.
-    pub fn draw(&self, svg: &mut Svg, view: &Projection, radius: f64) {
+    /// All in a view of this name, which fills a box; measured positions of this radius in px.
+    pub fn draw(
+        &self,
+        svg: &mut Svg,
+        view: &Projection,
+        (name, at, size): (&str, Point, Point),
+        radius: f64,
+    ) {
+        self.obstacles.draw(svg, view, (&format!("behind-{name}"), at, size), false);
         scene::draw(svg, &self.bodies, view);
+        self.obstacles.draw(svg, view, (&format!("before-{name}"), at, size), true);
         self.ellipsoids.draw(svg, view);
         self.loads.draw(svg, view);
+        self.touches.draw(svg, view);
         let rim = Some(Stroke::new(MEASURED, 1.1));
         for &p in self.measured {
             let at = view.place(p);
@@ -275,6 +298,12 @@ fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
     }
     options.loads.check()?;
     options.ellipsoids.iter().try_for_each(Ellipsoid::check)?;
+    for touch in &options.touches {
+        let numbers = touch.point.to_array().into_iter().chain(touch.normal.to_array());
+        for value in numbers.chain(touch.force) {
+            finite(|| "a number of a touch".to_owned(), value)?;
+        }
+    }
     finite(|| "the elevation".to_owned(), options.elevation)?;
     finite(|| "the azimuth".to_owned(), options.azimuth.unwrap_or(0.0))?;
     let width = options.width;
@@ -316,6 +345,8 @@ impl Colours {
         let mut entries = self.legend_of(robot, views, !options.measured.is_empty());
         entries.extend(Ellipsoids::legend(&options.ellipsoids, self.free));
         entries.extend(LoadMarks::legend(&options.loads));
+        entries.extend(Obstacles::legend(&options.obstacles));
+        entries.extend(TouchMarks::legend(&options.touches));
         entries
     }
 

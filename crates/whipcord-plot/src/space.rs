@@ -84,7 +84,7 @@ pub(crate) fn draw(
     svg.open("space");
     floor.draw(svg, &view);
     draw_shadows(svg, &drawn.bodies, &floor, &view);
-    drawn.draw(svg, &view, 3.4);
+    drawn.draw(svg, &view, ("space", corner, [size[0], size[1] - STRIP]), 3.4);
     drawn.ellipsoids.draw_labels(svg, &view, (corner, [size[0], size[1] - STRIP]));
     svg.close();
     let bottom = corner[1] + size[1];

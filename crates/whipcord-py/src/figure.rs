@@ -26,6 +26,8 @@ pub fn svg(
     let options = FigureOptions {
         title: title.unwrap_or_else(|| setup.title.clone()),
         loads: Acting::on(&setup.case, loaded),
+        obstacles: setup.case.obstacles.clone(),
+        touches: solutions.last().map_or_else(Vec::new, |(_, of)| of.inner.touches.clone()),
         width,
         ..FigureOptions::default()
     };

@@ -6,8 +6,8 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
-    CableState, Case, Contact, Diagnostics, ModelKind, NoStability, Pose, Robot, Shape,
-    UnitQuaternion, Vec3, Wrench,
+    CableState, Case, Contact, Diagnostics, ModelKind, NoStability, Part, Pose, Robot, Shape,
+    Touch, UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::convert::{array, flat};
@@ -32,7 +32,17 @@ impl Solution {
 type ShapeState = (Vec<f64>, Vec<f64>, Vec<f64>);
 type CableRow = (String, Option<f64>, f64, f64, bool, Vec<f64>, Vec<String>);
 type DiagnosticsRow = (usize, f64, Option<f64>, Option<f64>, usize, Option<f64>, Option<String>);
-type State = (String, ShapeState, ShapeState, Vec<CableRow>, Option<[f64; 6]>, DiagnosticsRow);
+/// Obstacle, disk if it is one, arc length, force, gap, point and normal.
+type TouchRow = (usize, Option<usize>, f64, Option<f64>, f64, [f64; 3], [f64; 3]);
+type State = (
+    String,
+    ShapeState,
+    ShapeState,
+    Vec<CableRow>,
+    Option<[f64; 6]>,
+    DiagnosticsRow,
+    Vec<TouchRow>,
+);
 
 #[pymethods]
 impl Solution {
@@ -105,6 +115,26 @@ impl Solution {
         })
     }
 
+    /// Where it touches obstacles.
+    #[getter]
+    fn touches<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        for touch in &self.inner.touches {
+            let values = PyDict::new(py);
+            let obstacle = self.case.obstacles.get(touch.obstacle);
+            values.set_item("obstacle", obstacle.map(|obstacle| obstacle.name.as_str()))?;
+            values.set_item("part", touch.part.name())?;
+            values.set_item("disk", touch.part.disk())?;
+            values.set_item("arc_length", touch.arc_length)?;
+            values.set_item("point", touch.point.to_array())?;
+            values.set_item("normal", touch.normal.to_array())?;
+            values.set_item("force", touch.force)?;
+            values.set_item("gap", touch.gap)?;
+            list.append(values)?;
+        }
+        Ok(list)
+    }
+
     /// How it was obtained.
     #[getter]
     fn diagnostics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -162,13 +192,14 @@ impl Solution {
                 d.stability_lost_at,
                 d.stability_absent.map(|reason| reason.name().to_owned()),
             ),
+            of.touches.iter().map(touch_row).collect(),
         )
     }
 
     /// The answer of such numbers to a case.
     #[staticmethod]
     fn from_state(py: Python<'_>, setup: &Setup, state: State) -> PyResult<Self> {
-        let (model, shape, disks, cables, wrench, d) = state;
+        let (model, shape, disks, cables, wrench, d, touches) = state;
         let model: ModelKind =
             model.parse().map_err(|_| errors::input(py, "state", format!("no model `{model}`")))?;
         let cables = cables.into_iter().map(|row| {
@@ -187,7 +218,7 @@ impl Solution {
                 force: Vec3::new(x, y, z),
                 moment: Vec3::new(a, b, c),
             }),
-            touches: Vec::new(),
+            touches: touches.into_iter().map(touch_of).collect(),
             diagnostics: Diagnostics {
                 iterations,
                 residual,
@@ -220,6 +251,17 @@ impl Solution {
             })
             .collect()
     }
+}
+
+fn touch_row(touch: &Touch) -> TouchRow {
+    let &Touch { obstacle, part, arc_length, point, normal, force, gap } = touch;
+    (obstacle, part.disk(), arc_length, force, gap, point.to_array(), normal.to_array())
+}
+
+fn touch_of((obstacle, disk, arc_length, force, gap, point, normal): TouchRow) -> Touch {
+    let part = disk.map_or(Part::Backbone, Part::Disk);
+    let (point, normal) = (point.into(), normal.into());
+    Touch { obstacle, part, arc_length, point, normal, force, gap }
 }
 
 fn contacts(cable: &CableState) -> Vec<String> {

@@ -203,6 +203,26 @@ pub enum Part {
     Disk(usize),
 }
 
+impl Part {
+    /// The name in outputs: `backbone` or `disk`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Backbone => "backbone",
+            Self::Disk(_) => "disk",
+        }
+    }
+
+    /// The disk that it is.
+    #[must_use]
+    pub fn disk(self) -> Option<usize> {
+        match self {
+            Self::Backbone => None,
+            Self::Disk(disk) => Some(disk),
+        }
+    }
+}
+
 impl Contact {
     /// The name in outputs: `sticks`, `pulled` or `released`.
     #[must_use]

@@ -33,6 +33,8 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         title: study.file.title.clone(),
         measured: measured.map(|marker| marker.measured).collect(),
         loads: Acting::on(&study.file.case, &reference.fine),
+        obstacles: study.file.case.obstacles.clone(),
+        touches: reference.solution.touches.clone(),
         ..FigureOptions::default()
     };
     figures.push(Figure {

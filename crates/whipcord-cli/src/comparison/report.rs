@@ -5,6 +5,7 @@ use super::tables;
 use crate::html::{Figure, escape, footer, list, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
+use crate::touches;
 use crate::words::{describe, instability};
 
 /// The report of these cases with the figures of each; `accuracy` is the section about all of them.
@@ -60,6 +61,12 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
     if !cables.is_empty() {
         html += "<h3>Cables</h3>\n";
         html += &cables.html();
+    }
+    for (run, solved) in study.solved() {
+        if let Some(touches) = touches::table(&solved.solution, &file.case.obstacles) {
+            html += &format!("<h3>Contact: {}</h3>\n", escape(&run.label()));
+            html += &touches.html();
+        }
     }
     html += &list(&case_notes(study));
     html + "</section>\n"

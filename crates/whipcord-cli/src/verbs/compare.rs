@@ -7,6 +7,7 @@ use std::thread;
 
 use clap::Args;
 use whipcord::ModelKind;
+use whipcord_io::touches_csv;
 
 use crate::comparison::figures::figures;
 use crate::comparison::study::Study;
@@ -226,6 +227,10 @@ fn write_numbers(folder: &Folder, studies: &[Study]) -> Result<(), Failure> {
         folder.write_table(&format!("{stem}-stations.csv"), &csv::stations(study))?;
         if let Some(cables) = csv::cables(study) {
             folder.write_table(&format!("{stem}-cables.csv"), &cables)?;
+        }
+        for (run, solved) in study.solved().filter(|(_, s)| !s.solution.touches.is_empty()) {
+            let touches = touches_csv(&solved.solution, &study.file.case.obstacles);
+            folder.write_table(&format!("{stem}-{}-touches.csv", run.model.name()), &touches)?;
         }
     }
     folder.write_table("cases.csv", &csv::summary(studies))?;

@@ -19,6 +19,7 @@ use crate::steps;
 use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
+use crate::touches;
 use crate::words::{driven_by, instability};
 
 /// Solve one case with one model
@@ -144,8 +145,12 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     let solution = &timed.solution;
     let text = if args.json {
         let answers: Vec<_> = timed.steps.iter().map(|(step, time)| (step, *time)).collect();
-        let beside =
-            Beside { steps: &answers, branches: branches.as_ref(), trace: trace.as_deref() };
+        let beside = Beside {
+            steps: &answers,
+            branches: branches.as_ref(),
+            trace: trace.as_deref(),
+            obstacles: &file.case.obstacles,
+        };
         let json = answer_json(&file.title, solution, timed.solve.median, &beside);
         format!("{}\n", json.map_err(|error| files::no_result(&error))?)
     } else if args.csv {
@@ -218,6 +223,8 @@ fn draw(
         title: file.title.clone(),
         measured: measured.map_or_else(Vec::new, |m| m.disks.iter().map(|d| d.position).collect()),
         loads: Acting::on(&file.case, &solution.shape),
+        obstacles: file.case.obstacles.clone(),
+        touches: solution.touches.clone(),
         ..FigureOptions::default()
     };
     let svg = robot_figure(&file.robot, &views, &options)
@@ -262,7 +269,8 @@ fn summary(
     } else {
         rubbing::table(steps.iter().map(|(step, _)| step))
     };
-    if let Some(table) = rubbing {
+    let touching = touches::table(solution, &file.case.obstacles);
+    for table in [rubbing, touching].into_iter().flatten() {
         text += &format!("\n{}", table.text(style));
     }
     text.push('\n');

@@ -129,6 +129,8 @@ fn draw(
     let options = FigureOptions {
         title: file.title.clone(),
         loads: Acting::on(&file.case, &fine.shape),
+        obstacles: file.case.obstacles.clone(),
+        touches: solution.touches.clone(),
         ellipsoids: ellipsoids(solution, local, file.case.base.rotation),
         ..FigureOptions::default()
     };

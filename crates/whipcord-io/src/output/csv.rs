@@ -1,6 +1,6 @@
 use core::fmt::Write as _;
 
-use whipcord::Shape;
+use whipcord::{Obstacle, Shape, Solution};
 
 use super::NonFinite;
 
@@ -116,6 +116,41 @@ pub fn steps_csv<'a>(shapes: impl IntoIterator<Item = &'a Shape>) -> Result<Stri
         }
     }
     table.to_csv()
+}
+
+/// Where a robot touches obstacles, one line for each place; disks and obstacles count from 1.
+#[must_use]
+pub fn touches_csv(solution: &Solution, obstacles: &[Obstacle]) -> CsvTable {
+    let mut table = CsvTable::new([
+        "obstacle",
+        "name",
+        "part",
+        "disk",
+        "arc_length",
+        "x",
+        "y",
+        "z",
+        "nx",
+        "ny",
+        "nz",
+        "force",
+        "gap",
+    ]);
+    for touch in &solution.touches {
+        let name = obstacles.get(touch.obstacle).map(|obstacle| obstacle.name.as_str());
+        let mut row = vec![
+            Cell::from(touch.obstacle + 1),
+            Cell::from(name),
+            Cell::from(touch.part.name()),
+            Cell::from(touch.part.disk().map(|disk| disk + 1)),
+            Cell::from(touch.arc_length),
+        ];
+        row.extend(touch.point.to_array().map(Cell::from));
+        row.extend(touch.normal.to_array().map(Cell::from));
+        row.extend([Cell::from(touch.force), Cell::from(touch.gap)]);
+        table.push(row);
+    }
+    table
 }
 
 const FRAME: [&str; 8] = ["arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"];

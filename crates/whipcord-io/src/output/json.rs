@@ -1,10 +1,10 @@
 use serde_json::{Map, Number, Value, json};
-use whipcord::{CableState, Diagnostics, Pose, Shape, Solution, Vec3};
+use whipcord::{CableState, Diagnostics, Obstacle, Pose, Shape, Solution, Touch, Vec3};
 
 use super::NonFinite;
 
 /// A solution as the JSON object that `whipcord solve --json` prints. `solve_time` is in s, as
-/// everything is in SI.
+/// everything is in SI; the obstacles are those of the case, whose names the touches have.
 ///
 /// # Errors
 /// [`NonFinite`] with the place of a number that is not finite.
@@ -12,6 +12,7 @@ pub fn solution_json(
     title: &str,
     solution: &Solution,
     solve_time: f64,
+    obstacles: &[Obstacle],
 ) -> Result<Value, NonFinite> {
     let stations = &solution.shape;
     let positions = stations.poses.iter().enumerate();
@@ -42,6 +43,9 @@ pub fn solution_json(
             .map(|(i, cable)| state(i, cable))
             .collect::<Result<Vec<_>, _>>()?,
         "base_wrench": wrench.transpose()?,
+        "touches": solution.touches.iter().enumerate()
+            .map(|(i, of)| touch(i, of, obstacles))
+            .collect::<Result<Vec<_>, _>>()?,
         "diagnostics": diagnostics(&solution.diagnostics, solve_time)?,
     }))
 }
@@ -73,6 +77,22 @@ fn state(index: usize, cable: &CableState) -> Result<Value, NonFinite> {
         object["contacts"] = cable.contacts.iter().map(|contact| contact.name()).collect();
     }
     Ok(object)
+}
+
+/// Obstacles and disks count from 0, as everything in JSON does.
+fn touch(index: usize, touch: &Touch, obstacles: &[Obstacle]) -> Result<Value, NonFinite> {
+    let path = |name: &str| format!("touches[{index}].{name}");
+    Ok(json!({
+        "obstacle": touch.obstacle,
+        "name": obstacles.get(touch.obstacle).map(|obstacle| obstacle.name.as_str()),
+        "part": touch.part.name(),
+        "disk": touch.part.disk(),
+        "arc_length": number(|| path("arc_length"), touch.arc_length)?,
+        "point": vector(|| path("point"), touch.point)?,
+        "normal": vector(|| path("normal"), touch.normal)?,
+        "force": optional(|| path("force"), touch.force)?,
+        "gap": number(|| path("gap"), touch.gap)?,
+    }))
 }
 
 fn diagnostics(diagnostics: &Diagnostics, solve_time: f64) -> Result<Value, NonFinite> {
@@ -137,7 +157,7 @@ fn located(path: impl FnOnce() -> String, values: &[f64]) -> Result<Value, NonFi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whipcord::{Contact, ModelKind, NoStability, UnitQuaternion, Wrench};
+    use whipcord::{Contact, Form, ModelKind, NoStability, Part, UnitQuaternion, Wrench};
 
     fn solution() -> Solution {
         let shape = Shape {
@@ -175,7 +195,26 @@ mod tests {
                 },
             ],
             base_wrench: Some(Wrench::default()),
-            touches: Vec::new(),
+            touches: vec![
+                Touch {
+                    obstacle: 0,
+                    part: Part::Disk(1),
+                    arc_length: 0.18,
+                    point: Vec3::new(0.0, 0.11, 0.15),
+                    normal: -Vec3::Y,
+                    force: Some(0.25),
+                    gap: -1e-9,
+                },
+                Touch {
+                    obstacle: 1,
+                    part: Part::Backbone,
+                    arc_length: 0.09,
+                    point: Vec3::ZERO,
+                    normal: Vec3::Z,
+                    force: None,
+                    gap: 0.0,
+                },
+            ],
             diagnostics: Diagnostics {
                 steps: 18,
                 stability_absent: Some(NoStability::NotAsked),
@@ -184,9 +223,14 @@ mod tests {
         }
     }
 
+    fn ball() -> Obstacle {
+        let form = Form::Sphere { radius: 0.02 };
+        Obstacle { name: "ball".to_owned(), form, pose: Pose::IDENTITY }
+    }
+
     #[test]
     fn a_solution_has_the_keys_of_the_contract() {
-        let mut value = solution_json("Case III", &solution(), 4.1e-6).unwrap();
+        let mut value = solution_json("Case III", &solution(), 4.1e-6, &[ball()]).unwrap();
         value["diagnostics"]["version"] = json!("x.y.z");
         insta::assert_json_snapshot!(value);
     }
@@ -195,11 +239,11 @@ mod tests {
     fn a_number_that_is_none_is_an_error_and_not_null() {
         let mut bad = solution();
         bad.shape.poses[1].position.y = f64::NAN;
-        let error = solution_json("", &bad, 0.0).unwrap_err();
+        let error = solution_json("", &bad, 0.0, &[]).unwrap_err();
         assert_eq!(error.path, "shape.position[1][1]");
         bad = solution();
         bad.cables[0].tension = Some(f64::INFINITY);
-        let error = solution_json("", &bad, 0.0).unwrap_err();
+        let error = solution_json("", &bad, 0.0, &[]).unwrap_err();
         assert_eq!(error.to_string(), "cables[0].tension is inf, which is no result");
     }
 }

@@ -1,8 +1,8 @@
 //! Steps, branches and iterations as JSON.
 
 use serde_json::{Value, json};
-use whipcord::Solution;
 use whipcord::cosserat::{Branches, CriticalKind, CriticalPoint, TraceEvent};
+use whipcord::{Obstacle, Solution};
 
 use super::NonFinite;
 use super::json::{number, numbers, solution_json, vector};
@@ -17,6 +17,8 @@ pub struct Beside<'a> {
     pub branches: Option<&'a Branches>,
     /// The iterations of its solve.
     pub trace: Option<&'a [TraceEvent]>,
+    /// What stands in the way in the case.
+    pub obstacles: &'a [Obstacle],
 }
 
 /// [`solution_json`], with what else there is: one such object for each step under `steps`, the
@@ -31,14 +33,15 @@ pub fn answer_json(
     solve_time: f64,
     beside: &Beside<'_>,
 ) -> Result<Value, NonFinite> {
-    let mut object = solution_json(title, solution, solve_time)?;
+    let of = |solution: &Solution, time| solution_json(title, solution, time, beside.obstacles);
+    let mut object = of(solution, solve_time)?;
     if !beside.steps.is_empty() {
-        let steps = beside.steps.iter().map(|(step, time)| solution_json(title, step, *time));
+        let steps = beside.steps.iter().map(|&(step, time)| of(step, time));
         object["steps"] = steps.collect::<Result<Vec<_>, _>>()?.into();
     }
     if let Some(branches) = beside.branches {
         let equilibria = branches.equilibria.iter().map(|equilibrium| {
-            let mut value = solution_json(title, &equilibrium.solution, solve_time)?;
+            let mut value = of(&equilibrium.solution, solve_time)?;
             // All were found in one walk, none in a time of its own.
             value["diagnostics"]["solve_time"] = Value::Null;
             value["branch"] = json!(equilibrium.branch);
