@@ -25,8 +25,8 @@ const ROUNDING: f64 = 1e-16;
 const PALE: f64 = 0.45;
 
 /// Relative error against time to solve on logarithmic axes: every case as a dot, and the medians of a model's
-/// times and errors as its sign, with its name. A model is pale when another one is both faster and nearer by its
-/// medians, or one of these and as good in the other; the others are joined by a dashed line. Errors below 1e-16 are
+/// times and errors as its sign, with its name. A model is pale when another one of no fewer cases is both faster and
+/// nearer by its medians, or one of these and as good in the other; the others are joined by a dashed line. Errors below 1e-16 are
 /// drawn there.
 ///
 /// ```
@@ -67,7 +67,9 @@ pub fn pareto_chart(title: &str, series: &[ParetoSeries]) -> Result<String, Plot
     let cases: Vec<Vec<[f64; 2]>> =
         series.iter().map(|one| one.cases.iter().map(drawn).collect()).collect();
     let medians: Vec<[f64; 2]> = cases.iter().map(|cases| median(cases)).collect();
-    let pale: Vec<bool> = (0..medians.len()).map(|i| is_bettered(medians[i], &medians)).collect();
+    let placed: Vec<(usize, [f64; 2])> =
+        cases.iter().zip(&medians).map(|(cases, median)| (cases.len(), *median)).collect();
+    let pale: Vec<bool> = placed.iter().map(|one| is_bettered(*one, &placed)).collect();
 
     let mut front: Vec<[f64; 2]> =
         medians.iter().zip(&pale).filter(|(_, pale)| !**pale).map(|(median, _)| *median).collect();
@@ -111,9 +113,11 @@ fn median(points: &[[f64; 2]]) -> [f64; 2] {
     })
 }
 
-/// Whether another is no worse in both coordinates and better in one.
-fn is_bettered(one: [f64; 2], all: &[[f64; 2]]) -> bool {
-    all.iter().any(|other| other[0] <= one[0] && other[1] <= one[1] && *other != one)
+/// Whether another of no fewer cases is no worse in both coordinates and better in one.
+fn is_bettered((cases, one): (usize, [f64; 2]), all: &[(usize, [f64; 2])]) -> bool {
+    all.iter().any(|&(others, other)| {
+        others >= cases && other[0] <= one[0] && other[1] <= one[1] && other != one
+    })
 }
 
 #[cfg(test)]
@@ -123,9 +127,12 @@ mod tests {
     #[test]
     fn what_is_slower_and_farther_is_bettered() {
         let all = [[1.0, 1e-2], [2.0, 1e-3], [3.0, 1e-2], [2.0, 1e-2], [1.0, 1e-2]];
+        let all = all.map(|one| (4, one));
         let bettered = all.map(|one| is_bettered(one, &all));
         // Two that are equal better each other not.
         assert_eq!(bettered, [false, false, true, true, false]);
+        // What answers few cases says nothing of those who answer more.
+        assert!(!is_bettered((4, [2.0, 1e-2]), &[(3, [1.0, 1e-3])]));
     }
 
     #[test]

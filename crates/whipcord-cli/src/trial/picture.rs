@@ -15,11 +15,18 @@ pub fn pareto(title: &str, results: &Results) -> Result<Option<String>, PlotErro
     let series: Vec<ParetoSeries> = results
         .contenders
         .iter()
-        .map(|&contender| ParetoSeries {
-            label: contender.to_string(),
-            cases: results.trials.iter().filter_map(|trial| point(contender, trial)).collect(),
-            look: look(contender.kind),
-            hollow: contender.variant != Variant::Usual,
+        .map(|&contender| {
+            let of = results.trials.len();
+            let cases: Vec<[f64; 2]> =
+                results.trials.iter().filter_map(|trial| point(contender, trial)).collect();
+            let part = cases.len();
+            let label = if part < of {
+                format!("{contender} ({part} of {of})")
+            } else {
+                contender.to_string()
+            };
+            let hollow = contender.variant != Variant::Usual;
+            ParetoSeries { label, cases, look: look(contender.kind), hollow }
         })
         .filter(|series| !series.cases.is_empty())
         .collect();
