@@ -106,6 +106,7 @@ class Model:
         objective: str | None = None,
         chord: str | None = None,
         length_rule: str | None = None,
+        coefficients: str | None = None,
     ) -> Model: ...
     @property
     def kind(self) -> str: ...

@@ -78,8 +78,8 @@ class Comparison:
     >>> import whipcord
     >>> case = whipcord.load("examples/table1/case-3.toml")
     >>> comparison = compare(case)
-    >>> [run.model for run in comparison]
-    ['cosserat', 'cosserat-disks', 'four-bar', 'constant-curvature']
+    >>> [run.model for run in comparison][:3]
+    ['cosserat', 'cosserat-disks', 'four-bar']
     >>> bool(comparison["cosserat-disks"].distance < 0.004)
     True
     """

@@ -1,7 +1,7 @@
 """Models and their options.
 
-Wherever a model is asked for, its name will do: ``"cosserat"``, ``"cosserat-disks"``, ``"four-bar"`` or
-``"constant-curvature"``, which has no options.
+Wherever a model is asked for, its name will do: ``"cosserat"``, ``"cosserat-disks"``, ``"four-bar"``,
+``"constant-curvature"``, which has no options, ``"piecewise-constant-curvature"`` or ``"pseudo-rigid-body"``.
 These classes are for other options than the defaults.
 """
 
@@ -19,9 +19,16 @@ import numpy.typing as npt
 from . import _core
 from .errors import InputError
 
-__all__ = ["NAMES", "Cosserat", "CosseratDisks", "FourBar"]
+__all__ = ["NAMES", "Cosserat", "CosseratDisks", "FourBar", "PiecewiseConstantCurvature", "PseudoRigidBody"]
 
-NAMES = ("cosserat", "cosserat-disks", "four-bar", "constant-curvature")
+NAMES = (
+    "cosserat",
+    "cosserat-disks",
+    "four-bar",
+    "constant-curvature",
+    "piecewise-constant-curvature",
+    "pseudo-rigid-body",
+)
 """The models by name."""
 
 
@@ -67,7 +74,33 @@ class FourBar:
     """How a cable's shortening is shared out between the sections."""
 
 
-ModelLike = Union[str, Cosserat, CosseratDisks, FourBar]
+@dataclass(frozen=True)
+class PiecewiseConstantCurvature:
+    """An arc between each two disks, in equilibrium with cables and loads."""
+
+    stability: bool = True
+    """Whether the stability of the answer is computed."""
+    residual: float | None = None
+    """Residual at which equilibrium counts as met, relative to the scales of the problem."""
+
+
+@dataclass(frozen=True)
+class PseudoRigidBody(PiecewiseConstantCurvature):
+    """Rigid bodies on springs between each two disks, in equilibrium with cables and loads."""
+
+    coefficients: Literal["su", "rao"] = "su"
+    """Published lengths of the bodies and stiffness of the joints."""
+
+
+_CLASSES = {
+    Cosserat: "cosserat",
+    CosseratDisks: "cosserat-disks",
+    FourBar: "four-bar",
+    PiecewiseConstantCurvature: "piecewise-constant-curvature",
+    PseudoRigidBody: "pseudo-rigid-body",
+}
+
+ModelLike = Union[str, Cosserat, CosseratDisks, FourBar, PiecewiseConstantCurvature, PseudoRigidBody]
 """A model, by its name or with its options."""
 StationsLike = Union[int, "np.integer[Any]", Sequence[float], "npt.NDArray[np.float64]", None]
 """How many equally spaced stations, or their arc lengths in m; None for the disks."""
@@ -75,7 +108,7 @@ StationsLike = Union[int, "np.integer[Any]", Sequence[float], "npt.NDArray[np.fl
 
 def core(model: ModelLike, stations: StationsLike = None, actuation: str | None = None) -> _core.Model:
     """The model as the extension knows it."""
-    if not isinstance(model, (str, Cosserat, CosseratDisks, FourBar)):
+    if not isinstance(model, (str, *_CLASSES)):
         message = f"model must be one of {', '.join(NAMES)}, or a class of whipcord.models, but is {model!r}"
         raise InputError(message, path="model")
     try:
@@ -109,5 +142,4 @@ def _core_model(
 ) -> _core.Model:
     if isinstance(model, str):
         return _core.Model(model, stations=stations, actuation=actuation)
-    names = {Cosserat: "cosserat", CosseratDisks: "cosserat-disks", FourBar: "four-bar"}
-    return _core.Model(names[type(model)], stations=stations, actuation=actuation, **asdict(model))
+    return _core.Model(_CLASSES[type(model)], stations=stations, actuation=actuation, **asdict(model))

@@ -38,10 +38,13 @@ pub fn trace(model: &Model, file: &CaseFile) -> Result<Vec<TraceEvent>, Failure>
             let model = CosseratDisks::new(robot, &case.loads, options).map_err(refused)?;
             model.solve_traced(case, left, &mut cosserat_disks::Workspace::default()).1
         }
-        Model::FourBar(_) | Model::ConstantCurvature(_) => {
+        Model::FourBar(_)
+        | Model::ConstantCurvature(_)
+        | Model::PiecewiseConstantCurvature(_)
+        | Model::PseudoRigidBody(_) => {
             return Err(Failure::Input(format!(
-                "error: --trace is for the models cosserat and cosserat-disks; {} has no load to \
-                 iterate on: leave out --trace, or choose --model cosserat",
+                "error: --trace is for the models cosserat and cosserat-disks, and {} keeps no record of its \
+                 iterations: leave out --trace, or choose --model cosserat",
                 model.kind()
             )));
         }

@@ -105,7 +105,10 @@ impl CableCourse {
     pub const fn of(model: ModelKind) -> Self {
         match model {
             ModelKind::Cosserat | ModelKind::ConstantCurvature => Self::Smooth,
-            ModelKind::CosseratDisks | ModelKind::FourBar => Self::HoleToHole,
+            ModelKind::CosseratDisks
+            | ModelKind::FourBar
+            | ModelKind::PiecewiseConstantCurvature
+            | ModelKind::PseudoRigidBody => Self::HoleToHole,
         }
     }
 }

@@ -5,7 +5,7 @@ use core::str::FromStr;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::cosserat::{self, Accuracy};
-use whipcord::{Drive, ModelKind, Stations, four_bar};
+use whipcord::{Drive, ModelKind, Stations, four_bar, linkage, pseudo_rigid_body};
 
 use crate::errors;
 
@@ -22,7 +22,7 @@ impl Model {
     #[new]
     #[pyo3(signature = (
         kind, *, stations = None, actuation = None, tolerance = None, steps = None, stability = true,
-        residual = None, objective = None, chord = None, length_rule = None
+        residual = None, objective = None, chord = None, length_rule = None, coefficients = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
@@ -37,6 +37,7 @@ impl Model {
         objective: Option<&str>,
         chord: Option<&str>,
         length_rule: Option<&str>,
+        coefficients: Option<&str>,
     ) -> PyResult<Self> {
         let arguments = PyDict::new(py);
         arguments.set_item("kind", kind)?;
@@ -49,6 +50,7 @@ impl Model {
         arguments.set_item("objective", objective)?;
         arguments.set_item("chord", chord)?;
         arguments.set_item("length_rule", length_rule)?;
+        arguments.set_item("coefficients", coefficients)?;
         let kind: ModelKind = named(py, "model", kind)?;
         let stations = self::stations(stations)?;
         let drive = match actuation {
@@ -108,6 +110,27 @@ impl Model {
                 whipcord::Model::FourBar(options)
             }
             ModelKind::ConstantCurvature => whipcord::Model::new(kind, stations, drive),
+            ModelKind::PiecewiseConstantCurvature => {
+                let cosserat::Options { residual: given, .. } = rod()?;
+                let mut options =
+                    linkage::Options { stations, drive, stability, ..Default::default() };
+                if residual.is_some() {
+                    options.residual = given;
+                }
+                whipcord::Model::PiecewiseConstantCurvature(options)
+            }
+            ModelKind::PseudoRigidBody => {
+                let cosserat::Options { residual: given, .. } = rod()?;
+                let mut options =
+                    pseudo_rigid_body::Options { stations, drive, stability, ..Default::default() };
+                if residual.is_some() {
+                    options.residual = given;
+                }
+                if let Some(name) = coefficients {
+                    options.coefficients = named(py, "coefficients", name)?;
+                }
+                whipcord::Model::PseudoRigidBody(options)
+            }
         };
         Ok(Self { inner, arguments: arguments.unbind() })
     }

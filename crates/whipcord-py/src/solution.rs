@@ -239,7 +239,10 @@ impl Solution {
     pub fn cable_paths(&self, robot: &Robot) -> Vec<Vec<f64>> {
         let shape = match self.inner.model {
             ModelKind::Cosserat | ModelKind::ConstantCurvature => &self.inner.shape,
-            ModelKind::CosseratDisks | ModelKind::FourBar => &self.inner.disks,
+            ModelKind::CosseratDisks
+            | ModelKind::FourBar
+            | ModelKind::PiecewiseConstantCurvature
+            | ModelKind::PseudoRigidBody => &self.inner.disks,
         };
         let stations = || shape.arc_length.iter().zip(&shape.poses);
         robot

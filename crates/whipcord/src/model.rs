@@ -10,7 +10,10 @@ use crate::error::SolveError;
 use crate::kinematics::Local;
 use crate::robot::{Robot, RobotError, check_on_backbone};
 use crate::shape::Solution;
-use crate::{constant_curvature, cosserat, cosserat_disks, four_bar};
+use crate::{
+    constant_curvature, cosserat, cosserat_disks, four_bar, linkage, piecewise_constant_curvature,
+    pseudo_rigid_body,
+};
 
 /// The models, by the names they have in files and on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -23,12 +26,22 @@ pub enum ModelKind {
     FourBar,
     /// One arc of a circle from base to tip.
     ConstantCurvature,
+    /// An arc between each two disks, in equilibrium with cables and loads.
+    PiecewiseConstantCurvature,
+    /// Rigid bodies on springs between each two disks.
+    PseudoRigidBody,
 }
 
 impl ModelKind {
     /// All models.
-    pub const ALL: [Self; 4] =
-        [Self::Cosserat, Self::CosseratDisks, Self::FourBar, Self::ConstantCurvature];
+    pub const ALL: [Self; 6] = [
+        Self::Cosserat,
+        Self::CosseratDisks,
+        Self::FourBar,
+        Self::ConstantCurvature,
+        Self::PiecewiseConstantCurvature,
+        Self::PseudoRigidBody,
+    ];
 
     /// The name in files and on the command line.
     #[must_use]
@@ -38,6 +51,8 @@ impl ModelKind {
             Self::CosseratDisks => "cosserat-disks",
             Self::FourBar => "four-bar",
             Self::ConstantCurvature => "constant-curvature",
+            Self::PiecewiseConstantCurvature => "piecewise-constant-curvature",
+            Self::PseudoRigidBody => "pseudo-rigid-body",
         }
     }
 
@@ -46,7 +61,10 @@ impl ModelKind {
     #[must_use]
     pub const fn natural_drive(self) -> Drive {
         match self {
-            Self::Cosserat | Self::CosseratDisks => Drive::Tension,
+            Self::Cosserat
+            | Self::CosseratDisks
+            | Self::PiecewiseConstantCurvature
+            | Self::PseudoRigidBody => Drive::Tension,
             Self::FourBar | Self::ConstantCurvature => Drive::Shortening,
         }
     }
@@ -56,7 +74,10 @@ impl ModelKind {
     pub const fn command_derivatives(self) -> CommandDerivatives {
         match self {
             Self::Cosserat | Self::FourBar => CommandDerivatives::Exact,
-            Self::CosseratDisks | Self::ConstantCurvature => CommandDerivatives::Differences,
+            Self::CosseratDisks
+            | Self::ConstantCurvature
+            | Self::PiecewiseConstantCurvature
+            | Self::PseudoRigidBody => CommandDerivatives::Differences,
         }
     }
 }
@@ -78,7 +99,9 @@ impl fmt::Display for ModelKind {
 
 /// No model has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no model `{0}`: choose cosserat, cosserat-disks, four-bar or constant-curvature")]
+#[error(
+    "there is no model `{0}`: choose cosserat, cosserat-disks, four-bar, constant-curvature, piecewise-constant-curvature or pseudo-rigid-body"
+)]
 pub struct UnknownModel(pub String);
 
 impl FromStr for ModelKind {
@@ -141,6 +164,10 @@ pub enum Model {
     FourBar(four_bar::Options),
     /// One arc of a circle from base to tip.
     ConstantCurvature(constant_curvature::Options),
+    /// An arc between each two disks, in equilibrium with cables and loads.
+    PiecewiseConstantCurvature(piecewise_constant_curvature::Options),
+    /// Rigid bodies on springs between each two disks.
+    PseudoRigidBody(pseudo_rigid_body::Options),
 }
 
 impl Model {
@@ -162,6 +189,18 @@ impl Model {
             ModelKind::ConstantCurvature => {
                 Self::ConstantCurvature(constant_curvature::Options { stations, drive })
             }
+            ModelKind::PiecewiseConstantCurvature => {
+                Self::PiecewiseConstantCurvature(piecewise_constant_curvature::Options {
+                    stations,
+                    drive,
+                    ..Default::default()
+                })
+            }
+            ModelKind::PseudoRigidBody => Self::PseudoRigidBody(pseudo_rigid_body::Options {
+                stations,
+                drive,
+                ..Default::default()
+            }),
         }
     }
 
@@ -173,6 +212,8 @@ impl Model {
             Self::Cosserat(options) | Self::CosseratDisks(options) => options.stations = stations,
             Self::FourBar(options) => options.stations = stations,
             Self::ConstantCurvature(options) => options.stations = stations,
+            Self::PiecewiseConstantCurvature(options) => options.stations = stations,
+            Self::PseudoRigidBody(options) => options.stations = stations,
         }
         model
     }
@@ -185,6 +226,8 @@ impl Model {
             Self::CosseratDisks(_) => ModelKind::CosseratDisks,
             Self::FourBar(_) => ModelKind::FourBar,
             Self::ConstantCurvature(_) => ModelKind::ConstantCurvature,
+            Self::PiecewiseConstantCurvature(_) => ModelKind::PiecewiseConstantCurvature,
+            Self::PseudoRigidBody(_) => ModelKind::PseudoRigidBody,
         }
     }
 }
@@ -215,6 +258,8 @@ pub enum Prepared {
         Box<constant_curvature::ConstantCurvature>,
         Box<constant_curvature::Workspace>,
     ),
+    /// Sections of an arc each, or of rigid bodies on springs.
+    Linkage(Box<linkage::Linkage>, Box<linkage::Workspace>),
 }
 
 impl Model {
@@ -240,6 +285,14 @@ impl Model {
                 let model = constant_curvature::ConstantCurvature::new(robot, options)?;
                 Prepared::ConstantCurvature(Box::new(model), Box::default())
             }
+            Self::PiecewiseConstantCurvature(options) => {
+                let model = piecewise_constant_curvature::build(robot, options)?;
+                Prepared::Linkage(Box::new(model), Box::default())
+            }
+            Self::PseudoRigidBody(options) => {
+                let model = pseudo_rigid_body::build(robot, options)?;
+                Prepared::Linkage(Box::new(model), Box::default())
+            }
         })
     }
 }
@@ -253,6 +306,7 @@ impl Prepared {
             Self::CosseratDisks(model, _) => model.robot(),
             Self::FourBar(model, _) => model.robot(),
             Self::ConstantCurvature(model, _) => model.robot(),
+            Self::Linkage(model, _) => model.robot(),
         }
     }
 
@@ -264,6 +318,7 @@ impl Prepared {
             Self::CosseratDisks(model, _) => model.stations(),
             Self::FourBar(model, _) => model.stations(),
             Self::ConstantCurvature(model, _) => model.stations(),
+            Self::Linkage(model, _) => model.stations(),
         }
     }
 
@@ -273,7 +328,7 @@ impl Prepared {
         match self {
             Self::Cosserat(model, _) => model.takes_places_of(loads),
             Self::CosseratDisks(model, _) => model.takes_places_of(loads),
-            Self::FourBar(..) | Self::ConstantCurvature(..) => true,
+            Self::FourBar(..) | Self::ConstantCurvature(..) | Self::Linkage(..) => true,
         }
     }
 
@@ -291,6 +346,7 @@ impl Prepared {
             Self::CosseratDisks(model, workspace) => model.solve(case, warm_start, workspace),
             Self::FourBar(model, workspace) => model.solve(case, warm_start, workspace),
             Self::ConstantCurvature(model, workspace) => model.solve(case, workspace),
+            Self::Linkage(model, workspace) => model.solve(case, warm_start, workspace),
         }
     }
 
@@ -375,6 +431,14 @@ impl Differentiable for Model {
             Self::Cosserat(options) => options,
             Self::CosseratDisks(options) => {
                 return cosserat_disks::solve_at(options, robot, case, arc_length);
+            }
+            Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
+                return Err(SolveError::Unsupported {
+                    model: self.kind(),
+                    path: "the question how the robot yields".to_owned(),
+                    what: "it is a baseline of shapes",
+                    advice: "use cosserat or cosserat-disks",
+                });
             }
             Self::FourBar(_) | Self::ConstantCurvature(_) => {
                 return Err(SolveError::Unsupported {

@@ -92,9 +92,9 @@ fn published_cells(study: &Study, run: &Run) -> [String; 2] {
     };
     let (rms, time) = match run.model {
         ModelKind::Cosserat => (reference.rms_cosserat, reference.time_cosserat),
-        // The paper compares two models.
-        ModelKind::CosseratDisks | ModelKind::ConstantCurvature => (None, None),
         ModelKind::FourBar => (reference.rms_four_bar, reference.time_four_bar),
+        // The paper compares two models.
+        _ => (None, None),
     };
     [
         rms.map_or_else(String::new, |d| fixed_millimetres(d, 2)),

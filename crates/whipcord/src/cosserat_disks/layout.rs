@@ -15,7 +15,7 @@ use crate::robot::{Cable, Robot, Routing};
 
 /// A cable's way from the hole of one disk to that of the next, in the frames of the disks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Passage {
+pub(crate) struct Passage {
     /// Number of the cable.
     pub cable: usize,
     /// Its hole in the disk nearer the base, in m.
@@ -66,30 +66,17 @@ impl Frame {
     /// [`SolveError::Missing`] when the rod's stiffness is not known.
     pub fn new(robot: &Robot, stations: Vec<f64>, loads: &Loads) -> Result<Self, SolveError> {
         let rod = Robot::new(robot.backbone().clone(), robot.disks().clone(), Vec::new())?;
-        let at = &robot.disks().arc_lengths;
-        let mut anchors = Vec::with_capacity(robot.cables().len());
-        for (i, (cable, route)) in robot.cables().iter().zip(robot.routes()).enumerate() {
-            let tolerance = 1e-10 * robot.backbone().length;
-            let disk = at.iter().position(|&s| (s - route.end()).abs() <= tolerance);
-            let anchor = disk.filter(|&disk| disk > 0).ok_or_else(|| between_disks(i, cable))?;
-            anchors.push(anchor);
-        }
-        let mut spans = Vec::with_capacity(at.len() - 1);
-        let mut passages = 0;
-        for k in 0..at.len() - 1 {
-            let through = |i: usize| Passage {
-                cable: i,
-                near: hole(robot, i, k),
-                far: hole(robot, i, k + 1),
-            };
-            let of_span: Vec<Passage> =
-                (0..anchors.len()).filter(|&i| anchors[i] > k).map(through).collect();
-            spans.push(Span { start: at[k], first: passages, passages: of_span });
-            passages += spans[k].passages.len();
+        let mut spans = Vec::with_capacity(robot.disks().count() - 1);
+        let mut count = 0;
+        let starts = &robot.disks().arc_lengths;
+        for (&start, passages) in starts.iter().zip(passages(robot, ModelKind::CosseratDisks)?) {
+            let first = count;
+            count += passages.len();
+            spans.push(Span { start, first, passages });
         }
         let layout = Layout::new(&rod, stations, loads);
-        let (rest_lengths, rest_chords) = (vec![0.0; anchors.len()], Vec::new());
-        let mut frame = Self { rod, layout, spans, rest_lengths, rest_chords, passages };
+        let (rest_lengths, rest_chords) = (vec![0.0; robot.cables().len()], Vec::new());
+        let mut frame = Self { rod, layout, spans, rest_lengths, rest_chords, passages: count };
         frame.rest_chords = frame.chords_at_rest()?;
         let passing = frame.spans.iter().flat_map(|span| &span.passages);
         for (passage, chord) in passing.zip(&frame.rest_chords) {
@@ -160,6 +147,24 @@ impl Frame {
     }
 }
 
+/// The cables' straight pieces between each two disks, of which cables are anchored at disks only.
+pub(crate) fn passages(robot: &Robot, model: ModelKind) -> Result<Vec<Vec<Passage>>, SolveError> {
+    let at = &robot.disks().arc_lengths;
+    let mut anchors = Vec::with_capacity(robot.cables().len());
+    for (i, (cable, route)) in robot.cables().iter().zip(robot.routes()).enumerate() {
+        let tolerance = 1e-10 * robot.backbone().length;
+        let disk = at.iter().position(|&s| (s - route.end()).abs() <= tolerance);
+        let anchor = disk.filter(|&disk| disk > 0).ok_or_else(|| between_disks(model, i, cable))?;
+        anchors.push(anchor);
+    }
+    let of_span = |k: usize| {
+        let through =
+            |i: usize| Passage { cable: i, near: hole(robot, i, k), far: hole(robot, i, k + 1) };
+        (0..anchors.len()).filter(|&i| anchors[i] > k).map(through).collect()
+    };
+    Ok((0..at.len() - 1).map(of_span).collect())
+}
+
 /// Where the cable passes a disk: the hole of its list, whatever course it takes between them.
 fn hole(robot: &Robot, cable: usize, disk: usize) -> Vec3 {
     let disks = robot.disks();
@@ -173,13 +178,13 @@ fn hole(robot: &Robot, cable: usize, disk: usize) -> Vec3 {
     }
 }
 
-fn between_disks(cable: usize, of: &Cable) -> SolveError {
+fn between_disks(model: ModelKind, cable: usize, of: &Cable) -> SolveError {
     let path = match of.ends_at {
         Some(_) => format!("cables[{cable}].ends_at"),
         None => format!("cables[{cable}]"),
     };
     SolveError::Unsupported {
-        model: ModelKind::CosseratDisks,
+        model,
         path,
         what: "a cable anchored between two disks",
         advice: "anchor it at a disk, or put a disk where it ends, or use cosserat",

@@ -16,7 +16,7 @@ mod closing;
 mod friction;
 mod held;
 mod joint;
-mod layout;
+pub(crate) mod layout;
 mod link;
 mod loading;
 mod local;

@@ -179,6 +179,15 @@ fn driven_by_tension(experiment: &Experiment, cable: usize, model: &Model) -> Op
         }
         Model::FourBar(_) => is_driven_by_tension(&experiment.case, cable, Drive::Shortening),
         Model::ConstantCurvature(options) => {
+            let by_nature = options.drive == Drive::Natural;
+            let given = experiment.case.commands[cable].shortening.is_some();
+            let drive = if by_nature && given { Drive::Shortening } else { options.drive };
+            is_driven_by_tension(&experiment.case, cable, drive)
+        }
+        Model::PiecewiseConstantCurvature(options) => {
+            is_driven_by_tension(&experiment.case, cable, options.drive)
+        }
+        Model::PseudoRigidBody(options) => {
             is_driven_by_tension(&experiment.case, cable, options.drive)
         }
     }

@@ -152,6 +152,31 @@ fn loads_of_the_world_are_turned_into_the_base() {
     assert_eq!(cosserat(&upright), cosserat(&base_frame));
 }
 
+/// Both for the models that take loads at their disks.
+#[test]
+fn sections_and_their_loads_turn_with_the_base() {
+    let at_disks = |frame| {
+        let mut loads = loads(frame);
+        loads.points[1].at = 0.06;
+        loads
+    };
+    for kind in [ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody] {
+        let model = Model::new(kind, Stations::Equal(30), Drive::Natural);
+        let solve = |case: &Case| model.solve(&robot(), case).unwrap();
+        let fixed = Case { loads: at_disks(LoadFrame::Base), ..Case::with_tensions(&[2.0, 1.0]) };
+        let on_wall = Case { base: base(), ..fixed.clone() };
+        let (a, b) = (solve(&fixed), solve(&on_wall));
+        assert!(apart(base(), &a.shape, &b.shape) < 2e-15);
+        assert!(apart(base(), &a.disks, &b.disks) < 2e-15);
+        assert_eq!((a.cables, a.base_wrench), (b.cables, b.base_wrench));
+        let in_world = at_disks(LoadFrame::World);
+        let seen = Loads { frame: LoadFrame::Base, ..seen_from(base().rotation, &in_world) };
+        let case = |loads| Case { loads, ..on_wall.clone() };
+        let (a, b) = (solve(&case(in_world)), solve(&case(seen)));
+        assert!(apart(Pose::IDENTITY, &a.shape, &b.shape) < 1e-12);
+    }
+}
+
 /// A rod that stands out of a wall along the world's x sags under gravity along −z, as much as an
 /// upright one bends under gravity across it: `q L⁴/8EI + q L²/2GA`.
 #[test]

@@ -7,3 +7,4 @@
 mod common;
 
 mod constant_curvature;
+mod sections;

@@ -1,0 +1,90 @@
+//! Solve times of the baseline models on the paper's case III, and on a straight cable for one arc:
+//! `cargo bench -p whipcord --bench baselines`.
+
+#![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
+
+mod case_3;
+
+use case_3::TENSION;
+use divan::Bencher;
+use whipcord::{
+    Case, Drive, Model, Robot, Shortening, piecewise_constant_curvature, pseudo_rigid_body,
+};
+use whipcord::{ModelKind, Routing, Stations};
+
+fn main() {
+    divan::main();
+}
+
+fn measure(bencher: Bencher<'_, '_>, model: &Model, robot: &Robot, case: &Case) {
+    let mut prepared = model.prepare(robot, &case.loads).unwrap();
+    bencher.bench_local(|| prepared.solve(case, None).unwrap());
+}
+
+#[divan::bench]
+fn one_arc_by_length(bencher: Bencher<'_, '_>) {
+    let mut cables = case_3::robot().cables().to_vec();
+    cables[0].routing = Routing::Straight { angle: 0.0, radius: 0.008 };
+    let (backbone, disks) = (case_3::robot().backbone().clone(), case_3::robot().disks().clone());
+    let robot = Robot::new(backbone, disks, cables).unwrap();
+    let model = Model::new(ModelKind::ConstantCurvature, Stations::Disks, Drive::Natural);
+    measure(bencher, &model, &robot, &Case::with_shortenings(&[Shortening::Fraction(0.057)]));
+}
+
+fn arcs(drive: Drive) -> Model {
+    let options =
+        piecewise_constant_curvature::Options { drive, stability: false, ..Default::default() };
+    Model::PiecewiseConstantCurvature(options)
+}
+
+fn bodies(drive: Drive) -> Model {
+    let options = pseudo_rigid_body::Options { drive, stability: false, ..Default::default() };
+    Model::PseudoRigidBody(options)
+}
+
+fn loaded() -> Case {
+    Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) }
+}
+
+fn by_length() -> Case {
+    Case::with_shortenings(&[Shortening::Fraction(0.057)])
+}
+
+#[divan::bench]
+fn arcs_unloaded(bencher: Bencher<'_, '_>) {
+    let case = Case::with_tensions(&[TENSION]);
+    measure(bencher, &arcs(Drive::Tension), &case_3::robot(), &case);
+}
+
+#[divan::bench]
+fn arcs_loaded(bencher: Bencher<'_, '_>) {
+    measure(bencher, &arcs(Drive::Tension), &case_3::robot(), &loaded());
+}
+
+#[divan::bench]
+fn arcs_by_length(bencher: Bencher<'_, '_>) {
+    measure(bencher, &arcs(Drive::Shortening), &case_3::robot(), &by_length());
+}
+
+#[divan::bench]
+fn arcs_with_stability(bencher: Bencher<'_, '_>) {
+    let case = Case::with_tensions(&[TENSION]);
+    let model = Model::new(ModelKind::PiecewiseConstantCurvature, Stations::Disks, Drive::Tension);
+    measure(bencher, &model, &case_3::robot(), &case);
+}
+
+#[divan::bench]
+fn bodies_unloaded(bencher: Bencher<'_, '_>) {
+    let case = Case::with_tensions(&[TENSION]);
+    measure(bencher, &bodies(Drive::Tension), &case_3::robot(), &case);
+}
+
+#[divan::bench]
+fn bodies_loaded(bencher: Bencher<'_, '_>) {
+    measure(bencher, &bodies(Drive::Tension), &case_3::robot(), &loaded());
+}
+
+#[divan::bench]
+fn bodies_by_length(bencher: Bencher<'_, '_>) {
+    measure(bencher, &bodies(Drive::Shortening), &case_3::robot(), &by_length());
+}

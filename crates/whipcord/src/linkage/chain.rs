@@ -1,0 +1,362 @@
+//! The chain of sections: its equilibrium and the linear system of a Newton step, from tip to base.
+
+use whipcord_numerics::{DenseLu, Mat3, Vec3};
+
+use super::division::Division;
+use super::layout::Section;
+use super::loads::DiskLoads;
+use super::motion::{Coordinates, MOST, Motion};
+use crate::shape::Wrench;
+
+/// What does not change from one iteration to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Task<'a> {
+    pub division: &'a Division,
+    pub sections: &'a [Section],
+    pub loads: &'a DiskLoads,
+    /// Fraction of loads and tensions that acts.
+    pub fraction: f64,
+    /// By cable in N, at fraction 1.
+    pub tensions: &'a [f64],
+}
+
+/// How a linear system is taken apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Elimination {
+    /// So much of the sections' own stiffness is taken off the tangent.
+    pub shift: f64,
+    /// Whether the response to each cable's tension is asked for beside the step.
+    pub by_tension: bool,
+}
+
+/// A matrix row of each coordinate.
+type Rows<T> = [T; MOST];
+
+/// One section in the chain, in the frame of the disk at its start.
+#[derive(Clone, Debug, Default)]
+struct Link {
+    motion: Motion,
+    /// What all loads beyond exert on its end, about that end.
+    wrench: Wrench,
+    /// Left of eq. (3).
+    residual: Coordinates,
+    /// `∂residual/∂q`, eq. (5).
+    tangent: Rows<[f64; MOST]>,
+    /// `∂q/∂θ` by a turn θ of the disk at its start.
+    by_turn: Rows<Vec3>,
+}
+
+/// Memory of the iteration, and the point it is at.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chain {
+    /// Coordinates of all sections.
+    pub q: Vec<Coordinates>,
+    /// Length of each cable in m.
+    pub lengths: Vec<f64>,
+    /// What the loads exert on the base.
+    pub base: Wrench,
+    /// Step of the coordinates, section by section; behind it, where asked for, the response to each
+    /// cable's tension.
+    pub steps: Vec<Coordinates>,
+    links: Vec<Link>,
+    /// `∂ℓ/∂q` of every passage.
+    pulls: Vec<Coordinates>,
+    matrix: Vec<f64>,
+    lu: DenseLu,
+    column: Vec<f64>,
+    /// Of each right-hand side what the part beyond does to force and moment.
+    beyond: Vec<[Vec3; 2]>,
+    turns: Vec<Vec3>,
+}
+
+/// Cables shorter than this fraction of their section have folded it.
+const FOLDED: f64 = 1e-6;
+
+/// A section that bends by more than this in rad has folded: its disks would have met.
+pub(super) const MOST_BENT: f64 = core::f64::consts::PI;
+
+/// By how much in rad the joints of a section bend together.
+pub(super) fn bend(q: &Coordinates) -> f64 {
+    q[1..].chunks_exact(2).map(|joint| joint[0].hypot(joint[1])).sum()
+}
+
+impl Chain {
+    /// The chain at rest.
+    pub fn rest(&mut self, sections: &[Section]) {
+        self.q.clear();
+        self.q.extend(sections.iter().map(|section| section.rest));
+    }
+
+    /// Evaluates eq. (3) at the coordinates. The size of what is left, relative to the moments in play;
+    /// infinite where a cable has folded its section.
+    pub fn evaluate(&mut self, task: &Task<'_>) -> f64 {
+        let Self { q, lengths, base, links, pulls, .. } = self;
+        let (division, count) = (task.division, task.division.coordinates());
+        links.resize(task.sections.len(), Link::default());
+        lengths.clear();
+        lengths.resize(task.tensions.len(), 0.0);
+        pulls.clear();
+        let (mut scale, mut softest) = (0.0_f64, f64::INFINITY);
+        let mut folded = false;
+        let mut whole = 0.0;
+        for ((section, link), q) in task.sections.iter().zip(&mut *links).zip(&*q) {
+            whole += section.length;
+            let motion = Motion::new(division, section.length, q);
+            folded |= bend(q) > MOST_BENT;
+            for a in 0..count {
+                link.residual[a] = section.stiffness[a] * (q[a] - section.rest[a]);
+                softest = softest.min(section.stiffness[a] * section.length);
+            }
+            let mut pulled = 0.0;
+            for passage in &section.passages {
+                let way = motion.way(passage);
+                let length = way.norm();
+                folded |= length <= FOLDED * section.length || !length.is_finite();
+                let along = way / length;
+                lengths[passage.cable] += length;
+                let tension = task.fraction * task.tensions[passage.cable];
+                let arm = motion.rotation * passage.far;
+                let mut pull = [0.0; MOST];
+                for a in 0..count {
+                    pull[a] = along.dot(motion.shift[a] + motion.turn[a].cross(arm));
+                    link.residual[a] += tension * pull[a];
+                }
+                pulled += tension * passage.far.norm();
+                pulls.push(pull);
+            }
+            scale = scale.max(pulled);
+            link.motion = motion;
+        }
+        // The loads, from the tip to the base.
+        let mut rotations = Mat3::diagonal(Vec3::new(1.0, 1.0, 1.0));
+        self.turns.clear();
+        for link in &mut *links {
+            // The frame of the disk at its end, by rows of its transpose.
+            rotations = rotations * link.motion.rotation;
+            self.turns.extend((0..3).map(|j| rotations.column(j)));
+        }
+        let mut wrench = Wrench::default();
+        for (k, link) in links.iter_mut().enumerate().rev() {
+            let own = applied(task, k + 1, &self.turns[3 * k..3 * k + 3]);
+            let turn = &link.motion.rotation;
+            wrench = Wrench {
+                force: *turn * (wrench.force + own.force),
+                moment: *turn * (wrench.moment + own.moment),
+            };
+            link.wrench = wrench;
+            for a in 0..count {
+                link.residual[a] -=
+                    wrench.moment.dot(link.motion.turn[a]) + wrench.force.dot(link.motion.shift[a]);
+            }
+            wrench.moment += link.motion.end.cross(wrench.force);
+            scale = scale.max(wrench.moment.norm());
+        }
+        *base = wrench;
+        let left = links.iter().flat_map(|link| &link.residual[..count]);
+        let worst =
+            left.fold(0.0_f64, |worst, x| if x.is_nan() { f64::NAN } else { worst.max(x.abs()) });
+        let relative = worst / (softest / whole + scale);
+        if folded || !relative.is_finite() { f64::INFINITY } else { relative }
+    }
+
+    /// Fills the tangent of each section for what was evaluated last, eq. (5).
+    fn tangents(&mut self, task: &Task<'_>) {
+        let (division, count) = (task.division, task.division.coordinates());
+        let mut pulls = self.pulls.iter();
+        for (section, link) in task.sections.iter().zip(&mut self.links) {
+            let Link { motion, wrench, tangent, .. } = link;
+            let (mut force, mut moment) = (wrench.force, wrench.moment);
+            *tangent = Default::default();
+            for (passage, pull) in section.passages.iter().zip(&mut pulls) {
+                let tension = task.fraction * task.tensions[passage.cable];
+                if tension == 0.0 {
+                    continue;
+                }
+                let way = motion.way(passage);
+                let length = way.norm();
+                let along = way / length;
+                let arm = motion.rotation * passage.far;
+                force -= along * tension;
+                moment -= arm.cross(along) * tension;
+                let moves: Rows<Vec3> =
+                    core::array::from_fn(|a| motion.shift[a] + motion.turn[a].cross(arm));
+                for a in 0..count {
+                    for b in 0..count {
+                        let swings = moves[a].dot(moves[b]) - pull[a] * pull[b];
+                        let turned = motion.turn[a].cross(motion.turn[b].cross(arm));
+                        tangent[a][b] += tension * (swings / length + along.dot(turned));
+                    }
+                }
+            }
+            let second = motion.second(division, section.length, moment, force);
+            for a in 0..count {
+                tangent[a][a] += section.stiffness[a];
+                for b in 0..count {
+                    tangent[a][b] -= second[a][b];
+                }
+            }
+        }
+    }
+
+    /// Solves for the Newton step, eqs. (6) and (7), at what was evaluated last. The number of negative
+    /// pivots, which is that of negative eigenvalues where the tangent is symmetric; `None` where it is
+    /// singular.
+    pub fn eliminate(&mut self, task: &Task<'_>, how: Elimination) -> Option<usize> {
+        self.tangents(task);
+        let (count, n) = (task.division.coordinates(), task.sections.len());
+        let sides = if how.by_tension { 1 + task.tensions.len() } else { 1 };
+        self.steps.clear();
+        self.steps.resize(sides * n, [0.0; MOST]);
+        self.beyond.clear();
+        self.beyond.resize(sides, [Vec3::ZERO; 2]);
+        // What a turn of the disk does to force and moment beyond it.
+        let (mut force_by, mut moment_by) = (Mat3::default(), Mat3::default());
+        let mut negative = 0;
+        let mut first = self.pulls.len();
+        for k in (0..n).rev() {
+            let section = &task.sections[k];
+            first -= section.passages.len();
+            let own = task.loads.followers[k + 1];
+            let link = &mut self.links[k];
+            let turn = link.motion.rotation;
+            let back = turn.transpose();
+            force_by = turn * (force_by - Mat3::skew(own.force * task.fraction)) * back;
+            moment_by = turn * (moment_by - Mat3::skew(own.moment * task.fraction)) * back;
+            let Link { motion, wrench, residual, tangent, by_turn } = link;
+            self.matrix.clear();
+            for a in 0..count {
+                let (by_moment, by_force) = (
+                    moment_by.transpose_mul(motion.turn[a]),
+                    force_by.transpose_mul(motion.shift[a]),
+                );
+                for b in 0..count {
+                    let own = if a == b { how.shift * section.stiffness[a] } else { 0.0 };
+                    let beyond = (by_moment + by_force).dot(motion.turn[b]);
+                    self.matrix.push(tangent[a][b] - own - beyond);
+                }
+                by_turn[a] = by_moment
+                    + by_force
+                    + motion.turn[a].cross(wrench.moment)
+                    + motion.shift[a].cross(wrench.force);
+            }
+            negative += negative_pivots(count, &self.matrix, &mut self.column)?;
+            self.lu.factor(count, &self.matrix).ok()?;
+            for j in 0..3 {
+                self.column.clear();
+                self.column.extend(by_turn[..count].iter().map(|row| row[j]));
+                self.lu.solve(&mut self.column);
+                for a in 0..count {
+                    by_turn[a][j] = self.column[a];
+                }
+            }
+            let (mut turned, mut moved) = (Mat3::default(), Mat3::default());
+            for a in 0..count {
+                turned += Mat3::outer(motion.turn[a], by_turn[a]);
+                moved += Mat3::outer(motion.shift[a], by_turn[a]);
+            }
+            let arm = Mat3::skew(motion.end);
+            let (old_force_by, old_moment_by) = (force_by, moment_by);
+            force_by = old_force_by * turned.plus_identity();
+            moment_by = old_moment_by * turned.plus_identity()
+                - Mat3::skew(wrench.force) * (moved - arm)
+                + arm * force_by;
+            for side in 0..sides {
+                let beyond = self.beyond[side].map(|v| turn * v);
+                self.column.clear();
+                for a in 0..count {
+                    let through = motion.shift[a].dot(beyond[0]) + motion.turn[a].dot(beyond[1]);
+                    let own = if side == 0 { -residual[a] } else { 0.0 };
+                    self.column.push(own + through);
+                }
+                if side > 0 {
+                    let passing = section.passages.iter().zip(&self.pulls[first..]);
+                    for (_, pull) in passing.filter(|(passage, _)| passage.cable == side - 1) {
+                        for (x, pull) in self.column.iter_mut().zip(pull) {
+                            *x -= pull;
+                        }
+                    }
+                }
+                self.lu.solve(&mut self.column);
+                let step = &mut self.steps[side * n + k];
+                step[..count].copy_from_slice(&self.column);
+                let (mut turned, mut moved) = (Vec3::ZERO, Vec3::ZERO);
+                for a in 0..count {
+                    turned += motion.turn[a] * step[a];
+                    moved += motion.shift[a] * step[a];
+                }
+                let force = beyond[0] + old_force_by * turned;
+                let moment = beyond[1]
+                    + old_moment_by * turned
+                    + moved.cross(wrench.force)
+                    + motion.end.cross(force);
+                self.beyond[side] = [force, moment];
+            }
+        }
+        self.substitute(count, n, sides);
+        let finite = self.steps.iter().flatten().all(|x| x.is_finite());
+        finite.then_some(negative)
+    }
+
+    /// From the base, which does not turn, to the tip.
+    fn substitute(&mut self, count: usize, n: usize, sides: usize) {
+        for side in 0..sides {
+            let mut theta = Vec3::ZERO;
+            for (link, step) in self.links.iter().zip(&mut self.steps[side * n..(side + 1) * n]) {
+                let mut ahead = theta;
+                for a in 0..count {
+                    step[a] += link.by_turn[a].dot(theta);
+                    ahead += link.motion.turn[a] * step[a];
+                }
+                theta = link.motion.rotation.transpose_mul(ahead);
+            }
+        }
+    }
+
+    /// `∂ℓᵢ/∂τⱼ` by rows in m/N, from the responses of the last elimination.
+    pub fn length_by_tension(&self, task: &Task<'_>, into: &mut Vec<f64>) {
+        let (cables, n) = (task.tensions.len(), task.sections.len());
+        into.clear();
+        into.resize(cables * cables, 0.0);
+        let mut pulls = self.pulls.iter();
+        for (k, section) in task.sections.iter().enumerate() {
+            for (passage, pull) in section.passages.iter().zip(&mut pulls) {
+                for j in 0..cables {
+                    let response = &self.steps[(1 + j) * n + k];
+                    let change: f64 = pull.iter().zip(response).map(|(p, r)| p * r).sum();
+                    into[passage.cable * cables + j] += change;
+                }
+            }
+        }
+    }
+}
+
+/// What is applied to a disk whose axes, in the base frame, are these, in its own frame.
+fn applied(task: &Task<'_>, disk: usize, axes: &[Vec3]) -> Wrench {
+    let (dead, own) = (&task.loads.dead[disk], &task.loads.followers[disk]);
+    let seen = |v: Vec3| Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v));
+    Wrench {
+        force: (seen(dead.force) + own.force) * task.fraction,
+        moment: (seen(dead.moment) + own.moment) * task.fraction,
+    }
+}
+
+/// Of a matrix, taken for symmetric, by elimination without exchanges; `None` where a pivot vanishes.
+pub(super) fn negative_pivots(n: usize, matrix: &[f64], work: &mut Vec<f64>) -> Option<usize> {
+    work.clear();
+    work.extend_from_slice(matrix);
+    let mut negative = 0;
+    for k in 0..n {
+        let pivot = work[k * n + k];
+        if pivot == 0.0 || !pivot.is_finite() {
+            return None;
+        }
+        negative += usize::from(pivot < 0.0);
+        for i in k + 1..n {
+            let factor = work[i * n + k] / pivot;
+            for j in k + 1..n {
+                work[i * n + j] -= factor * work[k * n + j];
+            }
+        }
+    }
+    Some(negative)
+}

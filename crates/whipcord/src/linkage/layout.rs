@@ -1,0 +1,113 @@
+//! The robot cut at its disks, as sections that bend at few places.
+
+use whipcord_numerics::{GAUSS_3, Vec3};
+
+use super::chain::{MOST_BENT, bend};
+use super::division::Division;
+use super::motion::{Coordinates, MOST, Motion};
+use crate::cosserat::grid::section_at;
+use crate::cosserat_disks::layout::{Passage, passages};
+use crate::error::SolveError;
+use crate::model::ModelKind;
+use crate::robot::Robot;
+
+/// What lies between two neighbouring disks.
+#[derive(Clone, Debug)]
+pub(super) struct Section {
+    /// Length of the backbone in m.
+    pub length: f64,
+    /// Stiffness by coordinate in N·m.
+    pub stiffness: Coordinates,
+    /// Coordinates at rest.
+    pub rest: Coordinates,
+    pub passages: Vec<Passage>,
+    /// Mass of the backbone that falls to the disk at either end by the law of the lever, in kg.
+    pub mass: [f64; 2],
+}
+
+/// The sections from base to tip, and the lengths of the cables on the robot at rest in m.
+pub(super) fn sections(
+    robot: &Robot,
+    model: ModelKind,
+    division: &Division,
+) -> Result<(Vec<Section>, Vec<f64>), SolveError> {
+    let at = &robot.disks().arc_lengths;
+    let mut sections = Vec::with_capacity(at.len() - 1);
+    let mut lengths = vec![0.0; robot.cables().len()];
+    for (pair, passages) in at.windows(2).zip(passages(robot, model)?) {
+        let length = pair[1] - pair[0];
+        let (stiffness, rest, mass) = means(robot, model, pair[0], pair[1])?;
+        let mut section =
+            Section { length, stiffness: [0.0; MOST], rest: [0.0; MOST], passages, mass };
+        (section.stiffness[0], section.rest[0]) = (stiffness.z / length, rest.z * length);
+        for (k, (joint, share)) in division.joints.iter().zip(division.shares()).enumerate() {
+            let (x, y) = (1 + 2 * k, 2 + 2 * k);
+            section.stiffness[x] = joint.stiffness * stiffness.x / length;
+            section.stiffness[y] = joint.stiffness * stiffness.y / length;
+            section.rest[x] = share * rest.x * length;
+            section.rest[y] = share * rest.y * length;
+        }
+        if bend(&section.rest) >= MOST_BENT {
+            return Err(SolveError::Unsupported {
+                model,
+                path: "backbone.rest_curvature".to_owned(),
+                what: "a section that turns by half a turn or more at rest",
+                advice: "put more disks on it, or use cosserat",
+            });
+        }
+        let motion = Motion::new(division, length, &section.rest);
+        for passage in &section.passages {
+            lengths[passage.cable] += motion.way(passage).norm();
+        }
+        sections.push(section);
+    }
+    Ok((sections, lengths))
+}
+
+impl Motion {
+    /// A cable's way through the section.
+    pub fn way(&self, passage: &Passage) -> Vec3 {
+        self.end + self.rotation * passage.far - passage.near
+    }
+}
+
+/// Of the backbone between two arc lengths: stiffness `EI_x, EI_y, GJ` in N·m² that one moment would find, mean
+/// rest curvature in 1/m, and the mass that falls to either end in kg.
+fn means(
+    robot: &Robot,
+    model: ModelKind,
+    from: f64,
+    to: f64,
+) -> Result<(Vec3, Vec3, [f64; 2]), SolveError> {
+    let backbone = robot.backbone();
+    let mut places = backbone.places();
+    places.retain(|s| from < *s && *s < to);
+    places.extend([from, to]);
+    places.sort_by(f64::total_cmp);
+    let (mut compliance, mut rest, mut mass) = (Vec3::ZERO, Vec3::ZERO, [0.0; 2]);
+    for piece in places.windows(2) {
+        let (h, middle) = (piece[1] - piece[0], 0.5 * (piece[0] + piece[1]));
+        for (t, weight) in GAUSS_3.nodes.iter().zip(GAUSS_3.weights) {
+            let s = piece[0] + t * h;
+            let section = section_at(robot, s, middle).map_err(|error| error.of(model))?;
+            if section.coupling.is_some() {
+                return Err(SolveError::Unsupported {
+                    model,
+                    path: "backbone.stiffness.matrix".to_owned(),
+                    what: "strains that are coupled",
+                    advice: "its joints bend and twist each by itself: use cosserat-disks",
+                });
+            }
+            let part = weight * h / (to - from);
+            compliance += section.compliance.bending * part;
+            rest += section.rest_curvature * part;
+            // Without a density it has no weight.
+            let density = backbone.linear_density_at(robot.disks(), s).unwrap_or(0.0);
+            let far = (s - from) / (to - from);
+            mass[0] += weight * h * density * (1.0 - far);
+            mass[1] += weight * h * density * far;
+        }
+    }
+    let stiffness = Vec3::new(1.0 / compliance.x, 1.0 / compliance.y, 1.0 / compliance.z);
+    Ok((stiffness, rest, mass))
+}

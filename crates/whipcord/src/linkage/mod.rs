@@ -1,0 +1,273 @@
+//! What the models have in common that divide the backbone between two disks into an arc or a few rigid bodies:
+//! a chain of sections, each with few coordinates, that cables cross in straight lines.
+//!
+//! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
+//! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
+//! robot into sections, `loads` gathers what acts on its disks; `chain` is the equilibrium of all sections and
+//! the linear system of a step, `statics` finds it.
+
+mod chain;
+pub(crate) mod division;
+mod layout;
+mod loads;
+mod motion;
+mod statics;
+mod swing;
+
+use whipcord_numerics::Pose;
+
+use crate::case::{Case, Drive};
+use crate::cosserat::command::Command;
+use crate::cosserat::lengths::{self, Given, LengthScratch};
+use crate::cosserat::outcome::Failure;
+use crate::error::SolveError;
+use crate::model::{ModelKind, Stations};
+use crate::obstacle;
+use crate::robot::Robot;
+use crate::shape::{Diagnostics, NoStability, Shape, Solution};
+
+use chain::Task;
+use division::Division;
+use layout::Section;
+use loads::DiskLoads;
+use statics::{Effort, Responder, Scratch};
+
+/// How a model is driven, and what it computes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Where the shape is given.
+    pub stations: Stations,
+    /// Which command of each cable counts; by nature the tension.
+    pub drive: Drive,
+    /// Whether the stability of the answer is computed.
+    pub stability: bool,
+    /// Residual at which equilibrium counts as met, relative to EI/L and the moments in play.
+    pub residual: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            stations: Stations::default(),
+            drive: Drive::default(),
+            stability: true,
+            residual: 1e-11,
+        }
+    }
+}
+
+/// The chain of one robot: what [`crate::piecewise_constant_curvature::build`] and
+/// [`crate::pseudo_rigid_body::build`] make of it.
+#[derive(Clone, Debug)]
+pub struct Linkage {
+    robot: Robot,
+    kind: ModelKind,
+    division: Division,
+    options: Options,
+    sections: Vec<Section>,
+    rest_lengths: Vec<f64>,
+    stations: Vec<f64>,
+}
+
+/// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
+/// memory itself.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    scratch: Scratch,
+    loads: DiskLoads,
+    commands: Vec<Command>,
+    tensions: Vec<f64>,
+    search: LengthScratch,
+    held: Vec<(usize, f64)>,
+}
+
+impl Linkage {
+    /// The chain of a robot whose sections are divided like this.
+    pub(crate) fn new(
+        robot: &Robot,
+        kind: ModelKind,
+        division: Division,
+        options: Options,
+    ) -> Result<Self, SolveError> {
+        options.stations.check(robot)?;
+        if let Some(i) = robot.cables().iter().position(|cable| cable.rubs()) {
+            return Err(SolveError::Unsupported {
+                model: kind,
+                path: format!("cables[{i}].friction"),
+                what: "friction at the holes",
+                advice: "its cables slide freely: use cosserat-disks, or set the friction to 0",
+            });
+        }
+        let (sections, rest_lengths) = layout::sections(robot, kind, &division)?;
+        let stations = options.stations.arc_lengths(robot);
+        Ok(Self { robot: robot.clone(), kind, division, options, sections, rest_lengths, stations })
+    }
+
+    /// The robot this model was built for.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Arc lengths of the stations in m.
+    #[must_use]
+    pub fn stations(&self) -> &[f64] {
+        &self.stations
+    }
+
+    /// The shape under a case, starting from the solution of a neighbouring one when given.
+    ///
+    /// # Errors
+    /// [`SolveError::Unsupported`] for loads and masses between two disks, [`SolveError::Missing`] for a
+    /// command or a mass that is not given, [`SolveError::NotConverged`] with the part of the load
+    /// up to which there was an equilibrium, and what the rods say of cable lengths that cannot be had.
+    pub fn solve(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        case.check(&self.robot)?;
+        obstacle::refuse(self.kind, case)?;
+        loads::refuse(&self.robot, self.kind, &case.loads)?;
+        let Workspace { scratch, loads, commands, tensions, .. } = &mut *workspace;
+        loads.gather(&self.robot, &self.sections, &case.loads, case.base.rotation);
+        commands.clear();
+        for (i, &initial) in self.rest_lengths.iter().enumerate() {
+            let drive = self.options.drive;
+            commands.push(Command::of(self.kind, &self.robot, i, case, drive, initial)?);
+        }
+        tensions.clear();
+        tensions.resize(commands.len(), 0.0);
+        if let Some(solution) = warm_start {
+            self.start_from(solution, scratch);
+            for (tension, cable) in tensions.iter_mut().zip(&solution.cables) {
+                *tension = cable.tension.unwrap_or(0.0).max(0.0);
+            }
+        }
+        let effort = self.settle(warm_start.is_some(), workspace).map_err(|failure| {
+            let name = |i: usize| self.robot.cables()[i].name.clone();
+            failure.explain(&workspace.commands, &self.rest_lengths, name)
+        })?;
+        Ok(self.solution(case, effort, workspace))
+    }
+
+    /// The coordinates nearest to a neighbouring answer's.
+    fn start_from(&self, solution: &Solution, scratch: &mut Scratch) {
+        scratch.chain.rest(&self.sections);
+        let disks = &solution.disks.poses;
+        if disks.len() == self.sections.len() + 1 {
+            for (q, pair) in scratch.chain.q.iter_mut().zip(disks.windows(2)) {
+                let turn = pair[0].rotation.conjugate() * pair[1].rotation;
+                *q = motion::coordinates_of(&self.division, turn);
+            }
+        }
+    }
+
+    fn task<'a>(&'a self, loads: &'a DiskLoads, tensions: &'a [f64]) -> Task<'a> {
+        Task { division: &self.division, sections: &self.sections, loads, fraction: 1.0, tensions }
+    }
+
+    /// Equilibrium under the commands.
+    fn settle(&self, is_warm: bool, workspace: &mut Workspace) -> Result<Effort, Failure> {
+        let Workspace { scratch, loads, commands, tensions, search, .. } = workspace;
+        let tolerance = self.options.residual;
+        for (tension, command) in tensions.iter_mut().zip(&*commands) {
+            if let Command::Tension(given) = command {
+                *tension = *given;
+            }
+        }
+        if !commands.iter().any(Command::is_length) {
+            let task = self.task(loads, tensions);
+            return if is_warm {
+                scratch.settle_near(&task, tolerance, true)
+            } else {
+                scratch.settle(&task, tolerance)
+            };
+        }
+        let given = Given { length: self.robot.backbone().length, commands, bracket: true };
+        let mut rod = Responder {
+            task: self.task(loads, &[]),
+            tolerance,
+            scratch,
+            effort: Effort::default(),
+            failure: None,
+        };
+        let solved = lengths::solve(&given, tensions, &mut rod, search);
+        let Responder { effort, failure, .. } = rod;
+        solved.map_err(|fault| {
+            let of_section = |_| failure.clone().unwrap_or(Failure::TensionsNotFound);
+            fault.failure(of_section)
+        })?;
+        Ok(effort)
+    }
+
+    fn solution(&self, case: &Case, effort: Effort, workspace: &mut Workspace) -> Solution {
+        let stability = self.stability(case, workspace);
+        let Workspace { scratch, commands, tensions, .. } = &*workspace;
+        let chain = &scratch.chain;
+        let at = &self.robot.disks().arc_lengths;
+        let mut poses = Vec::with_capacity(at.len());
+        let mut pose = Pose::IDENTITY;
+        poses.push(pose);
+        for (section, q) in self.sections.iter().zip(&chain.q) {
+            pose = pose * motion::pose_at(&self.division, section.length, q, 1.0);
+            poses.push(pose);
+        }
+        let between = |&s: &f64| {
+            let (k, t) = self.robot.disks().locate(s);
+            let (section, q) = (&self.sections[k], &chain.q[k]);
+            poses[k] * motion::pose_at(&self.division, section.length, q, t)
+        };
+        let shape = match self.options.stations {
+            Stations::Disks => Shape { arc_length: at.clone(), poses: poses.clone() },
+            Stations::Equal(_) | Stations::At(_) => Shape {
+                arc_length: self.stations.clone(),
+                poses: self.stations.iter().map(between).collect(),
+            },
+        };
+        let whole = self.robot.backbone().length;
+        let cables = commands.iter().enumerate().map(|(i, command)| {
+            let (name, initial) = (&self.robot.cables()[i].name, self.rest_lengths[i]);
+            command.answer(name, tensions[i], chain.lengths[i], initial, whole)
+        });
+        Solution {
+            model: self.kind,
+            shape: shape.moved(case.base),
+            disks: Shape { arc_length: at.clone(), poses }.moved(case.base),
+            cables: cables.collect(),
+            touches: Vec::new(),
+            base_wrench: Some(chain.base),
+            diagnostics: Diagnostics {
+                iterations: effort.iterations,
+                residual: effort.residual,
+                stability: stability.ok(),
+                stability_absent: stability.err(),
+                discretization_error: None,
+                steps: self.sections.len(),
+                stability_lost_at: effort.lost_at,
+            },
+        }
+    }
+
+    /// The least eigenvalue of the tangent, or why there is none.
+    fn stability(&self, case: &Case, workspace: &mut Workspace) -> Result<f64, NoStability> {
+        if !self.options.stability {
+            return Err(NoStability::NotAsked);
+        }
+        if case.loads.has_follower() {
+            return Err(NoStability::Followers);
+        }
+        let Workspace { scratch, loads, commands, tensions, held, .. } = workspace;
+        held.clear();
+        for (i, command) in commands.iter().enumerate() {
+            if let Command::Length { compliance, .. } = command
+                && tensions[i] > 0.0
+            {
+                held.push((i, *compliance));
+            }
+        }
+        let task = self.task(loads, tensions);
+        scratch.least_eigenvalue(&task, held).ok_or(NoStability::Undetermined)
+    }
+}

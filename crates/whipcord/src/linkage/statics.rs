@@ -1,0 +1,302 @@
+//! Equilibrium under tensions and loads by Newton's method, and along the load where that does not get there.
+
+use super::chain::{Chain, Elimination, Task, bend};
+use super::layout::Section;
+use super::motion::Coordinates;
+use crate::cosserat::lengths::{Note, Responds};
+use crate::cosserat::outcome::Failure;
+use crate::cosserat::section::SectionFault;
+use crate::cosserat::unloaded::Fault;
+use crate::shape::Wrench;
+
+/// Newton iterations at most.
+const MAX_ITERATIONS: usize = 40;
+/// A coordinate changes by no more than this in one step, in rad.
+const LONGEST_STEP: f64 = 0.8;
+const SHORTEST_FRACTION: f64 = 1e-3;
+/// What rounding may leave, in units of the tolerance, where no step improves any more.
+const ROUNDING: f64 = 1e3;
+/// A section bent by more than this in rad is what keeps the load from being raised.
+const NEARLY_FOLDED: f64 = 2.0;
+/// Shortest step along the load, as a fraction of it.
+const LEAST_STEP: f64 = 1e-4;
+
+/// Memory of a solve.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    pub chain: Chain,
+    /// Where the last step began.
+    before: Vec<Coordinates>,
+    /// The last equilibrium along the load.
+    reached: Vec<Coordinates>,
+    pub length_by_tension: Vec<f64>,
+}
+
+/// How a solve went.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Effort {
+    pub iterations: usize,
+    pub residual: f64,
+    /// The fraction of loads and tensions at which the way from rest lost its stability.
+    pub lost_at: Option<f64>,
+}
+
+impl Scratch {
+    /// Newton's method from where the chain is; in vain, where it is `strict`, as soon as the tangent has negative
+    /// eigenvalues: there it may lead away from the equilibrium that grows out of rest.
+    fn close(
+        &mut self,
+        task: &Task<'_>,
+        tolerance: f64,
+        strict: bool,
+        effort: &mut Effort,
+    ) -> bool {
+        let Self { chain, before, .. } = self;
+        let how = Elimination { shift: 0.0, by_tension: false };
+        let mut residual = chain.evaluate(task);
+        for _ in 0..MAX_ITERATIONS {
+            effort.residual = residual;
+            if residual <= tolerance {
+                return true;
+            }
+            if !residual.is_finite() {
+                return false;
+            }
+            match chain.eliminate(task, how) {
+                Some(negative) if !strict || negative == 0 => {}
+                _ => return false,
+            }
+            effort.iterations += 1;
+            before.clone_from(&chain.q);
+            let longest = chain.steps.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+            let mut fraction = (LONGEST_STEP / longest).min(1.0);
+            loop {
+                let steps = chain.steps.iter();
+                for ((q, start), step) in chain.q.iter_mut().zip(&*before).zip(steps) {
+                    for ((q, start), step) in q.iter_mut().zip(start).zip(step) {
+                        *q = start + fraction * step;
+                    }
+                }
+                let now = chain.evaluate(task);
+                if now < residual {
+                    residual = now;
+                    break;
+                }
+                fraction *= 0.5;
+                if fraction < SHORTEST_FRACTION {
+                    // Nothing is better than where the step began.
+                    chain.q.clone_from(before);
+                    effort.residual = chain.evaluate(task);
+                    return effort.residual <= ROUNDING * tolerance;
+                }
+            }
+        }
+        false
+    }
+
+    /// Equilibrium from where the chain is, which is near it; where it is `strict` the way there is one of
+    /// stable tangents.
+    pub fn settle_near(
+        &mut self,
+        task: &Task<'_>,
+        tolerance: f64,
+        strict: bool,
+    ) -> Result<Effort, Failure> {
+        let mut effort = Effort::default();
+        if self.close(task, tolerance, strict, &mut effort) {
+            return Ok(effort);
+        }
+        self.settle(task, tolerance)
+    }
+
+    /// Equilibrium from rest: at once, else along the load. Where that loses its stability on the way, it is
+    /// followed on all the same.
+    pub fn settle(&mut self, task: &Task<'_>, tolerance: f64) -> Result<Effort, Failure> {
+        let mut effort = Effort::default();
+        self.chain.rest(task.sections);
+        if !self.is_strong(task) && self.close(task, tolerance, true, &mut effort) {
+            return Ok(effort);
+        }
+        match self.along_the_load(task, tolerance, true, effort) {
+            Err(Failure::NotConverged { last_load, .. } | Failure::Folds { last_load, .. }) => {
+                effort.lost_at = Some(last_load);
+                self.along_the_load(task, tolerance, false, effort)
+            }
+            other => other,
+        }
+    }
+
+    /// Whether the loads would bend the robot by more than about a radian.
+    fn is_strong(&mut self, task: &Task<'_>) -> bool {
+        self.chain.evaluate(task);
+        let Wrench { force, moment } = self.chain.base;
+        let whole: f64 = task.sections.iter().map(|section| section.length).sum();
+        let softest =
+            |section: &Section| section.length * section.stiffness[1].min(section.stiffness[2]);
+        let bending = task.sections.iter().map(softest).fold(f64::INFINITY, f64::min);
+        (moment.norm() + force.norm() * whole) * whole > bending
+    }
+
+    /// Raises tensions and loads together from nothing.
+    fn along_the_load(
+        &mut self,
+        task: &Task<'_>,
+        tolerance: f64,
+        strict: bool,
+        mut effort: Effort,
+    ) -> Result<Effort, Failure> {
+        self.chain.rest(task.sections);
+        self.reached.clone_from(&self.chain.q);
+        let (mut at, mut step) = (0.0, 0.25);
+        while at < 1.0 {
+            let fraction = f64::min(at + step, 1.0);
+            let part = Task { fraction, ..*task };
+            if self.close(&part, tolerance, strict, &mut effort) && (strict || self.is_near()) {
+                at = fraction;
+                step *= 1.5;
+                self.reached.clone_from(&self.chain.q);
+            } else {
+                step *= 0.5;
+                if step < LEAST_STEP {
+                    self.chain.q.clone_from(&self.reached);
+                    return Err(self.failure(task, at, effort));
+                }
+                self.chain.q.clone_from(&self.reached);
+            }
+        }
+        Ok(effort)
+    }
+
+    /// Whether no coordinate has changed so much since the last equilibrium along the load that it may be
+    /// one of another path.
+    fn is_near(&self) -> bool {
+        const NEAR: f64 = 0.3;
+        let mut pairs = self.chain.q.iter().flatten().zip(self.reached.iter().flatten());
+        pairs.all(|(now, before)| (now - before).abs() <= NEAR)
+    }
+
+    /// Why the load cannot be raised beyond a fraction, at which the chain is.
+    fn failure(&self, task: &Task<'_>, reached: f64, effort: Effort) -> Failure {
+        let mut start = 0.0;
+        for (section, q) in task.sections.iter().zip(&self.chain.q) {
+            let pulling = section.passages.iter().map(|passage| passage.cable);
+            let tension = |cable: &usize| task.tensions[*cable];
+            let most = pulling.max_by(|a, b| tension(a).total_cmp(&tension(b)));
+            if let Some(cable) = most.filter(|_| bend(q) > NEARLY_FOLDED) {
+                let (arc_length, tension) = (start, tension(&cable));
+                return Failure::Folds { cable, arc_length, tension, last_load: reached };
+            }
+            start += section.length;
+        }
+        Failure::NotConverged {
+            iterations: effort.iterations,
+            residual: effort.residual.min(1.0),
+            last_load: reached,
+            advice: "pull or load it less, put more disks on it, or use cosserat-disks",
+        }
+    }
+
+    /// Least eigenvalue of the tangent relative to the sections' own stiffness, eq. (8), by bisection on the number of
+    /// eigenvalues below. `held` are the cables that are held at their lengths, and how far each
+    /// of them gives in m/N.
+    pub fn least_eigenvalue(&mut self, task: &Task<'_>, held: &[(usize, f64)]) -> Option<f64> {
+        const FARTHEST: f64 = 1e6;
+        const BISECTIONS: usize = 22;
+        let below = |scratch: &mut Self, value: f64| -> Option<usize> {
+            let how = Elimination { shift: value, by_tension: !held.is_empty() };
+            let negative = scratch.chain.eliminate(task, how)?;
+            if held.is_empty() {
+                return Some(negative);
+            }
+            // Held cables make rows of the tangent's own: of `[H C; Cᵀ −c]` as many eigenvalues are
+            // negative as there are below, and one for each cable.
+            let Self { chain, length_by_tension, .. } = scratch;
+            chain.length_by_tension(task, length_by_tension);
+            let cables = task.tensions.len();
+            let positive = positive_pivots(held, |i, j| -length_by_tension[i * cables + j])?;
+            Some((negative + positive).saturating_sub(held.len()))
+        };
+        self.chain.evaluate(task);
+        let (mut low, mut high) = (0.5, 1.4);
+        while below(self, low)? > 0 {
+            if low < -FARTHEST {
+                return None;
+            }
+            (high, low) = (low, low.min(0.25) * 4.0 - 1.5);
+        }
+        while below(self, high)? == 0 {
+            if high > FARTHEST {
+                return None;
+            }
+            (low, high) = (high, 2.0 * high);
+        }
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            // At an eigenvalue itself the tangent is singular, as with many at 1.
+            let beside = middle - 1e-7 * middle.abs().max(1.0);
+            let count = below(self, middle).or_else(|| below(self, beside))?;
+            if count > 0 { high = middle } else { low = middle }
+        }
+        Some(0.5 * (low + high))
+    }
+}
+
+/// Of the matrix `c + CᵀH⁻¹C` of the held cables, by elimination.
+fn positive_pivots(held: &[(usize, f64)], entry: impl Fn(usize, usize) -> f64) -> Option<usize> {
+    let n = held.len();
+    let mut work: Vec<f64> = Vec::with_capacity(n * n);
+    for (i, &(cable, gives)) in held.iter().enumerate() {
+        for (j, &(other, _)) in held.iter().enumerate() {
+            work.push(entry(cable, other) + if i == j { gives } else { 0.0 });
+        }
+    }
+    let scratch = &mut Vec::new();
+    super::chain::negative_pivots(n, &work, scratch).map(|negative| n - negative)
+}
+
+/// The chain as what answers tensions with lengths.
+pub(super) struct Responder<'a> {
+    pub task: Task<'a>,
+    pub tolerance: f64,
+    pub scratch: &'a mut Scratch,
+    pub effort: Effort,
+    /// Why the last tensions had no answer.
+    pub failure: Option<Failure>,
+}
+
+impl Responds for Responder<'_> {
+    fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
+        let task = Task { tensions, ..self.task };
+        let settled = if warm {
+            self.scratch.settle_near(&task, self.tolerance, false)
+        } else {
+            self.scratch.settle(&task, self.tolerance)
+        };
+        let unsettled = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
+        match settled {
+            Ok(effort) => {
+                self.effort.iterations += effort.iterations;
+                self.effort.residual = effort.residual;
+            }
+            Err(failure) => {
+                self.failure = Some(failure);
+                return Err(unsettled);
+            }
+        }
+        let Scratch { chain, length_by_tension, .. } = &mut *self.scratch;
+        let how = Elimination { shift: 0.0, by_tension: true };
+        chain.eliminate(&task, how).ok_or(unsettled)?;
+        chain.length_by_tension(&task, length_by_tension);
+        Ok(())
+    }
+
+    fn lengths(&self) -> &[f64] {
+        &self.scratch.chain.lengths
+    }
+
+    fn length_by_tension(&self) -> &[f64] {
+        &self.scratch.length_by_tension
+    }
+
+    fn note(&mut self, _note: &Note, _tensions: &[f64]) {}
+}

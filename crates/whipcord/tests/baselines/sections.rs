@@ -1,0 +1,428 @@
+//! Sections of an arc or of rigid bodies: against the rods, closed forms and virtual work.
+
+use whipcord::cosserat::Accuracy;
+use whipcord::pseudo_rigid_body::{Coefficients, Options};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Drive, Loads, Model, ModelKind, PointLoad, PointMass, Pose,
+    RestCurvature, Robot, Routing, Shortening, Solution, SolveError, Statics as _, Stations,
+    Stiffness, Twist, UnitQuaternion, Vec3, cosserat_disks,
+};
+
+use crate::common::{
+    Wildness, bending_stiffness, distance, fine_options, helix, lengths_of, paper_backbone,
+    paper_disks, robot as any_robot, samples, straight, symmetry::Symmetry, tensions,
+};
+
+const PCC: ModelKind = ModelKind::PiecewiseConstantCurvature;
+const PRB: ModelKind = ModelKind::PseudoRigidBody;
+
+fn try_solve(kind: ModelKind, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    Model::new(kind, Stations::Disks, Drive::Natural).solve(robot, case)
+}
+
+fn solve(kind: ModelKind, robot: &Robot, case: &Case) -> Solution {
+    try_solve(kind, robot, case).unwrap()
+}
+
+/// The paper's rod with so many sections, which does not stretch or shear.
+fn rod(sections: usize, routings: Vec<Routing>) -> Robot {
+    let backbone = Backbone { extensible: false, shearable: false, ..paper_backbone() };
+    let disks = Disks::equally_spaced(0.18, sections + 1, 0.008);
+    let cable = |(i, routing)| Cable::new(format!("cable {i}"), routing);
+    Robot::new(backbone, disks, routings.into_iter().enumerate().map(cable).collect()).unwrap()
+}
+
+/// A section of a model in the coordinates that it bends by: twist, and bends about x and y of each joint.
+struct Parts {
+    kind: ModelKind,
+    /// Length of the bodies by that of the section; of the arc, its whole.
+    links: &'static [f64],
+    /// By EI over the length.
+    stiffness: &'static [f64],
+}
+
+const ARC: Parts = Parts { kind: PCC, links: &[0.0, 1.0], stiffness: &[1.0] };
+/// Su 2009, table of optimal parameters.
+const BODIES: Parts =
+    Parts { kind: PRB, links: &[0.1, 0.35, 0.4, 0.15], stiffness: &[3.51, 2.99, 2.58] };
+
+impl Parts {
+    fn pose(&self, length: f64, q: &[f64]) -> Pose {
+        let turn = |v: Vec3| Pose { rotation: UnitQuaternion::exp(v), ..Pose::IDENTITY };
+        let ahead = |l: f64| Pose { position: Vec3::Z * (l * length), ..Pose::IDENTITY };
+        let half = turn(Vec3::Z * (0.5 * q[0]));
+        let mut pose = half * ahead(self.links[0]);
+        for (bend, link) in q[1..].chunks(2).zip(&self.links[1..]) {
+            let bend = Vec3::new(bend[0], bend[1], 0.0);
+            pose = pose
+                * if self.kind == PCC {
+                    Pose::exp(Twist { linear: Vec3::Z * length, angular: bend })
+                } else {
+                    turn(bend) * ahead(*link)
+                };
+        }
+        pose * half
+    }
+
+    /// The coordinates of every section, read off from how the middles of the parts are turned.
+    fn coordinates(&self, robot: &Robot, case: &Case) -> Vec<Vec<f64>> {
+        let at = &robot.disks().arc_lengths;
+        let mut middles = Vec::new();
+        let mut reach = 0.0;
+        for link in self.links {
+            middles.push(reach + 0.5 * link);
+            reach += link;
+        }
+        let stations = at.windows(2).flat_map(|pair| {
+            middles.iter().map(|t| pair[0] + t * (pair[1] - pair[0])).chain([pair[1]])
+        });
+        let stations = Stations::At(stations.collect());
+        let answer = Model::new(self.kind, stations, Drive::Natural).solve(robot, case).unwrap();
+        let mut start = UnitQuaternion::IDENTITY;
+        let sections = answer.shape.poses.chunks(middles.len() + 1);
+        sections
+            .map(|poses| {
+                let seen = |pose: &Pose| start.conjugate() * pose.rotation;
+                let end = seen(&poses[poses.len() - 1]);
+                let mut q = Vec::new();
+                if self.kind == PCC {
+                    let [w, x, y, z] = end.wxyz();
+                    let across = x.hypot(y).max(1e-300);
+                    let bend = 2.0 * across.atan2(w.hypot(z)) / across;
+                    q.extend([2.0 * z.atan2(w), bend * x, bend * y]);
+                } else {
+                    // The first body only twists.
+                    let twist = seen(&poses[0]).log();
+                    assert!(twist.x.hypot(twist.y) < 1e-12);
+                    let psi = twist.z / middles[0];
+                    let about = |angle: f64| UnitQuaternion::exp(Vec3::Z * angle);
+                    let bare = |(pose, t): (&Pose, &f64)| {
+                        about(-0.5 * psi) * seen(pose) * about(-0.5 * psi * (2.0 * t - 1.0))
+                    };
+                    let bodies: Vec<_> = poses.iter().zip(&middles).map(bare).collect();
+                    q.push(psi);
+                    for pair in bodies.windows(2) {
+                        let bend = (pair[0].conjugate() * pair[1]).log();
+                        assert!(bend.z.abs() < 1e-12, "joints do not twist: {bend:?}");
+                        q.extend([bend.x, bend.y]);
+                    }
+                }
+                start = poses[poses.len() - 1].rotation;
+                q
+            })
+            .collect()
+    }
+
+    /// Elastic energy, less the work of cables and dead forces at the disks.
+    fn energy(&self, robot: &Robot, case: &Case, q: &[Vec<f64>]) -> f64 {
+        let at = &robot.disks().arc_lengths;
+        let stiffness = bending_stiffness(robot);
+        let torsion = stiffness / 1.3;
+        let mut poses = vec![Pose::IDENTITY];
+        let mut energy = 0.0;
+        for (pair, q) in at.windows(2).zip(q) {
+            let length = pair[1] - pair[0];
+            energy += 0.5 * torsion / length * q[0] * q[0];
+            for (bend, k) in q[1..].chunks(2).zip(self.stiffness) {
+                energy += 0.5 * k * stiffness / length * (bend[0].powi(2) + bend[1].powi(2));
+            }
+            poses.push(poses[poses.len() - 1] * self.pose(length, q));
+        }
+        for (route, command) in robot.routes().iter().zip(&case.commands) {
+            let hole = |k: usize| poses[k].transform(route.at(at[k]).offset);
+            let spans = 1..poses.len();
+            let length: f64 = spans.map(|k| (hole(k) - hole(k - 1)).norm()).sum();
+            energy += command.tension.unwrap() * length;
+        }
+        let tip = poses[poses.len() - 1];
+        energy -= case.loads.tip_force.dot(tip.position);
+        for point in &case.loads.points {
+            let disk = at.iter().position(|s| (s - point.at).abs() < 1e-12).unwrap();
+            energy -= point.force.dot(poses[disk].position);
+        }
+        energy
+    }
+}
+
+/// At the answer no small change of any coordinate does work: told by the energy alone, put together here
+/// from poses and hole distances.
+#[test]
+fn no_small_change_does_work() {
+    let robot = rod(5, vec![helix(20.0, 0.7), helix(160.0, -0.3)]);
+    let point = PointLoad { at: 0.108, force: Vec3::new(0.0, -0.1, 0.05), ..PointLoad::default() };
+    let loads =
+        Loads { tip_force: Vec3::new(0.1, 0.05, -0.1), points: vec![point], ..Loads::default() };
+    let case = Case { loads, ..Case::with_tensions(&[3.0, 1.5]) };
+    for parts in [ARC, BODIES] {
+        let q = parts.coordinates(&robot, &case);
+        let scale = bending_stiffness(&robot) / 0.18;
+        for k in 0..q.len() {
+            for a in 0..q[k].len() {
+                let energy = |step: f64| {
+                    let mut q = q.clone();
+                    q[k][a] += step;
+                    parts.energy(&robot, &case, &q)
+                };
+                let work = (energy(1e-4) - energy(-1e-4)) / 2e-4;
+                assert!(work.abs() < 1e-7 * scale, "{} {k} {a}: {work:e}", parts.kind);
+                // It would notice: the section's own moment is not small.
+                assert!(a == 0 || (energy(0.02) - energy(0.0)).abs() > 1e-8 * scale);
+            }
+        }
+        // What the base holds are the forces that act.
+        let wrench = solve(parts.kind, &robot, &case).base_wrench.unwrap();
+        let force = case.loads.tip_force + case.loads.points[0].force;
+        assert!((wrench.force - force).norm() < 1e-14);
+    }
+}
+
+/// One section with a straight cable: the bend φ that makes `½ EI φ²/h + 2τ (h/φ − r) sin(φ/2)` stationary.
+#[test]
+fn one_arc_with_a_straight_cable_is_a_closed_form() {
+    let robot = rod(1, vec![straight(0.0)]);
+    let (h, r, k) = (0.18, 0.008, bending_stiffness(&robot));
+    for tension in [0.3, 0.6, 0.9] {
+        let found = solve(PCC, &robot, &Case::with_tensions(&[tension]));
+        let phi = found.disks.tip().rotation.log().norm();
+        let (sin, cos) = (0.5 * phi).sin_cos();
+        let slope = -2.0 * h / (phi * phi) * sin + (h / phi - r) * cos;
+        assert!(
+            (k * phi / h + tension * slope).abs() < 1e-11,
+            "{phi} {:e} {:?} {:?}",
+            k * phi / h + tension * slope,
+            found.disks.tip(),
+            found.diagnostics
+        );
+        assert!((found.cables[0].length - 2.0 * (h / phi - r) * sin).abs() < 1e-15);
+    }
+}
+
+/// Largest distance from the rod with the same straight cables between the disks, with so many sections.
+fn error(kind: ModelKind, sections: usize, routing: &Routing, case: &Case) -> f64 {
+    let robot = rod(sections, vec![routing.clone()]);
+    let options =
+        cosserat_disks::Options { accuracy: Accuracy::Tolerance(1e-9), ..Default::default() };
+    let reference = Model::CosseratDisks(options).solve(&robot, case).unwrap();
+    distance(&solve(kind, &robot, case), &reference)
+}
+
+/// The error of arcs falls with the square of their number, and with the fourth power where a straight cable bends
+/// all of them alike. Rigid bodies come within what their coefficients are off by, and stay there.
+#[test]
+fn arcs_come_to_the_rod() {
+    let push = Loads { tip_force: Vec3::new(0.05, 0.1, -0.05), ..Loads::default() };
+    let pulled = Case::with_tensions(&[3.0]);
+    let loaded = Case { loads: push, ..Case::with_tensions(&[2.0]) };
+    for (routing, case, ratio) in [
+        (straight(0.0), &pulled, 15.0..19.0),
+        (helix(0.0, 0.5), &pulled, 3.9..4.2),
+        (helix(0.0, 0.5), &loaded, 3.9..4.2),
+    ] {
+        let [coarse, fine] = [8, 16].map(|sections| error(PCC, sections, &routing, case));
+        assert!(ratio.contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+        let bodies = [8, 16].map(|sections| error(PRB, sections, &routing, case));
+        assert!(bodies.iter().all(|error| (1e-4..1e-3).contains(error)), "{bodies:?}");
+    }
+}
+
+/// A cantilever of one section under a force at its tip, across it or inclined, against the elastica: the tip to
+/// 1.3 % of the length up to `F L²/EI = 2` across (Su 2009 states 1.2 %, for a mechanism of such beams).
+#[test]
+fn bodies_bend_as_the_elastica() {
+    let robot = rod(1, vec![]);
+    let unit = bending_stiffness(&robot) / 0.18_f64.powi(2);
+    let mut worst = 0.0_f64;
+    for (strength, degrees) in [(0.5, 90.0), (1.0, 90.0), (2.0, 90.0), (5.0, 30.0), (1.5, 150.0)] {
+        let (sin, cos) = f64::to_radians(degrees).sin_cos();
+        let tip_force = Vec3::new(sin, 0.0, cos) * (strength * unit);
+        let case = Case { loads: Loads { tip_force, ..Loads::default() }, ..Case::default() };
+        let elastica = Model::Cosserat(fine_options()).solve(&robot, &case).unwrap().disks.tip();
+        let ours = solve(PRB, &robot, &case).disks.tip();
+        worst = worst.max((ours.position - elastica.position).norm() / 0.18);
+    }
+    assert!((0.01..0.013).contains(&worst), "{worst}");
+    // A moment bends it to the sum of the joints' compliances.
+    let moment = Vec3::Y * (bending_stiffness(&robot) / 0.18);
+    let case = Case { loads: Loads { tip_moment: moment, ..Loads::default() }, ..Case::default() };
+    let bend = solve(PRB, &robot, &case).disks.tip().rotation.log().norm();
+    let sum: f64 = [3.51_f64, 2.99, 2.58].iter().map(|k| k.recip()).sum();
+    assert!((bend - sum).abs() < 1e-10 && (bend - 1.0).abs() < 0.01, "{bend}");
+    let rao = Options { coefficients: Coefficients::Rao, ..Options::default() };
+    let bend = Model::PseudoRigidBody(rao).solve(&robot, &case).unwrap().disks.tip();
+    assert!((bend.rotation.log().norm() - 1.0).abs() < 0.002);
+}
+
+/// A straight rod that is pressed buckles at `π² EI/4L²`; so do many arcs, and their stability says so.
+#[test]
+fn a_column_buckles_at_eulers_load() {
+    let robot = rod(24, vec![]);
+    let euler = core::f64::consts::PI.powi(2) * bending_stiffness(&robot) / (4.0 * 0.18 * 0.18);
+    for (kind, near) in [(PCC, 2e-3), (PRB, 2e-2)] {
+        let stability = |share: f64| {
+            let tip_force = Vec3::Z * (-share * euler);
+            let case = Case { loads: Loads { tip_force, ..Loads::default() }, ..Case::default() };
+            solve(kind, &robot, &case).diagnostics.stability.unwrap()
+        };
+        assert!((stability(0.0) - 1.0).abs() < 1e-6);
+        // It falls in proportion to the load, and is nothing at the critical one.
+        assert!((stability(0.5) - 0.5).abs() < near, "{}", stability(0.5));
+        assert!(stability(1.0 - 2.0 * near) > 0.0 && stability(1.0 + 2.0 * near) < 0.0);
+        assert!((stability(3.0) + 2.0).abs() < 4.0 * near, "{}", stability(3.0));
+    }
+}
+
+/// What mirrors, turns and moves the robot does so to its shape; what is solved again from its answer stays.
+#[test]
+fn symmetries_hold_and_neighbours_lead_to_the_same_answer() {
+    let wild = [Wildness::UNLOADED, Wildness::LOADED];
+    let mut solved = [0; 2];
+    for (k, (robot, case)) in
+        wild.into_iter().flat_map(|wild| samples(any_robot(wild), 100)).enumerate()
+    {
+        // Anchors and loads between disks, and sections so long that their cables fold them, are for others.
+        for (count, kind) in solved.iter_mut().zip([PCC, PRB]) {
+            let model = Model::new(kind, Stations::Disks, Drive::Natural);
+            let answer = match model.solve(&robot, &case) {
+                Ok(answer) => answer,
+                Err(SolveError::Unsupported { .. } | SolveError::SectionFolds { .. }) => continue,
+                Err(error) => panic!("{kind} {k}: {error}"),
+            };
+            *count += 1;
+            let length = robot.backbone().length;
+            for symmetry in [Symmetry::Mirror, Symmetry::turn_of(&robot, 5)] {
+                let image = model.solve(&symmetry.robot(&robot), &symmetry.case(&case)).unwrap();
+                let error = symmetry.error(&answer, &image, length);
+                assert!(error < 1e-9, "{kind} {k} {symmetry:?}: {error:e}");
+            }
+            let mut prepared = model.prepare(&robot, &case.loads).unwrap();
+            let again = prepared.solve(&case, Some(&answer)).unwrap();
+            assert!(distance(&again, &answer) < 1e-9 * length, "{kind} {k}");
+            assert!(again.diagnostics.iterations <= answer.diagnostics.iterations);
+        }
+    }
+    assert!(solved.iter().all(|&count| count > 40), "{solved:?}");
+}
+
+/// A pressed robot is held by its cables where they are locked as the rod with the same cables is.
+#[test]
+fn locked_cables_hold() {
+    let robot = rod(16, vec![straight(0.0), straight(90.0)]);
+    let euler = core::f64::consts::PI.powi(2) * bending_stiffness(&robot) / (4.0 * 0.18 * 0.18);
+    let loads = Loads { tip_force: Vec3::Z * (-0.7 * euler), ..Loads::default() };
+    let pulled = Case { loads: loads.clone(), ..Case::with_tensions(&[1.0, 0.5]) };
+    let stability = |kind| {
+        let before = solve(kind, &robot, &pulled);
+        let locked = solve(kind, &robot, &lengths_of(&before, &loads));
+        assert!(distance(&before, &locked) < 1e-8);
+        [before, locked].map(|answer| answer.diagnostics.stability.unwrap())
+    };
+    let rods = stability(ModelKind::CosseratDisks);
+    assert!(rods[1] > rods[0] + 0.1, "{rods:?}");
+    for kind in [PCC, PRB] {
+        let ours = stability(kind);
+        let off = ours.iter().zip(rods).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 0.03, "{kind} {ours:?} {rods:?}");
+    }
+}
+
+/// The lengths of an answer lead back to it, under load too.
+#[test]
+fn lengths_lead_back_to_the_tensions() {
+    let robot = rod(8, vec![straight(0.0), helix(120.0, 0.25), straight(240.0)]);
+    let push = Loads { tip_force: Vec3::new(0.03, 0.05, -0.02), ..Loads::default() };
+    for loads in [Loads::default(), push] {
+        for kind in [PCC, PRB] {
+            let case = Case { loads: loads.clone(), ..Case::with_tensions(&[3.0, 1.0, 0.5]) };
+            let pulled = solve(kind, &robot, &case);
+            let held = solve(kind, &robot, &lengths_of(&pulled, &loads));
+            assert!(distance(&held, &pulled) < 1e-9, "{:e}", distance(&held, &pulled));
+            for (a, b) in tensions(&held).iter().zip(tensions(&pulled)) {
+                assert!((a - b).abs() < 1e-6, "{a} {b}");
+            }
+            // What is held besides is no less stable.
+            let stability = |s: &Solution| s.diagnostics.stability.unwrap();
+            assert!(stability(&held) > stability(&pulled) - 1e-6);
+        }
+    }
+    // A cable that is paid out hangs loose.
+    let robot = rod(8, vec![straight(0.0), straight(90.0)]);
+    let case = Case::with_shortenings(&[Shortening::Length(0.005), Shortening::Length(-0.002)]);
+    let found = solve(PCC, &robot, &case);
+    assert!(found.cables[1].slack && !found.cables[0].slack);
+    assert!((found.cables[0].length - 0.175).abs() < 1e-13);
+}
+
+#[test]
+fn what_the_sections_cannot_take_is_refused_by_name() {
+    let pull = Case::with_tensions(&[1.0]);
+    let with = |cable: Cable, backbone: Backbone| {
+        Robot::new(backbone, paper_disks(), vec![cable]).unwrap()
+    };
+    let plain = Cable::new("a", straight(0.0));
+    let loaded = |loads: Loads| Case { loads, ..pull.clone() };
+    let point = PointLoad { at: 0.05, force: Vec3::X, ..PointLoad::default() };
+    let mass = PointMass { at: 0.05, mass: 0.1 };
+    let gravity = Some(Vec3::Z * 9.81);
+    let usual = with(plain.clone(), paper_backbone());
+    let weightless =
+        with(plain.clone(), Backbone { linear_density: Some(0.0.into()), ..paper_backbone() });
+    let rolled_up =
+        Backbone { rest_curvature: RestCurvature::Uniform(Vec3::Y * 200.0), ..paper_backbone() };
+    let mut k = [[0.0; 6]; 6];
+    for (i, row) in k.iter_mut().enumerate() {
+        row[i] = if i < 3 { 1e3 } else { 4e-3 };
+    }
+    (k[3][5], k[5][3]) = (1e-3, 1e-3);
+    let coupled = Backbone { stiffness: Some(Stiffness::Matrix(k.into())), ..Backbone::new(0.18) };
+    let cases = [
+        (
+            with(Cable { friction: Some(0.1), ..plain.clone() }, paper_backbone()),
+            pull.clone(),
+            "cables[0].friction",
+        ),
+        (
+            with(Cable { ends_at: Some(0.05), ..plain.clone() }, paper_backbone()),
+            pull.clone(),
+            "cables[0].ends_at",
+        ),
+        (with(plain.clone(), coupled), pull.clone(), "backbone.stiffness.matrix"),
+        (with(plain.clone(), rolled_up), pull.clone(), "backbone.rest_curvature"),
+        (with(plain, Backbone::new(0.18)), pull.clone(), "backbone.diameter"),
+        (
+            usual.clone(),
+            loaded(Loads { points: vec![point], ..Loads::default() }),
+            "loads.point[0].at",
+        ),
+        (
+            weightless.clone(),
+            loaded(Loads { masses: vec![mass], gravity, ..Loads::default() }),
+            "loads.mass[0].at",
+        ),
+        (usual.clone(), loaded(Loads { gravity, ..Loads::default() }), "backbone.density"),
+        (
+            usual.clone(),
+            Case { commands: vec![Default::default()], ..Case::default() },
+            "cables[0].tension",
+        ),
+    ];
+    for (robot, case, at) in cases {
+        for kind in [PCC, PRB] {
+            match try_solve(kind, &robot, &case) {
+                Err(
+                    SolveError::Unsupported { model, path, .. }
+                    | SolveError::Missing { model, path, .. },
+                ) => assert_eq!((model, path.as_str()), (kind, at)),
+                other => panic!("{at}: {other:?}"),
+            }
+        }
+    }
+    // Out of all proportion: a reason, with how far it came.
+    let far = loaded(Loads { tip_force: Vec3::new(1e5, 0.0, -1e6), ..Loads::default() });
+    for kind in [PCC, PRB] {
+        if let Err(error) = try_solve(kind, &usual, &far) {
+            let is_reason =
+                matches!(error, SolveError::NotConverged { last_load, .. } if last_load < 1.0);
+            assert!(is_reason, "{error:?}");
+        }
+    }
+}
