@@ -12,6 +12,7 @@ mod journey;
 mod model;
 mod pairs;
 mod path;
+mod scene;
 mod step;
 
 pub(crate) use model::{Push, Yielding};

@@ -37,16 +37,32 @@ pub(crate) trait Yielding {
     /// markedly: EI/L².
     fn force_scale(&self) -> f64;
 
-    /// Finds the equilibrium under a case without its obstacles, and these wrenches, from the last
-    /// one found.
-    fn settle(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError>;
+    /// Looks at a case without its obstacles, and these wrenches, from where it is. A model that can only
+    /// solve finds the equilibrium; one that iterates itself stays where it is, and linearises.
+    fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError>;
 
-    /// Pose of a cross-section that is watched or pushed.
+    /// How far it is from equilibrium: the largest change of a coordinate that is left, in rad.
+    fn unsettled(&self) -> f64;
+
+    /// Pose of a cross-section that is watched, or pushed when the model last looked.
     fn pose(&self, arc_length: f64) -> Pose;
 
     /// How each pushed cross-section moves with each component of each push, into `compliance` by
-    /// rows: the velocity of its centre and its angular velocity by force and moment.
-    fn compliance(&mut self, pushes: &[Push], compliance: &mut Vec<f64>) -> Result<(), SolveError>;
+    /// rows: the velocity of its centre and its angular velocity by force and moment. Into `drift`, how it
+    /// moves to equilibrium while the pushes stay as they are.
+    fn compliance(
+        &mut self,
+        pushes: &[Push],
+        compliance: &mut Vec<f64>,
+        drift: &mut Vec<f64>,
+    ) -> Result<(), SolveError>;
+
+    /// Takes this part of the step to equilibrium under pushes that have changed so since it was asked how it
+    /// yields.
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64);
+
+    /// Whether the last equilibrium, under a case and pushes that stay as they are, is stable.
+    fn stands_alone(&mut self, case: &Case, pushes: &[Push]) -> bool;
 
     /// Keeps the last equilibrium, to go back to.
     fn keep(&mut self);

@@ -4,6 +4,7 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::body::{Body, Nearest};
 use super::model::{Push, Yielding};
+use super::scene::Scene;
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
 use crate::shape::{Part, Solution, Touch, Wrench};
@@ -75,10 +76,10 @@ impl Pairs {
     }
 
     /// Looks at all pairs again where the robot is now.
-    pub fn refresh(&mut self, model: &impl Yielding, obstacles: &[Obstacle]) {
+    pub fn refresh(&mut self, model: &impl Yielding, scene: &Scene) {
         for pair in &mut self.near {
             let pose = model.pose(pair.member.arc_length);
-            let obstacle = &obstacles[pair.obstacle];
+            let obstacle = scene.get(pair.obstacle);
             pair.nearest = pair.member.body.track(obstacle, &pose, pair.nearest.local);
         }
         let far = 2.0 * NEAR * self.length;
@@ -87,12 +88,12 @@ impl Pairs {
 
     /// Adds the pairs that have come near; whether some of them are where the model has not been
     /// looked at yet.
-    pub fn discover(&mut self, model: &impl Yielding, obstacles: &[Obstacle]) -> bool {
+    pub fn discover(&mut self, model: &impl Yielding, scene: &Scene) -> bool {
         let within = NEAR * self.length;
         let mut found = Vec::new();
         for member in &self.disks {
             let pose = model.pose(member.arc_length);
-            for (k, obstacle) in obstacles.iter().enumerate() {
+            for (k, obstacle) in scene.iter() {
                 member.body.nearest(obstacle, &pose, within, &mut found);
                 for nearest in &found {
                     let known = |pair: &Pair| {
@@ -108,7 +109,7 @@ impl Pairs {
             }
         }
         let mut elsewhere = false;
-        for (k, obstacle) in obstacles.iter().enumerate() {
+        for (k, obstacle) in scene.iter() {
             elsewhere |= self.discover_along(model, k, obstacle, within);
         }
         elsewhere
@@ -193,11 +194,7 @@ impl Pairs {
 
     /// The deepest overlap of the robot with an obstacle where it is now: obstacle, part, arc length and
     /// depth in m.
-    pub fn deepest(
-        &self,
-        model: &impl Yielding,
-        obstacles: &[Obstacle],
-    ) -> Option<(usize, Part, f64, f64)> {
+    pub fn deepest(&self, model: &impl Yielding, scene: &Scene) -> Option<(usize, Part, f64, f64)> {
         let mut found = Vec::new();
         let mut deepest: Option<(usize, Part, f64, f64)> = None;
         let mut note = |k: usize, part: Part, arc_length: f64, gap: f64| {
@@ -205,7 +202,7 @@ impl Pairs {
                 deepest = Some((k, part, arc_length, -gap));
             }
         };
-        for (k, obstacle) in obstacles.iter().enumerate() {
+        for (k, obstacle) in scene.iter() {
             for member in &self.disks {
                 member.body.nearest(obstacle, &model.pose(member.arc_length), 0.0, &mut found);
                 for nearest in &found {

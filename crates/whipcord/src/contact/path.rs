@@ -5,15 +5,19 @@ use whipcord_numerics::{Pose, Vec3};
 use super::journey::Journey;
 use super::model::{Push, Yielding};
 use super::pairs::{OVERLAP, Pair, Pairs};
+use super::scene::{Scene, is_pipe};
 use super::step::{Scratch, turned};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
-use crate::obstacle::Obstacle;
 use crate::robot::Robot;
 use crate::shape::{Solution, Wrench};
 
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
 const MET: f64 = 1e-9;
+/// Met as nearly as rounding allows where the robot is about to buckle under the forces alone.
+const NEARLY_MET: f64 = 1e-7;
+/// Steps that bring no progress before the iteration ends.
+const PATIENCE: usize = 8;
 /// Steps of Newton's method at one place of the way; each may find another contact.
 const STEPS: usize = 40;
 /// No cross-section moves farther in one step on the way, as a part of the length.
@@ -22,6 +26,8 @@ const STRIDE: f64 = 0.25;
 const LEAST_REACH: f64 = 0.005;
 /// A nudge, relative to the force scale.
 const NUDGE: f64 = 2e-2;
+/// How far the base is drawn back to insert the robot, as a part of its length.
+const INSERTED: f64 = 1.02;
 /// The least step on the way.
 const LEAST_STEP: f64 = 1e-4;
 
@@ -35,14 +41,15 @@ enum Stop {
 
 struct Walk<'a, M> {
     model: &'a mut M,
-    obstacles: &'a [Obstacle],
+    scene: Scene,
     length: f64,
     pairs: Pairs,
     pushes: Vec<Push>,
     scratch: Scratch,
     iterations: usize,
     residual: f64,
-    slips: bool,
+    /// Whether the contacts change an odd number of directions from stable to unstable or back.
+    odd: bool,
     /// A small force that decides which way a robot slips off.
     nudge: Option<Push>,
     /// Where on the way the robot slipped off.
@@ -57,11 +64,6 @@ pub(crate) fn solve(
     warm_start: Option<&Solution>,
 ) -> Result<Solution, SolveError> {
     let to_base = case.base.inverse();
-    let obstacles: Vec<Obstacle> = case
-        .obstacles
-        .iter()
-        .map(|obstacle| Obstacle { pose: to_base * obstacle.pose, ..obstacle.clone() })
-        .collect();
     let journey = match warm_start {
         Some(answer) if answer.cables.len() == case.commands.len() => {
             Journey::from_answer(answer, case)
@@ -71,30 +73,30 @@ pub(crate) fn solve(
     let pairs = Pairs::new(robot, model.watched());
     let mut walk = Walk {
         model,
-        obstacles: &obstacles,
+        scene: Scene::new(case),
         length: robot.backbone().length,
         pairs,
         pushes: Vec::new(),
         scratch: Scratch::default(),
         iterations: 0,
         residual: 0.0,
-        slips: false,
+        odd: false,
         nudge: None,
         slipped_at: None,
     };
     let initial: Vec<f64> = walk.model.initial_lengths().to_vec();
     let at = |way: f64| journey.at(way, &initial);
     walk.start(&at(0.0), warm_start, &to_base)?;
-    let mut gone = walk.go(at);
+    let mut gone = walk.go(at, |_| 0.0);
     if let Err(SolveError::Obstructed { reached, why: Obstruction::Slips, .. }) = gone {
         // Once more, with a nudge that decides which way it slips, and is then taken away.
         walk.slipped_at = Some(reached);
-        walk.slips = false;
+        walk.odd = false;
         walk.nudge = Some(walk.sideways());
         walk.pairs.near.clear();
         walk.model.reset();
         walk.start(&at(0.0), warm_start, &to_base)?;
-        if walk.go(at).is_ok() {
+        if walk.go(at, |_| 0.0).is_ok() {
             gone = Ok(());
         }
     }
@@ -117,35 +119,62 @@ impl<M: Yielding> Walk<'_, M> {
         to_base: &Pose,
     ) -> Result<(), SolveError> {
         let Some(answer) = answer else {
-            self.model.settle(case, &[])?;
-            return match self.pairs.deepest(self.model, self.obstacles) {
-                None => Ok(()),
-                Some((obstacle, part, arc_length, depth)) => Err(SolveError::ObstacleInTheWay {
-                    obstacle: self.obstacles[obstacle].name.clone(),
-                    part,
-                    arc_length,
-                    depth,
-                }),
-            };
+            self.rest(case)?;
+            self.scene.keep_only_pipes(true);
+            if self.pairs.deepest(self.model, &self.scene).is_some() {
+                self.insert(case)?;
+            }
+            self.scene.keep_only_pipes(false);
+            return self.refuse_overlap();
         };
         self.model.start_from(answer);
-        for touch in answer.touches.iter().filter(|t| t.obstacle < self.obstacles.len()) {
+        let count = self.scene.count();
+        for touch in answer.touches.iter().filter(|t| t.obstacle < count) {
             self.pairs.resume(touch, answer, to_base);
         }
         self.pairs.pushes(&mut self.pushes);
-        self.model.settle(case, &self.pushes)
+        self.model.consider(case, &self.pushes)
     }
 
-    fn go(&mut self, at: impl Fn(f64) -> Case) -> Result<(), SolveError> {
+    /// Inserts the robot at rest into the pipes: from where its base is drawn back by its length, forward.
+    fn insert(&mut self, case: &Case) -> Result<(), SolveError> {
+        let start = INSERTED * self.length;
+        self.scene.draw_back(start);
+        self.refuse_overlap()?;
+        self.go(|_| case.clone(), |way| start * (1.0 - way))
+    }
+
+    fn refuse_overlap(&self) -> Result<(), SolveError> {
+        match self.pairs.deepest(self.model, &self.scene) {
+            None => Ok(()),
+            Some((obstacle, part, arc_length, depth)) => Err(SolveError::ObstacleInTheWay {
+                obstacle: self.scene.get(obstacle).name.clone(),
+                part,
+                arc_length,
+                depth,
+            }),
+        }
+    }
+
+    /// Goes the way from 0 to 1, with a case and a base that is drawn back at each place of it.
+    fn go(
+        &mut self,
+        at: impl Fn(f64) -> Case,
+        drawn_back: impl Fn(f64) -> f64,
+    ) -> Result<(), SolveError> {
         let (mut way, mut step) = (0.0, 1.0_f64);
         let watched = self.model.watched().to_vec();
-        let mut before: Vec<Pose> = Vec::new();
+        let mut before: Vec<Vec3> = Vec::new();
         loop {
             self.model.keep();
             let kept = self.pairs.clone();
             before.clear();
-            before.extend(watched.iter().map(|&s| self.model.pose(s)));
             let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
+            let kept_back = self.scene.drawn_back();
+            self.scene.draw_back(drawn_back(next));
+            // Where they were, as the base sees it from where it will be.
+            let behind = Vec3::Z * (self.scene.drawn_back() - kept_back);
+            before.extend(watched.iter().map(|&s| self.model.pose(s).position + behind));
             let stop = match self.touch(&at(next), &watched, &before) {
                 Ok(None) => {
                     way = next;
@@ -170,6 +199,7 @@ impl<M: Yielding> Walk<'_, M> {
                 }
             };
             self.model.go_back();
+            self.scene.draw_back(kept_back);
             self.pairs = kept;
             if step < LEAST_STEP {
                 return Err(self.obstructed(way, stop));
@@ -186,7 +216,7 @@ impl<M: Yielding> Walk<'_, M> {
     fn obstructed(&self, way: f64, stop: Option<Stop>) -> SolveError {
         let touching = self.pairs.near.iter().filter(|pair| pair.force > 0.0);
         let mut names: Vec<String> =
-            touching.map(|pair| self.obstacles[pair.obstacle].name.clone()).collect();
+            touching.map(|pair| self.scene.get(pair.obstacle).name.clone()).collect();
         names.dedup();
         let why = match stop {
             Some(Stop::Model(error)) if names.is_empty() => return error,
@@ -204,20 +234,20 @@ impl<M: Yielding> Walk<'_, M> {
         &mut self,
         case: &Case,
         watched: &[f64],
-        before: &[Pose],
+        before: &[Vec3],
     ) -> Result<Option<f64>, Stop> {
         let (mut least, mut since) = (f64::INFINITY, 0);
         let mut looked = false;
         for _ in 0..STEPS {
             self.pairs.pushes(&mut self.pushes);
             self.pushes.extend(self.nudge);
-            self.model.settle(case, &self.pushes).map_err(Stop::Model)?;
+            self.model.consider(case, &self.pushes).map_err(Stop::Model)?;
             self.iterations += 1;
             if let Some(part) = self.too_far(watched, before) {
                 return Ok(Some(part));
             }
-            self.pairs.refresh(self.model, self.obstacles);
-            if self.pairs.discover(self.model, self.obstacles) && !looked {
+            self.pairs.refresh(self.model, &self.scene);
+            if self.pairs.discover(self.model, &self.scene) && !looked {
                 // The model has not been asked there yet.
                 looked = true;
                 continue;
@@ -225,32 +255,57 @@ impl<M: Yielding> Walk<'_, M> {
             looked = false;
             self.residual = self.error();
             if self.residual <= MET {
-                return if self.slips { Err(Stop::Slips) } else { Ok(None) };
+                return self.arrived(case);
             }
             if self.residual < 0.5 * least {
                 (least, since) = (self.residual, 0);
             } else {
                 since += 1;
             }
-            if since > 12 {
+            if since > PATIENCE {
+                if self.residual < NEARLY_MET {
+                    return self.arrived(case);
+                }
                 break;
             }
             self.pairs.pushes(&mut self.pushes);
-            let compliance = &mut self.scratch.compliance;
-            self.model.compliance(&self.pushes, compliance).map_err(Stop::Model)?;
+            let Scratch { compliance, drift, .. } = &mut self.scratch;
+            self.model.compliance(&self.pushes, compliance, drift).map_err(Stop::Model)?;
             let cap = STRIDE * self.length;
-            let stepped = self.scratch.step(&mut self.pairs, self.model, self.obstacles, cap);
+            let stepped = self.scratch.step(&mut self.pairs, self.model, &self.scene, cap);
             match stepped {
-                Ok(stepped) => self.slips = stepped.slips,
+                Ok(stepped) => self.odd = stepped.odd,
                 Err(_) => return Err(Stop::NotConverged(self.residual)),
             }
         }
         Err(Stop::NotConverged(self.residual))
     }
 
+    /// Whether the contacts hold: eq. (6).
+    fn arrived(&mut self, case: &Case) -> Result<Option<f64>, Stop> {
+        let touches = self.pairs.near.iter().any(|pair| pair.force > 0.0);
+        if touches && self.odd == self.model.stands_alone(case, &self.pushes) {
+            return Err(Stop::Slips);
+        }
+        Ok(None)
+    }
+
+    /// The equilibrium without pushes.
+    fn rest(&mut self, case: &Case) -> Result<(), SolveError> {
+        for _ in 0..STEPS {
+            self.model.consider(case, &[])?;
+            if self.model.unsettled() <= MET {
+                break;
+            }
+            self.model.advance(&[], 1.0);
+        }
+        Ok(())
+    }
+
     /// What is left of the conditions of contact, relative to length and force scale.
     fn error(&self) -> f64 {
         let scale = self.model.force_scale();
+        let settled = self.model.unsettled();
         let of = |pair: &Pair| {
             let gap = pair.nearest.gap / self.length;
             let open = if pair.force > 0.0 { gap.abs() } else { (-gap - OVERLAP).max(0.0) };
@@ -259,25 +314,25 @@ impl<M: Yielding> Walk<'_, M> {
                 [0, 3].map(|i| Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm());
             open.max((force + moment / self.length) / (scale + pair.force))
         };
-        self.pairs.near.iter().map(of).fold(0.0, f64::max)
+        self.pairs.near.iter().map(of).fold(settled, f64::max)
     }
 
     /// By which part the step was too long, if any cross-section could have passed through an obstacle or a
     /// side of one. It has not where the free balls around its centre before and after cover the way, eq. (7).
-    fn too_far(&self, watched: &[f64], before: &[Pose]) -> Option<f64> {
+    fn too_far(&self, watched: &[f64], before: &[Vec3]) -> Option<f64> {
         let least = LEAST_REACH * self.length;
         let room = |distance: f64| if distance > -least { distance.max(least) } else { 0.0 };
         let mut part = f64::INFINITY;
         for (&s, old) in watched.iter().zip(before).skip(1) {
             let new = self.model.pose(s).position;
-            let way = (new - old.position).norm();
+            let way = (new - *old).norm();
             if way <= least {
                 continue;
             }
             part = part.min(STRIDE * self.length / way);
-            for obstacle in self.obstacles {
+            for (_, obstacle) in self.scene.iter().filter(|(_, o)| !is_pipe(o)) {
                 let [before, after] =
-                    [old.position, new].map(|point| room(obstacle.surface(point).distance));
+                    [*old, new].map(|point| room(obstacle.surface(point).distance));
                 if before + after < way || after == 0.0 {
                     part = part.min((before + after) / way);
                 }

@@ -7,12 +7,14 @@ use whipcord_numerics::{DenseLu, Pose, UnitQuaternion, Vec3};
 
 use super::model::Yielding;
 use super::pairs::{Pair, Pairs};
-use crate::obstacle::Obstacle;
+use super::scene::Scene;
 
 /// Scratch memory of the steps.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch {
     pub compliance: Vec<f64>,
+    /// How the cross-sections move by themselves.
+    pub drift: Vec<f64>,
     /// `∂w/∂X` of each pair.
     geometric: Vec<[[f64; 6]; 6]>,
     /// `w` of each pair for a force of 1 N.
@@ -22,13 +24,16 @@ pub(super) struct Scratch {
     /// `(I − CG)⁻¹CB` by columns, the last for what the normals have turned since.
     moves: Vec<Vec<f64>>,
     complementarity: Complementarity,
+    /// What the step changes of each push.
+    changes: Vec<[f64; 6]>,
 }
 
 /// What came of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stepped {
-    /// Whether the robot would leave this equilibrium at the slightest disturbance: eq. (6).
-    pub slips: bool,
+    /// Whether the contacts change an odd number of directions from stable to unstable or back: the sign of
+    /// `det(I − CG) det M` in eq. (6).
+    pub odd: bool,
 }
 
 /// No step leads on: the contacts have no equilibrium near.
@@ -36,13 +41,13 @@ pub(super) struct Stepped {
 pub(super) struct NoStep;
 
 impl Scratch {
-    /// Changes the forces of the pairs, and what the model is to be given, eqs. (3) to (5); no
+    /// Changes the forces of the pairs, what the model is to be given, and the model, eqs. (3) to (5); no
     /// cross-section is to move farther than `cap`.
     pub fn step(
         &mut self,
         pairs: &mut Pairs,
-        model: &impl Yielding,
-        obstacles: &[Obstacle],
+        model: &mut impl Yielding,
+        scene: &Scene,
         cap: f64,
     ) -> Result<Stepped, NoStep> {
         let count = pairs.near.len();
@@ -50,7 +55,7 @@ impl Scratch {
         self.unit.clear();
         self.unit.extend(pairs.near.iter().map(|pair| pair.nearest.push()));
         self.geometric.clear();
-        self.geometric.extend(pairs.near.iter().map(|pair| geometric(pair, model, obstacles)));
+        self.geometric.extend(pairs.near.iter().map(|pair| geometric(pair, model, scene)));
         // I − CG
         self.matrix.clear();
         self.matrix.resize(n * n, 0.0);
@@ -77,9 +82,10 @@ impl Scratch {
                     dot(&row[6 * k..6 * k + 6], &self.unit[k])
                 } else {
                     let pairs = pairs.near.iter().zip(&self.unit).enumerate();
-                    pairs
-                        .map(|(j, (pair, unit))| dot(&row[6 * j..6 * j + 6], &turned(pair, unit)))
-                        .sum()
+                    let turn = |(j, (pair, unit)): (usize, (&Pair, &[f64; 6]))| {
+                        dot(&row[6 * j..6 * j + 6], &turned(pair, unit))
+                    };
+                    self.drift[i] + pairs.map(turn).sum::<f64>()
                 }
             }));
             self.lu.solve(column);
@@ -96,7 +102,7 @@ impl Scratch {
             }
         }
         let held = problem.solve()?;
-        let slips = self.lu.is_determinant_negative() != held.negative;
+        let odd = self.lu.is_determinant_negative() != held.negative;
         let mut motion = self.moves[count].clone();
         for (j, pair) in pairs.near.iter().enumerate() {
             let change = problem.forces[j] - pair.force;
@@ -107,20 +113,31 @@ impl Scratch {
             return Err(NoStep);
         }
         let part = if farthest > cap { cap / farthest } else { 1.0 };
+        self.changes.clear();
         for (j, pair) in pairs.near.iter_mut().enumerate() {
             let change = problem.forces[j] - pair.force;
             let moved = &motion[6 * j..6 * j + 6];
             let turning = turned(pair, &self.unit[j]);
-            for a in 0..6 {
-                let followed = dot(&self.geometric[j][a], moved);
-                pair.given[a] += part * (self.unit[j][a] * change + turning[a] + followed);
+            let next = pair.force + part * change;
+            let wrench: [f64; 6] = if next > 0.0 {
+                core::array::from_fn(|a| {
+                    let followed = dot(&self.geometric[j][a], moved);
+                    self.unit[j][a] * change + turning[a] + followed
+                })
+            } else {
+                pair.given.map(|component| -component)
+            };
+            self.changes.push(wrench);
+            for (given, change) in pair.given.iter_mut().zip(wrench) {
+                *given += part * change;
             }
-            pair.force += part * change;
-            if pair.force <= 0.0 {
-                (pair.force, pair.given) = (0.0, [0.0; 6]);
+            pair.force = next.max(0.0);
+            if next <= 0.0 {
+                pair.given = [0.0; 6];
             }
         }
-        Ok(Stepped { slips })
+        model.advance(&self.changes, part);
+        Ok(Stepped { odd })
     }
 }
 
@@ -130,7 +147,7 @@ pub(super) fn turned(pair: &Pair, unit: &[f64; 6]) -> [f64; 6] {
 }
 
 /// `G = ∂(λw)/∂X` by central differences of the geometry, which is smooth and quick.
-fn geometric(pair: &Pair, model: &impl Yielding, obstacles: &[Obstacle]) -> [[f64; 6]; 6] {
+fn geometric(pair: &Pair, model: &impl Yielding, scene: &Scene) -> [[f64; 6]; 6] {
     let mut matrix = [[0.0; 6]; 6];
     if pair.force == 0.0 {
         return matrix;
@@ -149,7 +166,7 @@ fn geometric(pair: &Pair, model: &impl Yielding, obstacles: &[Obstacle]) -> [[f6
             } else {
                 Pose { rotation: UnitQuaternion::exp(change) * pose.rotation, ..pose }
             };
-            body.track(&obstacles[pair.obstacle], &moved, pair.nearest.local).push()
+            body.track(scene.get(pair.obstacle), &moved, pair.nearest.local).push()
         };
         let (after, before) = (at(h), at(-h));
         for (a, row) in matrix.iter_mut().enumerate() {

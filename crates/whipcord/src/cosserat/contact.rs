@@ -129,7 +129,7 @@ impl Yielding for Pushed<'_> {
         self.last = Some(answer.clone());
     }
 
-    fn settle(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
+    fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
         let case = self.with_pushes(case, pushes);
         let places = pushes.iter().map(|push| push.arc_length);
         if self.model.is_none() || !places.clone().eq(self.pushed.iter().copied()) {
@@ -154,7 +154,18 @@ impl Yielding for Pushed<'_> {
         shape.poses[0].inverse() * pose
     }
 
-    fn compliance(&mut self, pushes: &[Push], compliance: &mut Vec<f64>) -> Result<(), SolveError> {
+    fn unsettled(&self) -> f64 {
+        0.0
+    }
+
+    fn advance(&mut self, _: &[[f64; 6]], _: f64) {}
+
+    fn compliance(
+        &mut self,
+        pushes: &[Push],
+        compliance: &mut Vec<f64>,
+        drift: &mut Vec<f64>,
+    ) -> Result<(), SolveError> {
         let (Some(derivatives), Some(solution)) = (&self.derivatives, &self.last) else {
             return Err(SolveError::NoDerivatives);
         };
@@ -164,6 +175,8 @@ impl Yielding for Pushed<'_> {
             .map(|push| Place::Station(stations.partition_point(|&s| s < push.arc_length)))
             .collect();
         let n = 6 * pushes.len();
+        drift.clear();
+        drift.resize(n, 0.0);
         compliance.clear();
         compliance.resize(n * n, 0.0);
         for (j, &at) in places.iter().enumerate() {
@@ -182,6 +195,14 @@ impl Yielding for Pushed<'_> {
             }
         }
         Ok(())
+    }
+
+    fn stands_alone(&mut self, case: &Case, pushes: &[Push]) -> bool {
+        let case = self.with_pushes(case, pushes);
+        let options = Options { stability: true, ..self.options.clone() };
+        let Ok(model) = Cosserat::new(self.robot, &case.loads, &options) else { return true };
+        let found = model.solve(&case, self.last.as_ref(), &mut self.workspace);
+        found.is_ok_and(|solution| !solution.diagnostics.is_unstable())
     }
 
     fn keep(&mut self) {

@@ -141,14 +141,15 @@ impl Yielding for Touched<'_> {
         self.found.multipliers.extend(pulls);
     }
 
-    fn settle(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
+    fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
         self.targets.clear();
         for (command, &initial) in case.commands.iter().zip(&self.model.initial_lengths) {
             let shortening = command.shortening.map_or(0.0, |s| s.in_metres(initial));
             self.targets.push(initial - shortening);
         }
         self.set_loads(pushes);
-        self.found.settle(&self.model.sections, &self.targets, &self.loads).map_err(restless)?;
+        let (sections, targets) = (&self.model.sections, &self.targets);
+        self.found.linearise(sections, targets, &self.loads).map_err(restless)?;
         self.look();
         Ok(())
     }
@@ -162,12 +163,30 @@ impl Yielding for Touched<'_> {
         self.found.pose_at(&self.model.sections, section, part)
     }
 
-    fn compliance(&mut self, pushes: &[Push], compliance: &mut Vec<f64>) -> Result<(), SolveError> {
+    fn unsettled(&self) -> f64 {
+        self.found.unsettled()
+    }
+
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
+        let changes = changes.iter().flatten().map(|change| change / self.scale);
+        self.found.advance(changes, part);
+    }
+
+    fn compliance(
+        &mut self,
+        pushes: &[Push],
+        compliance: &mut Vec<f64>,
+        drift: &mut Vec<f64>,
+    ) -> Result<(), SolveError> {
+        // Those that are new push nothing yet.
         self.set_loads(pushes);
-        let (sections, targets) = (&self.model.sections, &self.targets);
-        self.found.compliance(sections, targets, &self.loads, compliance).map_err(restless)?;
+        self.found.compliance(&self.model.sections, &self.loads, compliance, drift);
         compliance.iter_mut().for_each(|entry| *entry /= self.scale);
         Ok(())
+    }
+
+    fn stands_alone(&mut self, _: &Case, _: &[Push]) -> bool {
+        self.found.stands()
     }
 
     fn keep(&mut self) {

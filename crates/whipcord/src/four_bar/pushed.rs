@@ -36,20 +36,21 @@ pub(super) struct Pushed {
     eased: Vec<Vec<f64>>,
     schur: Vec<f64>,
     schur_lu: DenseLu,
+    /// The Newton step from where it stands, and the multipliers that it leads to.
+    left: Vec<f64>,
+    pulls: Vec<f64>,
+    /// How the loads' places move with the coordinates, by rows.
+    jacobian: Vec<f64>,
     /// `Σ v × F` and `Σ ω × m` of the loads by coordinate.
     torques: Vec<[Vec3; 2]>,
 }
 
-/// The iteration did not come to rest.
+/// The equations have no linearisation that could be solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Restless;
 
-/// Newton steps.
-const STEPS: usize = 30;
 /// Longest step of a coordinate.
 const LONGEST: f64 = 0.3;
-/// A step that is as small as this is the last; the one before was its square root.
-const LAST: f64 = 1e-8;
 /// Cables that depend on one another yield by this, relative to the most.
 const YIELD: f64 = 1e-12;
 
@@ -72,30 +73,6 @@ impl Pushed {
         }
     }
 
-    /// Newton's method from where it stands. Cables that are longer than their targets pull.
-    pub fn settle(
-        &mut self,
-        sections: &[Section],
-        targets: &[f64],
-        loads: &[Load],
-    ) -> Result<usize, Restless> {
-        for step in 1..=STEPS {
-            self.linearise(sections, targets, loads)?;
-            let size = self.step(targets);
-            if !size.is_finite() {
-                return Err(Restless);
-            }
-            if !self.bends.iter().all(|bend| bend.is_valid()) {
-                return Err(Restless);
-            }
-            if size < LAST {
-                self.place(sections);
-                return Ok(step);
-            }
-        }
-        Err(Restless)
-    }
-
     /// Where the disks are.
     fn place(&mut self, sections: &[Section]) {
         self.disks.clear();
@@ -110,7 +87,8 @@ impl Pushed {
         }
     }
 
-    fn linearise(
+    /// Linearises the equations where it stands. Cables that are longer than their targets pull.
+    pub fn linearise(
         &mut self,
         sections: &[Section],
         targets: &[f64],
@@ -180,7 +158,26 @@ impl Pushed {
         for i in 0..m {
             self.schur[i * m + i] += YIELD * most;
         }
-        self.schur_lu.factor(m, &self.schur).map_err(|_| Restless)
+        self.schur_lu.factor(m, &self.schur).map_err(|_| Restless)?;
+        // H δq + Aᵀμ = −∇F + Q and A δq = targets − lengths
+        self.left.clear();
+        self.left.extend(self.gradient.iter().map(|g| -g));
+        self.lu.solve(&mut self.left);
+        self.pulls.clear();
+        for &c in &self.active {
+            let excess = self.lengths[c] - targets[c];
+            self.pulls.push(excess + dot(&self.arms[c], &self.left));
+        }
+        self.schur_lu.solve(&mut self.pulls);
+        for (&c, &pull) in self.active.iter().zip(&self.pulls) {
+            self.left.iter_mut().zip(&self.eased[c]).for_each(|(x, y)| *x -= pull * y);
+        }
+        if self.left.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Restless) }
+    }
+
+    /// The largest coordinate of the step that is left.
+    pub fn unsettled(&self) -> f64 {
+        self.left.iter().fold(0.0, |most, x| most.max(x.abs()))
     }
 
     /// Takes the work of the wrenches off the energy: eqs. (15) and (16).
@@ -275,45 +272,67 @@ impl Pushed {
         self.disks[s] * self.bends[s].pose_at(part, section.length, section.chord)
     }
 
-    /// Takes the Newton step; returns its largest coordinate.
-    fn step(&mut self, targets: &[f64]) -> f64 {
-        // H δq + Aᵀμ = −∇F + Q and A δq = targets − lengths
-        let mut step: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
-        self.lu.solve(&mut step);
-        let mut pulls: Vec<f64> = self
-            .active
-            .iter()
-            .map(|&c| self.lengths[c] - targets[c] + dot(&self.arms[c], &step))
-            .collect();
-        self.schur_lu.solve(&mut pulls);
-        for (&c, &pull) in self.active.iter().zip(&pulls) {
-            step.iter_mut().zip(&self.eased[c]).for_each(|(x, y)| *x -= pull * y);
+    /// Takes a part of the step that is left, with what changes of the wrenches that it was linearised with do.
+    pub fn advance(&mut self, changes: impl Iterator<Item = f64>, part: f64) {
+        let n = self.left.len();
+        let mut step = self.left.clone();
+        let mut pulls = self.pulls.clone();
+        let mut pushed = vec![0.0; n];
+        for (row, change) in self.jacobian.chunks(n).zip(changes) {
+            pushed.iter_mut().zip(row).for_each(|(x, y)| *x += change * y);
         }
+        self.yield_to(&mut pushed, Some(&mut pulls));
+        step.iter_mut().zip(&pushed).for_each(|(x, y)| *x += y);
         let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let part = if size > LONGEST { LONGEST / size } else { 1.0 };
+        let part = if part * size > LONGEST { LONGEST / size } else { part };
         for (bend, step) in self.bends.iter_mut().zip(step.chunks(3)) {
-            *bend = bend.moved(Vec3::new(step[0], step[1], step[2]) * part);
+            let next = bend.moved(Vec3::new(step[0], step[1], step[2]) * part);
+            if next.is_valid() {
+                *bend = next;
+            }
         }
         for (c, multiplier) in self.multipliers.iter_mut().enumerate() {
             let found = self.active.iter().position(|&k| k == c).map_or(0.0, |k| pulls[k]);
             *multiplier += part * (found - *multiplier);
         }
-        if step.iter().any(|x| x.is_nan()) { f64::NAN } else { size }
     }
 
-    /// How the places of these loads move with each component of a wrench on each of them, into
-    /// `compliance` by rows; at the equilibrium found last.
+    /// Overwrites generalised forces by the motion that they cause while the cables that pull keep their
+    /// lengths, and adds what it changes of their multipliers.
+    fn yield_to(&self, column: &mut [f64], pulls: Option<&mut Vec<f64>>) {
+        self.lu.solve(column);
+        let mut changes: Vec<f64> =
+            self.active.iter().map(|&c| dot(&self.arms[c], column)).collect();
+        self.schur_lu.solve(&mut changes);
+        for (&c, &pull) in self.active.iter().zip(&changes) {
+            column.iter_mut().zip(&self.eased[c]).for_each(|(x, y)| *x -= pull * y);
+        }
+        if let Some(pulls) = pulls {
+            pulls.iter_mut().zip(&changes).for_each(|(x, y)| *x += y);
+        }
+    }
+
+    /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are: by the
+    /// determinant of the matrix with the cables that are held.
+    pub fn stands(&self) -> bool {
+        let held = !self.active.is_empty() && self.schur_lu.is_determinant_negative();
+        self.lu.is_determinant_negative() == held
+    }
+
+    /// How the places of the loads that it was linearised with move with each component of a wrench on each of
+    /// them, into `compliance` by rows; and how with the step that is left, into `drift`.
     pub fn compliance(
         &mut self,
         sections: &[Section],
-        targets: &[f64],
         loads: &[Load],
         compliance: &mut Vec<f64>,
-    ) -> Result<(), Restless> {
-        self.linearise(sections, targets, loads)?;
+        drift: &mut Vec<f64>,
+    ) {
         let n = 3 * sections.len();
         let rows = 6 * loads.len();
-        let mut jacobian = vec![0.0; rows * n];
+        let mut jacobian = core::mem::take(&mut self.jacobian);
+        jacobian.clear();
+        jacobian.resize(rows * n, 0.0);
         for (k, load) in loads.iter().enumerate() {
             let at = self.pose_at(sections, load.section, load.part).position;
             for s in 0..=load.section {
@@ -325,22 +344,19 @@ impl Pushed {
                 }
             }
         }
+        drift.clear();
+        drift.extend(jacobian.chunks(n).map(|row| dot(row, &self.left)));
         compliance.clear();
         compliance.resize(rows * rows, 0.0);
+        let mut column = vec![0.0; n];
         for (j, row) in jacobian.chunks(n).enumerate() {
-            let mut column = row.to_vec();
-            self.lu.solve(&mut column);
-            let mut pulls: Vec<f64> =
-                self.active.iter().map(|&c| dot(&self.arms[c], &column)).collect();
-            self.schur_lu.solve(&mut pulls);
-            for (&c, &pull) in self.active.iter().zip(&pulls) {
-                column.iter_mut().zip(&self.eased[c]).for_each(|(x, y)| *x -= pull * y);
-            }
+            column.copy_from_slice(row);
+            self.yield_to(&mut column, None);
             for (i, row) in jacobian.chunks(n).enumerate() {
                 compliance[i * rows + j] = dot(row, &column);
             }
         }
-        Ok(())
+        self.jacobian = jacobian;
     }
 }
 

@@ -4,6 +4,7 @@
 
 mod cosserat;
 mod four_bar;
+mod pipe;
 
 use whipcord::{
     Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, PointLoad, Pose, Robot, Routing,

@@ -1,0 +1,64 @@
+//! The obstacles as the base sees them.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use crate::case::Case;
+use crate::obstacle::{Form, Obstacle};
+
+/// The obstacles in the frame of a base that may be drawn back along its axis.
+#[derive(Clone, Debug)]
+pub(super) struct Scene {
+    /// As the base sees them where the case has it.
+    there: Vec<Obstacle>,
+    /// As it sees them where it is.
+    obstacles: Vec<Obstacle>,
+    only_pipes: bool,
+    drawn_back: f64,
+}
+
+impl Scene {
+    pub fn new(case: &Case) -> Self {
+        let to_base = case.base.inverse();
+        let seen =
+            |obstacle: &Obstacle| Obstacle { pose: to_base * obstacle.pose, ..obstacle.clone() };
+        let there: Vec<Obstacle> = case.obstacles.iter().map(seen).collect();
+        Self { obstacles: there.clone(), there, only_pipes: false, drawn_back: 0.0 }
+    }
+
+    /// Draws the base back by so many metres.
+    pub fn draw_back(&mut self, by: f64) {
+        self.drawn_back = by;
+        let forward = Pose { position: Vec3::Z * by, ..Pose::IDENTITY };
+        for (seen, there) in self.obstacles.iter_mut().zip(&self.there) {
+            seen.pose = forward * there.pose;
+        }
+    }
+
+    pub fn drawn_back(&self) -> f64 {
+        self.drawn_back
+    }
+
+    /// Leaves out all obstacles that the robot is not inserted into, or takes them in again.
+    pub fn keep_only_pipes(&mut self, only: bool) {
+        self.only_pipes = only;
+    }
+
+    pub fn count(&self) -> usize {
+        self.obstacles.len()
+    }
+
+    pub fn get(&self, number: usize) -> &Obstacle {
+        &self.obstacles[number]
+    }
+
+    /// The obstacles that count now, with their numbers.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, &Obstacle)> {
+        let counts = |obstacle: &Obstacle| !self.only_pipes || is_pipe(obstacle);
+        self.obstacles.iter().enumerate().filter(move |(_, obstacle)| counts(obstacle))
+    }
+}
+
+/// Whether the robot is inside it, so that it can be inserted.
+pub(super) fn is_pipe(obstacle: &Obstacle) -> bool {
+    matches!(obstacle.form, Form::Pipe(_))
+}

@@ -1,0 +1,121 @@
+//! A catheter in a bent pipe.
+
+use super::{among, assert_clear};
+use whipcord::cosserat::{Cosserat, Options, Workspace};
+use whipcord::four_bar::{FourBar, LengthRule, Objective};
+use whipcord::obstacle::{Bends, Pipe};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Drive, Form, Material, Obstacle, Pose, Robot, Routing, Section,
+    Shortening, Solution, SolveError, Vec3,
+};
+
+const LENGTH: f64 = 0.15;
+
+/// A rod of 1.5 mm of nickel-titanium on which disks of 3 mm sit, with a cable at +x.
+fn catheter(sections: usize) -> Robot {
+    let material =
+        Material { young_modulus: Some(6e10), poisson_ratio: Some(0.3), ..Material::default() };
+    let section = Some(Section::circle(0.0015));
+    let backbone = Backbone { material, section, ..Backbone::new(LENGTH) };
+    let disks = Disks {
+        outer_radius: Some(0.0015),
+        thickness: Some(0.001),
+        ..Disks::equally_spaced(LENGTH, sections + 1, 0.001)
+    };
+    let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.001 });
+    Robot::new(backbone, disks, vec![cable]).unwrap()
+}
+
+/// A bore of 6 mm that goes straight on for 30 mm and then bends towards +x by so many steps of 10°, on a
+/// radius of 80 mm, and goes straight on again.
+fn pipe(steps: u8) -> Obstacle {
+    let radius = 0.08;
+    let mut points = vec![Vec3::new(0.0, 0.0, -0.02), Vec3::ZERO, Vec3::new(0.0, 0.0, 0.02)];
+    let mut tangent = Vec3::Z;
+    for k in 0..=steps {
+        let (sin, cos) = (f64::from(k) * core::f64::consts::PI / 18.0).sin_cos();
+        points.push(Vec3::new(radius * (1.0 - cos), 0.0, 0.03 + radius * sin));
+        tangent = Vec3::new(sin, 0.0, cos);
+    }
+    let end = points[points.len() - 1];
+    points.extend([0.02, 0.08, 0.14].map(|on| end + tangent * on));
+    let form = Form::Pipe(Pipe::new(0.003, &points, Bends::Smooth).unwrap());
+    Obstacle { name: "vessel".to_owned(), form, pose: Pose::IDENTITY }
+}
+
+fn chain(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    let options = whipcord::four_bar::Options {
+        objective: Objective::StrainEnergy,
+        lengths: LengthRule::Free,
+        ..Default::default()
+    };
+    FourBar::new(robot, &options)?.solve(case, None, &mut Default::default())
+}
+
+/// The moments that bend a chain of sections in the plane are those of what pushes it beyond them, and of
+/// the cable: each section by itself, about the middle of its bend.
+fn assert_balanced(solution: &Solution, sections: usize) {
+    let stiffness = 6e10 * core::f64::consts::PI * 0.0015_f64.powi(4) / 64.0;
+    let length = LENGTH / sections as f64;
+    let poses = &solution.disks.poses;
+    let tension = solution.cables[0].tension.unwrap();
+    for (k, pair) in poses.windows(2).enumerate() {
+        let bend = (pair[0].rotation.conjugate() * pair[1].rotation).log().y;
+        let pull = tension * 0.001 * (0.5 * bend).cos();
+        // What is beyond turns about the lower disk's centre while the chord turns by half the bend.
+        let mut pushed = 0.0;
+        for touch in &solution.touches {
+            let force = touch.normal * touch.force.unwrap();
+            if touch.arc_length > solution.disks.arc_length[k] + 1e-9 {
+                let chord = pair[1].position - pair[0].position;
+                let beyond = touch.point - pair[1].position;
+                pushed += 0.5 * chord.cross(force).y + beyond.cross(force).y;
+            }
+        }
+        let left = stiffness / length * bend - pull - pushed;
+        let scale = stiffness / LENGTH;
+        assert!(left.abs() < 1e-6 * scale, "section {k}: {left} of {scale} N m");
+    }
+}
+
+#[test]
+fn a_catheter_follows_a_vessel_round_a_right_angle() {
+    let robot = catheter(16);
+    let vessel = pipe(9);
+    for shortening in [0.0, 0.002] {
+        let case = Case::with_shortenings(&[Shortening::Length(shortening)]);
+        let solution = chain(&robot, &among(case, vec![vessel.clone()])).unwrap();
+        assert!(solution.touches.len() >= 3, "{:?}", solution.touches);
+        let (bend, direction) = solution.disks.bend();
+        assert!(bend > 1.2 && direction.abs() < 1e-6, "{bend} towards {direction}");
+        assert_eq!(solution.cables[0].slack, shortening == 0.0);
+        assert_clear(&robot, &solution, &vessel);
+        assert_balanced(&solution, 16);
+    }
+}
+
+#[test]
+fn the_rod_and_the_chain_agree_in_a_gentle_bend() {
+    let vessel = pipe(3);
+    let case = among(Case::with_shortenings(&[Shortening::Length(0.0)]), vec![vessel.clone()]);
+    let robot = catheter(20);
+    let options = Options { drive: Drive::Shortening, ..Options::default() };
+    let model = Cosserat::new(&robot, &case.loads, &options).unwrap();
+    let rod = model.solve(&case, None, &mut Workspace::default()).unwrap();
+    let chain = chain(&robot, &case).unwrap();
+    let apart = rod.disks.distances(&chain.disks).fold(0.0, f64::max);
+    assert!(apart < 0.01 * LENGTH, "{apart}");
+    assert!(rod.touches.len() >= 3);
+    assert_clear(&robot, &rod, &vessel);
+}
+
+#[test]
+fn a_vessel_that_is_too_narrow_is_told_of() {
+    let mut vessel = pipe(3);
+    let Form::Pipe(bore) = &vessel.form else { unreachable!() };
+    vessel.form = Form::Pipe(Pipe::new(0.001, bore.points(), Bends::Smooth).unwrap());
+    let case = among(Case::with_shortenings(&[Shortening::Length(0.0)]), vec![vessel]);
+    let error = chain(&catheter(10), &case).unwrap_err();
+    let SolveError::ObstacleInTheWay { obstacle, .. } = &error else { panic!("{error}") };
+    assert_eq!(obstacle, "vessel");
+}
