@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod derivatives;
+mod many_sections;
 mod one_cable;
 mod oracle;
 mod pre_bent;

@@ -1,0 +1,82 @@
+//! Solve times among obstacles: `cargo bench -p whipcord --bench contact`. A finger of nine sections bends
+//! against a ball beside it.
+
+#![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
+
+use divan::Bencher;
+use whipcord::cosserat::{self, Cosserat};
+use whipcord::four_bar::{self, FourBar, LengthRule, Objective};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Drive, Form, Loads, Material, Obstacle, Pose, Robot, Routing,
+    Section, Shortening, UnitQuaternion, Vec3,
+};
+
+fn main() {
+    divan::main();
+}
+
+fn finger() -> Robot {
+    let length = 0.18;
+    let material =
+        Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Material::default() };
+    let section = Some(Section::circle(0.003));
+    let backbone = Backbone { material, section, ..Backbone::new(length) };
+    let disks = Disks { outer_radius: Some(0.01), ..Disks::equally_spaced(length, 10, 0.008) };
+    let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+    Robot::new(backbone, disks, vec![cable]).unwrap()
+}
+
+fn case(shortening: f64) -> Case {
+    let position = Vec3::new(0.05, 0.005, 0.12);
+    let ball = Obstacle {
+        name: "ball".to_owned(),
+        form: Form::Sphere { radius: 0.03 },
+        pose: Pose { position, rotation: UnitQuaternion::IDENTITY },
+    };
+    Case { obstacles: vec![ball], ..Case::with_shortenings(&[Shortening::Length(shortening)]) }
+}
+
+fn chain(robot: &Robot) -> FourBar {
+    let options = four_bar::Options {
+        objective: Objective::StrainEnergy,
+        lengths: LengthRule::Free,
+        ..Default::default()
+    };
+    FourBar::new(robot, &options).unwrap()
+}
+
+fn rod(robot: &Robot) -> Cosserat {
+    let options = cosserat::Options { drive: Drive::Shortening, ..Default::default() };
+    Cosserat::new(robot, &Loads::default(), &options).unwrap()
+}
+
+#[divan::bench]
+fn four_bar_cold(bencher: Bencher) {
+    let (model, case) = (chain(&finger()), case(0.004));
+    let mut workspace = four_bar::Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+/// From a neighbour that is shortened by 1 % less.
+#[divan::bench]
+fn four_bar_warm(bencher: Bencher) {
+    let (model, before, case) = (chain(&finger()), case(0.00396), case(0.004));
+    let mut workspace = four_bar::Workspace::default();
+    let start = model.solve(&before, None, &mut workspace).unwrap();
+    bencher.bench_local(|| model.solve(&case, Some(&start), &mut workspace).unwrap());
+}
+
+#[divan::bench]
+fn cosserat_cold(bencher: Bencher) {
+    let (model, case) = (rod(&finger()), case(0.004));
+    let mut workspace = cosserat::Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+#[divan::bench]
+fn cosserat_warm(bencher: Bencher) {
+    let (model, before, case) = (rod(&finger()), case(0.00396), case(0.004));
+    let mut workspace = cosserat::Workspace::default();
+    let start = model.solve(&before, None, &mut workspace).unwrap();
+    bencher.bench_local(|| model.solve(&case, Some(&start), &mut workspace).unwrap());
+}
