@@ -129,7 +129,7 @@ mod tests {
 
     fn passage(a0: f64, a1: f64, turn: f64) -> Passage {
         let to = Vec2::new(a1 * turn.cos(), a1 * turn.sin());
-        Passage::new(0, 1.0, Vec2::new(a0, 0.0), to)
+        Passage::new(0, 1.0, Vec2::new(a0, 0.0), to, 1.0)
     }
 
     #[test]

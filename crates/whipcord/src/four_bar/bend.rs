@@ -149,6 +149,23 @@ fn part_of_bend(y: f64, t: f64) -> (f64, f64, f64, f64) {
     (r, r_y, c, -0.5 * r * t / up)
 }
 
+/// `r = sin(tφ/2)/sin(φ/2)`, the chord up to the fraction t of a section beside the whole, with its first two
+/// derivatives by `y = sin²(φ/2)`.
+pub(super) fn share_of_chord(y: f64, t: f64) -> [f64; 3] {
+    let (r, r_y, c, c_y) = part_of_bend(y, t);
+    let r_yy = if y < 1e-3 {
+        let t2 = t * t;
+        let (a, b) = (t * (1.0 - t2), 9.0 - t2);
+        let d = b * (25.0 - t2);
+        let e = d * (49.0 - t2);
+        a * (b / 60.0 + y * (d / 840.0 + y * e / 30_240.0))
+    } else {
+        let rest = 1.0 - y;
+        (t * (c_y + 0.5 * c / rest) / rest.sqrt() - 3.0 * r_y) / (2.0 * y)
+    };
+    [r, r_y, r_yy]
+}
+
 impl Turn {
     /// The rotation R of the upper disk, as the unit quaternion of eq. (1).
     #[inline]

@@ -75,8 +75,8 @@ impl FourBar {
     /// The model of a robot.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] for what a geometric model cannot take (rest curvature, elastic
-    /// cables, a cable that ends between two disks, tension as the command), and
+    /// [`SolveError::Unsupported`] for what a geometric model cannot take (elastic cables, tension as the
+    /// command, and more with the objective `as-printed`), and
     /// [`SolveError::Missing`] when the strain-energy objective finds no Poisson's ratio.
     pub fn new(robot: &Robot, options: &Options) -> Result<Self, SolveError> {
         refusal::robot(robot, options)?;

@@ -3,6 +3,7 @@
 use whipcord_numerics::Pose;
 
 use super::options::{Chord, LengthRule, Objective, Options};
+use super::section;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
@@ -59,6 +60,13 @@ fn as_printed(robot: &Robot, options: &Options) -> Result<(), SolveError> {
             "backbone.rest_curvature",
             "a pre-bent backbone with the objective as-printed",
             "the printed equations are those of a straight one: take coupler-angle",
+        ));
+    }
+    if let Some(i) = section::endings(robot).iter().position(|ending| ending.part > 0.0) {
+        return Err(unsupported(
+            format!("cables[{i}].ends_at"),
+            "a cable that ends between two disks with the objective as-printed",
+            "let it end at a disk, or take coupler-angle",
         ));
     }
     if robot.cables().len() > 1 {

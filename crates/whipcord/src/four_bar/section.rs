@@ -66,7 +66,7 @@ pub(super) fn sections(
     chord: Chord,
 ) -> Result<Vec<Section>, SolveError> {
     let s = &robot.disks().arc_lengths;
-    let ends = cable_ends(robot)?;
+    let ends = endings(robot);
     let mut sections = Vec::with_capacity(s.len() - 1);
     for i in 0..s.len() - 1 {
         let length = s[i + 1] - s[i];
@@ -75,12 +75,14 @@ pub(super) fn sections(
         let rest = rest.ok_or_else(turned_over)?;
         let mut passages = Vec::new();
         for (cable, route) in robot.routes().iter().enumerate() {
-            if i < ends[cable] {
+            let Ending { sections: whole, part } = ends[cable];
+            let part = if i < whole { 1.0 } else { part };
+            if i <= whole && part > 0.0 {
                 let hole = |disk: usize| {
                     let offset = route.at(s[disk].min(route.end())).offset;
                     Vec2::new(offset.x, offset.y)
                 };
-                let passage = Passage::new(cable, length, hole(i), hole(i + 1));
+                let passage = Passage::new(cable, length, hole(i), hole(i + 1), part);
                 passages.push(passage.at_rest(rest, length, chord));
             }
         }
@@ -111,21 +113,27 @@ fn turned_over() -> SolveError {
 /// section bends.
 pub(super) const NO_LEVER: f64 = 1e-16;
 
-/// Number of the disk, from 0, at which each cable ends.
-fn cable_ends(robot: &Robot) -> Result<Vec<usize>, SolveError> {
+/// Where a cable ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ending {
+    /// How many sections it passes whole,
+    pub sections: usize,
+    /// and the fraction of the next; 0 for a cable that ends at a disk.
+    pub part: f64,
+}
+
+/// Where each cable ends.
+pub(super) fn endings(robot: &Robot) -> Vec<Ending> {
     let s = &robot.disks().arc_lengths;
     let slack = 1e-9 * robot.backbone().length;
-    let ends = robot.routes().iter().enumerate().map(|(i, route)| {
-        s.iter().position(|&at| (at - route.end()).abs() <= slack).ok_or_else(|| {
-            SolveError::Unsupported {
-                model: ModelKind::FourBar,
-                path: format!("cables[{i}].ends_at"),
-                what: "a cable that ends between two disks",
-                advice: "let it end at a disk, or use cosserat",
-            }
-        })
-    });
-    ends.collect()
+    let of = |end: f64| match s.iter().position(|&at| (at - end).abs() <= slack) {
+        Some(sections) => Ending { sections, part: 0.0 },
+        None => {
+            let (sections, part) = robot.disks().locate(end);
+            Ending { sections, part }
+        }
+    };
+    robot.routes().iter().map(|route| of(route.end())).collect()
 }
 
 /// The measure of section `i` and its weight.

@@ -50,8 +50,8 @@ fn gradients_and_hessians_match_differences() {
         Measure::StrainEnergy([1.0, 1.7, 0.8]),
     ];
     let passages = [
-        Passage::new(0, 1.0, Vec2::new(0.4, 0.0), Vec2::new(0.4, 0.0)),
-        Passage::new(0, 1.0, Vec2::new(0.3, -0.2), Vec2::new(-0.1, 0.5)),
+        Passage::new(0, 1.0, Vec2::new(0.4, 0.0), Vec2::new(0.4, 0.0), 1.0),
+        Passage::new(0, 1.0, Vec2::new(0.3, -0.2), Vec2::new(-0.1, 0.5), 1.0),
     ];
     for bend in bends() {
         for measure in &measures {
@@ -75,7 +75,7 @@ fn angle(a: Vec3, b: Vec3) -> f64 {
 
 #[test]
 fn closed_forms_are_what_the_definitions_say() {
-    let passage = Passage::new(0, 1.0, Vec2::new(0.3, -0.2), Vec2::new(-0.1, 0.5));
+    let passage = Passage::new(0, 1.0, Vec2::new(0.3, -0.2), Vec2::new(-0.1, 0.5), 1.0);
     let (from, to) = (passage.from.with(0.0), passage.to.with(0.0));
     let e = Vec3::new(0.6, 0.8, 0.0);
     for bend in bends() {

@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 
 use whipcord::four_bar::{Chord, LengthRule, Objective, Options};
 use whipcord::{
-    Backbone, Case, Model, ModelKind, Robot, Routing, Shortening, Solution, Statics, Vec3,
+    Backbone, Cable, Case, Model, ModelKind, Robot, Routing, Shortening, Solution, Statics, Vec3,
 };
 
 use super::{equal_disks, robot, solve};
@@ -84,6 +84,53 @@ fn antagonists_and_three_cables_are_the_rod_with_its_tensions() {
                 "{turns} {tensions:?}: orders {orders:?}, {coarse:?}, {fine:?}"
             );
         }
+    }
+}
+
+/// A straight cable that is fastened between two disks bends its section, of length l, by φ to the circle whose
+/// part `t` it spans: its length there is `2(l/φ − a) sin(tφ/2)`.
+#[test]
+fn a_cable_that_ends_between_two_disks_spans_a_part_of_the_arc() {
+    let length = 0.02;
+    for part in [0.25, 0.6, 0.9] {
+        let soft = robot(&[0.0, length], vec![Routing::Straight { angle: 0.0, radius: RADIUS }]);
+        let cable = Cable { ends_at: Some(part * length), ..soft.cables()[0].clone() };
+        let robot = Robot::new(soft.backbone().clone(), soft.disks().clone(), vec![cable]).unwrap();
+        let bend = 0.6;
+        let spanned = 2.0 * (length / bend - RADIUS) * (0.5 * part * bend).sin();
+        for objective in [Objective::CouplerAngle, Objective::StrainEnergy] {
+            for lengths in [LengthRule::Proportional, LengthRule::Free] {
+                let options = Options { objective, lengths, ..options() };
+                let found = solve(&robot, &options, &[part * length - spanned]);
+                let (angle, direction) = found.disks.bend();
+                assert!((angle - bend).abs() < 1e-9 && direction.abs() < 1e-9, "{angle}");
+                assert!((found.cables[0].initial_length - part * length).abs() < 1e-15);
+            }
+        }
+    }
+}
+
+/// With many sections such a cable bends the robot as it does the rod, wherever it is fastened.
+#[test]
+fn a_cable_that_ends_anywhere_bends_as_the_rod() {
+    for turns in [0.0, 0.4] {
+        let routing = around(1, turns).remove(0);
+        let ended = |sections: usize| {
+            let whole = rigid(sections, core::slice::from_ref(&routing));
+            let cable = Cable { ends_at: Some(0.1217), ..whole.cables()[0].clone() };
+            Robot::new(whole.backbone().clone(), whole.disks().clone(), vec![cable]).unwrap()
+        };
+        let apart = |sections: usize| {
+            let robot = ended(sections);
+            let rod = Model::new(ModelKind::Cosserat, Default::default(), whipcord::Drive::Tension)
+                .solve(&robot, &Case::with_tensions(&[5.0]))
+                .unwrap();
+            let shortening = rod.cables[0].initial_length - rod.cables[0].length;
+            let found = solve(&robot, &options(), &[shortening]);
+            assert!((found.cables[0].tension.unwrap() / 5.0 - 1.0).abs() < 0.02);
+            found.disks.distances(&rod.disks).fold(0.0, f64::max) / LENGTH
+        };
+        assert!(apart(40) < 3e-3 && apart(80) < 1e-3, "{} {}", apart(40), apart(80));
     }
 }
 
