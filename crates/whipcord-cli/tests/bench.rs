@@ -49,8 +49,7 @@ fn what_is_not_timed_is_said_once_and_in_the_terms_of_the_file() {
     assert_eq!(
         notes,
         [
-            "note: Test robot: cosserat-disks: not timed with every number of sections: cable `pull` would end between two disks",
-            "note: Test robot: four-bar: not timed with every number of sections: cable `pull` would end between two disks"
+            "note: Test robot: cosserat-disks: not timed with every number of sections: cable `pull` would end between two disks"
         ]
     );
 }

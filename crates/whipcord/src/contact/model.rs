@@ -27,6 +27,9 @@ pub(crate) trait Yielding {
     /// Whether its forces are in N: it knows the robot's stiffness.
     fn knows_forces(&self) -> bool;
 
+    /// Takes the accuracy that was asked for; whether it had been coarser on the way.
+    fn refine(&mut self) -> bool;
+
     /// Goes back to the robot at rest.
     fn reset(&mut self);
 

@@ -101,6 +101,14 @@ pub(crate) fn solve(
         }
     }
     gone?;
+    if walk.model.refine() {
+        let here: Vec<Vec3> =
+            walk.model.watched().iter().map(|&s| walk.model.pose(s).position).collect();
+        let watched = walk.model.watched().to_vec();
+        if let Err(stop) = walk.touch(&at(1.0), &watched, &here) {
+            return Err(walk.obstructed(1.0, Some(stop)));
+        }
+    }
     let mut solution = walk.model.solution(&at(1.0), &walk.pushes)?;
     let forces = walk.model.knows_forces();
     solution.touches = walk.pairs.touches(walk.model, &case.base, forces);

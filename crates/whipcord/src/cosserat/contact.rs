@@ -4,7 +4,7 @@ use whipcord_numerics::{Pose, UnitQuaternion};
 
 use super::derivatives::{Derivatives, Hold, Place};
 use super::model::{Cosserat, Workspace};
-use super::options::Options;
+use super::options::{Accuracy, Options};
 use crate::case::{Case, LoadFrame, PointLoad};
 use crate::contact::{self, Push, Yielding};
 use crate::error::SolveError;
@@ -14,6 +14,9 @@ use crate::shape::{NoStability, Solution};
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
+
+/// Tolerance on the way to the answer, as a part of the length.
+const TRAVELLING: f64 = 1e-6;
 
 /// The rod among obstacles.
 struct Pushed<'a> {
@@ -52,7 +55,11 @@ impl Cosserat {
         }
         let mut pushed = Pushed {
             robot: &self.robot,
-            options: Options { stability: false, ..self.options.clone() },
+            options: Options {
+                stability: false,
+                accuracy: on_the_way(self.options.accuracy),
+                ..self.options.clone()
+            },
             asked: &self.options,
             watched,
             initial_lengths,
@@ -65,6 +72,14 @@ impl Cosserat {
             kept: None,
         };
         contact::solve(&mut pushed, &self.robot, case, warm_start)
+    }
+}
+
+/// How finely the rod is integrated on the way to the answer.
+fn on_the_way(asked: Accuracy) -> Accuracy {
+    match asked {
+        Accuracy::Tolerance(tolerance) => Accuracy::Tolerance(tolerance.max(TRAVELLING)),
+        steps @ Accuracy::Steps(_) => steps,
     }
 }
 
@@ -123,6 +138,13 @@ impl Yielding for Pushed<'_> {
 
     fn reset(&mut self) {
         self.last = None;
+    }
+
+    fn refine(&mut self) -> bool {
+        let coarse = self.options.accuracy != self.asked.accuracy;
+        self.options.accuracy = self.asked.accuracy;
+        self.model = None;
+        coarse
     }
 
     fn start_from(&mut self, answer: &Solution) {

@@ -129,6 +129,10 @@ impl Yielding for Touched<'_> {
         self.scale * self.model.sections.len() as f64 / self.model.robot.backbone().length
     }
 
+    fn refine(&mut self) -> bool {
+        false
+    }
+
     fn reset(&mut self) {
         self.found.reset(&self.model.sections, self.model.initial_lengths.len());
     }

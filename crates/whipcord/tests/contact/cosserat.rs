@@ -1,7 +1,7 @@
 //! The rod among obstacles.
 
 use super::{among, finger, moved, pushes_of, sphere, wall};
-use whipcord::cosserat::{Cosserat, Options, Workspace};
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
 use whipcord::{
     Case, Loads, Model, ModelKind, Obstruction, Part, Pose, Robot, Shortening, Solution,
     SolveError, Statics, UnitQuaternion, Vec3,
@@ -137,7 +137,11 @@ fn what_cannot_be_is_said() {
     // Between two walls that leave no room for the bend.
     let walls = [wall(0.0105), moved(&wall(0.0105), &turned_over())];
     let case = among(Case::with_shortenings(&[Shortening::Length(0.03)]), walls.into());
-    let options = Options { drive: whipcord::Drive::Shortening, ..Options::default() };
+    let options = Options {
+        drive: whipcord::Drive::Shortening,
+        accuracy: Accuracy::Steps(9),
+        ..Options::default()
+    };
     let model = Cosserat::new(&robot, &Loads::default(), &options).unwrap();
     let error = model.solve(&case, None, &mut Workspace::default()).unwrap_err();
     let SolveError::Obstructed { reached, touching, why } = &error else { panic!("{error}") };

@@ -95,6 +95,7 @@ fn a_catheter_follows_a_vessel_round_a_right_angle() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "a minute and a half without optimisation")]
 fn the_rod_and_the_chain_agree_in_a_gentle_bend() {
     let vessel = pipe(3);
     let case = among(Case::with_shortenings(&[Shortening::Length(0.0)]), vec![vessel.clone()]);
