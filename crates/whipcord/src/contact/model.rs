@@ -27,8 +27,9 @@ pub(crate) trait Yielding {
     /// Whether its forces are in N: it knows the robot's stiffness.
     fn knows_forces(&self) -> bool;
 
-    /// Takes the accuracy that was asked for; whether it had been coarser on the way.
-    fn refine(&mut self) -> bool;
+    /// Makes its equations finer where the answer is not yet as accurate as was asked for; `true` where it then
+    /// has to be solved again.
+    fn refine(&mut self) -> Result<bool, SolveError>;
 
     /// Goes back to the robot at rest.
     fn reset(&mut self);
@@ -40,8 +41,7 @@ pub(crate) trait Yielding {
     /// markedly: EI/L².
     fn force_scale(&self) -> f64;
 
-    /// Looks at a case without its obstacles, and these wrenches, from where it is. A model that can only
-    /// solve finds the equilibrium; one that iterates itself stays where it is, and linearises.
+    /// Looks at a case without its obstacles, and these wrenches, from where it is, and stays there.
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError>;
 
     /// How far it is from equilibrium: the largest change of a coordinate that is left, in rad.
@@ -62,10 +62,11 @@ pub(crate) trait Yielding {
 
     /// Takes this part of the step to equilibrium under pushes that have changed so since it was asked how it
     /// yields.
-    fn advance(&mut self, changes: &[[f64; 6]], part: f64);
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<(), SolveError>;
 
-    /// Whether the last equilibrium, under a case and pushes that stay as they are, is stable.
-    fn stands_alone(&mut self, case: &Case, pushes: &[Push]) -> bool;
+    /// Whether an even number of directions, mostly none, is unstable at the last equilibrium while the
+    /// pushes stay as they are.
+    fn stands_alone(&mut self) -> bool;
 
     /// Keeps the last equilibrium, to go back to.
     fn keep(&mut self);

@@ -6,7 +6,7 @@ use super::journey::Journey;
 use super::model::{Push, Yielding};
 use super::pairs::{OVERLAP, Pair, Pairs};
 use super::scene::{Scene, is_pipe};
-use super::step::{Scratch, turned};
+use super::step::{NoStep, Scratch, turned};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::robot::Robot;
@@ -101,10 +101,9 @@ pub(crate) fn solve(
         }
     }
     gone?;
-    if walk.model.refine() {
-        let here: Vec<Vec3> =
-            walk.model.watched().iter().map(|&s| walk.model.pose(s).position).collect();
+    while walk.model.refine()? {
         let watched = walk.model.watched().to_vec();
+        let here: Vec<Vec3> = watched.iter().map(|&s| walk.model.pose(s).position).collect();
         if let Err(stop) = walk.touch(&at(1.0), &watched, &here) {
             return Err(walk.obstructed(1.0, Some(stop)));
         }
@@ -175,7 +174,7 @@ impl<M: Yielding> Walk<'_, M> {
         let mut before: Vec<Vec3> = Vec::new();
         loop {
             self.model.keep();
-            let kept = self.pairs.clone();
+            let kept = (self.pairs.clone(), self.odd);
             before.clear();
             let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
             let kept_back = self.scene.drawn_back();
@@ -208,7 +207,7 @@ impl<M: Yielding> Walk<'_, M> {
             };
             self.model.go_back();
             self.scene.draw_back(kept_back);
-            self.pairs = kept;
+            (self.pairs, self.odd) = kept;
             if step < LEAST_STEP {
                 return Err(self.obstructed(way, stop));
             }
@@ -263,7 +262,7 @@ impl<M: Yielding> Walk<'_, M> {
             looked = false;
             self.residual = self.error();
             if self.residual <= MET {
-                return self.arrived(case);
+                return self.arrived();
             }
             if self.residual < 0.5 * least {
                 (least, since) = (self.residual, 0);
@@ -272,7 +271,7 @@ impl<M: Yielding> Walk<'_, M> {
             }
             if since > PATIENCE {
                 if self.residual < NEARLY_MET {
-                    return self.arrived(case);
+                    return self.arrived();
                 }
                 break;
             }
@@ -283,16 +282,17 @@ impl<M: Yielding> Walk<'_, M> {
             let stepped = self.scratch.step(&mut self.pairs, self.model, &self.scene, cap);
             match stepped {
                 Ok(stepped) => self.odd = stepped.odd,
-                Err(_) => return Err(Stop::NotConverged(self.residual)),
+                Err(NoStep::Contacts) => return Err(Stop::NotConverged(self.residual)),
+                Err(NoStep::Model(error)) => return Err(Stop::Model(error)),
             }
         }
         Err(Stop::NotConverged(self.residual))
     }
 
     /// Whether the contacts hold: eq. (6).
-    fn arrived(&mut self, case: &Case) -> Result<Option<f64>, Stop> {
+    fn arrived(&mut self) -> Result<Option<f64>, Stop> {
         let touches = self.pairs.near.iter().any(|pair| pair.force > 0.0);
-        if touches && self.odd == self.model.stands_alone(case, &self.pushes) {
+        if touches && self.odd == self.model.stands_alone() {
             return Err(Stop::Slips);
         }
         Ok(None)
@@ -305,7 +305,7 @@ impl<M: Yielding> Walk<'_, M> {
             if self.model.unsettled() <= MET {
                 break;
             }
-            self.model.advance(&[], 1.0);
+            self.model.advance(&[], 1.0)?;
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ use whipcord_numerics::{DenseLu, Pose, UnitQuaternion, Vec3};
 use super::model::Yielding;
 use super::pairs::{Pair, Pairs};
 use super::scene::Scene;
+use crate::error::SolveError;
 
 /// Scratch memory of the steps.
 #[derive(Clone, Debug, Default)]
@@ -36,9 +37,13 @@ pub(super) struct Stepped {
     pub odd: bool,
 }
 
-/// No step leads on: the contacts have no equilibrium near.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct NoStep;
+/// No step leads on.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum NoStep {
+    /// The contacts have no equilibrium near.
+    Contacts,
+    Model(SolveError),
+}
 
 impl Scratch {
     /// Changes the forces of the pairs, what the model is to be given, and the model, eqs. (3) to (5); no
@@ -72,7 +77,7 @@ impl Scratch {
             }
             self.matrix[i * n + i] += 1.0;
         }
-        self.lu.factor(n, &self.matrix).map_err(|_| NoStep)?;
+        self.lu.factor(n, &self.matrix).map_err(|_| NoStep::Contacts)?;
         self.moves.resize_with(count + 1, Vec::new);
         for (k, column) in self.moves.iter_mut().enumerate() {
             column.clear();
@@ -110,7 +115,7 @@ impl Scratch {
         }
         let farthest = motion.chunks(6).map(|x| x[0].hypot(x[1]).hypot(x[2])).fold(0.0, f64::max);
         if !farthest.is_finite() {
-            return Err(NoStep);
+            return Err(NoStep::Contacts);
         }
         let part = if farthest > cap { cap / farthest } else { 1.0 };
         self.changes.clear();
@@ -136,7 +141,7 @@ impl Scratch {
                 pair.given = [0.0; 6];
             }
         }
-        model.advance(&self.changes, part);
+        model.advance(&self.changes, part).map_err(NoStep::Model)?;
         Ok(Stepped { odd })
     }
 }
@@ -213,23 +218,30 @@ impl Complementarity {
         self.active.resize(count, false);
     }
 
-    /// Mostly what touched touches again, and linear equations say how hard. Else a quadratic
-    /// programme decides which touch.
+    /// Mostly what touched touches again, and linear equations say how hard. Else those that pull are let go
+    /// and those that overlap taken in, one at a time, which keeps to the history of the contacts and asks
+    /// nothing of M: it has negative eigenvalues where the contacts hold what they alone would buckle. Where
+    /// that goes round in circles a quadratic programme decides which touch.
     fn solve(&mut self) -> Result<Held, NoStep> {
         let count = self.gaps.len();
         for i in 0..count {
             let pushed: f64 = (0..count).map(|j| self.matrix[i * count + j] * self.forces[j]).sum();
             self.gaps[i] -= pushed;
         }
-        if let Some(held) = self.with_active() {
-            return Ok(held);
+        for _ in 0..2 * count + 1 {
+            match self.with_active() {
+                Ok(held) => return Ok(held),
+                Err(Some(worst)) => self.active[worst] = !self.active[worst],
+                Err(None) => break,
+            }
         }
         self.choose_active()?;
-        self.with_active().ok_or(NoStep)
+        self.with_active().map_err(|_| NoStep::Contacts)
     }
 
-    /// The forces that close the gaps of the active ones, if none pulls and nothing else overlaps.
-    fn with_active(&mut self) -> Option<Held> {
+    /// The forces that close the gaps of the active ones, if none pulls and nothing else overlaps; else the one
+    /// that does so most, where there are forces at all.
+    fn with_active(&mut self) -> Result<Held, Option<usize>> {
         let count = self.gaps.len();
         let touching: Vec<usize> = (0..count).filter(|&i| self.active[i]).collect();
         let m = touching.len();
@@ -245,28 +257,31 @@ impl Complementarity {
         let mut forces: Vec<f64> = touching.iter().map(|&i| -self.gaps[i]).collect();
         let mut negative = false;
         if m > 0 {
-            self.lu.factor(m, &part).ok()?;
+            self.lu.factor(m, &part).map_err(|_| None)?;
             self.lu.solve(&mut forces);
             negative = self.lu.is_determinant_negative();
         }
-        let most = forces.iter().copied().fold(0.0, f64::max);
-        let scale = self.gaps.iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
-        if forces.iter().any(|&force| !force.is_finite() || force < -ROUNDING * most) {
-            return None;
+        if forces.iter().any(|force| !force.is_finite()) {
+            return Err(None);
         }
-        let free = (0..count).filter(|&i| !self.active[i]);
+        let most = forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+        let scale = self.gaps.iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
         let gap = |i: usize| -> f64 {
             let row = &self.matrix[i * count..(i + 1) * count];
             self.gaps[i] + touching.iter().zip(&forces).map(|(&j, f)| row[j] * f).sum::<f64>()
         };
-        if free.into_iter().any(|i| gap(i) < -ROUNDING * scale) {
-            return None;
+        let pulling = touching.iter().zip(&forces).map(|(&i, force)| (i, force / most));
+        let free = (0..count).filter(|&i| !self.active[i]);
+        let overlapping = free.map(|i| (i, gap(i) / scale));
+        let wrong = pulling.chain(overlapping).filter(|&(_, size)| size < -ROUNDING);
+        if let Some((worst, _)) = wrong.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            return Err(Some(worst));
         }
         self.forces.fill(0.0);
         for (&i, &force) in touching.iter().zip(&forces) {
             self.forces[i] = force.max(0.0);
         }
-        Some(Held { negative })
+        Ok(Held { negative })
     }
 
     /// Which touch, by the quadratic programme `min ½λᵀMλ + qᵀλ, λ ≥ 0`, scaled to a diagonal of 1.
@@ -276,7 +291,7 @@ impl Complementarity {
             |i: usize, j: usize| 0.5 * (self.matrix[i * count + j] + self.matrix[j * count + i]);
         let sizes: Vec<f64> = (0..count).map(|i| entry(i, i)).collect();
         if sizes.iter().any(|&size| size.is_nan() || size <= 0.0) {
-            return Err(NoStep);
+            return Err(NoStep::Contacts);
         }
         let units: Vec<f64> = sizes.iter().map(|size| size.sqrt().recip()).collect();
         let mut linear: Vec<f64> = (0..count).map(|i| self.gaps[i] * units[i]).collect();
@@ -292,15 +307,17 @@ impl Complementarity {
         let quadratic = CscMatrix::new_from_triplets(count, count, rows, columns, values);
         let mut signs = CscMatrix::identity(count);
         signs.negate();
-        let settings =
-            DefaultSettingsBuilder::default().verbose(false).build().map_err(|_| NoStep)?;
+        let settings = DefaultSettingsBuilder::default()
+            .verbose(false)
+            .build()
+            .map_err(|_| NoStep::Contacts)?;
         let bounds = vec![0.0; count];
         let cones = [NonnegativeConeT(count)];
         let mut solver = DefaultSolver::new(&quadratic, &linear, &signs, &bounds, &cones, settings)
-            .map_err(|_| NoStep)?;
+            .map_err(|_| NoStep::Contacts)?;
         solver.solve();
         if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
-            return Err(NoStep);
+            return Err(NoStep::Contacts);
         }
         for (i, active) in self.active.iter_mut().enumerate() {
             *active = solver.solution.x[i] > solver.solution.z[i];

@@ -6,9 +6,10 @@
 //! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
 //! the step is then at right angles to a given direction ([`super::arc_length`]).
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::command::Command;
+use super::derivatives::StepGap;
 use super::elimination::{Change, Elimination, Size};
 use super::grid::Grid;
 use super::loaded::{Aim, Shot};
@@ -165,6 +166,25 @@ impl Chain {
         self.shoot(task, false, shot).ok()?;
         self.solve_step(task, Step::Close, shot)
             .then_some(self.elimination.is_negative() != self.shared.negative)
+    }
+
+    /// Shoots every step from where it stands; the greatest gap.
+    pub fn look(&mut self, task: &Task<'_>, shot: &mut Shot) -> Result<f64, Fault> {
+        self.shoot(task, false, shot)
+    }
+
+    /// How the steps end beyond the nodes that they should meet, in the base frame.
+    pub fn gaps(&self) -> impl Iterator<Item = StepGap> + '_ {
+        self.gaps.iter().zip(self.state.nodes.windows(2)).map(|(gap, nodes)| {
+            let next = nodes[1];
+            let Change { turn, moment, force } = gap.change;
+            let end = next.rotation * UnitQuaternion::exp(turn);
+            StepGap {
+                turn: next.rotation.rotate(turn),
+                moment: end.rotate(moment + next.moment) - next.rotation.rotate(next.moment),
+                force,
+            }
+        })
     }
 
     /// Frames at the ends of all steps of a closed chain.

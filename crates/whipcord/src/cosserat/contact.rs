@@ -2,38 +2,33 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion};
 
-use super::derivatives::{Derivatives, Hold, Place};
 use super::model::{Cosserat, Workspace};
-use super::options::{Accuracy, Options};
+use super::options::Options;
+use super::pushed::{Kept, Pushed};
 use crate::case::{Case, LoadFrame, PointLoad};
 use crate::contact::{self, Push, Yielding};
 use crate::error::SolveError;
-use crate::model::Stations;
 use crate::robot::Robot;
 use crate::shape::{NoStability, Solution};
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
 
-/// Tolerance on the way to the answer, as a part of the length.
-const TRAVELLING: f64 = 1e-6;
-
 /// The rod among obstacles.
-struct Pushed<'a> {
+struct Touched<'a> {
     robot: &'a Robot,
-    options: Options,
     /// As the user wants the answer.
-    asked: &'a Options,
+    options: &'a Options,
     watched: Vec<f64>,
+    /// Those, and where the user wants the shape.
+    stations: Vec<f64>,
     initial_lengths: Vec<f64>,
     force_scale: f64,
-    /// The arc lengths of the pushes that `model` is built for, and the model.
-    pushed: Vec<f64>,
-    model: Option<Cosserat>,
-    workspace: Workspace,
-    last: Option<Solution>,
-    derivatives: Option<Derivatives>,
-    kept: Option<Solution>,
+    /// The case that it last looked at, with the pushes among its loads.
+    case: Case,
+    warm: Option<Solution>,
+    found: Pushed,
+    kept: Kept,
 }
 
 impl Cosserat {
@@ -45,41 +40,32 @@ impl Cosserat {
     ) -> Result<Solution, SolveError> {
         case.check(&self.robot)?;
         let length = self.robot.backbone().length;
+        let apart = 1e-3 * length / WATCHED as f64;
         let mut watched = self.robot.disks().arc_lengths.clone();
         watched.extend((0..=WATCHED).map(|k| length * k as f64 / WATCHED as f64));
-        sorted(&mut watched, 1e-3 * length / WATCHED as f64);
+        sorted(&mut watched, apart);
+        let mut stations = watched.clone();
+        stations.extend_from_slice(self.stations());
+        stations.sort_by(f64::total_cmp);
+        stations.dedup();
         let at_base = self.grids[0].shooting.at(0, 0, 0).0.section.bending_stiffness();
         let mut initial_lengths = vec![0.0; self.layout.order.len()];
         for (&cable, &initial) in self.layout.order.iter().zip(&self.layout.rest_lengths) {
             initial_lengths[cable] = initial;
         }
-        let mut pushed = Pushed {
+        let mut touched = Touched {
             robot: &self.robot,
-            options: Options {
-                stability: false,
-                accuracy: on_the_way(self.options.accuracy),
-                ..self.options.clone()
-            },
-            asked: &self.options,
+            options: &self.options,
             watched,
+            stations,
             initial_lengths,
             force_scale: at_base.column(0).x / (length * length),
-            pushed: Vec::new(),
-            model: None,
-            workspace: Workspace::default(),
-            last: None,
-            derivatives: None,
-            kept: None,
+            case: Case::default(),
+            warm: None,
+            found: Pushed::default(),
+            kept: Kept::default(),
         };
-        contact::solve(&mut pushed, &self.robot, case, warm_start)
-    }
-}
-
-/// How finely the rod is integrated on the way to the answer.
-fn on_the_way(asked: Accuracy) -> Accuracy {
-    match asked {
-        Accuracy::Tolerance(tolerance) => Accuracy::Tolerance(tolerance.max(TRAVELLING)),
-        steps @ Accuracy::Steps(_) => steps,
+        contact::solve(&mut touched, &self.robot, case, warm_start)
     }
 }
 
@@ -93,33 +79,23 @@ fn sorted(places: &mut Vec<f64>, apart: f64) {
     }
 }
 
-impl Pushed<'_> {
-    /// The case with the pushes as point loads.
-    fn with_pushes(&self, case: &Case, pushes: &[Push]) -> Case {
-        let mut case = case.clone();
-        let turn = match case.loads.frame {
-            LoadFrame::Base => UnitQuaternion::IDENTITY,
-            LoadFrame::World => case.base.rotation,
-        };
-        case.loads.points.extend(pushes.iter().map(|push| PointLoad {
-            at: push.arc_length,
-            force: turn.rotate(push.wrench.force),
-            moment: turn.rotate(push.wrench.moment),
-            follower: false,
-        }));
-        case
-    }
-
-    fn stations(&self, pushes: &[Push]) -> Vec<f64> {
-        let mut stations = self.watched.clone();
-        stations.extend(pushes.iter().map(|push| push.arc_length));
-        stations.sort_by(f64::total_cmp);
-        stations.dedup();
-        stations
-    }
+/// The case with the pushes as point loads.
+fn with_pushes(case: &Case, pushes: &[Push]) -> Case {
+    let mut case = case.clone();
+    let turn = match case.loads.frame {
+        LoadFrame::Base => UnitQuaternion::IDENTITY,
+        LoadFrame::World => case.base.rotation,
+    };
+    case.loads.points.extend(pushes.iter().map(|push| PointLoad {
+        at: push.arc_length,
+        force: turn.rotate(push.wrench.force),
+        moment: turn.rotate(push.wrench.moment),
+        follower: false,
+    }));
+    case
 }
 
-impl Yielding for Pushed<'_> {
+impl Yielding for Touched<'_> {
     fn watched(&self) -> &[f64] {
         &self.watched
     }
@@ -136,51 +112,39 @@ impl Yielding for Pushed<'_> {
         self.force_scale
     }
 
-    fn reset(&mut self) {
-        self.last = None;
+    fn refine(&mut self) -> Result<bool, SolveError> {
+        self.found.refine(self.options.accuracy)
     }
 
-    fn refine(&mut self) -> bool {
-        let coarse = self.options.accuracy != self.asked.accuracy;
-        self.options.accuracy = self.asked.accuracy;
-        self.model = None;
-        coarse
+    fn reset(&mut self) {
+        self.found.reset();
     }
 
     fn start_from(&mut self, answer: &Solution) {
-        self.last = Some(answer.clone());
+        self.warm = Some(answer.clone());
     }
 
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
-        let case = self.with_pushes(case, pushes);
-        let places = pushes.iter().map(|push| push.arc_length);
-        if self.model.is_none() || !places.clone().eq(self.pushed.iter().copied()) {
-            let stations = Stations::At(self.stations(pushes));
-            let options = Options { stations, ..self.options.clone() };
-            self.model = Some(Cosserat::new(self.robot, &case.loads, &options)?);
-            self.pushed = places.collect();
-        }
-        let Some(model) = &self.model else { return Ok(()) };
-        let (last, workspace) = (self.last.as_ref(), &mut self.workspace);
-        let (solution, derivatives) = model.solve_with_derivatives(&case, last, &[], workspace)?;
-        self.derivatives = Some(derivatives);
-        self.last = Some(solution);
-        Ok(())
+        self.case = with_pushes(case, pushes);
+        let places: Vec<f64> = pushes.iter().map(|push| push.arc_length).collect();
+        let warm = self.warm.take();
+        let at = (&self.stations[..], &places[..]);
+        self.found.look(self.robot, self.options, &self.case, at, warm.as_ref())
     }
 
     fn pose(&self, arc_length: f64) -> Pose {
-        let Some(solution) = &self.last else { return Pose::IDENTITY };
-        let shape = &solution.shape;
-        let k = shape.arc_length.partition_point(|&s| s < arc_length);
-        let pose = shape.poses[k.min(shape.poses.len() - 1)];
-        shape.poses[0].inverse() * pose
+        self.found.pose(arc_length)
     }
 
     fn unsettled(&self) -> f64 {
-        0.0
+        self.found.gap
     }
 
-    fn advance(&mut self, _: &[[f64; 6]], _: f64) {}
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<(), SolveError> {
+        self.found.linearise(self.robot, &self.case)?;
+        self.found.advance(changes, part);
+        Ok(())
+    }
 
     fn compliance(
         &mut self,
@@ -188,61 +152,36 @@ impl Yielding for Pushed<'_> {
         compliance: &mut Vec<f64>,
         drift: &mut Vec<f64>,
     ) -> Result<(), SolveError> {
-        let (Some(derivatives), Some(solution)) = (&self.derivatives, &self.last) else {
-            return Err(SolveError::NoDerivatives);
-        };
-        let stations = &solution.shape.arc_length;
-        let places: Vec<Place> = pushes
-            .iter()
-            .map(|push| Place::Station(stations.partition_point(|&s| s < push.arc_length)))
-            .collect();
-        let n = 6 * pushes.len();
-        drift.clear();
-        drift.resize(n, 0.0);
-        compliance.clear();
-        compliance.resize(n * n, 0.0);
-        for (j, &at) in places.iter().enumerate() {
-            for component in 0..6 {
-                let change = derivatives.wrench(at, component, Hold::Commands);
-                for (i, &place) in places.iter().enumerate() {
-                    let twist = change.twist(place);
-                    let rates = [twist.linear, twist.angular].map(<[f64; 3]>::from);
-                    for (a, rate) in rates.into_iter().flatten().enumerate() {
-                        if !rate.is_finite() {
-                            return Err(SolveError::NoDerivatives);
-                        }
-                        compliance[(6 * i + a) * n + 6 * j + component] = rate;
-                    }
-                }
-            }
-        }
-        Ok(())
+        self.found.linearise(self.robot, &self.case)?;
+        self.found.compliance(pushes.iter().map(|push| push.arc_length), compliance, drift);
+        let finite = compliance.iter().chain(&*drift).all(|value| value.is_finite());
+        if finite { Ok(()) } else { Err(SolveError::NoDerivatives) }
     }
 
-    fn stands_alone(&mut self, case: &Case, pushes: &[Push]) -> bool {
-        let case = self.with_pushes(case, pushes);
-        let options = Options { stability: true, ..self.options.clone() };
-        let Ok(model) = Cosserat::new(self.robot, &case.loads, &options) else { return true };
-        let found = model.solve(&case, self.last.as_ref(), &mut self.workspace);
-        found.is_ok_and(|solution| !solution.diagnostics.is_unstable())
+    fn stands_alone(&mut self) -> bool {
+        self.found.stands()
     }
 
     fn keep(&mut self) {
-        self.kept = self.last.clone();
+        self.found.keep(&mut self.kept);
     }
 
     fn go_back(&mut self) {
-        self.last = self.kept.clone();
+        self.found.go_back(&self.kept);
     }
 
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
+        let mut solution = self.found.solution(&self.case)?.ok_or(SolveError::NoDerivatives)?;
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
-        let case = self.with_pushes(case, pushes);
-        let stability = self.asked.stability && !touching;
-        let options = Options { stability, ..self.asked.clone() };
-        let model = Cosserat::new(self.robot, &case.loads, &options)?;
-        let mut solution = model.solve(&case, self.last.as_ref(), &mut self.workspace)?;
-        if touching && self.asked.stability {
+        if !touching {
+            let model = Cosserat::new(self.robot, &case.loads, self.options)?;
+            return model.solve(case, Some(&solution), &mut Workspace::default());
+        }
+        let asked = self.options.stations.arc_lengths(self.robot);
+        let shape = &mut solution.shape;
+        let at = |&s: &f64| shape.poses[shape.arc_length.partition_point(|&there| there < s)];
+        (shape.poses, shape.arc_length) = (asked.iter().map(at).collect(), asked);
+        if self.options.stability {
             solution.diagnostics.stability_absent = Some(NoStability::Touching);
         }
         Ok(solution)

@@ -106,6 +106,13 @@ impl Shot {
         }
     }
 
+    /// Starts the sections of each step of the next shot, on another grid, from those of a step of the last.
+    pub fn regrid(&mut self, steps: impl Iterator<Item = usize>) {
+        let strains = &self.strains;
+        let of = |k: usize| strains[STAGES * k..STAGES * (k + 1)].iter().copied();
+        self.strains = steps.flat_map(of).collect();
+    }
+
     /// Lets the sections of the next shot start from their neighbours instead of the last shot.
     pub fn forget(&mut self) {
         self.strains.clear();

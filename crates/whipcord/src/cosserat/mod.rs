@@ -40,6 +40,7 @@ mod newton;
 mod one_cable;
 mod options;
 pub(crate) mod outcome;
+mod pushed;
 pub(crate) mod refinement;
 mod search;
 pub(crate) mod section;

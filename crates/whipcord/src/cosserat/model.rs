@@ -167,6 +167,7 @@ impl Cosserat {
         let (solution, grid) = self.solve_keeping_grid(case, warm_start, workspace)?;
         let Workspace { scratch, commands, .. } = workspace;
         let starts = scratch.chain_starts();
+        let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
         let derivatives = Derivatives::of(
             &Solved {
                 robot: &self.robot,
@@ -176,6 +177,7 @@ impl Cosserat {
                 loads: &scratch.applied,
                 commands,
                 tensions: &scratch.tensions,
+                taut: &taut,
                 poses: &scratch.poses,
                 base_wrench: scratch.base_wrench,
                 starts: starts.as_deref(),

@@ -129,8 +129,8 @@ impl Yielding for Touched<'_> {
         self.scale * self.model.sections.len() as f64 / self.model.robot.backbone().length
     }
 
-    fn refine(&mut self) -> bool {
-        false
+    fn refine(&mut self) -> Result<bool, SolveError> {
+        Ok(false)
     }
 
     fn reset(&mut self) {
@@ -171,9 +171,10 @@ impl Yielding for Touched<'_> {
         self.found.unsettled()
     }
 
-    fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<(), SolveError> {
         let changes = changes.iter().flatten().map(|change| change / self.scale);
         self.found.advance(changes, part);
+        Ok(())
     }
 
     fn compliance(
@@ -189,7 +190,7 @@ impl Yielding for Touched<'_> {
         Ok(())
     }
 
-    fn stands_alone(&mut self, _: &Case, _: &[Push]) -> bool {
+    fn stands_alone(&mut self) -> bool {
         self.found.stands()
     }
 

@@ -134,8 +134,9 @@ fn what_cannot_be_is_said() {
     assert!((depth - 0.005).abs() < 1e-9, "{depth}");
     assert!(error.to_string().contains("`ball` overlaps disk 6 of the robot at rest by 5 mm"));
 
-    // Between two walls that leave no room for the bend.
-    let walls = [wall(0.0105), moved(&wall(0.0105), &turned_over())];
+    // Between four walls that leave no room for the bend; between two it turns sideways.
+    let quarters = [0.0, 0.5, 1.0, 1.5];
+    let walls = quarters.map(|turns| moved(&wall(0.0105), &turned(turns * core::f64::consts::PI)));
     let case = among(Case::with_shortenings(&[Shortening::Length(0.03)]), walls.into());
     let options = Options {
         drive: whipcord::Drive::Shortening,
@@ -149,10 +150,10 @@ fn what_cannot_be_is_said() {
     assert!(!matches!(why, Obstruction::Leaps), "{error}");
 }
 
-/// Half a turn about z.
-fn turned_over() -> Pose {
-    let half = Vec3::new(0.0, 0.0, core::f64::consts::PI);
-    Pose { position: Vec3::ZERO, rotation: UnitQuaternion::exp(half) }
+/// Turned about z by this angle in rad.
+fn turned(angle: f64) -> Pose {
+    let rotation = UnitQuaternion::exp(Vec3::new(0.0, 0.0, angle));
+    Pose { position: Vec3::ZERO, rotation }
 }
 
 #[test]

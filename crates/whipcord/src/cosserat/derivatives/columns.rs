@@ -49,21 +49,34 @@ impl Derivatives {
             Some((at, wrench)) if at == node => wrench,
             _ => Wrench::default(),
         };
-        let mut raw = Raw::default();
-        self.elimination.solve(effect, wrench, &mut raw.nodes);
-        raw.lengths = match source {
-            Source::Parameter(p) => self.partials[p].lengths.clone(),
-            _ => vec![0.0; cables],
-        };
-        for k in 0..self.steps.len() {
-            let node = &raw.nodes[k];
+        let mut raw = self.answer_to(effect, wrench);
+        for (place, length) in raw.lengths.iter_mut().enumerate() {
+            if let Source::Parameter(p) = source {
+                *length += self.partials[p].lengths[place];
+            }
+            if let Some(input) = input {
+                let at = |k: usize| (k * self.maps.inputs + input) * cables + place;
+                *length +=
+                    (0..self.steps.len()).map(|k| self.maps.length_by_input[at(k)]).sum::<f64>();
+            }
+        }
+        raw
+    }
+
+    /// The change that goes with something that acts within the steps, and wrenches added at the nodes, at
+    /// constant tensions.
+    pub(super) fn answer_to(
+        &self,
+        effect: impl Fn(usize) -> Effect,
+        added: impl Fn(usize) -> Wrench,
+    ) -> Raw {
+        let cables = self.place_of.len();
+        let mut raw = Raw { nodes: Vec::new(), lengths: vec![0.0; cables] };
+        self.elimination.solve(effect, added, &mut raw.nodes);
+        for (k, node) in raw.nodes.iter().take(self.steps.len()).enumerate() {
             for (place, length) in raw.lengths.iter_mut().enumerate() {
                 let [turn, moment, force] = &self.maps.length_by_state[k * cables + place];
                 *length += turn.dot(node.turn) + moment.dot(node.moment) + force.dot(node.force);
-                if let Some(input) = input {
-                    let at = (k * self.maps.inputs + input) * cables + place;
-                    *length += self.maps.length_by_input[at];
-                }
             }
         }
         raw

@@ -21,9 +21,9 @@ pub(super) enum Linear {
 }
 
 impl Linear {
-    /// An answer under loads, or one without.
+    /// An answer under loads, or with starts of its own for every step, or one without.
     pub fn of(answer: &Answer<'_>) -> Result<Self, Fault> {
-        if answer.loads.any() {
+        if answer.loads.any() || answer.starts.is_some() {
             let mut replay = Replay::default();
             replay.run(answer)?;
             Ok(Self::Shot(replay))

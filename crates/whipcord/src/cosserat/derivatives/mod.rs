@@ -26,6 +26,7 @@ pub(super) mod lanes;
 mod linear;
 mod magnus;
 mod mass_change;
+mod open;
 mod partials;
 mod quadrature;
 mod replay;
@@ -39,6 +40,7 @@ use self::elimination::{Critical, Elimination};
 use self::forward::Maps;
 pub(crate) use self::holding::Held;
 use self::linear::Linear;
+pub(super) use self::open::{Motion, StepGap};
 use self::partials::{Partial, Setting};
 use self::replay::Answer;
 use super::command::Command;
@@ -160,6 +162,8 @@ pub(super) struct Solved<'a> {
     pub loads: &'a AppliedLoads,
     pub commands: &'a [Command],
     pub tensions: &'a [f64],
+    /// Which cables are taut.
+    pub taut: &'a [bool],
     pub poses: &'a [whipcord_numerics::Pose],
     pub base_wrench: Wrench,
     /// Moment, and force of the followers, in the base frame at the start of each step, of an answer
@@ -217,7 +221,7 @@ impl Derivatives {
         };
         derivatives.by_tension =
             (0..cables).map(|place| derivatives.raw(Source::Tension(place))).collect();
-        derivatives.hold(robot, layout, tensions)?;
+        derivatives.hold(robot, layout, solved.taut)?;
         let tip = derivatives.raw(Source::Wrench { node: grid.len(), component: 0 });
         let finite = derivatives.by_tension.iter().chain([&tip]).all(Raw::is_finite);
         if finite { Ok(derivatives) } else { Err(NoDerivatives::Critical) }
@@ -227,14 +231,14 @@ impl Derivatives {
         &mut self,
         robot: &Robot,
         layout: &Layout,
-        tensions: &[f64],
+        is_taut: &[bool],
     ) -> Result<(), NoDerivatives> {
-        let cables = tensions.len();
+        let cables = is_taut.len();
         let compliance = |place: usize| {
             let stiffness = robot.cables()[layout.order[place]].axial_stiffness;
             stiffness.map_or(0.0, |k| layout.rest_lengths[place] / k)
         };
-        let taut = |place: usize| tensions[place] > 0.0;
+        let taut = |place: usize| is_taut[place];
         let driven = |place: usize| matches!(self.commands[place], Command::Length { .. });
         let matrix = |i: usize, j: usize| self.by_tension[j].lengths[i];
         self.held = Held::new(cables, matrix, compliance, taut, driven)?;

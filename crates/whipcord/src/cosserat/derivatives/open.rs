@@ -1,0 +1,96 @@
+//! Answers that are not there yet: a chain whose steps do not meet, linearised where it stands.
+//!
+//! Newton's step closes the gaps of eq. (d3) and brings the cables to their lengths by eq. (d4); so do the
+//! motions with the wrenches that change at the same time.
+
+use whipcord_numerics::Vec3;
+
+use super::columns::Raw;
+use super::elimination::NodeChange;
+use super::forward::Effect;
+use super::{Derivatives, Hold};
+use crate::cosserat::command::Command;
+use crate::shape::Wrench;
+
+/// How a step ends beyond the node that it should meet, base frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::cosserat) struct StepGap {
+    pub turn: Vec3,
+    pub moment: Vec3,
+    pub force: Vec3,
+}
+
+/// How all nodes and the tensions move, the latter by grid places.
+#[derive(Clone, Debug, Default)]
+pub(in crate::cosserat) struct Motion {
+    pub nodes: Vec<NodeChange>,
+    pub tensions: Vec<f64>,
+}
+
+impl Motion {
+    /// `self += f · other`.
+    pub fn add(&mut self, f: f64, other: &Self) {
+        for (node, by) in self.nodes.iter_mut().zip(&other.nodes) {
+            node.add(f, by);
+        }
+        for (tension, by) in self.tensions.iter_mut().zip(&other.tensions) {
+            *tension += f * by;
+        }
+    }
+}
+
+impl Derivatives {
+    /// The step that closes the gaps, takes the tension off cables that are not taut, and takes those that
+    /// are by these slacknesses in m to their lengths.
+    pub(in crate::cosserat) fn closing(
+        &self,
+        gaps: &[StepGap],
+        tensions: &[f64],
+        taut: &[bool],
+        slackness: &[f64],
+    ) -> Motion {
+        let effect = |k: usize| {
+            let StepGap { turn, moment, force } = gaps[k];
+            Effect { turn, moment, force, shift: Vec3::ZERO }
+        };
+        let raw = self.answer_to(effect, |_| Wrench::default());
+        let release = |place: usize| match self.commands[place] {
+            Command::Length { .. } if !taut[place] => -tensions[place],
+            _ => 0.0,
+        };
+        self.complete(raw, (0..tensions.len()).map(release).collect(), slackness)
+    }
+
+    /// How everything moves with a wrench at a node, all commands held.
+    pub(in crate::cosserat) fn pushed(&self, node: usize, wrench: Wrench) -> Motion {
+        let added = |at: usize| if at == node { wrench } else { Wrench::default() };
+        let cables = self.place_of.len();
+        let raw = self.answer_to(|_| Effect::default(), added);
+        self.complete(raw, vec![0.0; cables], &vec![0.0; cables])
+    }
+
+    /// A change at constant tensions, these changes of tensions, and those of the taut cables that bring
+    /// them to their lengths.
+    fn complete(&self, raw: Raw, mut tensions: Vec<f64>, slackness: &[f64]) -> Motion {
+        let Raw { mut nodes, mut lengths } = raw;
+        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
+            for (length, by) in lengths.iter_mut().zip(&column.lengths) {
+                *length += tension * by;
+            }
+        }
+        let right: Vec<f64> =
+            slackness.iter().zip(&lengths).map(|(slack, length)| slack - length).collect();
+        for (tension, change) in tensions.iter_mut().zip(self.held.tensions(Hold::Commands, &right))
+        {
+            *tension += change;
+        }
+        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
+            if tension != 0.0 {
+                for (node, by) in nodes.iter_mut().zip(&column.nodes) {
+                    node.add(tension, by);
+                }
+            }
+        }
+        Motion { nodes, tensions }
+    }
+}

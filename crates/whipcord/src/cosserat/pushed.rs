@@ -1,0 +1,459 @@
+//! The rod and what pushes it, iterated together.
+//!
+//! Under the wrenches of its contacts alone a robot may buckle though the contacts hold it, so an equilibrium
+//! under given wrenches cannot be asked for. The chain of [`super::chain`] instead takes one step of Newton's
+//! method at a time, in which [`crate::contact`] changes the wrenches along with the shape.
+
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+
+use super::chain::{Chain, Task};
+use super::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap};
+use super::grid::Grid;
+use super::loaded::{Aim, Shot};
+use super::model::{Cosserat, Workspace};
+use super::newton::Scales;
+use super::options::{Accuracy, Options};
+use super::outcome::Found;
+use super::refinement::{COARSE_STEPS, Coarse, ERROR_RATIO};
+use super::state::{Direction, Node, State};
+use super::unloaded::Fault;
+use super::without_load::section_failure;
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::model::Stations;
+use crate::robot::Robot;
+use crate::shape::{Solution, Wrench};
+
+/// No cross-section turns by more in one step, in rad.
+const LONGEST: f64 = 0.5;
+/// How often the steps are halved to meet a tolerance.
+const MAX_HALVINGS: usize = 5;
+
+/// The rod where it stands, and its equations there.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pushed {
+    site: Option<Site>,
+    chain: Chain,
+    shot: Shot,
+    workspace: Workspace,
+    /// Frames at the ends of all steps, in the frame of the base.
+    pub poses: Vec<Pose>,
+    /// What is left of its equations.
+    pub gap: f64,
+    linear: Option<Linear>,
+    /// How often the steps are halved.
+    halvings: usize,
+    coarse: Option<(Coarse, Vec<f64>)>,
+    error: Option<f64>,
+}
+
+/// What it is to be kept for, to go back to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
+    site: Option<Site>,
+    state: State,
+    shot: Shot,
+    poses: Vec<Pose>,
+}
+
+/// Where its nodes are.
+#[derive(Clone, Debug)]
+struct Site {
+    model: Cosserat,
+    grid: Grid,
+    halvings: usize,
+    stations: Vec<f64>,
+    pushes: Vec<f64>,
+}
+
+#[derive(Clone, Debug)]
+struct Linear {
+    derivatives: Derivatives,
+    /// Newton's step while the wrenches stay as they are.
+    closing: Motion,
+    /// How everything moves with each component of each push.
+    pushed: Vec<Motion>,
+}
+
+impl Pushed {
+    /// Forgets where it stands.
+    pub fn reset(&mut self) {
+        (self.site, self.linear) = (None, None);
+    }
+
+    /// Looks at a case in which wrenches on the places `pushes` are among the loads. Where it is, its steps do
+    /// not meet; it stays there. It starts from `warm`, or the robot without any load or tension.
+    pub fn look(
+        &mut self,
+        robot: &Robot,
+        options: &Options,
+        case: &Case,
+        (stations, pushes): (&[f64], &[f64]),
+        warm: Option<&Solution>,
+    ) -> Result<(), SolveError> {
+        self.linear = None;
+        let halvings = self.halvings;
+        let stands = |site: &Site| {
+            site.halvings == halvings && site.pushes == pushes && site.stations == stations
+        };
+        let before = match self.site.take() {
+            Some(site) if stands(&site) => {
+                self.site = Some(site);
+                None
+            }
+            before => {
+                self.site = Some(Site::new(robot, options, case, halvings, stations, pushes)?);
+                Some(before)
+            }
+        };
+        let Some(site) = &self.site else { return Ok(()) };
+        site.model.accept(case, &mut self.workspace)?;
+        let Workspace { scratch, commands, .. } = &mut self.workspace;
+        let grid = &site.grid;
+        scratch.applied.gather(grid, &case.loads, case.base.rotation);
+        let fault = |tensions: &[f64], fault: Fault| {
+            site.model.explain(section_failure(fault, tensions, 1.0), commands)
+        };
+        match before {
+            None => {}
+            Some(Some(before)) => {
+                let arcs = before.arc_lengths();
+                self.chain.state = carried(&self.chain.state, &arcs, &site.arc_lengths());
+                let behind = |k: usize| {
+                    let middle = grid.steps[k].start + 0.5 * grid.steps[k].length;
+                    arcs.partition_point(|&s| s <= middle).clamp(1, before.grid.len()) - 1
+                };
+                self.shot.regrid((0..grid.len()).map(behind));
+            }
+            Some(None) => {
+                let rest = vec![0.0; commands.len()];
+                let unloaded = &mut scratch.unloaded;
+                unloaded.sweep(grid, &rest, false, false).map_err(|f| fault(&rest, f))?;
+                unloaded.integrate(grid, &mut self.poses);
+                self.chain.state = State { load: 1.0, ..State::unloaded(&self.poses, &rest) };
+                self.shot.seed(grid, &unloaded.strains);
+            }
+        }
+        self.shot.steps_left = usize::MAX;
+        if let Some(answer) = warm
+            && let Some(state) = near(answer, site, &scratch.applied, &mut self.shot)
+        {
+            self.chain.state = state;
+        }
+        let task = Task {
+            grid,
+            loads: &scratch.applied,
+            commands,
+            length: robot.backbone().length,
+            tolerance: options.residual,
+        };
+        for (tension, command) in self.chain.state.tensions.iter_mut().zip(&*commands) {
+            if let super::command::Command::Tension(given) = command {
+                *tension = *given;
+            }
+        }
+        let looked = self.chain.look(&task, &mut self.shot);
+        self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
+        self.shot.measure(grid);
+        self.chain.poses(&mut self.poses);
+        Ok(())
+    }
+
+    /// The frame of a station or place of a push.
+    pub fn pose(&self, arc_length: f64) -> Pose {
+        let Some(site) = &self.site else { return Pose::IDENTITY };
+        self.poses[site.node(arc_length)]
+    }
+
+    /// Linearises the equations where it stands.
+    pub fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError> {
+        if self.linear.is_some() {
+            return Ok(());
+        }
+        let Some(site) = &self.site else { return Ok(()) };
+        let Site { model, grid, .. } = site;
+        let Workspace { scratch, commands, .. } = &self.workspace;
+        let State { nodes, tensions, .. } = &self.chain.state;
+        let start =
+            |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
+        let starts: Vec<Wrench> = nodes.iter().map(start).collect();
+        let units = Scales::of(grid, robot.backbone().length).of_cables();
+        let lengths = &self.shot.lengths;
+        let taut: Vec<bool> = commands
+            .iter()
+            .enumerate()
+            .map(|(i, command)| {
+                if command.is_length() {
+                    command.is_led(i, tensions, lengths, units)
+                } else {
+                    tensions[i] > 0.0
+                }
+            })
+            .collect();
+        let base_force = scratch.applied.base_force() + starts[0].force;
+        let solved = Solved {
+            robot,
+            case,
+            layout: &model.layout,
+            grid,
+            loads: &scratch.applied,
+            commands,
+            tensions,
+            taut: &taut,
+            poses: &self.poses,
+            base_wrench: Wrench { force: base_force, ..starts[0] },
+            starts: Some(&starts),
+            strains: self.shot.strains(),
+        };
+        let derivatives = Derivatives::of(&solved, &[]).map_err(|error| match error {
+            NoDerivatives::Fault(fault) => {
+                model.explain(section_failure(fault, tensions, 1.0), commands)
+            }
+            NoDerivatives::Parameter(error) => error.into(),
+            NoDerivatives::Critical => SolveError::NoDerivatives,
+        })?;
+        let gaps: Vec<StepGap> = self.chain.gaps().collect();
+        let slackness: Vec<f64> = commands
+            .iter()
+            .enumerate()
+            .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
+            .collect();
+        let closing = derivatives.closing(&gaps, tensions, &taut, &slackness);
+        self.linear = Some(Linear { derivatives, closing, pushed: Vec::new() });
+        Ok(())
+    }
+
+    /// How the places of pushes move with each component of each of them, by rows, and how with the step that is
+    /// left, linearised.
+    pub fn compliance(
+        &mut self,
+        places: impl Iterator<Item = f64>,
+        compliance: &mut Vec<f64>,
+        drift: &mut Vec<f64>,
+    ) {
+        compliance.clear();
+        drift.clear();
+        let (Some(site), Some(linear)) = (&self.site, &mut self.linear) else { return };
+        let Linear { derivatives, closing, pushed } = linear;
+        let nodes: Vec<usize> = places.map(|at| site.node(at)).collect();
+        let components = nodes.iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
+        pushed.clear();
+        pushed.extend(components.map(|(node, i)| derivatives.pushed(node, unit_wrench(i))));
+        for &node in &nodes {
+            let rates = |motion: &Motion| {
+                let twist = motion.nodes[node].twist();
+                let parts = [twist.linear, twist.angular].map(<[f64; 3]>::from);
+                core::array::from_fn::<f64, 6, _>(|a| parts[a / 3][a % 3])
+            };
+            drift.extend(rates(closing));
+            let columns: Vec<[f64; 6]> = pushed.iter().map(rates).collect();
+            for a in 0..6 {
+                compliance.extend(columns.iter().map(|column| column[a]));
+            }
+        }
+    }
+
+    /// Takes a part of Newton's step, with what changes of the pushes do.
+    pub fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
+        let Some(Linear { closing, pushed, .. }) = &self.linear else { return };
+        let mut motion = closing.clone();
+        for (column, &change) in pushed.iter().zip(changes.iter().flatten()) {
+            motion.add(change, column);
+        }
+        let most = motion.nodes.iter().map(|node| node.turn.norm()).fold(0.0, f64::max);
+        let part = if part * most > LONGEST { LONGEST / most } else { part };
+        let state = &self.chain.state;
+        let nodes = state.nodes.iter().zip(&motion.nodes).map(|(node, change)| {
+            let to_body = node.rotation.conjugate();
+            let moment = node.rotation.rotate(node.moment);
+            super::elimination::Change {
+                turn: to_body.rotate(change.turn),
+                // In the frame that turns with the cross-section.
+                moment: to_body.rotate(change.moment - change.turn.cross(moment)),
+                force: change.force,
+            }
+        });
+        let mut step = Direction { nodes: nodes.collect(), tensions: motion.tensions, load: 0.0 };
+        // The base is clamped, and nothing is left to act at the tip.
+        if let [first, .., last] = &mut step.nodes[..] {
+            first.turn = Vec3::ZERO;
+            (last.moment, last.force) = (Vec3::ZERO, Vec3::ZERO);
+        }
+        let from = state.clone();
+        self.chain.state.step_from(&from, part, &step);
+    }
+
+    /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.
+    pub fn stands(&mut self) -> bool {
+        let Some(site) = &self.site else { return true };
+        let Workspace { scratch, commands, .. } = &self.workspace;
+        let task = Task {
+            grid: &site.grid,
+            loads: &scratch.applied,
+            commands,
+            length: site.model.robot.backbone().length,
+            tolerance: site.model.options.residual,
+        };
+        let negative = self.chain.is_determinant_negative(&task, &mut self.shot);
+        !negative.unwrap_or(false)
+    }
+
+    pub fn keep(&self, kept: &mut Kept) {
+        kept.site.clone_from(&self.site);
+        kept.state.clone_from(&self.chain.state);
+        kept.shot.clone_from(&self.shot);
+        kept.poses.clone_from(&self.poses);
+    }
+
+    pub fn go_back(&mut self, kept: &Kept) {
+        self.linear = None;
+        self.site.clone_from(&kept.site);
+        self.chain.state.clone_from(&kept.state);
+        self.shot.clone_from(&kept.shot);
+        self.poses.clone_from(&kept.poses);
+    }
+
+    /// Halves the steps if the answer is not yet known to the tolerance; `false` if it is, or if the steps
+    /// are given.
+    pub fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError> {
+        let (Accuracy::Tolerance(tolerance), Some(site)) = (accuracy, &self.site) else {
+            return Ok(false);
+        };
+        let Site { grid, pushes, model, .. } = site;
+        let tolerance = tolerance * model.robot.backbone().length;
+        if let Some((coarse, _)) = self.coarse.as_ref().filter(|(_, there)| there == pushes) {
+            let error = coarse.change(grid, &self.poses, &self.shot.lengths) / ERROR_RATIO;
+            if error <= tolerance {
+                self.error = Some(error);
+                return Ok(false);
+            }
+            if self.halvings == MAX_HALVINGS {
+                return Err(SolveError::StepsTooCoarse { error, tolerance, steps: grid.len() });
+            }
+        }
+        let mut coarse = Coarse::default();
+        coarse.keep(grid, &self.poses, &self.shot.lengths);
+        self.coarse = Some((coarse, pushes.clone()));
+        self.halvings += 1;
+        Ok(true)
+    }
+
+    /// The answer at stations of the model, where it stands.
+    pub fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
+        let Some(Site { model, grid, .. }) = &self.site else { return Ok(None) };
+        let scratch = &mut self.workspace.scratch;
+        scratch.poses.clone_from(&self.poses);
+        scratch.lengths.clone_from(&self.shot.lengths);
+        scratch.tensions.clone_from(&self.chain.state.tensions);
+        let base = self.chain.state.nodes[0];
+        scratch.base_wrench =
+            Wrench { force: scratch.applied.base_force() + base.force, moment: base.moment };
+        let found = Found { iterations: 0, residual: self.gap, lost_at: None };
+        model.solution(grid, case, &mut self.workspace, found, self.error).map(Some)
+    }
+}
+
+impl Site {
+    fn new(
+        robot: &Robot,
+        options: &Options,
+        case: &Case,
+        halvings: usize,
+        stations: &[f64],
+        pushes: &[f64],
+    ) -> Result<Self, SolveError> {
+        let mut places = stations.to_vec();
+        places.extend_from_slice(pushes);
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let steps = match options.accuracy {
+            Accuracy::Steps(steps) => steps,
+            Accuracy::Tolerance(_) => COARSE_STEPS,
+        };
+        let options = Options {
+            stations: Stations::At(places),
+            accuracy: Accuracy::Steps(steps),
+            stability: false,
+            ..options.clone()
+        };
+        let model = Cosserat::new(robot, &case.loads, &options)?;
+        let grid = match halvings {
+            0 => model.grids[0].clone(),
+            _ => Grid::refined(robot, &model.layout, steps, halvings)?,
+        };
+        Ok(Self { model, grid, halvings, stations: stations.to_vec(), pushes: pushes.to_vec() })
+    }
+
+    /// Of its nodes, from base to tip.
+    fn arc_lengths(&self) -> Vec<f64> {
+        let steps = &self.grid.steps;
+        let end = steps.last().map(|step| step.start + step.length);
+        steps.iter().map(|step| step.start).chain(end).collect()
+    }
+
+    /// The node of a station or a push.
+    fn node(&self, arc_length: f64) -> usize {
+        let stations = self.model.stations();
+        let place = stations.partition_point(|&s| s < arc_length).min(stations.len() - 1);
+        self.grid.stations[place]
+    }
+}
+
+/// The state at other nodes.
+fn carried(state: &State, from: &[f64], to: &[f64]) -> State {
+    let nodes = to.iter().map(|&s| {
+        let after = from.partition_point(|&at| at < s).clamp(1, from.len() - 1);
+        let (a, b) = (state.nodes[after - 1], state.nodes[after]);
+        let part = ((s - from[after - 1]) / (from[after] - from[after - 1])).clamp(0.0, 1.0);
+        if part == 0.0 {
+            return a;
+        }
+        if part == 1.0 {
+            return b;
+        }
+        let turn = (a.rotation.conjugate() * b.rotation).log();
+        Node {
+            rotation: a.rotation * UnitQuaternion::exp(turn * part),
+            moment: a.moment + (b.moment - a.moment) * part,
+            ..a
+        }
+    });
+    State { nodes: nodes.collect(), ..state.clone() }
+}
+
+/// Where an answer stood, by one shot with the wrench at its base.
+fn near(
+    answer: &Solution,
+    site: &Site,
+    loads: &super::loads::AppliedLoads,
+    shot: &mut Shot,
+) -> Option<State> {
+    let base = answer.base_wrench?;
+    let tension =
+        |&cable: &usize| answer.cables.get(cable).and_then(|state| state.tension).unwrap_or(0.0);
+    let tensions: Vec<f64> = site.model.layout.order.iter().map(tension).collect();
+    let aim = Aim {
+        tensions: &tensions,
+        base_moment: base.moment,
+        follower_force: loads.follower_share(base.force),
+        load: 1.0,
+        sample: true,
+    };
+    shot.fire(&site.grid, loads, &aim).ok()?;
+    let start = |k: usize| Node {
+        rotation: shot.poses[k].rotation,
+        moment: shot.samples[3 * k].wrench.angular,
+        force: aim.follower_force,
+    };
+    let steps = site.grid.len();
+    let tip = Node { rotation: shot.poses[steps].rotation, ..Node::default() };
+    let nodes = (0..steps).map(start).chain([tip]).collect();
+    Some(State { nodes, tensions, load: 1.0 })
+}
+
+fn unit_wrench(component: usize) -> Wrench {
+    let mut parts = [[0.0; 3]; 2];
+    parts[component / 3][component % 3] = 1.0;
+    let [force, moment] = parts.map(Vec3::from);
+    Wrench { force, moment }
+}
