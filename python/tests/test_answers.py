@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 import whipcord
-from whipcord import Backbone, Cable, Case, Disks, Loads, Robot, Routing
+from whipcord import Backbone, Cable, Case, Disks, InputError, Loads, Robot, Routing, errors
 
 Array = npt.NDArray[np.float64]
 
@@ -278,6 +279,56 @@ def test_compliance_and_stiffness_are_inverse(segment: whipcord.Case) -> None:
     _, derivatives = segment.differentiate(stations=[0.06])
     assert np.allclose(derivatives.compliance(0, "lengths"), place.compliance_lengths_held)
     assert derivatives.length_by_tension.shape == (3, 3)
+
+
+def test_sections_say_how_they_move(case: whipcord.Case) -> None:
+    shortening = np.array([0.006])
+    solution, derivatives = case.differentiate(shortening=shortening, model="four-bar", stations=5)
+
+    def change(of: Callable[[whipcord.Solution], Array], h: float = 2e-5) -> Array:
+        def at(step: float) -> Array:
+            return of(case.solve(shortening=shortening + step * h, model="four-bar", stations=5))
+
+        difference: Array = (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * h)
+        return difference
+
+    assert derivatives.twist_by_command.shape == (5, 6, 1)
+    assert np.allclose(derivatives.position_by_command[:, :, 0], change(lambda s: s.position), atol=1e-7)
+    assert np.allclose(derivatives.length_by_command, [[-1]])
+    assert np.allclose(change(lambda s: s.length), -1, atol=1e-9)
+    # All else takes a model that knows forces.
+    for unknown in (
+        lambda: derivatives.length_by_tension,
+        lambda: derivatives.twist_by_tension,
+        derivatives.twist_by_parameter,
+        derivatives.compliance,
+        lambda: derivatives.pull_back(position=np.ones_like(solution.position)),
+    ):
+        with pytest.raises(InputError, match="known to the model cosserat, not to four-bar"):
+            unknown()
+    # The same frame as the rod's, and the same numbers at the tip.
+    tip = case.stiffness(shortening=shortening, model="four-bar")
+    assert np.allclose(tip.jacobian, derivatives.twist_by_command[-1])
+    assert (tip.driven_by, tip.estimated_error) == (("shortening",), None)
+    assert tip.length_jacobian == pytest.approx(-1)
+    with pytest.raises(errors.ModelError, match="only lengths and no energy decide") as caught:
+        _ = tip.stiffness
+    assert caught.value.advice.startswith("take the objective strain-energy")
+    sliding = whipcord.models.FourBar(objective="strain-energy", length_rule="free")
+    tip = case.stiffness(shortening=shortening, model=sliding)
+    locked, free = np.diag(tip.compliance_lengths_held), np.diag(tip.compliance_tensions_held)
+    assert tip.yield_unknown is None and (0 < locked[:3]).all() and (locked[:3] < free[:3]).all()
+
+
+def test_lengths_follow_the_commands(segment: whipcord.Case) -> None:
+    tension = np.array(segment.tension)
+    _, derivatives = segment.differentiate(tension=tension)
+    # By tensions alone the two are one.
+    assert np.allclose(derivatives.length_by_command, derivatives.length_by_tension)
+    lengths = segment.solve(tension=tension).length
+    _, derivatives = segment.differentiate(shortening=lengths * 0 + 0.002)
+    rate = derivatives.length_by_command
+    assert rate.shape == (3, 3) and np.allclose(rate.sum(axis=1), -1, atol=1e-6)
 
 
 def test_a_buckled_column_has_three_equilibria() -> None:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._commands import whole
 from .batch import numbers
-from .errors import InputError
+from .errors import InputError, ModelError
 
 if TYPE_CHECKING:
     from .solution import Solution
@@ -39,6 +39,9 @@ class Gradient:
 
 class Derivatives:
     """The exact derivatives of one answer, by :meth:`whipcord.Case.differentiate`.
+
+    The four-bar model knows those by its commands, the shortenings: :attr:`twist_by_command` and
+    :attr:`length_by_command`. All else is asked of the model cosserat, or raises :class:`whipcord.errors.InputError`.
 
     What says how stations move is along the axes of the world, as positions are. Rotations are turns
     ``dR = φ̂ R``. Compliance and stiffness are along the axes of the base, as the command
@@ -93,6 +96,11 @@ class Derivatives:
         """(n, 3, p) change of each position with each parameter, in its unit; the commands are held."""
         part: Array = self.twist_by_parameter()[:, :3]
         return part
+
+    @property
+    def length_by_command(self) -> Array:
+        """(c, c) change of the length of each cable in m with the command of each, in N or m."""
+        return self._inner.length_by_command()
 
     @property
     def length_by_tension(self) -> Array:
@@ -199,24 +207,55 @@ class Place:
     """(6, c) velocity and angular velocity with the command of each cable."""
     driven_by: tuple[str, ...]
     """Whether each of them is a ``"tension"`` in N or a ``"shortening"`` in m."""
-    compliance_tensions_held: Array
-    """(6, 6) motion under force and moment, with the tensions held."""
-    compliance_lengths_held: Array
-    """(6, 6) the same with all taut cables locked."""
-    stiffness_tensions_held: Array | None
-    """(6, 6) the inverse; None where the place does not yield in every direction."""
-    stiffness_lengths_held: Array | None
-    """(6, 6) the inverse; None where the place does not yield in every direction."""
+    length_jacobian: Array
+    """(c, c) change of the length of each cable with the command of each."""
     estimated_error: float | None
     """Relative error, where the numbers come from differences of solutions; None where they are exact."""
     dexterity: tuple[Dexterity, ...]
     """How well the cables move it: those driven by tension, those by shortening."""
+    yield_unknown: str | None
+    """Why it is not known how the place yields; None where it is. Compliances and stiffnesses then raise
+    :class:`whipcord.errors.ModelError`."""
+    _yields: dict[str, Array | None]
 
     @classmethod
     def _of(cls, solution: Solution, values: dict[str, Any]) -> Place:
         values["dexterity"] = tuple(Dexterity(**kind) for kind in values["dexterity"])
         values["driven_by"] = tuple(values["driven_by"])
-        return cls(solution=solution, **values)
+        values.setdefault("yield_unknown", None)
+        held = [name for name in values if name.startswith(("compliance", "stiffness"))]
+        return cls(solution=solution, _yields={name: values.pop(name) for name in held}, **values)
+
+    def _known(self, name: str) -> Any:
+        if self.yield_unknown is not None:
+            advice = self.yield_unknown.partition(": ")[2]
+            message = f"the model {self.solution.model} does not say how a place yields: {self.yield_unknown}"
+            raise ModelError(message, path="model", model=self.solution.model, advice=advice)
+        return self._yields[name]
+
+    @property
+    def compliance_tensions_held(self) -> Array:
+        """(6, 6) motion under force and moment, with the tensions held."""
+        compliance: Array = self._known("compliance_tensions_held")
+        return compliance
+
+    @property
+    def compliance_lengths_held(self) -> Array:
+        """(6, 6) the same with all taut cables locked."""
+        compliance: Array = self._known("compliance_lengths_held")
+        return compliance
+
+    @property
+    def stiffness_tensions_held(self) -> Array | None:
+        """(6, 6) the inverse; None where the place does not yield in every direction."""
+        stiffness: Array | None = self._known("stiffness_tensions_held")
+        return stiffness
+
+    @property
+    def stiffness_lengths_held(self) -> Array | None:
+        """(6, 6) the inverse; None where the place does not yield in every direction."""
+        stiffness: Array | None = self._known("stiffness_lengths_held")
+        return stiffness
 
     @property
     def compliance(self) -> Array:

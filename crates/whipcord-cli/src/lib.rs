@@ -4,6 +4,7 @@
 //! the words of the command.
 
 mod benchmark;
+mod chosen;
 mod comparison;
 mod failure;
 mod files;

@@ -41,8 +41,10 @@ fn json_is_one_object_in_si() {
         "cables",
         "actuation_jacobian",
         "dexterity",
+        "length_jacobian",
         "tensions_held",
         "lengths_held",
+        "yield_unknown",
         "stability",
         "version",
     ];
@@ -118,8 +120,13 @@ fn what_cannot_be_is_said() {
     assert!(message.contains("is not on the backbone, which is 120 mm long"), "{message}");
     let message = fail(2, &["stiffness", THREE, "--at", "half"]);
     assert!(message.contains("or `tip`"), "{message}");
-    let message = fail(2, &["stiffness", CASE_3, "--model", "four-bar"]);
+    let message = fail(2, &["stiffness", CASE_3, "--model", "constant-curvature"]);
     assert!(message.contains("use cosserat or cosserat-disks"), "{message}");
+    let message = fail(2, &["stiffness", CASE_3, "--length-rule", "free"]);
+    assert!(
+        message.contains("--length-rule is an option of four-bar, not of cosserat"),
+        "{message}"
+    );
     let scratch = Scratch::new();
     let rubbing = robot("tension = 1.0\nfriction = 0.1");
     let file = scratch.write("robot.toml", &rubbing);
@@ -144,6 +151,45 @@ fn discrete_holes_yield_too() {
     assert!(ours["derivatives"]["estimated_error"].as_f64().unwrap() < 1e-5);
     let y = |object: &Value| matrix(&object["tensions_held"]["compliance"])[1][1];
     assert!((y(&ours) / y(&exact) - 1.0).abs() < 0.1, "{} {}", y(&ours), y(&exact));
+}
+
+/// The geometric model says how the place moves; how it yields only where it knows the strain energy.
+#[test]
+fn sections_move_and_may_not_know_how_they_yield() {
+    let four_bar = ["stiffness", CASE_3, "--model", "four-bar"];
+    let text = succeed(&four_bar);
+    assert!(
+        text.contains("how it yields is not known: only lengths and no energy decide"),
+        "{text}"
+    );
+    let json = |more: &[&str]| -> Value {
+        let arguments: Vec<&str> =
+            four_bar.iter().chain(more).chain(&["--json"]).copied().collect();
+        serde_json::from_str(&succeed(&arguments)).unwrap()
+    };
+    let plain = json(&[]);
+    assert_eq!(
+        (plain["derivatives"]["by"].as_str(), &plain["tensions_held"]),
+        (Some("exact"), &Value::Null)
+    );
+    assert!(plain["yield_unknown"].as_str().unwrap().contains("strain-energy"));
+    assert!((matrix(&plain["length_jacobian"])[0][0] + 1.0).abs() < 1e-12);
+    // The tip moves along its one direction as much as one column says.
+    let column: f64 =
+        matrix(&plain["actuation_jacobian"])[..3].iter().map(|row| row[0] * row[0]).sum();
+    let manipulability = plain["dexterity"][0]["manipulability"].as_f64().unwrap();
+    assert!((manipulability / column.sqrt() - 1.0).abs() < 1e-9);
+    let sliding = json(&["--objective", "strain-energy", "--length-rule", "free"]);
+    assert_eq!(sliding["yield_unknown"], Value::Null);
+    let (free, locked) = ["tensions_held", "lengths_held"]
+        .map(|held| matrix(&sliding[held]["compliance"])[1][1])
+        .into();
+    assert!(0.0 < locked && locked < free, "{locked} {free}");
+    let scratch = Scratch::new();
+    let path = scratch.file("moves.svg");
+    succeed(&[&four_bar[..], &["--plot", &path]].concat());
+    let svg = std::fs::read_to_string(&path).unwrap();
+    assert!(svg.contains("manipulability") && !svg.contains("compliance"), "{svg}");
 }
 
 /// A column beyond Euler's load, π² EI/4L² = 0.333 N, yields against the force that pushes it.

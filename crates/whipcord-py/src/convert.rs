@@ -279,3 +279,8 @@ pub fn jacobian<'py>(py: Python<'py>, columns: &[Twist]) -> PyResult<Bound<'py, 
 pub fn matrix6<'py>(py: Python<'py>, matrix: &Matrix6) -> PyResult<Bound<'py, PyArray2<f64>>> {
     array(py, matrix.rows().concat(), [6, 6])
 }
+
+/// (c, c) of rows.
+pub fn square<'py>(py: Python<'py>, rows: &[Vec<f64>]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    array(py, rows.concat(), [rows.len(), rows.len()])
+}

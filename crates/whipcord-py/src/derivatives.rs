@@ -1,4 +1,4 @@
-//! Exact derivatives of an answer of the Cosserat model.
+//! Exact derivatives of an answer: of the Cosserat model by all, of the four-bar model by the lengths.
 
 use std::sync::Arc;
 
@@ -7,9 +7,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::cosserat::derivatives::{Change, Cotangent};
 use whipcord::cosserat::{Hold, Place};
-use whipcord::{Prepared, Twist, UnitQuaternion, Vec3};
+use whipcord::{ModelKind, Prepared, Twist, UnitQuaternion, Vec3, cosserat, four_bar};
 
-use crate::convert::{array, matrix6, twist};
+use crate::convert::{array, matrix6, square, twist};
 use crate::errors;
 use crate::model::Model;
 use crate::setup::{Setup, parameter};
@@ -19,10 +19,18 @@ use crate::solution::Solution;
 /// compliance and stiffness are in that of the base.
 #[pyclass(frozen, module = "whipcord._core")]
 pub struct Derivatives {
-    inner: whipcord::cosserat::Derivatives,
+    inner: Inner,
     solution: Arc<whipcord::Solution>,
     to_world: UnitQuaternion,
     parameters: usize,
+}
+
+/// Those of the model that answers.
+enum Inner {
+    /// In the frame of the base.
+    Rod(Box<cosserat::Derivatives>),
+    /// In that of the positions; by shortenings alone.
+    FourBar(four_bar::Derivatives),
 }
 
 /// The answer with its derivatives by the commands, by loads, and by these parameters.
@@ -44,7 +52,14 @@ pub fn derivatives(
     let start = start.map(|solution| Arc::clone(&solution.inner));
     let of = Arc::clone(&case);
     let answer = Setup::watched(setup, &model.inner, move |prepared| {
-        let Prepared::Cosserat(model, workspace) = prepared else { return Ok(None) };
+        let (model, workspace) = match prepared {
+            Prepared::Cosserat(model, workspace) => (model, workspace),
+            Prepared::FourBar(model, workspace) if parameters.is_empty() => {
+                let (solution, inner) = model.solve_with_derivatives(&of, workspace)?;
+                return Ok(Some((solution, Inner::FourBar(inner))));
+            }
+            _ => return Ok(None),
+        };
         let mut left = None;
         if start.is_none() {
             for step in of.steps().take(of.before.len()) {
@@ -52,10 +67,15 @@ pub fn derivatives(
             }
         }
         let start = start.as_deref().or(left.as_ref());
-        model.solve_with_derivatives(&of, start, &parameters, workspace).map(Some)
+        let (solution, inner) = model.solve_with_derivatives(&of, start, &parameters, workspace)?;
+        Ok(Some((solution, Inner::Rod(Box::new(inner)))))
     })?;
     let Some((solution, inner)) = answer else {
-        return Err(errors::not_by(py, model.inner.kind(), "derivatives"));
+        let what = match model.inner.kind() {
+            ModelKind::FourBar => "derivatives by parameters",
+            _ => "derivatives",
+        };
+        return Err(errors::not_by(py, model.inner.kind(), what));
     };
     let solution = Solution::new(solution, &case);
     let derivatives = Derivatives {
@@ -71,19 +91,26 @@ pub fn derivatives(
 impl Derivatives {
     /// (n, 6, c) motion of every station with the command of each cable.
     fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        self.stations(py, self.solution.cables.len(), |at| self.inner.actuation_jacobian(at))
+        let cables = self.solution.cables.len();
+        match &self.inner {
+            Inner::Rod(rod) => self
+                .stations(py, cables, |k| self.in_world(rod.actuation_jacobian(Place::Station(k)))),
+            Inner::FourBar(sections) => self.stations(py, cables, |k| sections.station(k).to_vec()),
+        }
     }
 
     /// (n, 6, c) motion of every station with the tension of each cable.
     fn tensions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        self.stations(py, self.solution.cables.len(), |at| self.inner.tension_jacobian(at))
+        let (rod, cables) = (self.rod(py, TENSIONS)?, self.solution.cables.len());
+        self.stations(py, cables, |k| self.in_world(rod.tension_jacobian(Place::Station(k))))
     }
 
     /// (n, 6, p) motion of every station with each parameter.
     fn parameters<'py>(&self, py: Python<'py>, hold: &str) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let hold = held(py, hold)?;
-        let changes = self.changes(hold);
-        self.stations(py, changes.len(), |at| changes.iter().map(|c| c.twist(at)).collect())
+        let changes = self.changes(py, held(py, hold)?)?;
+        self.stations(py, changes.len(), |k| {
+            self.in_world(changes.iter().map(|c| c.twist(Place::Station(k))).collect())
+        })
     }
 
     /// (c, p) rates of the cables' lengths and tensions with each parameter.
@@ -93,7 +120,7 @@ impl Derivatives {
         py: Python<'py>,
         hold: &str,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let changes = self.changes(held(py, hold)?);
+        let changes = self.changes(py, held(py, hold)?)?;
         let cables = self.solution.cables.len();
         let table = |of: fn(&Change) -> &[f64]| {
             let rows = (0..cables).flat_map(|i| changes.iter().map(move |change| of(change)[i]));
@@ -104,8 +131,19 @@ impl Derivatives {
 
     /// (c, c) rates of the cables' lengths with their tensions.
     fn length_by_tension<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let cables = self.solution.cables.len();
-        array(py, self.inner.length_by_tension().concat(), [cables, cables])
+        square(py, &self.rod(py, TENSIONS)?.length_by_tension())
+    }
+
+    /// (c, c) rates of the cables' lengths with their commands.
+    fn length_by_command<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        match &self.inner {
+            Inner::Rod(rod) => square(py, &rod.length_by_command()),
+            Inner::FourBar(sections) => {
+                let cables = 0..self.solution.cables.len();
+                let rows: Vec<_> = cables.map(|cable| sections.length(cable).to_vec()).collect();
+                square(py, &rows)
+            }
+        }
     }
 
     /// (6, 6) compliance of a station, or of the tip, in the frame of the base.
@@ -116,7 +154,8 @@ impl Derivatives {
         station: Option<&Bound<'py, PyAny>>,
         hold: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let compliance = self.inner.compliance(self.place(py, station)?, held(py, hold)?);
+        let compliance =
+            self.rod(py, YIELDS)?.compliance(self.place(py, station)?, held(py, hold)?);
         matrix6(py, &compliance.map_err(|error| errors::solve(py, &error))?)
     }
 
@@ -128,7 +167,7 @@ impl Derivatives {
         station: Option<&Bound<'py, PyAny>>,
         hold: &str,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let stiffness = self.inner.stiffness(self.place(py, station)?, held(py, hold)?);
+        let stiffness = self.rod(py, YIELDS)?.stiffness(self.place(py, station)?, held(py, hold)?);
         let stiffness = stiffness.map_err(|error| errors::solve(py, &error))?;
         stiffness.map(|matrix| matrix6(py, &matrix)).transpose()
     }
@@ -145,7 +184,7 @@ impl Derivatives {
         tension: Option<PyReadonlyArray1<'py, f64>>,
         length: Option<PyReadonlyArray1<'py, f64>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let hold = held(py, hold)?;
+        let (hold, rod) = (held(py, hold)?, self.rod(py, "gradients of scalars")?);
         let (stations, cables) = (self.solution.shape.poses.len(), self.solution.cables.len());
         let mut places = vec![Twist::default(); stations];
         let vectors = |array: Option<&PyReadonlyArray2<'py, f64>>, name: &str| {
@@ -186,10 +225,10 @@ impl Derivatives {
             tensions: of_cables(tension.as_ref(), "tension")?,
             ..Cotangent::default()
         };
-        let gradient = self.inner.pull_back(&cotangent, hold);
+        let gradient = rod.pull_back(&cotangent, hold);
         let wrenches = (0..stations).flat_map(|station| {
             let wrench = gradient.wrench(Place::Station(station));
-            self.in_world(Twist { linear: wrench.force, angular: wrench.moment })
+            twist(self.turned(Twist { linear: wrench.force, angular: wrench.moment }))
         });
         let wrenches = array(py, wrenches.collect(), [stations, 6])?;
         let vector = |values: Vec<f64>| -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -205,26 +244,37 @@ impl Derivatives {
 }
 
 impl Derivatives {
-    fn changes(&self, hold: Hold) -> Vec<Change> {
-        (0..self.parameters).map(|i| self.inner.parameter(i, hold)).collect()
+    /// What only the Cosserat model knows.
+    fn rod(&self, py: Python<'_>, what: &str) -> PyResult<&cosserat::Derivatives> {
+        match &self.inner {
+            Inner::Rod(rod) => Ok(rod),
+            Inner::FourBar(_) => Err(errors::not_by(py, self.solution.model, what)),
+        }
     }
 
-    fn in_world(&self, motion: Twist) -> [f64; 6] {
-        let linear = self.to_world.rotate(motion.linear);
-        twist(Twist { linear, angular: self.to_world.rotate(motion.angular) })
+    fn changes(&self, py: Python<'_>, hold: Hold) -> PyResult<Vec<Change>> {
+        let rod = self.rod(py, "derivatives by parameters")?;
+        Ok((0..self.parameters).map(|i| rod.parameter(i, hold)).collect())
+    }
+
+    fn turned(&self, Twist { linear, angular }: Twist) -> Twist {
+        Twist { linear: self.to_world.rotate(linear), angular: self.to_world.rotate(angular) }
+    }
+
+    fn in_world(&self, motions: Vec<Twist>) -> Vec<Twist> {
+        motions.into_iter().map(|motion| self.turned(motion)).collect()
     }
 
     fn stations<'py>(
         &self,
         py: Python<'py>,
         width: usize,
-        columns: impl Fn(Place) -> Vec<Twist>,
+        columns: impl Fn(usize) -> Vec<Twist>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let stations = self.solution.shape.poses.len();
         let mut values = Vec::with_capacity(stations * 6 * width);
         for station in 0..stations {
-            let columns = columns(Place::Station(station));
-            let columns: Vec<[f64; 6]> = columns.into_iter().map(|t| self.in_world(t)).collect();
+            let columns: Vec<[f64; 6]> = columns(station).into_iter().map(twist).collect();
             values.extend((0..6).flat_map(|row| columns.iter().map(move |column| column[row])));
         }
         array(py, values, [stations, 6, width])
@@ -244,6 +294,9 @@ impl Derivatives {
         }
     }
 }
+
+const TENSIONS: &str = "derivatives by tensions";
+const YIELDS: &str = "compliance and stiffness of any station";
 
 /// Refuses sensitivities that are no numbers, or infinite.
 fn finite<'a>(

@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::cosserat::{BranchOptions, Cosserat, CriticalKind, Workspace};
-use whipcord::kinematics::{DrivenBy, Means};
+use whipcord::kinematics::{DrivenBy, Means, Yield};
 use whipcord::{
     Case, Differentiable, Drive, ModelKind, Parameter, Prepared, Robot, Shortening, SolveError,
     Statics,
@@ -364,16 +364,19 @@ impl Setup {
             DrivenBy::Shortening => "shortening",
         });
         values.set_item("driven_by", driven_by.collect::<Vec<_>>())?;
-        for (name, yielding) in
-            [("tensions_held", &local.tensions_held), ("lengths_held", &local.lengths_held)]
-        {
-            values.set_item(
-                format!("compliance_{name}"),
-                convert::matrix6(py, &yielding.compliance)?,
-            )?;
-            let stiffness =
-                yielding.stiffness.as_ref().map(|k| convert::matrix6(py, k)).transpose()?;
-            values.set_item(format!("stiffness_{name}"), stiffness)?;
+        values.set_item("length_jacobian", convert::square(py, &local.length_jacobian)?)?;
+        let yielding = |name: &str, of: &Yield| -> PyResult<()> {
+            let compliance = convert::matrix6(py, &of.compliance)?;
+            values.set_item(format!("compliance_{name}"), compliance)?;
+            let stiffness = of.stiffness.as_ref().map(|k| convert::matrix6(py, k)).transpose()?;
+            values.set_item(format!("stiffness_{name}"), stiffness)
+        };
+        match &local.yields {
+            Ok(yields) => {
+                yielding("tensions_held", &yields.tensions_held)?;
+                yielding("lengths_held", &yields.lengths_held)?;
+            }
+            Err(unknown) => values.set_item("yield_unknown", unknown.to_string())?,
         }
         let error = match local.means {
             Means::Exact => None,

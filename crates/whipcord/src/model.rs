@@ -401,7 +401,8 @@ impl Statics for Model {
 }
 
 /// A model that says how a robot moves and yields at a place: with exact derivatives, or, as
-/// [`Local::means`] says, by differences. Of other quantities [`crate::differences`] differentiates any
+/// [`Local::means`] says, by differences. A geometric one may know how it moves alone
+/// ([`Local::yields`]). Of other quantities [`crate::differences`] differentiates any
 /// [`Statics`].
 pub trait Differentiable: Statics {
     /// The answer, and its derivatives at an arc length in m. A case in several steps
@@ -409,7 +410,7 @@ pub trait Differentiable: Statics {
     ///
     /// # Errors
     /// As [`Statics::solve`]; [`SolveError::Invalid`] for a place that is not on the backbone,
-    /// [`SolveError::Unsupported`] from a model without forces or from cables that rub, and
+    /// [`SolveError::Unsupported`] from a baseline of shapes or from cables that rub, and
     /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
     fn solve_at(
         &self,
@@ -440,7 +441,10 @@ impl Differentiable for Model {
                     advice: "use cosserat or cosserat-disks",
                 });
             }
-            Self::FourBar(_) | Self::ConstantCurvature(_) => {
+            Self::FourBar(options) => {
+                return four_bar::solve_at(options, robot, case, arc_length);
+            }
+            Self::ConstantCurvature(_) => {
                 return Err(SolveError::Unsupported {
                     model: self.kind(),
                     path: "the question how the robot yields".to_owned(),

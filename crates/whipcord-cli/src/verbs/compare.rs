@@ -9,6 +9,7 @@ use clap::Args;
 use whipcord::ModelKind;
 use whipcord_io::touches_csv;
 
+use crate::chosen::model_parser;
 use crate::comparison::figures::figures;
 use crate::comparison::study::Study;
 use crate::comparison::{csv, report, tables};
@@ -22,7 +23,6 @@ use crate::suite::{self, Suite, SuiteCase};
 use crate::trial::results::Results;
 use crate::trial::yardstick::Choice;
 use crate::trial::{self, Subject};
-use crate::verbs::solve::model_parser;
 
 /// Solve every case with every model that can take it, put the answers side by side, and say which model to use
 /// for what

@@ -11,7 +11,7 @@ use whipcord::registration::Alignment;
 use whipcord::{Model, ModelKind, Stations};
 use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, quantity};
 
-use super::solve::{Actuation, drive, model_parser};
+use crate::chosen::{Actuation, drive, model_parser};
 use crate::failure::{Failure, refuses};
 use crate::files::{self, Folder};
 use crate::fitting::{Fit, moves_unasked, not_converged, tables};

@@ -11,7 +11,7 @@ use whipcord_plot::{
     RobotView, distance_chart, overlay_figure,
 };
 
-use super::solve::model_parser;
+use crate::chosen::model_parser;
 use crate::failure::Failure;
 use crate::files::{self, Folder};
 use crate::inputs::{message, read_one};

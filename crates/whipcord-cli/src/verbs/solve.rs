@@ -3,12 +3,13 @@
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _};
-use clap::{Args, ValueEnum};
-use whipcord::{Drive, Model, ModelKind, NoStability, Shape, Solution, Stations};
+use clap::Args;
+use clap::builder::RangedU64ValueParser;
+use whipcord::{Drive, Model, NoStability, Shape, Solution, Stations};
 use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
+use crate::chosen::ChosenModel;
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs::read_one;
@@ -30,12 +31,8 @@ use crate::words::{driven_by, instability};
 pub struct SolveArgs {
     /// Robot file
     file: PathBuf,
-    /// Model
-    #[arg(long, value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
-    model: ModelKind,
-    /// What drives all cables; by default what the model is driven by, where the file gives it
-    #[arg(long, value_name = "WHAT")]
-    actuation: Option<Actuation>,
+    #[command(flatten)]
+    model: ChosenModel,
     /// Give the shape at N equally spaced places, 2 to 100000, both ends included; by default at the
     /// disks
     #[arg(long, value_name = "N", value_parser = stations_parser())]
@@ -57,34 +54,11 @@ pub struct SolveArgs {
     trace: bool,
 }
 
-/// What drives all cables.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Actuation {
-    /// Their tensions
-    Tension,
-    /// Their shortenings
-    Shortening,
-}
-
-/// Which command of each cable counts.
-pub const fn drive(actuation: Option<Actuation>) -> Drive {
-    match actuation {
-        None => Drive::Natural,
-        Some(Actuation::Tension) => Drive::Tension,
-        Some(Actuation::Shortening) => Drive::Shortening,
-    }
-}
-
 /// Each station ends an integration step, so that many of them take long; this many take seconds.
 const MOST_STATIONS: u64 = 100_000;
 
 /// More shapes than this hide one another in a picture: then only the last is drawn.
 const MOST_STEPS_DRAWN: usize = 6;
-
-pub fn model_parser() -> impl clap::builder::TypedValueParser<Value = ModelKind> {
-    PossibleValuesParser::new(ModelKind::ALL.map(ModelKind::name))
-        .try_map(|name| name.parse::<ModelKind>())
-}
 
 fn stations_parser() -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(2..=MOST_STATIONS)
@@ -102,8 +76,7 @@ pub fn picture_path(text: &str) -> Result<PathBuf, String> {
 /// Solves and returns what standard output shows.
 pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     let file = read_one(&args.file)?;
-    let drive = drive(args.actuation);
-    let model = Model::new(args.model, Stations::Disks, drive);
+    let model = args.model.model()?;
     let trace = if args.trace { Some(paths::trace(&model, &file)?) } else { None };
     if let Some(events) = &trace {
         let text = paths::trace_text(events, Style::for_stderr());
@@ -114,7 +87,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         .map_err(|(step, error)| Failure::from_step(&file, &error, step))?;
     // Stations and picture follow the answer: it is the same whatever is shown of it.
     if let Some(count) = args.stations {
-        let stations = Model::new(args.model, Stations::Equal(count), drive);
+        let stations = model.at(Stations::Equal(count));
         let shapes = timed.shapes_at_stations_of(&stations, &file.robot, &file.case);
         let shapes: Option<Vec<Shape>> = shapes.into_iter().collect();
         let Some(shapes) = shapes else {
@@ -127,7 +100,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         give(&mut timed, shapes);
     }
     let picture = match &args.plot {
-        Some(path) => Some(draw(path, &file, &timed, drive)?),
+        Some(path) => Some(draw(path, &file, &timed, &model)?),
         None => None,
     };
     let plot = args.plot.as_deref().zip(picture.as_ref().map(|picture| picture.is_smooth));
@@ -138,7 +111,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     }
     let branches = if args.branches {
         let stations = args.stations.map_or(Stations::Disks, Stations::Equal);
-        Some(paths::branches(&Model::new(args.model, stations, drive), &file)?)
+        Some(paths::branches(&model.at(stations), &file)?)
     } else {
         None
     };
@@ -161,7 +134,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         csv.map_err(|error| files::no_result(&error))?
     } else {
         let branches = branches.as_ref().map(|b| paths::branches_text(b, style));
-        let summary = summary(&file, &timed, drive, plot, style);
+        let summary = summary(&file, &timed, args.model.drive(), plot, style);
         branches.map_or_else(|| summary.clone(), |branches| format!("{summary}\n{branches}"))
     };
     // What can fail has been done: now the picture is written, or there is neither.
@@ -196,9 +169,9 @@ fn draw(
     path: &Path,
     file: &CaseFile,
     timed: &TimedSolution,
-    drive: Drive,
+    model: &Model,
 ) -> Result<Picture, Failure> {
-    let smooth = Model::new(timed.solution.model, Stations::Equal(FINE_STATIONS), drive);
+    let smooth = model.at(Stations::Equal(FINE_STATIONS));
     let shapes = timed.shapes_at_stations_of(&smooth, &file.robot, &file.case);
     let is_smooth = shapes.iter().all(Option::is_some);
     let mut timed = timed.clone();

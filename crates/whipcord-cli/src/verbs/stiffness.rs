@@ -6,15 +6,14 @@ use clap::Args;
 use whipcord::kinematics::{
     Dexterity, DrivenBy, Local, Matrix6, Means, PrincipalAxes, Yield, principal_axes,
 };
-use whipcord::{
-    Differentiable as _, Model, ModelKind, Solution, Stations, Twist, UnitQuaternion, Vec3,
-};
+use whipcord::{Differentiable as _, Model, Solution, Stations, Twist, UnitQuaternion, Vec3};
 use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json};
 use whipcord_plot::{
     Acting, Ellipsoid, FINE_STATIONS, FigureOptions, Quantity, RobotView, label, robot_figure,
 };
 
-use super::solve::{Actuation, drive, model_parser, picture_path};
+use super::solve::picture_path;
+use crate::chosen::ChosenModel;
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs::read_one;
@@ -27,21 +26,19 @@ use crate::words::{driven_by, instability};
 ///
 /// Prints the actuation Jacobian, and compliance and stiffness with the tensions held and with the
 /// taut cables locked, in the base frame, for a wrench that does not turn with the robot: from exact
-/// derivatives with cosserat, from differences of solutions with cosserat-disks. Millimetres and
-/// degrees for people; with --json one object in SI for programs.
+/// derivatives with cosserat, from differences of solutions with cosserat-disks. With four-bar the
+/// Jacobian by the shortenings, exact; compliance and stiffness where it knows the strain energy
+/// (--objective strain-energy --length-rule free). Millimetres and degrees for people; with --json one
+/// object in SI for programs.
 #[derive(Debug, Args)]
 pub struct StiffnessArgs {
     /// Robot file
     file: PathBuf,
-    /// Model
-    #[arg(long, value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
-    model: ModelKind,
+    #[command(flatten)]
+    model: ChosenModel,
     /// Place: an arc length such as "90 mm" or 0.09 (in m), or `tip`
     #[arg(long, value_name = "ARC_LENGTH", default_value = "tip", value_parser = place)]
     at: Place,
-    /// What drives all cables; by default what the model is driven by, where the file gives it
-    #[arg(long, value_name = "WHAT")]
-    actuation: Option<Actuation>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -87,12 +84,12 @@ pub fn run(args: &StiffnessArgs, style: Style) -> Result<String, Failure> {
             )));
         }
     };
-    let model = Model::new(args.model, Stations::Disks, drive(args.actuation));
+    let model = args.model.model()?;
     let (solution, local) = model
         .solve_at(&file.robot, &file.case, at)
         .map_err(|error| Failure::from_solve(&file, &error))?;
     let picture = match &args.plot {
-        Some(path) => Some((path, draw(path, &file, args, &solution, &local)?)),
+        Some(path) => Some((path, draw(path, &file, &model, &solution, &local)?)),
         None => None,
     };
     let text = if args.json {
@@ -116,13 +113,13 @@ pub fn run(args: &StiffnessArgs, style: Style) -> Result<String, Failure> {
 fn draw(
     path: &Path,
     file: &CaseFile,
-    args: &StiffnessArgs,
+    model: &Model,
     solution: &Solution,
     local: &Local,
 ) -> Result<Vec<u8>, Failure> {
     // The same answer at stations that a picture is smooth with; at the disks, where that finds none.
-    let model = Model::new(args.model, Stations::Equal(FINE_STATIONS), drive(args.actuation));
     let fine = model
+        .at(Stations::Equal(FINE_STATIONS))
         .prepare(&file.robot, &file.case.loads)
         .and_then(|mut prepared| prepared.solve(&file.case, Some(solution)))
         .unwrap_or_else(|_| Solution { shape: solution.disks.clone(), ..solution.clone() });
@@ -154,13 +151,16 @@ fn ellipsoids(solution: &Solution, local: &Local, base: UnitQuaternion) -> Vec<E
         axes: turned(principal_axes(&yielding.compliance.blocks[0][0])),
         quantity: Quantity::Compliance,
     };
-    if local.actuation_jacobian.is_empty() {
-        return vec![compliance("compliance", &local.tensions_held)];
-    }
-    let mut ellipsoids = vec![
-        compliance("compliance, tensions held", &local.tensions_held),
-        compliance("compliance, cables locked", &local.lengths_held),
-    ];
+    let mut ellipsoids = match &local.yields {
+        Err(_) => Vec::new(),
+        Ok(yields) if local.actuation_jacobian.is_empty() => {
+            return vec![compliance("compliance", &yields.tensions_held)];
+        }
+        Ok(yields) => vec![
+            compliance("compliance, tensions held", &yields.tensions_held),
+            compliance("compliance, cables locked", &yields.lengths_held),
+        ],
+    };
     let kinds = local.dexterity();
     for (driven_by, dexterity) in &kinds {
         let (by, quantity) = match driven_by {
@@ -193,7 +193,7 @@ fn summary(
     local: &Local,
     style: Style,
 ) -> String {
-    let driver = driven_by(solution.model, drive(args.actuation), &file.case);
+    let driver = driven_by(solution.model, args.model.drive(), &file.case);
     let [x, y, z] = solution.shape.tip().position.to_array().map(|c| fixed_millimetres(c, 3));
     let place = match args.at {
         Place::Tip => "tip".to_owned(),
@@ -221,12 +221,14 @@ fn summary(
     if !local.actuation_jacobian.is_empty() {
         text += &format!("\n{}", actuation(solution, local, style));
     }
-    for (name, yielding) in
-        [("tensions held", &local.tensions_held), ("cables locked", &local.lengths_held)]
-    {
-        // Without cables nothing is locked.
-        if !local.actuation_jacobian.is_empty() || name == "tensions held" {
-            text += &format!("\n{}", yields(name, yielding, style));
+    match &local.yields {
+        Err(unknown) => text += &format!("\nhow it yields is not known: {unknown}\n"),
+        Ok(known) => {
+            text += &format!("\n{}", yields("tensions held", &known.tensions_held, style));
+            // Without cables nothing is locked.
+            if !local.actuation_jacobian.is_empty() {
+                text += &format!("\n{}", yields("cables locked", &known.lengths_held, style));
+            }
         }
     }
     text
@@ -242,24 +244,15 @@ fn shown(motion: &Twist, row: usize) -> f64 {
 
 /// The Jacobian, by a newton of tension or a millimetre of shortening, and what it is worth.
 fn actuation(solution: &Solution, local: &Local, style: Style) -> String {
-    let mut columns = vec![("moves, mm and °".to_owned(), Align::Left)];
-    for (cable, driven) in solution.cables.iter().zip(&local.driven_by) {
-        let unit = match driven {
-            DrivenBy::Tension => "N",
-            DrivenBy::Shortening => "mm",
-        };
-        columns.push((format!("{} per {unit}", cable.name), Align::Right));
-    }
-    let mut table = Table::new(columns);
+    let mut table = Table::new(by_cable("moves, mm and °", solution, local));
     table.group();
     for row in 0..6 {
         let mut cells = vec![MOTIONS[row].to_owned()];
         for (column, driven) in local.actuation_jacobian.iter().zip(&local.driven_by) {
-            let unit = match driven {
-                DrivenBy::Tension => 1.0,
-                DrivenBy::Shortening => 1e-3,
-            };
-            cells.push(tidy(shown(column, row) * unit, largest(&local.actuation_jacobian, row)));
+            cells.push(tidy(
+                shown(column, row) * unit(*driven),
+                largest(&local.actuation_jacobian, row),
+            ));
         }
         table.row(cells);
     }
@@ -274,7 +267,7 @@ fn actuation(solution: &Solution, local: &Local, style: Style) -> String {
         let cables = local.driven_by.iter().filter(|kind| *kind == driven_by).count();
         text += &format!("{by}{}", dexterous(*driven_by, dexterity, cables));
     }
-    text
+    text + &format!("\n{}", lengths(solution, local).text(style))
 }
 
 /// How well cables of one kind move the place, and along which directions.
@@ -303,6 +296,41 @@ fn dexterous(driven_by: DrivenBy, dexterity: &Dexterity, cables: usize) -> Strin
         text += &format!("along {}  {moved}\n", components(direction));
     }
     text
+}
+
+/// How the length of each cable changes, by a newton of tension or a millimetre of shortening.
+fn lengths(solution: &Solution, local: &Local) -> Table {
+    let mut table = Table::new(by_cable("lengthens, mm", solution, local));
+    table.group();
+    for (cable, row) in solution.cables.iter().zip(&local.length_jacobian) {
+        let shown = |(rate, driven): (&f64, &DrivenBy)| rate * 1e3 * unit(*driven);
+        let entries: Vec<f64> = row.iter().zip(&local.driven_by).map(shown).collect();
+        let largest = entries.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+        let cells = entries.iter().map(|&entry| tidy(entry, largest));
+        table.row(core::iter::once(cable.name.clone()).chain(cells).collect());
+    }
+    table
+}
+
+/// Columns of what the command of each cable does.
+fn by_cable(corner: &str, solution: &Solution, local: &Local) -> Vec<(String, Align)> {
+    let mut columns = vec![(corner.to_owned(), Align::Left)];
+    for (cable, driven) in solution.cables.iter().zip(&local.driven_by) {
+        let unit = match driven {
+            DrivenBy::Tension => "N",
+            DrivenBy::Shortening => "mm",
+        };
+        columns.push((format!("{} per {unit}", cable.name), Align::Right));
+    }
+    columns
+}
+
+/// A newton or a millimetre.
+const fn unit(driven: DrivenBy) -> f64 {
+    match driven {
+        DrivenBy::Tension => 1.0,
+        DrivenBy::Shortening => 1e-3,
+    }
 }
 
 /// Greatest entry of a row: what is rounding beside it is shown as zero.

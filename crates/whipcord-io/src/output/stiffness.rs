@@ -1,5 +1,7 @@
 use serde_json::{Value, json};
-use whipcord::kinematics::{Dexterity, DrivenBy, Local, Matrix6, Means, Yield, principal_axes};
+use whipcord::kinematics::{
+    Dexterity, DrivenBy, Local, Matrix6, Means, Yield, Yields, principal_axes,
+};
 use whipcord::{Mat3, Solution, Vec3};
 
 use super::NonFinite;
@@ -10,8 +12,9 @@ use super::json::{number, numbers, optional, quaternion, vector};
 /// frame of the base.
 ///
 /// Rows of a compliance are translation (x, y, z) and rotation (x, y, z), columns force and moment;
-/// of a stiffness the other way round. Rows of the Jacobian are translation and rotation, columns the
-/// cables.
+/// of a stiffness the other way round; both are null from a model that does not know them, and
+/// `yield_unknown` says why. Rows of the Jacobian are translation and rotation, of that of the lengths the
+/// cables; columns are the commands of the cables.
 ///
 /// # Errors
 /// [`NonFinite`] with the place of a number that is not finite.
@@ -48,6 +51,13 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
     let dexterity: Vec<Value> = (local.dexterity().iter().enumerate())
         .map(|(i, (driven_by, dexterity))| moved(&format!("dexterity[{i}]"), *driven_by, dexterity))
         .collect::<Result<_, _>>()?;
+    let lengths: Vec<Value> = (local.length_jacobian.iter().enumerate())
+        .map(|(i, row)| numbers(&format!("length_jacobian[{i}]"), row))
+        .collect::<Result<_, _>>()?;
+    let held = |path: &str, of: fn(&Yields) -> &Yield| match &local.yields {
+        Ok(yields) => yielding(path, of(yields)),
+        Err(_) => Ok(Value::Null),
+    };
     let stability = solution.diagnostics.stability;
     Ok(json!({
         "title": title,
@@ -70,8 +80,10 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
         "cables": cables,
         "actuation_jacobian": jacobian,
         "dexterity": dexterity,
-        "tensions_held": yielding("tensions_held", &local.tensions_held)?,
-        "lengths_held": yielding("lengths_held", &local.lengths_held)?,
+        "length_jacobian": lengths,
+        "tensions_held": held("tensions_held", |yields| &yields.tensions_held)?,
+        "lengths_held": held("lengths_held", |yields| &yields.lengths_held)?,
+        "yield_unknown": local.yields.as_ref().err().map(ToString::to_string),
         "stability": optional(|| "stability".to_owned(), stability)?,
         "version": env!("CARGO_PKG_VERSION"),
     }))

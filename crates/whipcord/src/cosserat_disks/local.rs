@@ -12,7 +12,7 @@ use crate::cosserat::derivatives::{Held, Hold};
 use crate::cosserat::{Accuracy, Options};
 use crate::differences::{Difference, ahead, differentiate};
 use crate::error::SolveError;
-use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield};
+use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, Yields};
 use crate::model::{ModelKind, Stations};
 use crate::robot::{Cable, Robot};
 use crate::shape::Solution;
@@ -124,13 +124,13 @@ impl Near {
             let Twist { linear, angular } = difference.stations[0];
             Twist { linear: to_base.rotate(linear), angular: to_base.rotate(angular) }
         };
-        // The motion that goes with the change of tensions that lengthens held cables so.
-        let kept = |hold: Hold, right: &[f64]| {
+        // The motion that goes with a change of the tensions.
+        let pulled = |tensions: &[f64]| {
             let mut sum = Twist::default();
-            for (column, tension) in by_tension.iter().zip(held.tensions(hold, right)) {
+            for (column, tension) in by_tension.iter().zip(tensions) {
                 let by = twist(column);
-                sum.linear += tension * by.linear;
-                sum.angular += tension * by.angular;
+                sum.linear += *tension * by.linear;
+                sum.angular += *tension * by.angular;
             }
             sum
         };
@@ -141,26 +141,39 @@ impl Near {
         let opposite = |lengths: &[f64]| lengths.iter().map(|x| -x).collect::<Vec<f64>>();
         let yielding = |hold: Hold| {
             let columns = core::array::from_fn(|i| {
-                add(twist(&by_wrench[i]), kept(hold, &opposite(&by_wrench[i].lengths)))
+                let tensions = held.tensions(hold, &opposite(&by_wrench[i].lengths));
+                add(twist(&by_wrench[i]), pulled(&tensions))
             });
             let compliance = Matrix6::from_columns(&columns);
             Yield { compliance, stiffness: compliance.inverse(self.length) }
         };
+        // What the command of a cable changes of every tension.
         let command = |cable: usize| match driven_by[cable] {
             DrivenBy::Tension => {
-                let column = &by_tension[cable];
-                add(twist(column), kept(Hold::Commands, &opposite(&column.lengths)))
+                let right = opposite(&by_tension[cable].lengths);
+                let mut tensions = held.tensions(Hold::Commands, &right);
+                tensions[cable] += 1.0;
+                tensions
             }
             DrivenBy::Shortening => {
                 let right: Vec<f64> =
                     (0..cables).map(|i| if i == cable { -1.0 } else { 0.0 }).collect();
-                kept(Hold::Commands, &right)
+                held.tensions(Hold::Commands, &right)
             }
         };
+        let by_command: Vec<Vec<f64>> = (0..cables).map(command).collect();
+        let length = |i: usize, tensions: &Vec<f64>| {
+            let columns = by_tension.iter().zip(tensions);
+            columns.map(|(column, tension)| column.lengths[i] * tension).sum()
+        };
+        let lengths = |i: usize| by_command.iter().map(|tensions| length(i, tensions)).collect();
         Ok(Local {
-            actuation_jacobian: (0..cables).map(command).collect(),
-            tensions_held: yielding(Hold::Tensions),
-            lengths_held: yielding(Hold::Lengths),
+            actuation_jacobian: by_command.iter().map(|tensions| pulled(tensions)).collect(),
+            length_jacobian: (0..cables).map(lengths).collect(),
+            yields: Ok(Yields {
+                tensions_held: yielding(Hold::Tensions),
+                lengths_held: yielding(Hold::Lengths),
+            }),
             driven_by,
             means: Means::Differences { error: self.error },
         })

@@ -78,7 +78,7 @@ impl FourBar {
     }
 
     /// The section of an arc length and the fraction of it that lies behind, the whole of it at a disk.
-    fn locate(&self, arc_length: f64) -> (usize, f64) {
+    pub(super) fn locate(&self, arc_length: f64) -> (usize, f64) {
         let (section, part) = self.robot.disks().locate(arc_length);
         if part == 0.0 && section > 0 { (section - 1, 1.0) } else { (section, part) }
     }

@@ -5,7 +5,6 @@ use whipcord_numerics::{Ldlt3, Pose, SingularValues, Sym3, Twist, Vec3};
 
 use super::FourBar;
 use super::bend::Bend;
-use super::joint::Joint;
 use super::options::{LengthRule, Objective};
 use super::section::Section;
 use super::solve::{LOOSE, Workspace};
@@ -109,7 +108,7 @@ impl FourBar {
 
     fn derivatives(&self, base: Pose, workspace: &Workspace) -> Result<Derivatives, SolveError> {
         let cables = self.initial_lengths.len();
-        let bends: Vec<Bend> = workspace.joints.iter().map(|joint| bend(*joint)).collect();
+        let bends: Vec<Bend> = workspace.joints.iter().map(|joint| joint.bend()).collect();
         // By section, then by cable.
         let mut rates = vec![Vec3::ZERO; self.sections.len() * cables];
         match self.options.lengths {
@@ -186,13 +185,6 @@ fn unsupported(what: &'static str, advice: &'static str) -> SolveError {
         path: "the question for derivatives".to_owned(),
         what,
         advice,
-    }
-}
-
-fn bend(joint: Joint) -> Bend {
-    match joint {
-        Joint::Bend(bend) => bend,
-        Joint::Link(_) => Bend::STRAIGHT,
     }
 }
 

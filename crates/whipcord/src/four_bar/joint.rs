@@ -25,6 +25,14 @@ impl Joint {
         }
     }
 
+    /// The section's coordinates, straight where there are none.
+    pub fn bend(self) -> Bend {
+        match self {
+            Self::Bend(bend) => bend,
+            Self::Link(_) => Bend::STRAIGHT,
+        }
+    }
+
     /// Pose of the cross-section at the fraction `t` of the section.
     pub fn pose_at(self, t: f64, section: &Section) -> Pose {
         match self {

@@ -9,6 +9,7 @@ mod contact;
 mod derivatives;
 mod joint;
 mod length;
+mod local;
 mod measure;
 mod one_cable;
 mod options;
@@ -22,6 +23,7 @@ mod solve;
 mod tests;
 
 pub use derivatives::Derivatives;
+pub(crate) use local::solve_at;
 pub use options::{Chord, LengthRule, Objective, Options, UnknownOption};
 pub use solve::Workspace;
 

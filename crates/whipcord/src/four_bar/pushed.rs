@@ -63,6 +63,11 @@ impl Pushed {
         self.multipliers.resize(cables, 0.0);
     }
 
+    /// At an answer.
+    pub fn at(bends: Vec<Bend>, multipliers: Vec<f64>) -> Self {
+        Self { bends, multipliers, ..Self::default() }
+    }
+
     /// From the disks of an answer.
     pub fn start_from(&mut self, sections: &[Section], answer: &Solution) {
         self.reset(sections, 0);

@@ -21,6 +21,33 @@ pub struct Yield {
     pub stiffness: Option<Matrix6>,
 }
 
+/// How a place yields to a dead wrench while something is held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Yields {
+    /// With every tension held.
+    pub tensions_held: Yield,
+    /// With every taut cable locked.
+    pub lengths_held: Yield,
+}
+
+/// Why a model that says how a place moves does not say how it yields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum YieldUnknown {
+    /// No energy is least, so that nothing resists a wrench.
+    #[error(
+        "only lengths and no energy decide where it bends: take the objective strain-energy and the length rule free, or use cosserat"
+    )]
+    NoEnergy,
+    /// Every section keeps its share of each length: no one tension pulls a cable.
+    #[error(
+        "every section keeps its own part of a cable, which has no one tension: take the length rule free, or use cosserat"
+    )]
+    SharedLengths,
+    /// Nothing says how stiff the robot is.
+    #[error("its stiffness is not given: give Young's modulus and the cross-section")]
+    NoStiffness,
+}
+
 /// How one place of a robot moves with its cables and yields to a load; see
 /// [`crate::cosserat::Derivatives`] for the frames.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,10 +56,10 @@ pub struct Local {
     pub driven_by: Vec<DrivenBy>,
     /// Motion of the place with the command of each cable, the others held.
     pub actuation_jacobian: Vec<Twist>,
-    /// With every tension held.
-    pub tensions_held: Yield,
-    /// With every taut cable locked.
-    pub lengths_held: Yield,
+    /// Change of the length of each cable in m with the command of each, by rows of lengths.
+    pub length_jacobian: Vec<Vec<f64>>,
+    /// How it yields to loads, or why that is not known.
+    pub yields: Result<Yields, YieldUnknown>,
     /// Where the numbers come from.
     pub means: Means,
 }

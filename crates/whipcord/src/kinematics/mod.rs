@@ -6,5 +6,5 @@ mod local;
 mod matrix6;
 
 pub use ellipsoid::{Dexterity, PrincipalAxes, dexterity, principal_axes};
-pub use local::{DrivenBy, Local, Means, Yield};
+pub use local::{DrivenBy, Local, Means, Yield, YieldUnknown, Yields};
 pub use matrix6::Matrix6;

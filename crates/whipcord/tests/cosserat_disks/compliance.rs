@@ -68,12 +68,12 @@ fn tends_to_the_continuous_model_with_order_two() {
                 [
                     off(&jacobian(&ours.actuation_jacobian), &jacobian(&exact.actuation_jacobian)),
                     off(
-                        &entries(&ours.tensions_held.compliance),
-                        &entries(&exact.tensions_held.compliance),
+                        &entries(&ours.yields.unwrap().tensions_held.compliance),
+                        &entries(&exact.yields.unwrap().tensions_held.compliance),
                     ),
                     off(
-                        &entries(&ours.lengths_held.compliance),
-                        &entries(&exact.lengths_held.compliance),
+                        &entries(&ours.yields.unwrap().lengths_held.compliance),
+                        &entries(&exact.yields.unwrap().lengths_held.compliance),
                     ),
                 ]
             });
@@ -107,7 +107,8 @@ fn locked_cables_yield_as_solutions_of_given_lengths_do() {
     let case = locked(&robot, &loaded());
     // The place is midway between two disks.
     let at = 0.105;
-    let compliance = local(ModelKind::CosseratDisks, &robot, &case, at).lengths_held.compliance;
+    let compliance =
+        local(ModelKind::CosseratDisks, &robot, &case, at).yields.unwrap().lengths_held.compliance;
     let options = whipcord::cosserat_disks::Options {
         stations: Stations::At(vec![at]),
         accuracy: whipcord::cosserat::Accuracy::Steps(14),
@@ -151,7 +152,8 @@ fn numbers_are_in_the_frame_of_the_base() {
     case.loads.frame = LoadFrame::World;
     case.loads.tip_force = case.base.rotation.rotate(case.loads.tip_force);
     let turned = local(ModelKind::CosseratDisks, &robot, &case, 0.18);
-    let compliances = [&turned, &still].map(|local| entries(&local.tensions_held.compliance));
+    let compliances =
+        [&turned, &still].map(|local| entries(&local.yields.unwrap().tensions_held.compliance));
     assert!(off(&compliances[0], &compliances[1]) < 1e-6);
     let jacobians = [&turned, &still].map(|local| jacobian(&local.actuation_jacobian));
     assert!(off(&jacobians[0], &jacobians[1]) < 1e-6);

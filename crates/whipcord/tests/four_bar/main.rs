@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod at_a_place;
 mod derivatives;
 mod many_sections;
 mod one_cable;

@@ -5,7 +5,7 @@ use whipcord_numerics::Twist;
 use super::elimination::NodeChange;
 use super::{Derivatives, Hold, Place, Source};
 use crate::cosserat::command::Command;
-use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield};
+use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, Yields};
 
 impl Derivatives {
     /// The actuation Jacobian of a place: for the command of each cable ([`Self::command`]) the
@@ -16,22 +16,39 @@ impl Derivatives {
     #[must_use]
     pub fn actuation_jacobian(&self, at: Place) -> Vec<Twist> {
         let node = self.places.node(at);
-        self.jacobian(|cable| {
-            let place = self.place_of[cable];
-            let right: Vec<f64> = match self.commands[place] {
-                Command::Tension(_) => {
-                    self.by_tension[place].lengths.iter().map(|length| -length).collect()
-                }
-                Command::Length { .. } => {
-                    (0..self.place_of.len()).map(|i| if i == place { -1.0 } else { 0.0 }).collect()
-                }
-            };
-            let mut tensions = self.held.tensions(Hold::Commands, &right);
-            if matches!(self.commands[place], Command::Tension(_)) {
-                tensions[place] += 1.0;
+        self.jacobian(|cable| self.twist_of(node, &self.tensions_by_command(cable)))
+    }
+
+    /// How the length of each cable changes with the command of each, in m by N of tension or m of
+    /// shortening: by rows of lengths.
+    #[must_use]
+    pub fn length_by_command(&self) -> Vec<Vec<f64>> {
+        let by_command: Vec<Vec<f64>> =
+            (0..self.place_of.len()).map(|cable| self.tensions_by_command(cable)).collect();
+        let entry = |i: usize, tensions: &Vec<f64>| {
+            let columns = self.by_tension.iter().zip(tensions);
+            columns.map(|(column, tension)| column.lengths[i] * tension).sum()
+        };
+        let row = |&i: &usize| by_command.iter().map(|tensions| entry(i, tensions)).collect();
+        self.place_of.iter().map(row).collect()
+    }
+
+    /// What the command of a cable changes of every tension; those of the grid's order.
+    fn tensions_by_command(&self, cable: usize) -> Vec<f64> {
+        let place = self.place_of[cable];
+        let right: Vec<f64> = match self.commands[place] {
+            Command::Tension(_) => {
+                self.by_tension[place].lengths.iter().map(|length| -length).collect()
             }
-            self.twist_of(node, &tensions)
-        })
+            Command::Length { .. } => {
+                (0..self.place_of.len()).map(|i| if i == place { -1.0 } else { 0.0 }).collect()
+            }
+        };
+        let mut tensions = self.held.tensions(Hold::Commands, &right);
+        if matches!(self.commands[place], Command::Tension(_)) {
+            tensions[place] += 1.0;
+        }
+        tensions
     }
 
     /// The Jacobian of a place by the tensions of all cables in N, whatever drives them.
@@ -111,8 +128,11 @@ impl Derivatives {
         Ok(Local {
             driven_by: self.place_of.iter().map(driven).collect(),
             actuation_jacobian: self.actuation_jacobian(place),
-            tensions_held: yielding(Hold::Tensions)?,
-            lengths_held: yielding(Hold::Lengths)?,
+            length_jacobian: self.length_by_command(),
+            yields: Ok(Yields {
+                tensions_held: yielding(Hold::Tensions)?,
+                lengths_held: yielding(Hold::Lengths)?,
+            }),
             means: Means::Exact,
         })
     }

@@ -1,0 +1,88 @@
+//! The model that the command line chooses, with its options.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use whipcord::{Drive, Model, ModelKind, Stations, four_bar};
+
+use crate::failure::Failure;
+
+/// A model, what drives it, and what only the four-bar model has to choose.
+#[derive(Debug, Args)]
+pub struct ChosenModel {
+    /// Model
+    #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
+    kind: ModelKind,
+    /// What drives all cables; by default what the model is driven by, where the file gives it
+    #[arg(long, value_name = "WHAT")]
+    actuation: Option<Actuation>,
+    /// What four-bar minimises in its sections
+    #[arg(long, value_name = "NAME", value_parser = named::<four_bar::Objective>(
+        &["coupler-angle", "strain-energy", "as-printed"]))]
+    objective: Option<four_bar::Objective>,
+    /// How four-bar shares out what a cable is shortened by between its sections
+    #[arg(long, value_name = "NAME", value_parser = named::<four_bar::LengthRule>(
+        &["proportional", "equal", "free"]))]
+    length_rule: Option<four_bar::LengthRule>,
+}
+
+/// What drives all cables.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Actuation {
+    /// Their tensions
+    Tension,
+    /// Their shortenings
+    Shortening,
+}
+
+/// Which command of each cable counts.
+pub const fn drive(actuation: Option<Actuation>) -> Drive {
+    match actuation {
+        None => Drive::Natural,
+        Some(Actuation::Tension) => Drive::Tension,
+        Some(Actuation::Shortening) => Drive::Shortening,
+    }
+}
+
+/// Models by their names.
+pub fn model_parser() -> impl TypedValueParser<Value = ModelKind> {
+    PossibleValuesParser::new(ModelKind::ALL.map(ModelKind::name))
+        .try_map(|name| name.parse::<ModelKind>())
+}
+
+fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: core::str::FromStr<Err = four_bar::UnknownOption> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
+}
+
+impl ChosenModel {
+    /// Which command of each cable counts.
+    pub const fn drive(&self) -> Drive {
+        drive(self.actuation)
+    }
+
+    /// The model, giving the shape at the disks.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for an option that the model does not have.
+    pub fn model(&self) -> Result<Model, Failure> {
+        let mut model = Model::new(self.kind, Stations::Disks, self.drive());
+        if let Model::FourBar(options) = &mut model {
+            options.objective = self.objective.unwrap_or(options.objective);
+            options.lengths = self.length_rule.unwrap_or(options.lengths);
+            return Ok(model);
+        }
+        let given = [
+            ("--objective", self.objective.is_some()),
+            ("--length-rule", self.length_rule.is_some()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            None => Ok(model),
+            Some((option, _)) => Err(Failure::Input(format!(
+                "error: {option} is an option of four-bar, not of {}: leave it out, or give --model four-bar",
+                self.kind
+            ))),
+        }
+    }
+}

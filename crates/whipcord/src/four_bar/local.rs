@@ -1,0 +1,103 @@
+//! How a robot moves and yields at a place: with the lengths, eq. (12), and where the strain energy is known to
+//! wrenches, eqs. (14) to (16).
+
+use whipcord_numerics::{Twist, UnitQuaternion};
+
+use super::FourBar;
+use super::options::{LengthRule, Objective, Options};
+use super::pushed::{Load, Pushed};
+use super::solve::Workspace;
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, YieldUnknown, Yields};
+use crate::model::Stations;
+use crate::robot::Robot;
+use crate::shape::{Solution, Wrench};
+
+/// The answer, and how the place at an arc length in m moves and, if known, yields.
+///
+/// # Errors
+/// As [`FourBar::solve_with_derivatives`].
+pub(crate) fn solve_at(
+    options: &Options,
+    robot: &Robot,
+    case: &Case,
+    arc_length: f64,
+) -> Result<(Solution, Local), SolveError> {
+    let options = Options { stations: Stations::At(vec![arc_length]), ..options.clone() };
+    let model = FourBar::new(robot, &options)?;
+    let mut workspace = Workspace::default();
+    let (solution, derivatives) = model.solve_with_derivatives(case, &mut workspace)?;
+    let to_base = case.base.rotation.conjugate();
+    let cables = robot.cables().len();
+    let local = Local {
+        driven_by: vec![DrivenBy::Shortening; cables],
+        actuation_jacobian: derivatives.station(0).iter().map(|t| turned(to_base, *t)).collect(),
+        length_jacobian: (0..cables).map(|cable| derivatives.length(cable).to_vec()).collect(),
+        yields: match model.newtons() {
+            Err(unknown) => Err(unknown),
+            Ok(scale) => Ok(model.yields(arc_length, scale, &solution, &workspace)?),
+        },
+        means: Means::Exact,
+    };
+    Ok((solution, local))
+}
+
+fn turned(rotation: UnitQuaternion, Twist { linear, angular }: Twist) -> Twist {
+    Twist { linear: rotation.rotate(linear), angular: rotation.rotate(angular) }
+}
+
+impl FourBar {
+    /// Newtons by the model's own measure of force, or why it says nothing of wrenches.
+    fn newtons(&self) -> Result<f64, YieldUnknown> {
+        if self.options.objective != Objective::StrainEnergy {
+            return Err(YieldUnknown::NoEnergy);
+        }
+        if self.options.lengths != LengthRule::Free {
+            return Err(YieldUnknown::SharedLengths);
+        }
+        self.tension_scale.ok_or(YieldUnknown::NoStiffness)
+    }
+
+    /// How a place yields in an answer, whose joints are in the workspace.
+    fn yields(
+        &self,
+        arc_length: f64,
+        scale: f64,
+        answer: &Solution,
+        workspace: &Workspace,
+    ) -> Result<Yields, SolveError> {
+        let mut pushed = Pushed::at(
+            workspace.joints.iter().map(|joint| joint.bend()).collect(),
+            answer.cables.iter().map(|c| c.tension.unwrap_or(0.0) / scale).collect(),
+        );
+        let (section, part) = self.locate(arc_length);
+        let load = Load { section, part, wrench: Wrench::default() };
+        let length = self.robot.backbone().length;
+        let mut under = |lengths: &[f64]| -> Result<Yield, SolveError> {
+            let (mut entries, mut drift) = (Vec::new(), Vec::new());
+            pushed
+                .linearise(&self.sections, lengths, &[])
+                .map_err(|_| SolveError::NoDerivatives)?;
+            pushed.compliance(&self.sections, &[load], &mut entries, &mut drift);
+            let columns = core::array::from_fn(|j| {
+                let entry = |i: usize| entries[6 * i + j] / scale;
+                Twist {
+                    linear: [entry(0), entry(1), entry(2)].into(),
+                    angular: [entry(3), entry(4), entry(5)].into(),
+                }
+            });
+            if !columns.iter().all(|t: &Twist| t.linear.is_finite() && t.angular.is_finite()) {
+                return Err(SolveError::NoDerivatives);
+            }
+            let compliance = Matrix6::from_columns(&columns);
+            Ok(Yield { compliance, stiffness: compliance.inverse(length) })
+        };
+        // A cable that may be as long as it likes keeps its tension, and so does one that is slack.
+        let free = vec![f64::INFINITY; answer.cables.len()];
+        let pulls = |cable: &crate::CableState| cable.tension.is_some_and(|tension| tension > 0.0);
+        let held = |cable| if pulls(cable) { cable.length } else { f64::INFINITY };
+        let locked: Vec<f64> = answer.cables.iter().map(held).collect();
+        Ok(Yields { tensions_held: under(&free)?, lengths_held: under(&locked)? })
+    }
+}
