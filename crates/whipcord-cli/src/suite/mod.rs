@@ -1,5 +1,6 @@
 //! Cases that the program brings along to try models on.
 
+mod contact;
 mod routing;
 
 use clap::ValueEnum;
@@ -8,13 +9,13 @@ use whipcord_io::{Inexpressible, describe, toml};
 
 use crate::quantity::degrees;
 use crate::table::{Align, Table};
-use crate::trial::{Subject, Tags};
+use crate::trial::{Burden, Subject, Tags};
 
 /// A suite of cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Suite {
     /// Straight, helical, S-shaped, converging and crossing cables; 5 to 100 sections; bent by 30° to 270°;
-    /// without and with a load
+    /// without and with a load; against a wall, a ball and in a pipe
     Routing,
 }
 
@@ -40,7 +41,11 @@ impl Suite {
     /// None: the numbers are valid, as a test shows.
     pub fn cases(self) -> Result<Vec<SuiteCase>, RobotError> {
         match self {
-            Self::Routing => routing::cases(),
+            Self::Routing => {
+                let mut cases = routing::cases()?;
+                cases.extend(contact::cases()?);
+                Ok(cases)
+            }
         }
     }
 }
@@ -74,7 +79,7 @@ pub fn list(cases: &[SuiteCase]) -> Table {
         ("routing", Align::Left),
         ("sections", Align::Right),
         ("bending", Align::Right),
-        ("load", Align::Left),
+        ("load or obstacle", Align::Left),
     ]);
     table.group();
     for case in cases {
@@ -83,7 +88,10 @@ pub fn list(cases: &[SuiteCase]) -> Table {
             case.tags.routing.to_owned(),
             (case.robot.disks().count() - 1).to_string(),
             degrees(case.tags.bending),
-            if case.tags.loaded { "force at the tip" } else { "" }.to_owned(),
+            match case.tags.burden {
+                Burden::None => String::new(),
+                burden => burden.name().to_owned(),
+            },
         ]);
     }
     table

@@ -7,12 +7,12 @@ use whipcord::{
 };
 
 use super::SuiteCase;
-use crate::trial::Tags;
+use crate::trial::{Burden, Tags};
 
 /// The paper's prototype: length, diameter and hole circle in m, Young's modulus in Pa, Poisson's ratio.
-const LENGTH: f64 = 0.18;
+pub(super) const LENGTH: f64 = 0.18;
 const DIAMETER: f64 = 0.003;
-const RADIUS: f64 = 0.008;
+pub(super) const RADIUS: f64 = 0.008;
 const YOUNG_MODULUS: f64 = 1.1e9;
 const POISSON_RATIO: f64 = 0.3;
 
@@ -67,7 +67,7 @@ pub(super) fn cases() -> Result<Vec<SuiteCase>, RobotError> {
     Ok(cases)
 }
 
-fn robot(sections: usize, routings: &[Routing]) -> Result<Robot, RobotError> {
+pub(super) fn robot(sections: usize, routings: &[Routing]) -> Result<Robot, RobotError> {
     let backbone = Backbone {
         section: Some(Section::circle(DIAMETER)),
         material: Material {
@@ -91,14 +91,19 @@ fn bending_stiffness() -> f64 {
     YOUNG_MODULUS * PI * DIAMETER.powi(4) / 64.0
 }
 
-fn case(routing: &'static str, robot: &Robot, degrees: f64, loaded: bool) -> SuiteCase {
-    let (stiffness, bending) = (bending_stiffness(), degrees.to_radians());
+/// With the tensions that bend a robot of straight cables so.
+pub(super) fn pulled(robot: &Robot, bending: f64) -> Case {
     let cables = robot.cables().len();
-    let tension = bending * stiffness / (RADIUS * LENGTH * cables as f64);
+    let tension = bending * bending_stiffness() / (RADIUS * LENGTH * cables as f64);
+    Case::with_tensions(&vec![tension; cables])
+}
+
+fn case(routing: &'static str, robot: &Robot, degrees: f64, loaded: bool) -> SuiteCase {
+    let bending = degrees.to_radians();
     let sections = robot.disks().count() - 1;
-    let mut case = Case::with_tensions(&vec![tension; cables]);
+    let mut case = pulled(robot, bending);
     if loaded {
-        let force = LOAD * stiffness / (LENGTH * LENGTH);
+        let force = LOAD * bending_stiffness() / (LENGTH * LENGTH);
         case.loads = Loads { tip_force: Vec3::new(0.0, force, 0.0), ..Loads::default() };
     }
     let (name, load) = (routing.to_lowercase(), if loaded { "-loaded" } else { "" });
@@ -110,7 +115,11 @@ fn case(routing: &'static str, robot: &Robot, degrees: f64, loaded: bool) -> Sui
         ),
         robot: robot.clone(),
         case,
-        tags: Tags { routing, bending, loaded },
+        tags: Tags {
+            routing,
+            bending,
+            burden: if loaded { Burden::TipForce } else { Burden::None },
+        },
     }
 }
 
@@ -126,8 +135,9 @@ mod tests {
 
     #[test]
     fn cases_are_valid_and_written_as_files_that_say_the_same() {
-        let cases = cases().unwrap();
+        let mut cases = cases().unwrap();
         assert_eq!(cases.len(), 5 * (5 + 2) * 4);
+        cases.extend(super::super::contact::cases().unwrap());
         for case in &cases {
             case.case.check(&case.robot).unwrap();
             let file = whipcord_io::parse(&case.file().unwrap(), &case.stem).unwrap();
@@ -144,7 +154,8 @@ mod tests {
     #[test]
     fn straight_cables_bend_the_robot_as_the_suite_says() {
         let model = Model::new(ModelKind::Cosserat, Stations::Disks, Drive::Natural);
-        let straight = |case: &SuiteCase| case.tags.routing == "straight" && !case.tags.loaded;
+        let straight =
+            |case: &SuiteCase| case.tags.routing == "straight" && case.tags.burden == Burden::None;
         for case in cases().unwrap().iter().filter(|case| straight(case)) {
             let answer = model.solve(&case.robot, &case.case).unwrap();
             let tip = answer.disks.tip().rotation.log().norm();
@@ -167,7 +178,7 @@ mod tests {
         let reference = Choice::Model { kind: ModelKind::CosseratDisks, fine: false };
         let results = Results::of(&subjects, &kinds, reference, |_| ());
         for trial in &results.trials {
-            let loaded = trial.tags.unwrap().loaded;
+            let loaded = trial.tags.unwrap().burden != Burden::None;
             for entry in &trial.entries {
                 let geometric = entry.contender.kind == ModelKind::FourBar;
                 assert_eq!(entry.outcome.is_err(), loaded && geometric, "{}", trial.title);

@@ -48,8 +48,36 @@ pub struct Tags {
     pub routing: &'static str,
     /// By how much it is bent, in rad, as the suite counts it.
     pub bending: f64,
-    /// Whether it carries a load.
-    pub loaded: bool,
+    /// What else acts on it.
+    pub burden: Burden,
+}
+
+/// What acts on the robot of a case of a suite, beside its cables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Burden {
+    /// Nothing.
+    None,
+    /// A force at the tip.
+    TipForce,
+    /// A half-space that it leans against.
+    Wall,
+    /// A sphere that it closes round.
+    Ball,
+    /// A bore that its lower half is in.
+    Pipe,
+}
+
+impl Burden {
+    /// In tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::TipForce => "force at the tip",
+            Self::Wall => "wall",
+            Self::Ball => "ball",
+            Self::Pipe => "pipe",
+        }
+    }
 }
 
 impl Subject<'_> {

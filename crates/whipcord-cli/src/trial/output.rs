@@ -27,7 +27,7 @@ pub fn csv(results: &Results) -> CsvTable {
         "sections",
         "routing",
         "bending",
-        "loaded",
+        "burden",
         "reference",
         "reference_uncertainty",
         "model",
@@ -72,7 +72,7 @@ fn identity(trial: &Trial) -> [Cell; 8] {
         Cell::from(trial.sections),
         text(tags.map(|tags| tags.routing)),
         Cell::from(tags.map(|tags| tags.bending)),
-        text(tags.map(|tags| if tags.loaded { "true" } else { "false" })),
+        text(tags.map(|tags| tags.burden.name())),
         text(yardstick.map(|yardstick| yardstick.name.as_str())),
         Cell::from(yardstick.and_then(|yardstick| yardstick.uncertainty)),
     ]
@@ -138,8 +138,8 @@ fn trial_json(path: &str, trial: &Trial) -> Result<Value, NonFinite> {
         "stem": trial.stem,
         "sections": trial.sections,
         "length": json_number(|| format!("{path}.length"), trial.length)?,
-        "tags": trial.tags.map(|Tags { routing, bending, loaded }| {
-            json!({ "routing": routing, "bending": bending, "loaded": loaded })
+        "tags": trial.tags.map(|Tags { routing, bending, burden }| {
+            json!({ "routing": routing, "bending": bending, "burden": burden.name() })
         }),
         "reference": reference,
         "no_reference": trial.yardstick.as_ref().err().map(ToString::to_string),

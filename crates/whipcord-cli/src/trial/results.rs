@@ -47,7 +47,9 @@ impl Results {
             each("many sections");
             // What was measured was measured on the robot as it is.
             let choice = if choice == Choice::Measured { Choice::Trusted } else { choice };
-            let cut = subjects.iter().filter_map(|subject| {
+            // Among obstacles it is the contacts that take the time.
+            let free = subjects.iter().filter(|subject| subject.case.obstacles.is_empty());
+            let cut = free.filter_map(|subject| {
                 let robot = resample(subject.robot, CUT_INTO).ok()?;
                 Some(Trial::new(
                     &Subject { robot: &robot, measured: None, ..*subject },

@@ -3,7 +3,7 @@
 use super::contender::Contender;
 use super::standing::Standing;
 use super::tables::percent;
-use super::{Tags, Trial};
+use super::{Burden, Tags, Trial};
 use crate::quantity::degrees;
 use crate::table::{Align, Table};
 use crate::timing::duration;
@@ -31,7 +31,7 @@ pub fn tables(trials: &[Trial], contenders: &[Contender]) -> Vec<(String, Table)
     let unloaded: Vec<(String, Vec<&Trial>)> = sections
         .iter()
         .map(|(name, trials)| {
-            let free = |trial: &&&Trial| trial.tags.is_some_and(|tags| !tags.loaded);
+            let free = |trial: &&&Trial| trial.tags.is_some_and(|tags| tags.burden == Burden::None);
             (name.clone(), trials.iter().filter(free).copied().collect())
         })
         .collect();
@@ -54,12 +54,8 @@ pub fn tables(trials: &[Trial], contenders: &[Contender]) -> Vec<(String, Table)
             table(&by(&|_, tags| degrees(tags.bending)), contenders, &error),
         ),
         (
-            "Median error, %, by load".to_owned(),
-            table(
-                &by(&|_, tags| if tags.loaded { "force at the tip" } else { "none" }.to_owned()),
-                contenders,
-                &error,
-            ),
+            "Median error, %, by load and obstacle".to_owned(),
+            table(&by(&|_, tags| tags.burden.name().to_owned()), contenders, &error),
         ),
         (
             "Median time without load, by number of sections".to_owned(),

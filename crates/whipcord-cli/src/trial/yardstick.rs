@@ -150,8 +150,9 @@ fn measured(subject: &Subject) -> Option<Yardstick> {
 /// resolution; where that gives no answer, as it is; and then the other rod.
 fn trusted(subject: &Subject) -> Result<Yardstick, NoYardstick> {
     let robot = subject.robot;
-    let through_holes =
-        robot.cables().iter().any(|cable| matches!(cable.routing, Routing::Holes { .. }));
+    // Robots of a suite are like real ones, whose files list their holes.
+    let through_holes = subject.tags.is_some()
+        || robot.cables().iter().any(|cable| matches!(cable.routing, Routing::Holes { .. }));
     let kinds = if through_holes && subject.sections() <= FEW_SECTIONS {
         [ModelKind::CosseratDisks, ModelKind::Cosserat]
     } else {

@@ -45,6 +45,9 @@ pub struct CompareArgs {
     /// Cases that the program brings along instead of files
     #[arg(long, value_enum)]
     suite: Option<Suite>,
+    /// Of the suite, only the cases whose names contain one of these texts
+    #[arg(long, value_name = "TEXT", requires = "suite")]
+    only: Vec<String>,
     /// Print the cases of the suite and solve none
     #[arg(long)]
     list: bool,
@@ -77,21 +80,25 @@ pub fn run(args: &CompareArgs, style: Style) -> Result<String, Failure> {
 }
 
 fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, Failure> {
-    let cases = suite.cases().map_err(|error| Failure::Input(format!("error: {error}")))?;
+    let mut cases = suite.cases().map_err(|error| Failure::Input(format!("error: {error}")))?;
+    if !args.only.is_empty() {
+        cases.retain(|case| args.only.iter().any(|text| case.stem.contains(text)));
+    }
+    if cases.is_empty() {
+        return Err(Failure::Input(format!(
+            "error: no case of the suite has {} in its name: --list says what they are called",
+            args.only.join(" or ")
+        )));
+    }
     if args.list {
         return Ok(suite::list(&cases).text(style));
     }
     if let Some(path) = &args.write {
         return write_suite(path, &cases);
     }
-    // As on a real robot, which the holes that a file lists would say.
-    let reference = match args.reference {
-        Choice::Trusted => Choice::Model { kind: ModelKind::CosseratDisks, fine: true },
-        choice => choice,
-    };
     let subjects: Vec<Subject> = cases.iter().map(SuiteCase::subject).collect();
     let progress = progress::bar(subjects.len());
-    let results = Results::of(&subjects, &kinds(args), reference, |title| {
+    let results = Results::of(&subjects, &kinds(args), args.reference, |title| {
         progress.set_message(title.to_owned());
         progress.inc(1);
     });
