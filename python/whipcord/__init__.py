@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from . import errors, models
 from ._core import VERSION as __version__
 from .batch import Batch, Gradients
+from .benchmarking import Benchmark, Finding, Row, Standing, benchmark, suite
 from .calibration import Calibration
 from .camera import Camera, Located
 from .case import Case, load
@@ -47,6 +48,7 @@ __all__ = [
     "Backbone",
     "Base",
     "Batch",
+    "Benchmark",
     "Branches",
     "Cable",
     "CableState",
@@ -67,6 +69,7 @@ __all__ = [
     "Equilibrium",
     "Estimate",
     "FileError",
+    "Finding",
     "Fit",
     "FitError",
     "Gradient",
@@ -89,18 +92,21 @@ __all__ = [
     "Reference",
     "Robot",
     "Routing",
+    "Row",
     "Run",
     "Section",
     "SectionStiffness",
     "Shape",
     "Solution",
     "SolveError",
+    "Standing",
     "Step",
     "Touch",
     "Unknown",
     "Unresolved",
     "WhipcordError",
     "__version__",
+    "benchmark",
     "compare",
     "errors",
     "fit",
@@ -110,6 +116,7 @@ __all__ = [
     "overlay",
     "plot",
     "solve_cases",
+    "suite",
 ]
 
 

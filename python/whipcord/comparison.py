@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 
 from . import _core, models
 from ._packages import needed
+from .benchmarking import Benchmark, benchmark
 from .case import Case
 from .errors import InputError, WhipcordError
 from .models import ModelLike
@@ -82,15 +84,26 @@ class Comparison:
     ['cosserat', 'cosserat-disks', 'four-bar']
     >>> bool(comparison["cosserat-disks"].distance < 0.004)
     True
+    >>> print(compare(case, by=["cosserat", "four-bar"]).benchmark.verdict[2].text)  # doctest: +ELLIPSIS
+    four-bar, ...
     """
 
     case: Case
     """The case."""
     runs: tuple[Run, ...]
     """One for each model."""
+    reference: str
+    """What the benchmark measures errors against."""
 
-    def __init__(self, case: Case, runs: Sequence[Run]) -> None:
-        self.case, self.runs = case, tuple(runs)
+    def __init__(self, case: Case, runs: Sequence[Run], reference: str = "trusted") -> None:
+        self.case, self.runs, self.reference = case, tuple(runs), reference
+
+    @cached_property
+    def benchmark(self) -> Benchmark:
+        """How far each of these models, by its name and with its variants, is from the reference, how long it takes,
+        and which to use for what; it is tried when it is first asked for."""
+        names = list(dict.fromkeys(run.model for run in self.runs))
+        return benchmark(self.case, by=names, reference=self.reference)
 
     @property
     def solutions(self) -> dict[str, Solution]:
@@ -148,7 +161,7 @@ class Comparison:
         return "\n".join(lines) + ">"
 
 
-def compare(case: Case, *, by: Sequence[ModelLike] = models.NAMES) -> Comparison:
+def compare(case: Case, *, by: Sequence[ModelLike] = models.NAMES, reference: str = "trusted") -> Comparison:
     """Solves a case with every model, each driven by what it is driven by.
 
     A model that does not take the case is a run with its error.
@@ -159,6 +172,8 @@ def compare(case: Case, *, by: Sequence[ModelLike] = models.NAMES) -> Comparison
         The case.
     by
         The models; all of them by default.
+    reference
+        What :attr:`Comparison.benchmark` measures errors against, as for :func:`whipcord.benchmark`.
 
     Raises
     ------
@@ -184,7 +199,7 @@ def compare(case: Case, *, by: Sequence[ModelLike] = models.NAMES) -> Comparison
         measured = _to_measured(solution)
         rms = measured.rms if isinstance(measured, Distances) else None
         runs.append(Run(_name(model), solution, None, distance, rms, measured))
-    return Comparison(case, runs)
+    return Comparison(case, runs, reference)
 
 
 def _number(value: float | None) -> float:

@@ -11,6 +11,7 @@ mod files;
 pub mod fitting;
 mod html;
 mod inputs;
+pub mod judging;
 mod paths;
 mod photographs;
 mod progress;

@@ -4,6 +4,7 @@
 //! of errors; what is pleasant to use from Python is written in Python, in `python/whipcord`.
 
 mod batch;
+mod benchmark;
 mod besides;
 mod calibration;
 mod camera;
@@ -33,6 +34,8 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 mod _core {
     #[pymodule_export]
     use super::batch::{Outcomes, pull_back_batch, solve_batch, solve_cases};
+    #[pymodule_export]
+    use super::benchmark::{benchmark, suite};
     #[pymodule_export]
     use super::besides::distances;
     #[pymodule_export]

@@ -148,7 +148,7 @@ impl Model {
     }
 }
 
-fn named<T: FromStr<Err: ToString>>(py: Python<'_>, path: &str, name: &str) -> PyResult<T> {
+pub fn named<T: FromStr<Err: ToString>>(py: Python<'_>, path: &str, name: &str) -> PyResult<T> {
     name.parse().map_err(|error: T::Err| errors::input(py, path, error.to_string()))
 }
 

@@ -72,6 +72,14 @@ impl SuiteCase {
     }
 }
 
+/// Those whose names contain one of these texts, without any all of them; `None` where there is none.
+pub fn only(mut cases: Vec<SuiteCase>, texts: &[String]) -> Option<Vec<SuiteCase>> {
+    if !texts.is_empty() {
+        cases.retain(|case| texts.iter().any(|text| case.stem.contains(text)));
+    }
+    (!cases.is_empty()).then_some(cases)
+}
+
 /// What the cases are, one to a line.
 pub fn list(cases: &[SuiteCase]) -> Table {
     let mut table = Table::new([

@@ -80,16 +80,13 @@ pub fn run(args: &CompareArgs, style: Style) -> Result<String, Failure> {
 }
 
 fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, Failure> {
-    let mut cases = suite.cases().map_err(|error| Failure::Input(format!("error: {error}")))?;
-    if !args.only.is_empty() {
-        cases.retain(|case| args.only.iter().any(|text| case.stem.contains(text)));
-    }
-    if cases.is_empty() {
+    let cases = suite.cases().map_err(|error| Failure::Input(format!("error: {error}")))?;
+    let Some(cases) = suite::only(cases, &args.only) else {
         return Err(Failure::Input(format!(
             "error: no case of the suite has {} in its name: --list says what they are called",
             args.only.join(" or ")
         )));
-    }
+    };
     if args.list {
         return Ok(suite::list(&cases).text(style));
     }
