@@ -125,7 +125,7 @@ class Finding:
     """A sentence or two of the verdict."""
 
     topic: str
-    """``"control"``, ``"design"``, ``"unknown-material"``, ``"many-sections"``, or ``"paper"``."""
+    """``"control"``, ``"design"``, ``"unknown-material"``, ``"many-sections"``, ``"obstacles"``, or ``"paper"``."""
     model: str | None
     """The model to use, where there is one,"""
     variant: str | None
@@ -259,7 +259,7 @@ def suite(name: str = "routing", *, only: Sequence[str] = ()) -> dict[str, Case]
     Examples
     --------
     >>> len(suite()), list(suite(only=["ball-9"]))
-    (152, ['ball-9-60', 'ball-9-90'])
+    (152, ['ball-9-30', 'ball-9-90'])
     """
     return {stem: Case._of(setup) for stem, setup in _core.suite(name, _texts(only))}
 

@@ -100,6 +100,8 @@ pub struct Trial {
     pub length: f64,
     /// What it stands for in a suite.
     pub tags: Option<Tags>,
+    /// Whether anything stands in the robot's way.
+    pub among_obstacles: bool,
     /// What is measured against, or why there is nothing.
     pub yardstick: Result<Yardstick, NoYardstick>,
     /// One for each contender.
@@ -178,6 +180,7 @@ impl Trial {
             sections: subject.sections(),
             length: subject.robot.backbone().length,
             tags: subject.tags,
+            among_obstacles: !subject.case.obstacles.is_empty(),
             yardstick,
             entries,
         }

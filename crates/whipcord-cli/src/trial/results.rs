@@ -73,7 +73,13 @@ impl Results {
     }
 
     fn evidence(&self) -> Evidence {
-        let trials = judged(&self.trials);
+        // Obstacles, which few models take, and which take their time, are a question of their own where there
+        // are robots without.
+        let (touching, free): (Vec<&Trial>, Vec<&Trial>) =
+            judged(&self.trials).into_iter().partition(|trial| trial.among_obstacles);
+        let standings = |trials: &[&Trial]| Standing::of_all(&self.contenders, trials);
+        let (trials, touching) =
+            if free.is_empty() { (touching, Vec::new()) } else { (free, touching) };
         let mut kinds = trials.iter().map(|trial| trial.yardstick.as_ref().ok()?.kind);
         let first = kinds.next().flatten();
         let many = if self.cut.is_empty() {
@@ -82,12 +88,13 @@ impl Results {
             judged(&self.cut)
         };
         Evidence {
-            standings: self.standings(),
+            standings: standings(&trials),
+            among_obstacles: (!touching.is_empty()).then(|| standings(&touching)),
             reference: first.filter(|_| kinds.all(|kind| kind == first)),
             duels: self.duels(&trials),
             many: many.iter().map(|trial| trial.sections).min().map(|sections| Many {
                 sections,
-                standings: Standing::of_all(&self.contenders, &many),
+                standings: standings(&many),
                 duels: self.duels(&many),
             }),
         }

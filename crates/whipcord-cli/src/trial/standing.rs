@@ -170,6 +170,7 @@ mod tests {
             sections: 9,
             length: 2.0,
             tags: None,
+            among_obstacles: false,
             yardstick: Yardstick::new(&subject, reference),
             entries: [A, B].into_iter().zip(results).map(entry).collect(),
         }

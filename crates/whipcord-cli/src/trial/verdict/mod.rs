@@ -42,6 +42,8 @@ pub enum Topic {
     UnknownMaterial,
     /// Which model when there are many sections.
     ManySections,
+    /// Which model among obstacles.
+    Obstacles,
     /// Whether the paper's conclusion holds.
     Paper,
 }
@@ -54,6 +56,7 @@ impl Topic {
             Self::Design => "design",
             Self::UnknownMaterial => "unknown-material",
             Self::ManySections => "many-sections",
+            Self::Obstacles => "obstacles",
             Self::Paper => "paper",
         }
     }
@@ -65,6 +68,7 @@ impl Topic {
             Self::Design => "Design",
             Self::UnknownMaterial => "Material unknown",
             Self::ManySections => "Many sections",
+            Self::Obstacles => "Obstacles",
             Self::Paper => "The paper's conclusion",
         }
     }
@@ -86,8 +90,11 @@ pub struct Finding {
 /// What a verdict is derived from.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
-    /// How each contender did on the cases that there is a reference for.
+    /// How each contender did on the cases that there is a reference for: on those without obstacles, where there
+    /// are any.
     pub standings: Vec<Standing>,
+    /// How each did among obstacles, where others are without.
+    pub among_obstacles: Option<Vec<Standing>>,
     /// The model that is the reference, where one alone is.
     pub reference: Option<ModelKind>,
     /// The four-bar model against each of the Cosserat model's variants.
@@ -114,6 +121,7 @@ pub fn verdict(evidence: &Evidence) -> Vec<Finding> {
     }
     let mut findings = vec![control(evidence), design(evidence), unknown_material(evidence)];
     findings.extend(evidence.many.as_ref().map(many_sections));
+    findings.extend(evidence.among_obstacles.as_deref().map(obstacles));
     findings.extend(paper(evidence));
     findings
 }
@@ -281,30 +289,50 @@ fn unknown_material(evidence: &Evidence) -> Finding {
     )
 }
 
-/// The fastest that is near enough with many sections.
+/// The fastest that is near enough with many sections, beside the other models as they are.
 fn many_sections(many: &Many) -> Finding {
-    let sections = many.sections;
-    let near = complete(many.standings.iter()).filter(|s| worst(s) <= TOLERANCE);
+    let (of_them, sections) = (format!("with {} of them", many.sections), many.sections);
+    let usual = |s: &Standing| s.contender.variant == Variant::Usual;
+    fastest(
+        Topic::ManySections,
+        &many.standings,
+        &of_them,
+        &format!("with {sections} sections"),
+        usual,
+    )
+}
+
+/// The fastest that is near enough among obstacles, beside the others that know contact.
+fn obstacles(standings: &[Standing]) -> Finding {
+    let cases = standings.first().map_or(0, |standing| standing.of);
+    let those = if cases == 1 { "in the 1 case".to_owned() } else { format!("in {cases} cases") };
+    fastest(Topic::Obstacles, standings, &those, "among obstacles", |_| true)
+}
+
+/// The fastest that is near enough, beside some others; what its figures are of stands before them.
+fn fastest(
+    topic: Topic,
+    standings: &[Standing],
+    before: &str,
+    place: &str,
+    others: impl Fn(&Standing) -> bool,
+) -> Finding {
+    let near = complete(standings.iter()).filter(|s| worst(s) <= TOLERANCE);
     let Some(best) = least(near, time) else {
-        return none(
-            Topic::ManySections,
-            format!(
-                "with {sections} sections no model that answers every case is within {}.",
-                share(TOLERANCE)
-            ),
-        );
+        let text =
+            format!("{place} no model that answers every case is within {}.", share(TOLERANCE));
+        return none(topic, text);
     };
     let (contender, took) = (best.contender, duration(time(best)));
-    let others = complete(many.standings.iter())
-        .filter(|s| s.contender.variant == Variant::Usual && s.contender.kind != contender.kind);
-    let others: Vec<String> =
-        others.map(|s| format!("{} takes {}", s.contender, duration(time(s)))).collect();
+    let others: Vec<String> = complete(standings.iter())
+        .filter(|s| s.contender.kind != contender.kind && others(s))
+        .map(|s| format!("{} takes {}", s.contender, duration(time(s))))
+        .collect();
     let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
     let off = share(worst(best));
-    let text = format!(
-        "with {sections} of them {contender}: {took} a solve, at most {off} from the reference{others}."
-    );
-    found(Topic::ManySections, best, text)
+    let text =
+        format!("{before} {contender}: {took} a solve, at most {off} from the reference{others}.");
+    found(topic, best, text)
 }
 
 /// "Faster", "accurate enough", "beyond 50 sections rather the Cosserat model": each claim by the figures.

@@ -158,6 +158,27 @@ fn many_sections_take_the_fastest_that_is_near_enough() {
 }
 
 #[test]
+fn obstacles_are_a_question_of_their_own() {
+    let strain = Contender { variant: Variant::StrainEnergy, ..FOUR_BAR };
+    let free = vec![standing(COSSERAT, 4, 0.03, 12e-6), standing(DISKS, 4, 0.0, 3e-4)];
+    let touching = vec![
+        standing(COSSERAT, 4, 1e-4, 0.04),
+        standing(STEPS, 4, 1e-4, 0.03),
+        standing(DISKS, 0, 0.0, 0.0),
+        standing(FOUR_BAR, 0, 0.0, 0.0),
+        standing(strain, 4, 0.015, 2e-3),
+    ];
+    let all = Evidence { among_obstacles: Some(touching), ..evidence(free) };
+    let found = verdict(&all);
+    // A model that knows no contact is not passed over where nothing is in the way.
+    assert_eq!((found[0].choice, found[1].choice), (Some(DISKS), Some(DISKS)));
+    let last = found.last().unwrap();
+    assert_eq!((last.topic, last.choice), (Topic::Obstacles, Some(strain)));
+    let expected = "in 4 cases four-bar, strain energy: 2.00 ms a solve, at most 1.5 % of the length from the reference; cosserat takes 40.00 ms, cosserat, step a section takes 30.00 ms.";
+    assert_eq!(last.text, expected);
+}
+
+#[test]
 fn the_paper_is_confirmed_where_its_figures_are() {
     let found =
         paper_of(vec![(COSSERAT, duel(4.6, [0.0117 * 0.99, 0.0116]))], Some(duel(0.5, [0.0; 2])));
