@@ -9,13 +9,19 @@ VENV ?= target/venv
 TORCH_PYTHON ?= /usr/bin/python3
 TORCH_VENV ?= target/venv-torch
 
+# The viewer's page, which is TypeScript: built by Node 20.19 or later, tested in the system's Chromium. All else needs neither.
+PAGE := crates/whipcord-viewer/page
+NPM ?= npm
+CHROMIUM ?= $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
+HAS_NODE := command -v $(NPM) >/dev/null && node -e 'const [a, b] = process.versions.node.split("."); process.exit(a > 20 || (a == 20 && b >= 19) ? 0 : 1)' 2>/dev/null
+
 # The same random cases each time: what is found by others is found on purpose, with another number
 # here, and becomes a test of its own.
 export PROPTEST_RNG_SEED ?= 1
 
-.PHONY: test test-rust fmt fmt-check lint doc test-debug test-release bench-build bench wheel installed test-python test-torch docs test-docs bench-python
+.PHONY: test test-rust page page-where-node test-page fmt fmt-check lint doc test-debug test-release bench-build bench wheel installed test-python test-torch docs test-docs bench-python
 
-test: test-rust test-python test-torch test-docs
+test: page-where-node test-rust test-page test-python test-torch test-docs
 
 # All that needs Rust alone.
 test-rust: fmt-check lint doc test-debug test-release bench-build
@@ -45,12 +51,39 @@ bench-build:
 bench:
 	$(CARGO) bench --workspace --locked
 
+$(PAGE)/node_modules/.package-lock.json: $(PAGE)/package-lock.json $(PAGE)/package.json
+	cd $(PAGE) && $(NPM) ci
+	touch $@
+
+# The viewer's page, which the next build of Rust embeds.
+page: $(PAGE)/node_modules/.package-lock.json
+	cd $(PAGE) && $(NPM) run check && $(NPM) run build
+
+page-where-node:
+	@if $(HAS_NODE); then \
+	    $(MAKE) --no-print-directory page; \
+	else \
+	    echo "skipped: no Node 20.19 or later with npm, so that \`whipcord view\` is built without its page" >&2; \
+	fi
+
+# The page by itself, and in a browser beside `whipcord view`. Screenshots go to target/viewer.
+test-page: page-where-node
+	@if $(HAS_NODE) && [ -n "$(CHROMIUM)" ]; then \
+	    set -ex; \
+	    $(CARGO) build --workspace --bins --locked; \
+	    cd $(PAGE); \
+	    $(NPM) test; \
+	    CHROMIUM="$(CHROMIUM)" $(NPM) run browser; \
+	else \
+	    echo "skipped: the viewer's page is tested with Node 20.19 or later and Chromium (Debian: apt-get install nodejs npm chromium)" >&2; \
+	fi
+
 $(VENV)/bin/maturin:
 	$(PYTHON) -m venv $(VENV)
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check "maturin>=1.9.4,<2"
 
 # The Python package, in target/wheels.
-wheel: $(VENV)/bin/maturin
+wheel: $(VENV)/bin/maturin page-where-node
 	rm -rf target/wheels
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/maturin build --release --out target/wheels
 

@@ -38,7 +38,7 @@ use clap::{Parser, Subcommand};
 use crate::failure::Failure;
 use crate::style::Style;
 use crate::verbs::{
-    bench, camera, check, compare, fit, measure, overlay, schema, solve, stiffness,
+    bench, camera, check, compare, fit, measure, overlay, schema, solve, stiffness, view,
 };
 
 /// Mechanics of cable-driven continuum robots with any cable routing
@@ -60,6 +60,7 @@ enum Verb {
     Overlay(overlay::OverlayArgs),
     Bench(bench::BenchArgs),
     Check(check::CheckArgs),
+    View(view::ViewArgs),
     Schema(schema::SchemaArgs),
 }
 
@@ -99,6 +100,7 @@ where
         Verb::Overlay(args) => overlay::run(&args, style),
         Verb::Bench(args) => bench::run(&args, style),
         Verb::Check(args) => check::run(&args, style),
+        Verb::View(args) => view::run(&args),
         Verb::Schema(args) => schema::run(&args),
     };
     match outcome {

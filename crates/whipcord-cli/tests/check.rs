@@ -75,10 +75,16 @@ fn there_is_no_colour_in_a_pipe() {
 }
 
 #[test]
+fn nothing_is_viewed_of_a_file_that_cannot_be_used() {
+    let error = fail(2, &["view", "missing.toml", "--no-open"]);
+    assert!(error.contains("missing.toml") && error.contains("cannot read"), "{error}");
+}
+
+#[test]
 fn help_and_version_are_no_failures() {
     assert!(succeed(&["--help"]).contains("Usage: whipcord"));
     assert_eq!(succeed(&["--version"]), format!("whipcord {}\n", env!("CARGO_PKG_VERSION")));
-    for verb in ["solve", "compare", "bench", "check", "schema"] {
+    for verb in ["solve", "compare", "bench", "view", "check", "schema"] {
         assert!(succeed(&[verb, "--help"]).contains("Usage: whipcord"));
     }
 }

@@ -9,13 +9,17 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 7] = [
+const ALLOWED: [(&str, &[&str]); 8] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-io", &["whipcord"]),
     ("whipcord-plot", &["whipcord"]),
     ("whipcord-vision", &["whipcord", "whipcord-numerics"]),
-    ("whipcord-cli", &["whipcord", "whipcord-io", "whipcord-plot", "whipcord-vision"]),
+    ("whipcord-viewer", &["whipcord", "whipcord-io", "whipcord-plot"]),
+    (
+        "whipcord-cli",
+        &["whipcord", "whipcord-io", "whipcord-plot", "whipcord-vision", "whipcord-viewer"],
+    ),
     (
         "whipcord-py",
         &["whipcord", "whipcord-io", "whipcord-plot", "whipcord-vision", "whipcord-cli"],

@@ -38,6 +38,29 @@ impl Pose {
         Self { position: linear + b * once + c * twice, rotation: UnitQuaternion::exp(angular) }
     }
 
+    /// The body twist with `exp(log(g)) = g` whose rotation is at most π.
+    #[must_use]
+    pub fn log(&self) -> Twist {
+        let angular = self.rotation.log();
+        let x = angular.norm_squared();
+        // V⁻¹ = I − φ̂/2 + d φ̂², d = (1 − (φ/2) cot(φ/2))/φ².
+        let d = if x < 0.25 {
+            1.0 / 12.0
+                + x * (1.0 / 720.0
+                    + x * (1.0 / 30_240.0
+                        + x * (1.0 / 1_209_600.0
+                            + x * (1.0 / 47_900_160.0
+                                + x * (691.0 / 1_307_674_368_000.0
+                                    + x * (1.0 / 74_724_249_600.0))))))
+        } else {
+            let half = 0.5 * x.sqrt();
+            (1.0 - half / half.tan()) / x
+        };
+        let once = angular.cross(self.position);
+        let linear = self.position - 0.5 * once + d * angular.cross(once);
+        Twist { linear, angular }
+    }
+
     /// The point, given in this frame, in the frame this one is given in.
     #[inline]
     #[must_use]
@@ -135,6 +158,17 @@ mod tests {
             let sagitta = 2.0 * f64::sin(0.5 * turn).powi(2);
             let expected = Vec3::new(sagitta / turn, 0.0, f64::sin(turn) / turn);
             assert!((pose.position - expected).max_abs() < 4e-16, "{turn}");
+        }
+    }
+
+    #[test]
+    fn log_undoes_exp() {
+        for turn in [0.0, 1e-12, 0.1, 0.499, 0.501, 2.0, 3.1] {
+            let axis = Vec3::new(2.0, -1.0, 2.0) / 3.0;
+            let twist = Twist { linear: Vec3::new(0.3, -0.2, 1.1), angular: axis * turn };
+            let back = Pose::exp(twist).log();
+            assert!((back.linear - twist.linear).max_abs() < 4e-15, "{turn}: {back:?}");
+            assert!((back.angular - twist.angular).max_abs() < 2e-15, "{turn}");
         }
     }
 

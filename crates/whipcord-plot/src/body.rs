@@ -65,6 +65,17 @@ pub(crate) struct Disk {
     pub hole_radius: f64,
 }
 
+/// A disk as pictures have it, in its own frame. Lengths in m.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plate {
+    /// Radius of its rim: what the robot gives, or enough for its holes, cables and backbone.
+    pub radius: f64,
+    /// Centres of its holes, (x, y); none where they would be a blur.
+    pub holes: Vec<[f64; 2]>,
+    /// Radius of its holes, which the robot does not give.
+    pub hole_radius: f64,
+}
+
 /// All that is drawn of one shape.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
@@ -219,6 +230,19 @@ fn anchors(robot: &Robot, shape: &Shape) -> impl Iterator<Item = Piece> {
 }
 
 fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
+    let placed = plates_of(robot).into_iter().zip(&shape.poses);
+    placed
+        .map(|(plate, &pose)| {
+            let place = |&[x, y]: &[f64; 2]| pose.transform(Vec3::new(x, y, 0.0));
+            let holes = plate.holes.iter().map(place).collect();
+            Disk { pose, radius: plate.radius, holes, hole_radius: plate.hole_radius }
+        })
+        .collect()
+}
+
+/// The disks of a robot as pictures have them, from the base on.
+#[must_use]
+pub fn plates_of(robot: &Robot) -> Vec<Plate> {
     let disks = robot.disks();
     let rings = &disks.hole_circle_radii;
     let holes =
@@ -227,7 +251,6 @@ fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
     (0..disks.count())
         .map(|i| {
             let s = disks.arc_lengths[i];
-            let pose = shape.poses[i];
             // A disk reaches beyond its holes, the cables that pass it, and the backbone.
             let cables = robot.routes().iter().filter(|r| s <= r.end());
             let widest = cables.map(|r| r.at(s).offset.norm()).fold(0.0, f64::max);
@@ -246,9 +269,9 @@ fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
             };
             let centres = (0..holes).map(|k| {
                 let (sin, cos) = (TAU * k as f64 / holes as f64).sin_cos();
-                pose.transform(ring * Vec3::new(cos, sin, 0.0))
+                [ring * cos, ring * sin]
             });
-            Disk { pose, radius, holes: centres.collect(), hole_radius }
+            Plate { radius, holes: centres.collect(), hole_radius }
         })
         .collect()
 }

@@ -43,6 +43,7 @@ mod unit;
 pub use accuracy::{AccuracySeries, accuracy_chart};
 pub use acting::Acting;
 pub use axis::Scale;
+pub use body::{Plate, plates_of};
 pub use chart::{AxisSpec, Chart, Layer, Series};
 pub use colour::{Colour, PALETTE};
 pub use distance::{DistanceSeries, distance_chart};

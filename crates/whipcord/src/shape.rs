@@ -1,6 +1,6 @@
 //! The answer: frames along the backbone, and what became of the cables.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::model::ModelKind;
 use crate::robot::Route;
@@ -274,6 +274,15 @@ impl Shape {
         self.poses.last().copied().unwrap_or_default()
     }
 
+    /// Strains between each two stations, in the frame of the cross-section: the constant ones that lead
+    /// from one frame to the next. Linear part: shear in x and y, and 1 plus the stretch; angular part:
+    /// bending about x and y, and twist, in 1/m.
+    pub fn strains(&self) -> impl Iterator<Item = Twist> + '_ {
+        let lengths = self.arc_length.windows(2).map(|ends| ends[1] - ends[0]);
+        let frames = self.poses.windows(2);
+        frames.zip(lengths).map(|(ends, ds)| (ends[0].inverse() * ends[1]).log() * (1.0 / ds))
+    }
+
     /// How the tangent at the last station leans from that at the first, seen from the first: the
     /// angle in rad from 0 to π, and the direction in rad from x towards y. For the disks that is the
     /// bend of the robot as its base sees it.
@@ -303,6 +312,21 @@ impl Shape {
 mod tests {
     use super::*;
     use crate::robot::{Backbone, Cable, Disks, Robot, Routing};
+
+    #[test]
+    fn strains_of_a_helix_are_its_own() {
+        let strain =
+            Twist { linear: Vec3::new(0.0, 0.0, 1.02), angular: Vec3::new(8.0, -5.0, 3.0) };
+        let base = Pose::exp(Twist { linear: Vec3::X, angular: Vec3::new(0.3, 1.0, -0.4) });
+        let arc_length = vec![0.0, 0.01, 0.07, 0.2];
+        let poses = arc_length.iter().map(|&s| base * Pose::exp(strain * s)).collect();
+        let shape = Shape { arc_length, poses };
+        assert_eq!(shape.strains().count(), 3);
+        for found in shape.strains() {
+            assert!((found.linear - strain.linear).max_abs() < 1e-13);
+            assert!((found.angular - strain.angular).max_abs() < 1e-12);
+        }
+    }
 
     #[test]
     fn a_cable_through_holes_is_as_long_as_its_chords() {

@@ -11,3 +11,4 @@ pub mod overlay;
 pub mod schema;
 pub mod solve;
 pub mod stiffness;
+pub mod view;

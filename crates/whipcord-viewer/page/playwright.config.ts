@@ -1,0 +1,29 @@
+import { defineConfig } from "@playwright/test";
+
+const target = process.env["VIEWER_ARTEFACTS"] ?? "../../../target/viewer";
+
+// The browser is that of the system: none is downloaded.
+export default defineConfig({
+  testDir: "tests",
+  outputDir: `${target}/playwright`,
+  workers: 1,
+  timeout: 60_000,
+  reporter: "line",
+  use: {
+    browserName: "chromium",
+    viewport: { width: 1400, height: 860 },
+    launchOptions: {
+      executablePath: process.env["CHROMIUM"] ?? "/usr/bin/chromium",
+      args: [
+        "--no-sandbox",
+        // WebGL by software.
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--no-first-run",
+      ],
+    },
+  },
+});

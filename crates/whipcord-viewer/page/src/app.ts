@@ -1,0 +1,284 @@
+// The page: what the user does becomes a state, a state a request, an answer a picture.
+
+import { rampCss } from "./colours";
+import { ellipsoid } from "./ellipsoid";
+import { Controls } from "./controls";
+import { byId, element } from "./dom";
+import { add, conjugate, rotate, scale } from "./geometry";
+import { modelColour, paints, type Legend } from "./paint";
+import type { Answer, Frame, Scene, Solved, Vector } from "./protocol";
+import { readout } from "./readout";
+import { RobotMesh } from "./robot";
+import { Live, type Source } from "./source";
+import { Stage } from "./stage";
+import { fromHash, History, initialState, same, toHash, toRequest, type State } from "./state";
+import { Theme } from "./theme";
+import { significant } from "./units";
+
+/** A model's robot, and the last shape that it had. */
+interface Shown {
+  mesh: RobotMesh;
+  solved: Solved;
+}
+
+export class App {
+  readonly #stage: Stage;
+  readonly #theme: Theme;
+  readonly #source: Source;
+  readonly #undo: HTMLButtonElement;
+  readonly #redo: HTMLButtonElement;
+  #scene: Scene | undefined;
+  #state: State | undefined;
+  #initial: State | undefined;
+  #history: History | undefined;
+  #controls: Controls | undefined;
+  #shown = new Map<string, Shown>();
+  #answers: readonly Answer[] = [];
+  #asked = 0;
+  #scheduled = false;
+  #frame: Frame | undefined;
+  #broken: string | undefined;
+  #connected = false;
+  /** Force at the tip when it was taken hold of. */
+  #held: Vector | undefined;
+
+  constructor() {
+    const button = (label: string, keys: string, act: () => void): HTMLButtonElement =>
+      element("button", { type: "button", title: keys === "" ? label : `${label} (${keys})`, onclick: act }, label);
+    this.#undo = button("Undo", "Ctrl+Z", () => this.#back());
+    this.#redo = button("Redo", "Ctrl+Shift+Z", () => this.#forth());
+    this.#theme = new Theme(() => this.#redress());
+    byId("actions").append(
+      this.#undo,
+      this.#redo,
+      button("Reset", "", () => this.#reset()),
+      button("Whole robot", "Home", () => this.#scene && this.#stage.look(this.#scene)),
+      this.#theme.button,
+    );
+    this.#stage = new Stage(byId("canvas") as HTMLCanvasElement, {
+      pull: (by) => this.#pull(by),
+      release: () => {
+        this.#held = undefined;
+        this.#commit();
+      },
+    });
+    window.addEventListener("keydown", (event) => this.#key(event));
+    window.addEventListener("hashchange", () => this.#address());
+    const url = new URL("/socket", location.href);
+    url.protocol = url.protocol.replace("http", "ws");
+    this.#source = new Live(url.href, {
+      scene: (scene) => this.#open(scene),
+      frame: (frame) => this.#receive(frame),
+      broken: (message) => {
+        this.#broken = message;
+        this.#tell();
+      },
+      connected: (yes) => {
+        this.#connected = yes;
+        this.#tell();
+      },
+      error: (message) => {
+        this.#broken = message;
+        this.#tell();
+      },
+    });
+  }
+
+  #open(scene: Scene): void {
+    this.#broken = undefined;
+    this.#scene = scene;
+    this.#initial = initialState(scene);
+    // What the user has changed stays changed when the file is read again.
+    this.#state = fromHash(location.hash, scene);
+    this.#history = new History(this.#state);
+    for (const { mesh } of this.#shown.values()) mesh.dispose();
+    this.#shown.clear();
+    this.#answers = [];
+    byId("title").textContent = scene.title;
+    byId("file").textContent = `${scene.file} · whipcord ${scene.version}`;
+    document.title = `${scene.title} – Whipcord`;
+    this.#controls = new Controls(
+      scene,
+      byId("controls"),
+      { change: (edit) => this.#change(edit), commit: () => this.#commit() },
+      (model) => modelColour(scene, model),
+    );
+    this.#stage.surround(scene, this.#theme.colours);
+    this.#show();
+  }
+
+  #change(edit: (state: State) => void): void {
+    if (!this.#state) return;
+    edit(this.#state);
+    this.#show();
+  }
+
+  #commit(): void {
+    if (!this.#state || !this.#initial) return;
+    this.#history?.commit(this.#state);
+    const hash = toHash(this.#state, this.#initial);
+    history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);
+    this.#buttons();
+  }
+
+  #set(state: State | undefined): void {
+    if (!state) return;
+    this.#state = state;
+    this.#show();
+    this.#commit();
+  }
+
+  #back(): void {
+    this.#set(this.#history?.undo());
+  }
+
+  #forth(): void {
+    this.#set(this.#history?.redo());
+  }
+
+  #reset(): void {
+    this.#set(this.#initial && structuredClone(this.#initial));
+  }
+
+  #address(): void {
+    if (!this.#scene || !this.#state) return;
+    const state = fromHash(location.hash, this.#scene);
+    if (!same(state, this.#state)) this.#set(state);
+  }
+
+  #key(event: KeyboardEvent): void {
+    const control = event.ctrlKey || event.metaKey;
+    const key = event.key.toLowerCase();
+    if (control && key === "z") {
+      event.preventDefault();
+      if (event.shiftKey) this.#forth();
+      else this.#back();
+    } else if (control && key === "y") {
+      event.preventDefault();
+      this.#forth();
+    } else if (key === "home" && event.target === this.#stage.canvas && this.#scene) {
+      this.#stage.look(this.#scene);
+    }
+  }
+
+  /** The force that drags the tip grows with the distance: half the robot's length is the end of the slider. */
+  #pull(by: Vector): void {
+    const [scene, state] = [this.#scene, this.#state];
+    if (!scene || !state) return;
+    this.#held ??= [...state.tipForce];
+    const force = scale(by, (2 * scene.ranges.force) / scene.length);
+    const own = scene.loads_in_base ? rotate(conjugate(scene.base.orientation), force) : force;
+    state.tipForce = add(this.#held, own).map((f) => Number(f.toPrecision(4))) as Vector;
+    this.#show();
+  }
+
+  /** Shows what the state says, and asks for the robot's shape: once for each picture of the display. */
+  #show(): void {
+    const [scene, state] = [this.#scene, this.#state];
+    if (!scene || !state) return;
+    this.#controls?.show(state);
+    this.#buttons();
+    if (this.#scheduled) return;
+    this.#scheduled = true;
+    requestAnimationFrame(() => {
+      this.#scheduled = false;
+      if (this.#state) this.#source.ask(toRequest(this.#state, ++this.#asked));
+    });
+  }
+
+  #buttons(): void {
+    this.#undo.disabled = !this.#history?.canUndo;
+    this.#redo.disabled = !this.#history?.canRedo;
+  }
+
+  /** Answers may come faster than the display shows them. */
+  #receive(frame: Frame): void {
+    const waiting = this.#frame !== undefined;
+    this.#frame = frame;
+    if (waiting) return;
+    requestAnimationFrame(() => {
+      const latest = this.#frame;
+      this.#frame = undefined;
+      if (latest) this.#draw(latest);
+    });
+  }
+
+  #draw(frame: Frame): void {
+    const [scene, state] = [this.#scene, this.#state];
+    if (!scene || !state) return;
+    this.#answers = frame.answers;
+    byId("view").dataset["frame"] = String(frame.id);
+    this.#dress(scene, state);
+    byId("readout").replaceChildren(...readout(scene, frame.answers, (model) => modelColour(scene, model)));
+    this.#tell();
+  }
+
+  /** Robots in the shapes of the answers; one without an answer keeps its last shape, in grey. */
+  #dress(scene: Scene, state: State): void {
+    const solved = this.#answers.filter((answer) => answer.status === "solved");
+    const asked = this.#answers.map((answer) => answer.model);
+    for (const [model, { mesh }] of this.#shown) {
+      if (asked.includes(model)) continue;
+      mesh.dispose();
+      this.#shown.delete(model);
+    }
+    const { paints: colours, legend } = paints(scene, solved, state.colouring);
+    solved.forEach((answer, i) => {
+      const shown = this.#shown.get(answer.model) ?? { mesh: new RobotMesh(scene, answer.model), solved: answer };
+      shown.solved = answer;
+      shown.mesh.update(answer, colours[i]!);
+      this.#shown.set(answer.model, shown);
+    });
+    for (const [model, { mesh }] of this.#shown) {
+      mesh.stale = !solved.some((answer) => answer.model === model);
+    }
+    this.#stage.robots([...this.#shown.values()].map(({ mesh }) => mesh.group));
+    const first = solved[0] ?? [...this.#shown.values()][0]?.solved;
+    this.#stage.touches(solved.flatMap((answer) => answer.touches));
+    for (const answer of solved) {
+      const body = answer.compliance && ellipsoid(answer.compliance, answer.positions.at(-1)!, scene, modelColour(scene, answer.model));
+      if (body) this.#stage.mark(body);
+    }
+    const world = scene.loads_in_base ? rotate(scene.base.orientation, state.tipForce) : state.tipForce;
+    this.#stage.tip(first?.positions.at(-1), world, (0.5 * scene.length) / scene.ranges.force);
+    this.#stage.draw();
+    showLegend(legend);
+  }
+
+  #tell(): void {
+    const failed = this.#answers.filter((answer) => answer.status === "failed");
+    const lines = [
+      ...(this.#connected ? [] : ["No connection to whipcord: is it still running?"]),
+      ...(this.#broken === undefined ? [] : [this.#broken]),
+      ...failed.map((answer) =>
+        this.#shown.has(answer.model)
+          ? `${answer.model}: ${answer.message} (in grey: the last shape that it found)`
+          : `${answer.model}: ${answer.message}`,
+      ),
+    ];
+    const status = byId("status");
+    const text = lines.join("\n");
+    if (status.textContent !== text) status.textContent = text;
+    status.hidden = text === "";
+  }
+
+  #redress(): void {
+    if (!this.#scene || !this.#state) return;
+    this.#stage.surround(this.#scene, this.#theme.colours);
+    this.#dress(this.#scene, this.#state);
+  }
+}
+
+function showLegend(legend: Legend | undefined): void {
+  const into = byId("legend");
+  into.hidden = legend === undefined;
+  if (!legend) return;
+  const bar = element("span", { class: "ramp" });
+  bar.style.background = rampCss();
+  into.replaceChildren(
+    element("span", {}, `${legend.title} in ${legend.unit}`),
+    element("span", {}, significant(legend.least, 3)),
+    bar,
+    element("span", {}, significant(legend.most, 3)),
+  );
+}

@@ -1,0 +1,204 @@
+// Sliders and number boxes.
+
+import { element } from "./dom";
+import type { Scene, Vector } from "./protocol";
+import { COLOURINGS, commandOf, valueOf, type Colouring, type State } from "./state";
+import {
+  fromUnit,
+  METRE_PER_SECOND_SQUARED,
+  MILLIMETRE,
+  MILLINEWTON_METRE,
+  NEWTON,
+  toUnit,
+  type Unit,
+} from "./units";
+
+export interface Changes {
+  /** While a slider moves. */
+  change(edit: (state: State) => void): void;
+  /** When it has been let go: what undo comes back to. */
+  commit(): void;
+}
+
+/** Steps of a slider from end to end. */
+const STEPS = 1000;
+
+/** A slider with its number box. */
+class Quantity {
+  readonly row: HTMLElement;
+  readonly #slider: HTMLInputElement;
+  readonly #box: HTMLInputElement;
+  #unit: Unit;
+  readonly #symbol: HTMLElement;
+
+  constructor(
+    label: string,
+    name: string,
+    unit: Unit,
+    range: readonly [number, number],
+    changes: Changes,
+    edit: (state: State, value: number) => void,
+    symbol: HTMLElement = element("span", { class: "unit" }),
+  ) {
+    this.#unit = unit;
+    this.#symbol = symbol;
+    const id = `q-${name}`;
+    this.#slider = element("input", { type: "range", id, "data-name": name });
+    this.#box = element("input", { type: "number", step: "any", "data-name": name });
+    this.row = element("div", { class: "quantity" }, element("label", { for: id }, label), this.#slider, this.#box, symbol);
+    this.#slider.addEventListener("input", () => {
+      const value = Number(this.#slider.value);
+      changes.change((state) => edit(state, value));
+    });
+    this.#slider.addEventListener("change", () => changes.commit());
+    this.#box.addEventListener("change", () => {
+      const value = Number(this.#box.value);
+      if (this.#box.value.trim() === "" || !Number.isFinite(value)) return this.show(Number(this.#slider.value));
+      changes.change((state) => edit(state, fromUnit(value, this.#unit)));
+      changes.commit();
+    });
+    this.range(range, unit, label);
+  }
+
+  range([least, most]: readonly [number, number], unit: Unit, label: string): void {
+    this.#unit = unit;
+    this.#slider.min = String(least);
+    this.#slider.max = String(most);
+    this.#slider.step = String((most - least) / STEPS);
+    this.#box.setAttribute("aria-label", `${label} in ${unit.word}`);
+    this.#symbol.textContent = unit.symbol;
+  }
+
+  show(value: number): void {
+    // A number typed beyond the slider's end moves the end.
+    if (value > Number(this.#slider.max)) this.#slider.max = String(value);
+    if (value < Number(this.#slider.min)) this.#slider.min = String(value);
+    this.#slider.value = String(value);
+    const shown = toUnit(value, this.#unit);
+    this.#slider.setAttribute("aria-valuetext", `${Number(shown.toPrecision(4))} ${this.#unit.word}`);
+    if (document.activeElement !== this.#box || Number(this.#box.value) !== shown) {
+      this.#box.value = String(Number(shown.toPrecision(6)));
+    }
+  }
+}
+
+export class Controls {
+  readonly #cables: Quantity[];
+  readonly #kinds: ("tension" | "shortening")[];
+  readonly #vectors: { of: (state: State) => Vector; each: Quantity[] }[];
+  readonly #models = new Map<string, HTMLInputElement>();
+  readonly #colouring: HTMLSelectElement;
+  readonly #compliance: HTMLInputElement;
+  readonly #scene: Scene;
+
+  constructor(scene: Scene, into: HTMLElement, changes: Changes, colourOf: (model: string) => string) {
+    this.#scene = scene;
+    const { ranges } = scene;
+    this.#kinds = scene.cables.map(() => "tension");
+    this.#cables = scene.cables.map((cable, i) => {
+      const toggle = element("button", {
+        type: "button",
+        class: "unit",
+        title: "Pull by tension or by length",
+        "aria-label": `Cable ${cable.name}: change between tension and shortening`,
+        "data-cable": i,
+        onclick: () => {
+          changes.change((state) => {
+            const { kind } = valueOf(state.commands[i]!);
+            state.commands[i] = commandOf(kind === "tension" ? "shortening" : "tension", 0);
+          });
+          changes.commit();
+        },
+      });
+      const edit = (state: State, value: number): void => {
+        const { kind } = valueOf(state.commands[i]!);
+        state.commands[i] = commandOf(kind, kind === "tension" ? Math.max(value, 0) : value);
+      };
+      return new Quantity(cable.name, `cable-${i}`, NEWTON, [0, ranges.tension], changes, edit, toggle);
+    });
+    const axes = ["x", "y", "z"] as const;
+    const vector = (name: string, unit: Unit, reach: number, of: (state: State) => Vector): Quantity[] =>
+      axes.map((axis, k) =>
+        new Quantity(axis, `${name}-${axis}`, unit, [-reach, reach], changes, (state, value) => {
+          of(state)[k] = value;
+        }),
+      );
+    this.#vectors = [
+      { of: (state) => state.tipForce, each: vector("force", NEWTON, ranges.force, (state) => state.tipForce) },
+      { of: (state) => state.tipMoment, each: vector("moment", MILLINEWTON_METRE, ranges.moment, (state) => state.tipMoment) },
+      { of: (state) => state.gravity, each: vector("gravity", METRE_PER_SECOND_SQUARED, ranges.gravity, (state) => state.gravity) },
+    ];
+    this.#colouring = element("select", { id: "colouring" }, ...COLOURINGS.map((name) => element("option", { value: name }, name)));
+    this.#colouring.addEventListener("change", () => {
+      changes.change((state) => void (state.colouring = this.#colouring.value as Colouring));
+      changes.commit();
+    });
+    this.#compliance = element("input", { type: "checkbox", id: "compliance" });
+    this.#compliance.addEventListener("change", () => {
+      changes.change((state) => void (state.compliance = this.#compliance.checked));
+      changes.commit();
+    });
+    const frame = scene.loads_in_base ? "in the frame of the base" : "in the world";
+    const force = group(`Force at the tip`, ...this.#vectors[0]!.each.map((q) => q.row));
+    force.append(element("p", { class: "hint" }, `Drag the tip, or set it here, ${frame}.`));
+    into.replaceChildren(
+      group("Cables", ...this.#cables.map((q) => q.row)),
+      force,
+      group("Moment at the tip", ...this.#vectors[1]!.each.map((q) => q.row)),
+      group("Gravity", ...this.#vectors[2]!.each.map((q) => q.row)),
+      group("Models", ...scene.models.map((model) => this.#model(model.name, model.refusal, changes, colourOf(model.name)))),
+      group(
+        "Show",
+        element("div", { class: "choice" }, element("label", { for: "colouring" }, "Colour by"), this.#colouring),
+        element("div", { class: "choice" }, this.#compliance, element("label", { for: "compliance" }, "Compliance of the tip")),
+      ),
+    );
+    if (scene.other_loads.length > 0) {
+      into.append(element("p", { class: "hint" }, `The file also has: ${scene.other_loads.join("; ")}.`));
+    }
+  }
+
+  show(state: State): void {
+    state.commands.forEach((command, i) => {
+      const { kind, value } = valueOf(command);
+      const { ranges, cables } = this.#scene;
+      if (kind !== this.#kinds[i]) {
+        this.#kinds[i] = kind;
+        const range: [number, number] = kind === "tension" ? [0, ranges.tension] : [-ranges.shortening, ranges.shortening];
+        this.#cables[i]!.range(range, kind === "tension" ? NEWTON : MILLIMETRE, cables[i]!.name);
+      }
+      this.#cables[i]!.show(value);
+    });
+    for (const { of, each } of this.#vectors) each.forEach((quantity, k) => quantity.show(of(state)[k]!));
+    for (const [name, box] of this.#models) box.checked = state.models.includes(name);
+    this.#colouring.value = state.colouring;
+    this.#compliance.checked = state.compliance;
+  }
+
+  #model(name: string, refusal: string | null, changes: Changes, colour: string): HTMLElement {
+    const id = `model-${name}`;
+    const box = element("input", { type: "checkbox", id, disabled: refusal !== null });
+    box.addEventListener("change", () => {
+      changes.change((state) => {
+        const others = state.models.filter((other) => other !== name);
+        const order = this.#scene.models.map((model) => model.name);
+        state.models = box.checked ? [...others, name].sort((a, b) => order.indexOf(a) - order.indexOf(b)) : others;
+      });
+      changes.commit();
+    });
+    this.#models.set(name, box);
+    const swatch = element("span", { class: "swatch" });
+    swatch.style.background = colour;
+    const row = element("div", { class: "choice" }, box, swatch, element("label", { for: id }, name));
+    if (refusal !== null) {
+      const why = `why-${name}`;
+      box.setAttribute("aria-describedby", why);
+      row.append(element("p", { class: "hint", id: why }, refusal));
+    }
+    return row;
+  }
+}
+
+function group(legend: string, ...rows: HTMLElement[]): HTMLElement {
+  return element("fieldset", {}, element("legend", {}, legend), ...rows);
+}

@@ -1,0 +1,7 @@
+// Starts the page.
+
+import "./style.css";
+
+import { App } from "./app";
+
+new App();

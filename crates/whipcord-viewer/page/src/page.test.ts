@@ -1,0 +1,117 @@
+import { describe, expect, it } from "vitest";
+
+import { course, place, rotate, tensions } from "./geometry";
+import { extent, ticks } from "./plots";
+import { decode, encode, type Request, type Scene, type Solved } from "./protocol";
+import { fromPage, toPage } from "./samples";
+import { fromHash, History, initialState, toHash, toRequest } from "./state";
+import { fixed, fromUnit, MILLIMETRE, significant, toUnit } from "./units";
+
+const scene = toPage.find((message) => message.type === "scene")! as Scene;
+const frame = toPage.find((message) => message.type === "frame")!;
+const solved = (frame.type === "frame" ? frame.answers[0] : undefined) as Solved;
+
+describe("the protocol", () => {
+  it("is read as the server writes it", () => {
+    for (const message of toPage) expect(decode(JSON.stringify(message))).toEqual(message);
+    expect(() => decode('{"type":"other"}')).toThrow("unknown kind");
+  });
+
+  it("is written as the server reads it", () => {
+    const { type, ...request } = fromPage[0]!;
+    expect(type).toBe("solve");
+    expect(JSON.parse(encode(request satisfies Request))).toEqual(fromPage[0]);
+  });
+});
+
+describe("units", () => {
+  it("turn back and forth without digits of rounding", () => {
+    expect(toUnit(0.0123, MILLIMETRE)).toBe(12.3);
+    expect(fromUnit(12.3, MILLIMETRE)).toBe(0.0123);
+    expect(fromUnit(toUnit(-0.0017, MILLIMETRE), MILLIMETRE)).toBe(-0.0017);
+  });
+
+  it("are written for people", () => {
+    expect(significant(1234.5678, 3)).toBe("1230");
+    expect(significant(-0.5, 3)).toBe("−0.5");
+    expect(significant(8.6e-13, 2)).toBe("8.6e−13");
+    expect(fixed(-0.00001, 3)).toBe("0.000");
+  });
+});
+
+describe("the state", () => {
+  it("asks for what the file asks for", () => {
+    expect(toRequest(initialState(scene), 7)).toEqual({ ...scene.initial, compliance: false });
+  });
+
+  it("goes through the address and back", () => {
+    const initial = initialState(scene);
+    expect(toHash(initial, initial)).toBe("");
+    const state = structuredClone(initial);
+    state.commands = [{ shortening: -0.0031 }, { tension: 4.25 }];
+    state.tipForce = [0, -0.5, 1e-3];
+    state.models = ["cosserat"];
+    state.colouring = "curvature";
+    const hash = toHash(state, initial);
+    expect(hash).toBe("cables=s-0.0031,t4.25&force=0,-0.5,0.001&models=cosserat&colour=curvature");
+    expect(fromHash(`#${hash}`, scene)).toEqual(state);
+  });
+
+  it("is that of the file where the address makes no sense", () => {
+    const nonsense = "#cables=t1&force=1,2&moment=a,b,c&models=none&colour=pink&gravity=1,2,NaN&%";
+    expect(fromHash("#cables=x1,t2", scene)).toEqual(initialState(scene));
+    expect(fromHash(nonsense, scene)).toEqual(initialState(scene));
+  });
+
+  it("is undone and redone", () => {
+    const first = initialState(scene);
+    const history = new History(first);
+    const second = { ...structuredClone(first), tipForce: [1, 0, 0] as [number, number, number] };
+    history.commit(second);
+    history.commit(structuredClone(second));
+    expect(history.undo()).toEqual(first);
+    expect(history.undo()).toBeUndefined();
+    expect(history.redo()).toEqual(second);
+    history.undo();
+    history.commit({ ...first, models: [] });
+    expect(history.canRedo).toBe(false);
+  });
+});
+
+describe("geometry", () => {
+  it("turns as quaternions do", () => {
+    const quarter = Math.SQRT1_2;
+    const turned = rotate([quarter, 0, 0, quarter], [1, 0, 0]);
+    turned.forEach((c, i) => expect(c).toBeCloseTo([0, 1, 0][i]!, 15));
+  });
+
+  it("places cables in the cross-sections, and slack ones outside of their holes", () => {
+    const flat: Scene = { ...scene, disks: [0, 2].map((station) => ({ ...scene.disks[0]!, station })) };
+    const straight: Solved = {
+      ...solved,
+      positions: [[0, 0, 0], [0, 0, 0.1], [0, 0, 0.2]],
+      orientations: [[1, 0, 0, 0], [1, 0, 0, 0], [1, 0, 0, 0]],
+    };
+    const cable = flat.cables[0]!;
+    expect(place(straight, 1, [0.008, 0])).toEqual([0.008, 0, 0.1]);
+    expect(course(flat, straight, cable, false, false).points).toHaveLength(3);
+    expect(course(flat, straight, cable, true, false).stations).toEqual([0, 2]);
+    const slack = course(flat, straight, cable, true, true);
+    expect(slack.points[1]![0]).toBeGreaterThan(0.0081);
+    expect(slack.points[2]![0]).toBeCloseTo(0.008, 15);
+  });
+
+  it("gives a cable that rubs the tension of each span", () => {
+    const spans: Scene = { ...scene, disks: [0, 1, 2].map((station) => ({ ...scene.disks[0]!, station })) };
+    expect(tensions(spans, solved, 0, [0, 1, 2])).toEqual([1.5, 1.5, 1.4]);
+  });
+});
+
+describe("charts", () => {
+  it("have round ticks within what they show", () => {
+    expect(ticks(0, 1, 4)).toEqual([0, 0.5, 1]);
+    expect(ticks(-0.3, 3.4, 4)).toEqual([0, 1, 2, 3]);
+    expect(extent([])).toEqual([0, 1]);
+    expect(extent([2, 3])).toEqual([0, 3]);
+  });
+});

@@ -1,0 +1,165 @@
+// What page and server say to each other, everything in SI: the types of `src/protocol.rs`, which says what they mean.
+// `samples.ts` has an example of each message as the server writes it, which the compiler holds against these types.
+
+export type Vector = [number, number, number];
+/** (w, x, y, z) */
+export type Quaternion = [number, number, number, number];
+
+export type Command = { tension: number } | { shortening: number };
+
+export interface Request {
+  id: number;
+  commands: Command[];
+  tip_force: Vector;
+  tip_moment: Vector;
+  gravity: Vector;
+  models: string[];
+  compliance: boolean;
+}
+
+export type FromPage = { type: "solve" } & Request;
+
+export interface Pose {
+  position: Vector;
+  orientation: Quaternion;
+}
+
+export type Section =
+  | { kind: "unknown" }
+  | { kind: "round"; outer: number[]; inner: number[] }
+  | { kind: "rectangle"; width: number[]; height: number[] };
+
+export interface Disk {
+  station: number;
+  radius: number;
+  thickness: number;
+  holes: [number, number][];
+  hole_radius: number;
+}
+
+export interface Cable {
+  name: string;
+  course: [number, number][];
+  initial_length: number;
+}
+
+export interface ModelChoice {
+  name: string;
+  hole_to_hole: boolean;
+  refusal: string | null;
+}
+
+export interface Ranges {
+  tension: number;
+  shortening: number;
+  force: number;
+  moment: number;
+  gravity: number;
+}
+
+export type Form =
+  | { kind: "half_space" }
+  | { kind: "sphere"; radius: number }
+  | { kind: "capsule"; radius: number; length: number }
+  | { kind: "box"; size: Vector }
+  | { kind: "cylinder"; radius: number; length: number }
+  | { kind: "pipe"; radius: number; middle: Vector[] }
+  | { kind: "superellipsoid"; semi_axes: Vector; exponents: [number, number] }
+  | { kind: "mesh"; vertices: Vector[]; triangles: Vector[] };
+
+export interface Obstacle {
+  name: string;
+  pose: Pose;
+  form: Form;
+}
+
+export interface Scene {
+  title: string;
+  file: string;
+  version: string;
+  length: number;
+  stations: number[];
+  section: Section;
+  disks: Disk[];
+  cables: Cable[];
+  base: Pose;
+  models: ModelChoice[];
+  initial: Request;
+  ranges: Ranges;
+  loads_in_base: boolean;
+  other_loads: string[];
+  measured: Vector[];
+  obstacles: Obstacle[];
+}
+
+export interface CableState {
+  tension: number | null;
+  length: number;
+  initial_length: number;
+  slack: boolean;
+  span_tensions: number[];
+}
+
+export interface Touch {
+  obstacle: number;
+  arc_length: number;
+  point: Vector;
+  normal: Vector;
+  force: number | null;
+}
+
+export type Compliance =
+  | { status: "known"; values: Vector; directions: [Vector, Vector, Vector] }
+  | { status: "unknown"; message: string };
+
+export interface Solved {
+  model: string;
+  positions: Vector[];
+  orientations: Quaternion[];
+  /** Between each two stations: curvature of bending, twist, stretch. */
+  strains: Vector[];
+  cables: CableState[];
+  touches: Touch[];
+  residual: number;
+  iterations: number;
+  stability: number | null;
+  unstable: boolean;
+  solve_time: number;
+  driven_by: string | null;
+  compliance: Compliance | null;
+}
+
+export type Answer =
+  | ({ status: "solved" } & Solved)
+  | { status: "failed"; model: string; message: string };
+
+export interface Frame {
+  id: number;
+  time: number;
+  answers: Answer[];
+}
+
+export type ToPage =
+  | ({ type: "scene" } & Scene)
+  | { type: "broken"; message: string }
+  | ({ type: "frame" } & Frame)
+  | { type: "error"; message: string };
+
+export function encode(request: Request): string {
+  const message: FromPage = { type: "solve", ...request };
+  return JSON.stringify(message);
+}
+
+/** Reads a message of the server, which is of the same version as the page. */
+export function decode(text: string): ToPage {
+  const message = JSON.parse(text) as ToPage;
+  switch (message.type) {
+    case "scene":
+    case "broken":
+    case "frame":
+    case "error":
+      return message;
+    default:
+      throw new Error(`the server sent a message of an unknown kind: ${text.slice(0, 80)}`);
+  }
+}

@@ -1,0 +1,114 @@
+// The panel with the numbers of each answer.
+
+import { paletteColour } from "./colours";
+import { element } from "./dom";
+import { tensions } from "./geometry";
+import { chart, type Line } from "./plots";
+import type { Answer, Scene, Solved } from "./protocol";
+import { duration, fixed, significant } from "./units";
+
+const mm = (metres: number): string => fixed(metres * 1e3, 3);
+
+export function readout(scene: Scene, answers: readonly Answer[], colourOf: (model: string) => string): HTMLElement[] {
+  const solved = answers.filter((answer) => answer.status === "solved");
+  return [
+    ...answers.map((answer) => section(scene, answer, colourOf(answer.model))),
+    ...(solved.length > 0 ? charts(scene, solved, colourOf) : []),
+  ];
+}
+
+function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
+  const swatch = element("span", { class: "swatch" });
+  swatch.style.background = colour;
+  const heading = element("h2", {}, swatch, answer.model);
+  const made = element("section", { class: "answer", "data-model": answer.model, "data-status": answer.status }, heading);
+  if (answer.status === "failed") {
+    made.append(element("p", { class: "failure" }, answer.message));
+    return made;
+  }
+  const tip = answer.positions.at(-1)!;
+  made.dataset["tip"] = JSON.stringify(tip);
+  const facts: [string, string][] = [
+    ["tip", `(${tip.map(mm).join(", ")}) mm`],
+    ["orientation", `(${answer.orientations.at(-1)!.map((c) => fixed(c, 4)).join(", ")})`],
+    ["residual", significant(answer.residual, 2)],
+    ["solve time", duration(answer.solve_time)],
+  ];
+  if (answer.stability !== null) facts.push(["stability", significant(answer.stability, 3)]);
+  if (answer.driven_by !== null) facts.push(["driven by", `the cable lengths of ${answer.driven_by}`]);
+  if (answer.touches.length > 0) facts.push(["touches at", touches(answer)]);
+  if (answer.compliance?.status === "known") {
+    facts.push(["compliance", `${answer.compliance.values.map((v) => significant(v * 1e3, 3)).join(", ")} mm/N`]);
+  } else if (answer.compliance?.status === "unknown") {
+    facts.push(["compliance", answer.compliance.message]);
+  }
+  const list = element("dl", {});
+  for (const [name, value] of facts) list.append(element("dt", {}, name), element("dd", {}, value));
+  made.append(list);
+  if (answer.unstable) {
+    made.append(element("p", { class: "failure" }, "Unstable: the robot leaves this shape at the slightest disturbance."));
+  }
+  if (scene.cables.length > 0) made.append(cables(scene, answer));
+  return made;
+}
+
+function touches({ touches: all }: Solved): string {
+  const total = all.reduce((sum, touch) => sum + (touch.force ?? 0), 0);
+  const points = `${all.length} ${all.length === 1 ? "point" : "points"}`;
+  return all.some((touch) => touch.force !== null) ? `${points}, ${significant(total, 3)} N in all` : points;
+}
+
+function cables(scene: Scene, solved: Solved): HTMLElement {
+  const head = ["cable", "tension in N", "length in mm", "shortening in mm"];
+  const rows = solved.cables.map((cable, i) =>
+    element(
+      "tr",
+      {},
+      element("th", { scope: "row" }, scene.cables[i]!.name),
+      element("td", {}, cable.slack ? "slack" : cable.tension === null ? "–" : significant(cable.tension, 4)),
+      element("td", {}, mm(cable.length)),
+      element("td", {}, mm(cable.initial_length - cable.length)),
+    ),
+  );
+  return element(
+    "table",
+    {},
+    element("thead", {}, element("tr", {}, ...head.map((name) => element("th", { scope: "col" }, name)))),
+    element("tbody", {}, ...rows),
+  );
+}
+
+function charts(scene: Scene, all: readonly Solved[], colourOf: (model: string) => string): HTMLElement[] {
+  const at = scene.stations.map((s) => s * 1e3);
+  const length = scene.length * 1e3;
+  const curvature = all.map((solved): Line => ({
+    label: solved.model,
+    colour: colourOf(solved.model),
+    points: solved.strains.flatMap(([bend], i): [number, number][] => [
+      [at[i]!, bend],
+      [at[i + 1]!, bend],
+    ]),
+  }));
+  const shown = [chart("Curvature", "1/m", curvature, length)];
+  const [first] = all;
+  if (first?.cables.some((cable) => cable.tension !== null)) {
+    const lines = scene.cables.map((cable, k): Line => {
+      const stations = cable.course.map((_, i) => i);
+      const values = tensions(scene, first, k, stations);
+      return {
+        label: cable.name,
+        colour: paletteColour(k),
+        points: stations.flatMap((i): [number, number][] => (values[i] == null ? [] : [[at[i]!, values[i]]])),
+      };
+    });
+    const figure = chart("Tension", "N", lines, length);
+    const key = lines.map((line) => {
+      const swatch = element("span", { class: "swatch" });
+      swatch.style.background = line.colour;
+      return element("span", { class: "key" }, swatch, line.label);
+    });
+    figure.append(element("div", { class: "keys" }, ...key));
+    shown.push(figure);
+  }
+  return shown;
+}

@@ -1,0 +1,1234 @@
+// Written by the test `samples` of the crate, with UPDATE_SAMPLES=1: what page and server say to each other.
+
+import type { FromPage, ToPage } from "./protocol";
+
+export const fromPage: FromPage[] = [
+  {
+    "type": "solve",
+    "id": 7,
+    "commands": [
+      {
+        "tension": 1.5
+      },
+      {
+        "shortening": -0.002
+      }
+    ],
+    "tip_force": [
+      0.1,
+      0.0,
+      -0.2
+    ],
+    "tip_moment": [
+      0.0,
+      0.01,
+      0.0
+    ],
+    "gravity": [
+      0.0,
+      0.0,
+      -9.81
+    ],
+    "models": [
+      "cosserat",
+      "four-bar"
+    ],
+    "compliance": true
+  }
+];
+
+export const toPage: ToPage[] = [
+  {
+    "type": "scene",
+    "title": "Arm",
+    "file": "arm.toml",
+    "version": "0.0.0",
+    "length": 0.2,
+    "stations": [
+      0.0,
+      0.1,
+      0.2
+    ],
+    "section": {
+      "kind": "rectangle",
+      "width": [
+        0.01,
+        0.01,
+        0.01
+      ],
+      "height": [
+        0.001,
+        0.001,
+        0.001
+      ]
+    },
+    "disks": [
+      {
+        "station": 0,
+        "radius": 0.01,
+        "thickness": 0.001,
+        "holes": [
+          [
+            0.008,
+            0.0
+          ]
+        ],
+        "hole_radius": 0.001
+      }
+    ],
+    "cables": [
+      {
+        "name": "pull",
+        "course": [
+          [
+            0.008,
+            0.0
+          ],
+          [
+            0.008,
+            0.0
+          ],
+          [
+            0.008,
+            0.0
+          ]
+        ],
+        "initial_length": 0.2
+      }
+    ],
+    "base": {
+      "position": [
+        0.0,
+        0.0,
+        0.1
+      ],
+      "orientation": [
+        1.0,
+        0.0,
+        0.0,
+        0.0
+      ]
+    },
+    "models": [
+      {
+        "name": "cosserat",
+        "hole_to_hole": false,
+        "refusal": null
+      },
+      {
+        "name": "four-bar",
+        "hole_to_hole": true,
+        "refusal": "why"
+      }
+    ],
+    "initial": {
+      "id": 7,
+      "commands": [
+        {
+          "tension": 1.5
+        },
+        {
+          "shortening": -0.002
+        }
+      ],
+      "tip_force": [
+        0.1,
+        0.0,
+        -0.2
+      ],
+      "tip_moment": [
+        0.0,
+        0.01,
+        0.0
+      ],
+      "gravity": [
+        0.0,
+        0.0,
+        -9.81
+      ],
+      "models": [
+        "cosserat",
+        "four-bar"
+      ],
+      "compliance": true
+    },
+    "ranges": {
+      "tension": 10.0,
+      "shortening": 0.02,
+      "force": 1.0,
+      "moment": 0.1,
+      "gravity": 15.0
+    },
+    "loads_in_base": true,
+    "other_loads": [
+      "a load at a point"
+    ],
+    "measured": [
+      [
+        0.0,
+        0.0,
+        0.2
+      ]
+    ],
+    "obstacles": [
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "half_space"
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "sphere",
+          "radius": 0.02
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "capsule",
+          "radius": 0.02,
+          "length": 0.1
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "box",
+          "size": [
+            0.1,
+            0.2,
+            0.3
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "cylinder",
+          "radius": 0.02,
+          "length": 0.1
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "pipe",
+          "radius": 0.02,
+          "middle": [
+            [
+              0.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.0,
+              0.1
+            ]
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "superellipsoid",
+          "semi_axes": [
+            0.1,
+            0.2,
+            0.3
+          ],
+          "exponents": [
+            0.5,
+            1.0
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "mesh",
+          "vertices": [
+            [
+              0.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.1,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.1,
+              0.0
+            ]
+          ],
+          "triangles": [
+            [
+              0,
+              1,
+              2
+            ]
+          ]
+        }
+      }
+    ]
+  },
+  {
+    "type": "scene",
+    "title": "Arm",
+    "file": "arm.toml",
+    "version": "0.0.0",
+    "length": 0.2,
+    "stations": [
+      0.0,
+      0.1,
+      0.2
+    ],
+    "section": {
+      "kind": "unknown"
+    },
+    "disks": [
+      {
+        "station": 0,
+        "radius": 0.01,
+        "thickness": 0.001,
+        "holes": [
+          [
+            0.008,
+            0.0
+          ]
+        ],
+        "hole_radius": 0.001
+      }
+    ],
+    "cables": [
+      {
+        "name": "pull",
+        "course": [
+          [
+            0.008,
+            0.0
+          ],
+          [
+            0.008,
+            0.0
+          ],
+          [
+            0.008,
+            0.0
+          ]
+        ],
+        "initial_length": 0.2
+      }
+    ],
+    "base": {
+      "position": [
+        0.0,
+        0.0,
+        0.1
+      ],
+      "orientation": [
+        1.0,
+        0.0,
+        0.0,
+        0.0
+      ]
+    },
+    "models": [
+      {
+        "name": "cosserat",
+        "hole_to_hole": false,
+        "refusal": null
+      },
+      {
+        "name": "four-bar",
+        "hole_to_hole": true,
+        "refusal": "why"
+      }
+    ],
+    "initial": {
+      "id": 7,
+      "commands": [
+        {
+          "tension": 1.5
+        },
+        {
+          "shortening": -0.002
+        }
+      ],
+      "tip_force": [
+        0.1,
+        0.0,
+        -0.2
+      ],
+      "tip_moment": [
+        0.0,
+        0.01,
+        0.0
+      ],
+      "gravity": [
+        0.0,
+        0.0,
+        -9.81
+      ],
+      "models": [
+        "cosserat",
+        "four-bar"
+      ],
+      "compliance": true
+    },
+    "ranges": {
+      "tension": 10.0,
+      "shortening": 0.02,
+      "force": 1.0,
+      "moment": 0.1,
+      "gravity": 15.0
+    },
+    "loads_in_base": true,
+    "other_loads": [
+      "a load at a point"
+    ],
+    "measured": [
+      [
+        0.0,
+        0.0,
+        0.2
+      ]
+    ],
+    "obstacles": [
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "half_space"
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "sphere",
+          "radius": 0.02
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "capsule",
+          "radius": 0.02,
+          "length": 0.1
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "box",
+          "size": [
+            0.1,
+            0.2,
+            0.3
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "cylinder",
+          "radius": 0.02,
+          "length": 0.1
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "pipe",
+          "radius": 0.02,
+          "middle": [
+            [
+              0.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.0,
+              0.1
+            ]
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "superellipsoid",
+          "semi_axes": [
+            0.1,
+            0.2,
+            0.3
+          ],
+          "exponents": [
+            0.5,
+            1.0
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "mesh",
+          "vertices": [
+            [
+              0.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.1,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.1,
+              0.0
+            ]
+          ],
+          "triangles": [
+            [
+              0,
+              1,
+              2
+            ]
+          ]
+        }
+      }
+    ]
+  },
+  {
+    "type": "scene",
+    "title": "Arm",
+    "file": "arm.toml",
+    "version": "0.0.0",
+    "length": 0.2,
+    "stations": [
+      0.0,
+      0.1,
+      0.2
+    ],
+    "section": {
+      "kind": "round",
+      "outer": [
+        0.003,
+        0.003,
+        0.003
+      ],
+      "inner": [
+        0.0,
+        0.0,
+        0.0
+      ]
+    },
+    "disks": [
+      {
+        "station": 0,
+        "radius": 0.01,
+        "thickness": 0.001,
+        "holes": [
+          [
+            0.008,
+            0.0
+          ]
+        ],
+        "hole_radius": 0.001
+      }
+    ],
+    "cables": [
+      {
+        "name": "pull",
+        "course": [
+          [
+            0.008,
+            0.0
+          ],
+          [
+            0.008,
+            0.0
+          ],
+          [
+            0.008,
+            0.0
+          ]
+        ],
+        "initial_length": 0.2
+      }
+    ],
+    "base": {
+      "position": [
+        0.0,
+        0.0,
+        0.1
+      ],
+      "orientation": [
+        1.0,
+        0.0,
+        0.0,
+        0.0
+      ]
+    },
+    "models": [
+      {
+        "name": "cosserat",
+        "hole_to_hole": false,
+        "refusal": null
+      },
+      {
+        "name": "four-bar",
+        "hole_to_hole": true,
+        "refusal": "why"
+      }
+    ],
+    "initial": {
+      "id": 7,
+      "commands": [
+        {
+          "tension": 1.5
+        },
+        {
+          "shortening": -0.002
+        }
+      ],
+      "tip_force": [
+        0.1,
+        0.0,
+        -0.2
+      ],
+      "tip_moment": [
+        0.0,
+        0.01,
+        0.0
+      ],
+      "gravity": [
+        0.0,
+        0.0,
+        -9.81
+      ],
+      "models": [
+        "cosserat",
+        "four-bar"
+      ],
+      "compliance": true
+    },
+    "ranges": {
+      "tension": 10.0,
+      "shortening": 0.02,
+      "force": 1.0,
+      "moment": 0.1,
+      "gravity": 15.0
+    },
+    "loads_in_base": true,
+    "other_loads": [
+      "a load at a point"
+    ],
+    "measured": [
+      [
+        0.0,
+        0.0,
+        0.2
+      ]
+    ],
+    "obstacles": [
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "half_space"
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "sphere",
+          "radius": 0.02
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "capsule",
+          "radius": 0.02,
+          "length": 0.1
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "box",
+          "size": [
+            0.1,
+            0.2,
+            0.3
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "cylinder",
+          "radius": 0.02,
+          "length": 0.1
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "pipe",
+          "radius": 0.02,
+          "middle": [
+            [
+              0.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.0,
+              0.1
+            ]
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "superellipsoid",
+          "semi_axes": [
+            0.1,
+            0.2,
+            0.3
+          ],
+          "exponents": [
+            0.5,
+            1.0
+          ]
+        }
+      },
+      {
+        "name": "body",
+        "pose": {
+          "position": [
+            0.0,
+            0.0,
+            0.1
+          ],
+          "orientation": [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        },
+        "form": {
+          "kind": "mesh",
+          "vertices": [
+            [
+              0.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.1,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.1,
+              0.0
+            ]
+          ],
+          "triangles": [
+            [
+              0,
+              1,
+              2
+            ]
+          ]
+        }
+      }
+    ]
+  },
+  {
+    "type": "broken",
+    "message": "why"
+  },
+  {
+    "type": "frame",
+    "id": 7,
+    "time": 0.001,
+    "answers": [
+      {
+        "status": "solved",
+        "model": "cosserat",
+        "positions": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.1
+          ]
+        ],
+        "orientations": [
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "strains": [
+          [
+            1.5,
+            0.0,
+            -0.001
+          ]
+        ],
+        "cables": [
+          {
+            "tension": 1.5,
+            "length": 0.19,
+            "initial_length": 0.2,
+            "slack": false,
+            "span_tensions": [
+              1.5,
+              1.4
+            ]
+          }
+        ],
+        "touches": [
+          {
+            "obstacle": 0,
+            "arc_length": 0.1,
+            "point": [
+              0.0,
+              0.0,
+              0.1
+            ],
+            "normal": [
+              1.0,
+              0.0,
+              0.0
+            ],
+            "force": 0.3
+          }
+        ],
+        "residual": 1e-12,
+        "iterations": 3,
+        "stability": 0.9,
+        "unstable": false,
+        "solve_time": 0.00002,
+        "driven_by": null,
+        "compliance": {
+          "status": "known",
+          "values": [
+            0.1,
+            0.01,
+            0.001
+          ],
+          "directions": [
+            [
+              1.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              1.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.0,
+              1.0
+            ]
+          ]
+        }
+      },
+      {
+        "status": "solved",
+        "model": "four-bar",
+        "positions": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.1
+          ]
+        ],
+        "orientations": [
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "strains": [
+          [
+            1.5,
+            0.0,
+            -0.001
+          ]
+        ],
+        "cables": [
+          {
+            "tension": null,
+            "length": 0.19,
+            "initial_length": 0.2,
+            "slack": true,
+            "span_tensions": []
+          }
+        ],
+        "touches": [],
+        "residual": 1e-12,
+        "iterations": 3,
+        "stability": null,
+        "unstable": false,
+        "solve_time": 0.00002,
+        "driven_by": "cosserat",
+        "compliance": {
+          "status": "unknown",
+          "message": "why"
+        }
+      },
+      {
+        "status": "failed",
+        "model": "cosserat-disks",
+        "message": "why"
+      }
+    ]
+  },
+  {
+    "type": "error",
+    "message": "why"
+  }
+];

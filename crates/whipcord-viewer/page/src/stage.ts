@@ -1,0 +1,236 @@
+// The view in space: camera, light, the robots, and the handle at the tip that a force is dragged by.
+
+import {
+  ArrowHelper,
+  Color,
+  DirectionalLight,
+  GridHelper,
+  Group,
+  HemisphereLight,
+  Mesh,
+  MeshBasicMaterial,
+  MeshStandardMaterial,
+  PerspectiveCamera,
+  Plane,
+  Raycaster,
+  Scene as Space,
+  SphereGeometry,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  type Object3D,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+import type { Scene, Touch, Vector } from "./protocol";
+import { obstacles } from "./obstacles";
+
+export interface Dragging {
+  /** The tip is pulled this far from where it is, in m in the world. */
+  pull(by: Vector): void;
+  /** The handle is let go. */
+  release(): void;
+}
+
+export class Stage {
+  readonly #renderer: WebGLRenderer;
+  readonly #space = new Space();
+  readonly #camera = new PerspectiveCamera(35, 1, 1e-3, 100);
+  readonly #orbit: OrbitControls;
+  readonly #canvas: HTMLCanvasElement;
+  #surroundings = new Group();
+  #robots = new Group();
+  readonly #marks = new Group();
+  readonly #handle = new Mesh(new SphereGeometry(1, 24, 16), new MeshBasicMaterial({ color: "#e69f00", depthTest: false }));
+  readonly #arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#e69f00");
+  #length = 1;
+  #asked = false;
+
+  constructor(canvas: HTMLCanvasElement, dragging: Dragging) {
+    this.#canvas = canvas;
+    this.#renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.#camera.up.set(0, 0, 1);
+    this.#orbit = new OrbitControls(this.#camera, canvas);
+    this.#orbit.addEventListener("change", () => this.draw());
+    this.#orbit.listenToKeyEvents(canvas);
+    this.#orbit.keyPanSpeed = 20;
+    const sun = new DirectionalLight("#ffffff", 2.2);
+    sun.position.set(1, -2, 3);
+    this.#camera.add(new DirectionalLight("#ffffff", 0.8));
+    this.#handle.renderOrder = 2;
+    this.#handle.visible = false;
+    this.#arrow.visible = false;
+    this.#space.add(
+      new HemisphereLight("#ffffff", "#8890a0", 1.3), sun, this.#camera,
+      this.#surroundings, this.#robots, this.#marks, this.#handle, this.#arrow,
+    );
+    this.#listen(dragging);
+    new ResizeObserver(() => this.#resize()).observe(canvas.parentElement ?? canvas);
+    this.#resize();
+  }
+
+  /** What stands around the robot of a new file. The camera stays where the user put it, if the robot is of the same size. */
+  surround(scene: Scene, colours: { background: string; grid: string }): void {
+    this.#space.remove(this.#surroundings);
+    discard(this.#surroundings);
+    this.#surroundings = obstacles(scene);
+    const step = 10 ** Math.floor(Math.log10(scene.length));
+    const grid = new GridHelper(4 * step, 40, colours.grid, colours.grid);
+    grid.rotateX(Math.PI / 2);
+    grid.position.set(...scene.base.position);
+    this.#surroundings.add(grid);
+    const point = new SphereGeometry(0.012 * scene.length, 16, 12);
+    for (const place of scene.measured) {
+      const mesh = new Mesh(point, new MeshStandardMaterial({ color: "#cc79a7" }));
+      mesh.position.set(...place);
+      this.#surroundings.add(mesh);
+    }
+    this.#space.add(this.#surroundings);
+    this.#space.background = new Color(colours.background);
+    if (this.#length !== scene.length) {
+      this.#length = scene.length;
+      this.look(scene);
+    }
+    this.#handle.scale.setScalar(0.022 * scene.length);
+    this.draw();
+  }
+
+  /** Looks at the whole robot from where it is seen well. */
+  look(scene: Scene): void {
+    const [x, y, z] = scene.base.position;
+    const base = new Vector3(x, y, z);
+    const [w, i, j, k] = scene.base.orientation;
+    const along = new Vector3(2 * (i * k + w * j), 2 * (j * k - w * i), 1 - 2 * (i * i + j * j));
+    const middle = base.clone().addScaledVector(along, 0.5 * scene.length);
+    this.#orbit.target.copy(middle);
+    this.#camera.position.copy(middle).add(new Vector3(1.7, -1.5, 0.8).multiplyScalar(1.15 * scene.length));
+    this.#camera.near = 0.01 * scene.length;
+    this.#camera.far = 50 * scene.length;
+    this.#camera.updateProjectionMatrix();
+    this.#orbit.update();
+    this.draw();
+  }
+
+  robots(groups: readonly Object3D[]): void {
+    this.#robots.clear();
+    if (groups.length > 0) this.#robots.add(...groups);
+    this.draw();
+  }
+
+  /** Where obstacles push the robot, and how strongly relative to one another. */
+  touches(touches: readonly Touch[]): void {
+    discard(this.#marks);
+    this.#marks.clear();
+    const most = Math.max(...touches.map((touch) => touch.force ?? 0), Number.MIN_VALUE);
+    for (const { point, normal, force } of touches) {
+      const size = this.#length * (0.05 + 0.12 * ((force ?? 0) / most));
+      const at = new Vector3(...point);
+      const arrow = new ArrowHelper(new Vector3(...normal), at, size, "#d55e00", 0.35 * size, 0.2 * size);
+      this.#marks.add(arrow);
+    }
+  }
+
+  /** Adds a mark that goes with the next frame. */
+  mark(object: Object3D): void {
+    this.#marks.add(object);
+  }
+
+  /** Where the tip is, and which force pulls at it, in the world; `unit` is the length in m of an arrow of 1 N. */
+  tip(at: Vector | undefined, force: Vector, unit: number): void {
+    this.#handle.visible = at !== undefined;
+    const pull = new Vector3(...force);
+    const size = pull.length() * unit;
+    this.#arrow.visible = at !== undefined && size > 1e-3 * this.#length;
+    if (at) {
+      this.#handle.position.set(...at);
+      this.#arrow.position.set(...at);
+    }
+    if (this.#arrow.visible) {
+      this.#arrow.setDirection(pull.normalize());
+      const head = Math.min(0.3 * size, 0.06 * this.#length);
+      this.#arrow.setLength(size, head, 0.6 * head);
+    }
+  }
+
+  /** Draws at the next opportunity of the display. */
+  draw(): void {
+    if (this.#asked) return;
+    this.#asked = true;
+    requestAnimationFrame(() => this.drawNow());
+  }
+
+  drawNow(): void {
+    this.#asked = false;
+    this.#renderer.render(this.#space, this.#camera);
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.#canvas;
+  }
+
+  /** What is shown of the robots, for other programs. */
+  get shown(): Object3D {
+    return this.#robots;
+  }
+
+  #resize(): void {
+    const box = (this.#canvas.parentElement ?? this.#canvas).getBoundingClientRect();
+    const [width, height] = [Math.max(box.width, 1), Math.max(box.height, 1)];
+    this.#renderer.setSize(width, height, false);
+    this.#camera.aspect = width / height;
+    this.#camera.updateProjectionMatrix();
+    this.drawNow();
+  }
+
+  #listen(dragging: Dragging): void {
+    const caster = new Raycaster();
+    const plane = new Plane();
+    const from = new Vector3();
+    const aim = (event: PointerEvent): void => {
+      const box = this.#canvas.getBoundingClientRect();
+      const x = ((event.clientX - box.left) / box.width) * 2 - 1;
+      const y = 1 - ((event.clientY - box.top) / box.height) * 2;
+      caster.setFromCamera(new Vector2(x, y), this.#camera);
+    };
+    // The sphere that is hit is larger than the one that is seen.
+    const hit = (): boolean => {
+      const centre = this.#handle.position;
+      return this.#handle.visible && caster.ray.distanceToPoint(centre) < 2 * this.#handle.scale.x;
+    };
+    let held = false;
+    this.#canvas.addEventListener("pointerdown", (event) => {
+      aim(event);
+      if (!hit()) return;
+      held = true;
+      this.#orbit.enabled = false;
+      this.#canvas.setPointerCapture(event.pointerId);
+      from.copy(this.#handle.position);
+      plane.setFromNormalAndCoplanarPoint(this.#camera.getWorldDirection(new Vector3()), from);
+      event.stopImmediatePropagation();
+    }, { capture: true });
+    this.#canvas.addEventListener("pointermove", (event) => {
+      aim(event);
+      this.#canvas.style.cursor = held || hit() ? "grab" : "";
+      const to = held ? caster.ray.intersectPlane(plane, new Vector3()) : null;
+      if (to) dragging.pull([to.x - from.x, to.y - from.y, to.z - from.z]);
+    });
+    const release = (): void => {
+      if (!held) return;
+      held = false;
+      this.#orbit.enabled = true;
+      dragging.release();
+    };
+    this.#canvas.addEventListener("pointerup", release);
+    this.#canvas.addEventListener("pointercancel", release);
+  }
+}
+
+function discard(group: Object3D): void {
+  group.traverse((object) => {
+    if (object instanceof Mesh) {
+      object.geometry.dispose();
+      for (const material of [object.material].flat()) material.dispose();
+    }
+  });
+}

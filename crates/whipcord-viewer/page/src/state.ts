@@ -1,0 +1,198 @@
+// What the sliders say, how it is kept in the address of the page, and what undo goes back to.
+
+import type { Command, Request, Scene, Vector } from "./protocol";
+
+/** What the robot is coloured by. */
+export const COLOURINGS = ["model", "tension", "curvature", "strain", "contact"] as const;
+export type Colouring = (typeof COLOURINGS)[number];
+
+export interface State {
+  commands: Command[];
+  tipForce: Vector;
+  tipMoment: Vector;
+  gravity: Vector;
+  models: string[];
+  colouring: Colouring;
+  compliance: boolean;
+}
+
+export function initialState(scene: Scene): State {
+  const { commands, tip_force, tip_moment, gravity, models } = scene.initial;
+  return {
+    commands: commands.map((command) => ({ ...command })),
+    tipForce: [...tip_force],
+    tipMoment: [...tip_moment],
+    gravity: [...gravity],
+    models: [...models],
+    colouring: "model",
+    compliance: false,
+  };
+}
+
+export function toRequest(state: State, id: number): Request {
+  return {
+    id,
+    commands: state.commands,
+    tip_force: state.tipForce,
+    tip_moment: state.tipMoment,
+    gravity: state.gravity,
+    models: state.models,
+    compliance: state.compliance,
+  };
+}
+
+export function same(a: State, b: State): boolean {
+  return JSON.stringify(a) === JSON.stringify(b);
+}
+
+/** Kind and value in SI of what a cable is told. */
+export function valueOf(command: Command): { kind: "tension" | "shortening"; value: number } {
+  return "tension" in command
+    ? { kind: "tension", value: command.tension }
+    : { kind: "shortening", value: command.shortening };
+}
+
+export function commandOf(kind: "tension" | "shortening", value: number): Command {
+  return kind === "tension" ? { tension: value } : { shortening: value };
+}
+
+const text = (value: number): string => String(Number(value.toPrecision(9)));
+const list = (values: readonly number[]): string => values.map(text).join(",");
+
+/** The state as the part of an address behind `#`, without what is as in the file. */
+export function toHash(state: State, initial: State): string {
+  const parts: string[] = [];
+  const put = (key: string, value: string, before: string): void => {
+    if (value !== before) parts.push(`${key}=${value}`);
+  };
+  const commands = (of: State): string =>
+    of.commands
+      .map((command) => {
+        const { kind, value } = valueOf(command);
+        return `${kind === "tension" ? "t" : "s"}${text(value)}`;
+      })
+      .join(",");
+  put("cables", commands(state), commands(initial));
+  put("force", list(state.tipForce), list(initial.tipForce));
+  put("moment", list(state.tipMoment), list(initial.tipMoment));
+  put("gravity", list(state.gravity), list(initial.gravity));
+  put("models", state.models.join(","), initial.models.join(","));
+  put("colour", state.colouring, initial.colouring);
+  put("compliance", String(state.compliance), String(initial.compliance));
+  return parts.join("&");
+}
+
+/** Reads an address. What is not said, or makes no sense for this robot, is as in the file. */
+export function fromHash(hash: string, scene: Scene): State {
+  const state = initialState(scene);
+  for (const part of hash.replace(/^#/, "").split("&")) {
+    const at = part.indexOf("=");
+    const key = part.slice(0, at);
+    const value = unescaped(part.slice(at + 1));
+    switch (key) {
+      case "cables": {
+        const commands = value.split(",").map(command);
+        if (commands.length === state.commands.length && commands.every((c) => c !== undefined)) {
+          state.commands = commands;
+        }
+        break;
+      }
+      case "force":
+        state.tipForce = vector(value) ?? state.tipForce;
+        break;
+      case "moment":
+        state.tipMoment = vector(value) ?? state.tipMoment;
+        break;
+      case "gravity":
+        state.gravity = vector(value) ?? state.gravity;
+        break;
+      case "models": {
+        const known = scene.models.filter((model) => model.refusal === null).map((model) => model.name);
+        const models = value.split(",").filter((name) => known.includes(name));
+        if (models.length > 0) state.models = [...new Set(models)];
+        break;
+      }
+      case "colour":
+        state.colouring = COLOURINGS.find((name) => name === value) ?? state.colouring;
+        break;
+      case "compliance":
+        state.compliance = value === "true";
+        break;
+    }
+  }
+  return state;
+}
+
+/** What programs that pass an address on have escaped. */
+function unescaped(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return "";
+  }
+}
+
+function command(word: string): Command | undefined {
+  const value = number(word.slice(1));
+  if (value === undefined) return undefined;
+  if (word.startsWith("t")) return { tension: value };
+  if (word.startsWith("s")) return { shortening: value };
+  return undefined;
+}
+
+function vector(words: string): Vector | undefined {
+  const [x, y, z, ...more] = words.split(",").map(number);
+  if (x === undefined || y === undefined || z === undefined || more.length > 0) return undefined;
+  return [x, y, z];
+}
+
+function number(word: string): number | undefined {
+  const value = Number(word);
+  return word.trim() !== "" && Number.isFinite(value) ? value : undefined;
+}
+
+/** The states that undo and redo go through. */
+export class History {
+  #past: State[] = [];
+  #future: State[] = [];
+  #now: State;
+
+  constructor(now: State) {
+    this.#now = structuredClone(now);
+  }
+
+  /** A change is done with: undo comes back to the state before it. */
+  commit(state: State): void {
+    if (same(state, this.#now)) return;
+    this.#past.push(this.#now);
+    if (this.#past.length > MOST_STATES) this.#past.shift();
+    this.#future = [];
+    this.#now = structuredClone(state);
+  }
+
+  undo(): State | undefined {
+    return this.#move(this.#past, this.#future);
+  }
+
+  redo(): State | undefined {
+    return this.#move(this.#future, this.#past);
+  }
+
+  get canUndo(): boolean {
+    return this.#past.length > 0;
+  }
+
+  get canRedo(): boolean {
+    return this.#future.length > 0;
+  }
+
+  #move(from: State[], to: State[]): State | undefined {
+    const state = from.pop();
+    if (state === undefined) return undefined;
+    to.push(this.#now);
+    this.#now = state;
+    return structuredClone(state);
+  }
+}
+
+const MOST_STATES = 500;

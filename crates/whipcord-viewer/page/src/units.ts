@@ -1,0 +1,52 @@
+// Quantities as people read them: millimetres and newtons outside, SI inside.
+
+export interface Unit {
+  /** As it stands beside a number. */
+  symbol: string;
+  /** As it is spoken. */
+  word: string;
+  /** What one of it is in SI. */
+  si: number;
+}
+
+export const NEWTON: Unit = { symbol: "N", word: "newtons", si: 1 };
+export const MILLIMETRE: Unit = { symbol: "mm", word: "millimetres", si: 1e-3 };
+export const MILLINEWTON_METRE: Unit = { symbol: "mN·m", word: "millinewton metres", si: 1e-3 };
+export const METRE_PER_SECOND_SQUARED: Unit = { symbol: "m/s²", word: "metres per second squared", si: 1 };
+export const PER_METRE: Unit = { symbol: "1/m", word: "per metre", si: 1 };
+export const PER_CENT: Unit = { symbol: "%", word: "per cent", si: 1e-2 };
+
+/** A number of so many significant digits, without zeros that say nothing, and never in powers of ten between 1e-4 and 1e6. */
+export function significant(value: number, digits: number): string {
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  const text = value.toPrecision(digits);
+  if (size >= 1e6 || size < 1e-4) return minus(Number(text).toExponential());
+  return minus(String(Number(text)));
+}
+
+/** A number with so many decimals. */
+export function fixed(value: number, decimals: number): string {
+  const text = value.toFixed(decimals);
+  return minus(Number(text) === 0 ? (0).toFixed(decimals) : text);
+}
+
+function minus(text: string): string {
+  return text.replace("-", "−");
+}
+
+/** A value in SI as a number of a unit, such as number boxes hold: no digits that only rounding has made. */
+export function toUnit(value: number, unit: Unit): number {
+  return Number((value / unit.si).toPrecision(12));
+}
+
+export function fromUnit(value: number, unit: Unit): number {
+  return Number((value * unit.si).toPrecision(15));
+}
+
+/** A duration in s in the unit that suits it. */
+export function duration(seconds: number): string {
+  if (seconds < 1e-3) return `${(seconds * 1e6).toFixed(1)} µs`;
+  if (seconds < 1) return `${(seconds * 1e3).toFixed(2)} ms`;
+  return `${seconds.toFixed(2)} s`;
+}

@@ -1,0 +1,94 @@
+// A viewer of a robot file, for tests: `whipcord view` on a copy of the file.
+
+import { type ChildProcess, spawn, spawnSync } from "node:child_process";
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { basename, join, resolve } from "node:path";
+
+import { test as base, expect, type Page } from "@playwright/test";
+
+const ROOT = resolve(import.meta.dirname, "../../../..");
+const WHIPCORD = process.env["WHIPCORD"] ?? join(ROOT, "target/debug/whipcord");
+export const ARTEFACTS = process.env["VIEWER_ARTEFACTS"] ?? join(ROOT, "target/viewer");
+
+export class Viewer {
+  readonly file: string;
+  readonly url: string;
+  readonly #process: ChildProcess;
+  readonly #folder: string;
+
+  static async start(example: string): Promise<Viewer> {
+    const folder = mkdtempSync(join(tmpdir(), "viewer-"));
+    const file = join(folder, basename(example));
+    copyFileSync(join(ROOT, "examples", example), file);
+    const child = spawn(WHIPCORD, ["view", file, "--no-open"], { stdio: ["ignore", "pipe", "inherit"] });
+    const url = await new Promise<string>((found, failed) => {
+      child.stdout.once("data", (text: Buffer) => found(text.toString().trim()));
+      child.once("error", failed);
+      child.once("exit", (status) => failed(new Error(`whipcord view ended with ${status}`)));
+    });
+    return new Viewer(file, url, child, folder);
+  }
+
+  private constructor(file: string, url: string, child: ChildProcess, folder: string) {
+    [this.file, this.url, this.#process, this.#folder] = [file, url, child, folder];
+  }
+
+  /** Changes the file on disk. */
+  edit(change: (text: string) => string): void {
+    writeFileSync(this.file, change(readFileSync(this.file, "utf8")));
+  }
+
+  stop(): void {
+    this.#process.removeAllListeners("exit");
+    this.#process.kill();
+    rmSync(this.#folder, { recursive: true });
+  }
+}
+
+/** The tip of a robot in m as `whipcord solve` has it: that of the file, with other text in it. */
+export function tipBySolve(file: string, change: (text: string) => string, ...options: string[]): number[] {
+  const copy = `${file}.solved.toml`;
+  writeFileSync(copy, change(readFileSync(file, "utf8")));
+  const solved = spawnSync(WHIPCORD, ["solve", copy, "--json", ...options], { encoding: "utf8" });
+  rmSync(copy);
+  expect(solved.status, solved.stderr).toBe(0);
+  const answer = JSON.parse(solved.stdout) as { disks: { position: number[] }[] };
+  return answer.disks.at(-1)!.position;
+}
+
+/** The tip in m that the page shows for a model. */
+export async function tip(page: Page, model: string): Promise<number[]> {
+  const text = await page.locator(`.answer[data-model="${model}"]`).getAttribute("data-tip");
+  return JSON.parse(text ?? "[]") as number[];
+}
+
+export async function set(page: Page, name: string, value: string): Promise<void> {
+  const box = page.locator(`input[type="number"][data-name="${name}"]`);
+  await box.fill(value);
+  await box.press("Enter");
+}
+
+export function near(found: readonly number[], expected: readonly number[], within: number): boolean {
+  return found.length === 3 && found.every((c, i) => Math.abs(c - expected[i]!) <= within);
+}
+
+/** A page that shows an example, and says nothing on its console. */
+export const test = base.extend<{ example: string; viewer: Viewer }>({
+  example: ["two-segment-arm.toml", { option: true }],
+  viewer: async ({ example, page }, use) => {
+    const viewer = await Viewer.start(example);
+    const complaints: string[] = [];
+    page.on("console", (message) => {
+      if (message.type() === "error") complaints.push(message.text());
+    });
+    page.on("pageerror", (error) => complaints.push(String(error)));
+    await page.goto(viewer.url);
+    await expect(page.locator("#view")).toHaveAttribute("data-frame", /\d+/);
+    await use(viewer);
+    viewer.stop();
+    expect(complaints).toEqual([]);
+  },
+});
+
+export { expect };

@@ -1,0 +1,267 @@
+//! The models of one robot, ready to solve what sliders say.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use whipcord::kinematics::principal_axes;
+use whipcord::{
+    Case, Differentiable as _, Drive, Model, ModelKind, Prepared, Shape, Shortening, Solution, Vec3,
+};
+use whipcord_io::CaseFile;
+
+use crate::protocol::{
+    Answer, CableState, Command, Compliance, Frame, Malformed, Request, Solved, Touch,
+};
+use crate::scene::{array, model};
+use crate::stations::Places;
+
+/// The models of one robot, each with its last answer, from which the next solve starts.
+#[derive(Debug)]
+pub struct Bench {
+    file: Arc<CaseFile>,
+    places: Places,
+    ready: Vec<Ready>,
+}
+
+#[derive(Debug)]
+struct Ready {
+    kind: ModelKind,
+    model: Model,
+    prepared: Prepared,
+    last: Option<Solution>,
+}
+
+/// Why a model has no answer, as the page shows it.
+type Refusal = String;
+
+impl Bench {
+    /// For the robot and the case of a file.
+    pub fn new(file: Arc<CaseFile>) -> Self {
+        let places = Places::of(&file.robot);
+        Self { file, places, ready: Vec::new() }
+    }
+
+    /// The answers to a request that came at `arrival`.
+    ///
+    /// # Errors
+    /// [`Malformed`] for a model that is not known.
+    pub fn solve(&mut self, request: &Request, arrival: Instant) -> Result<Frame, Malformed> {
+        let kinds = request.kinds()?;
+        let case = self.case(request);
+        // Those that know tensions come first: their cable lengths drive those that know none.
+        let mut lead: Option<(ModelKind, Result<Vec<f64>, Refusal>)> = None;
+        let mut answers: Vec<Option<Answer>> = vec![None; kinds.len()];
+        for geometric in [false, true] {
+            for (i, &kind) in kinds.iter().enumerate() {
+                if (kind.natural_drive() == Drive::Shortening) != geometric {
+                    continue;
+                }
+                let pulled =
+                    request.commands.iter().any(|command| matches!(command, Command::Tension(_)));
+                let outcome = if geometric && pulled {
+                    let (by, shortenings) =
+                        lead.get_or_insert_with(|| (ModelKind::Cosserat, self.lead(&case)));
+                    let by = *by;
+                    shortenings
+                        .clone()
+                        .map_err(|why| format!("its cable lengths come from {by}: {why}"))
+                        .and_then(|shares| self.answer(kind, &shortened(&case, &shares), request))
+                        .map(|solved| Solved { driven_by: Some(by.name().to_owned()), ..solved })
+                } else {
+                    self.answer(kind, &case, request)
+                };
+                if !geometric && lead.is_none() {
+                    let shares = self.ready.iter().find(|ready| ready.kind == kind);
+                    let shares = shares.and_then(|ready| Some(shares_of(ready.last.as_ref()?)));
+                    if let (Ok(_), Some(shares)) = (&outcome, shares) {
+                        lead = Some((kind, Ok(shares)));
+                    }
+                }
+                answers[i] = Some(match outcome {
+                    Ok(solved) => Answer::Solved(Box::new(solved)),
+                    Err(message) => Answer::Failed { model: kind.name().to_owned(), message },
+                });
+            }
+        }
+        let answers = answers.into_iter().flatten().collect();
+        Ok(Frame { id: request.id, time: arrival.elapsed().as_secs_f64(), answers })
+    }
+
+    /// What the sliders say, with all that they leave as the file has it.
+    fn case(&self, request: &Request) -> Case {
+        let mut case = self.file.case.clone();
+        case.commands = request.commands.iter().map(|command| command.command()).collect();
+        case.loads.tip_force = Vec3::from(request.tip_force);
+        case.loads.tip_moment = Vec3::from(request.tip_moment);
+        let gravity = Vec3::from(request.gravity);
+        case.loads.gravity = (gravity != Vec3::ZERO).then_some(gravity);
+        case
+    }
+
+    /// By which share each cable is shortened, as the Cosserat rod finds it.
+    fn lead(&mut self, case: &Case) -> Result<Vec<f64>, Refusal> {
+        let (solution, _) = self.solution(ModelKind::Cosserat, case)?;
+        Ok(shares_of(&solution))
+    }
+
+    fn answer(
+        &mut self,
+        kind: ModelKind,
+        case: &Case,
+        request: &Request,
+    ) -> Result<Solved, Refusal> {
+        let (solution, solve_time) = self.solution(kind, case)?;
+        let compliance = request.compliance.then(|| self.compliance(kind, case));
+        solved(&solution, solve_time, compliance).ok_or_else(|| {
+            "the answer holds a number that is none; please report the robot file".to_owned()
+        })
+    }
+
+    /// The answer of a model and how long it took in s. It starts from the last one and, where that leads nowhere, from
+    /// cold. Where cables rub, what they did before counts: then each answer is that after the steps of the file.
+    fn solution(&mut self, kind: ModelKind, case: &Case) -> Result<(Solution, f64), Refusal> {
+        case.check(&self.file.robot).map_err(|error| error.to_string())?;
+        let ready = self.ready(kind)?;
+        let rubs = !case.before.is_empty()
+            || ready.prepared.robot().cables().iter().any(whipcord::Cable::rubs);
+        let begun = Instant::now();
+        let outcome = match (&ready.last, rubs) {
+            (_, true) => ready.prepared.solve_to_the_end(case).map_err(|(_, error)| error),
+            (None, false) => ready.prepared.solve(case, None),
+            (Some(last), false) => match ready.prepared.solve(case, Some(last)) {
+                Ok(solution) => Ok(solution),
+                Err(_) => ready.prepared.solve(case, None),
+            },
+        };
+        let time = begun.elapsed().as_secs_f64();
+        let solution = outcome.map_err(|error| error.to_string())?;
+        ready.last = Some(solution.clone());
+        Ok((solution, time))
+    }
+
+    fn ready(&mut self, kind: ModelKind) -> Result<&mut Ready, Refusal> {
+        let found = self.ready.iter().position(|ready| ready.kind == kind);
+        let index = match found {
+            Some(index) => index,
+            None => {
+                let model = model(kind, &self.places);
+                let prepared = model
+                    .prepare(&self.file.robot, &self.file.case.loads)
+                    .map_err(|error| error.to_string())?;
+                self.ready.push(Ready { kind, model, prepared, last: None });
+                self.ready.len() - 1
+            }
+        };
+        Ok(&mut self.ready[index])
+    }
+
+    /// How the tip yields with the tensions held.
+    fn compliance(&mut self, kind: ModelKind, case: &Case) -> Compliance {
+        let ready = match self.ready(kind) {
+            Ok(ready) => ready,
+            Err(message) => return Compliance::Unknown { message },
+        };
+        let model = ready.model.clone();
+        let robot = &self.file.robot;
+        match model.solve_at(robot, case, robot.backbone().length) {
+            Ok((_, local)) => match &local.yields {
+                Ok(yields) => {
+                    let axes = principal_axes(&yields.tensions_held.compliance.blocks[0][0]);
+                    let turn = |d: Vec3| array(case.base.rotation.rotate(d));
+                    Compliance::Known { values: axes.values, directions: axes.directions.map(turn) }
+                }
+                Err(error) => Compliance::Unknown { message: error.to_string() },
+            },
+            Err(error) => Compliance::Unknown { message: error.to_string() },
+        }
+    }
+}
+
+/// By which share of its length each cable is shortened; a slack one takes up none.
+fn shares_of(solution: &Solution) -> Vec<f64> {
+    let share = |cable: &whipcord::CableState| {
+        if cable.initial_length > 0.0 { 1.0 - cable.length / cable.initial_length } else { 0.0 }
+    };
+    solution.cables.iter().map(share).collect()
+}
+
+/// The case in which each cable is shortened by this share of its length.
+fn shortened(case: &Case, shares: &[f64]) -> Case {
+    let mut case = case.clone();
+    for (command, &share) in case.commands.iter_mut().zip(shares) {
+        command.shortening = Some(Shortening::Fraction(share));
+    }
+    case
+}
+
+/// A solution as the page gets it; `None` where a number of it is none.
+fn solved(solution: &Solution, solve_time: f64, compliance: Option<Compliance>) -> Option<Solved> {
+    let shape = &solution.shape;
+    let diagnostics = &solution.diagnostics;
+    let cables = solution.cables.iter().map(|cable| CableState {
+        tension: cable.tension,
+        length: cable.length,
+        initial_length: cable.initial_length,
+        slack: cable.slack,
+        span_tensions: cable.span_tensions.clone(),
+    });
+    let touches = solution.touches.iter().map(|touch| Touch {
+        obstacle: touch.obstacle,
+        arc_length: touch.arc_length,
+        point: array(touch.point),
+        normal: array(touch.normal),
+        force: touch.force,
+    });
+    let solved = Solved {
+        model: solution.model.name().to_owned(),
+        positions: shape.positions().map(array).collect(),
+        orientations: shape.poses.iter().map(|pose| pose.rotation.wxyz()).collect(),
+        strains: strains(shape),
+        cables: cables.collect(),
+        touches: touches.collect(),
+        residual: diagnostics.residual,
+        iterations: diagnostics.iterations,
+        stability: diagnostics.stability,
+        unstable: diagnostics.is_unstable(),
+        solve_time,
+        driven_by: None,
+        compliance,
+    };
+    solved.is_finite().then_some(solved)
+}
+
+fn strains(shape: &Shape) -> Vec<[f64; 3]> {
+    let each = |strain: whipcord::Twist| {
+        let bending = strain.angular.x.hypot(strain.angular.y);
+        [bending, strain.angular.z, strain.linear.z - 1.0]
+    };
+    shape.strains().map(each).collect()
+}
+
+impl Solved {
+    /// Whether all its numbers are numbers: JSON has no others.
+    fn is_finite(&self) -> bool {
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        self.positions.iter().all(|p| finite(p))
+            && self.orientations.iter().all(|q| finite(q))
+            && self.strains.iter().all(|e| finite(e))
+            && self.cables.iter().all(|cable| {
+                finite(&[cable.length, cable.initial_length])
+                    && cable.tension.is_none_or(f64::is_finite)
+                    && finite(&cable.span_tensions)
+            })
+            && self.touches.iter().all(|touch| {
+                finite(&touch.point)
+                    && finite(&touch.normal)
+                    && touch.force.is_none_or(f64::is_finite)
+            })
+            && finite(&[self.residual, self.solve_time])
+            && self.stability.is_none_or(f64::is_finite)
+            && match &self.compliance {
+                Some(Compliance::Known { values, directions }) => {
+                    finite(values) && directions.iter().all(|d| finite(d))
+                }
+                _ => true,
+            }
+    }
+}

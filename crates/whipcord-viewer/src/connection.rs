@@ -1,0 +1,128 @@
+//! One page: its requests, and their answers.
+//!
+//! A request waits in a place that holds one. A newer one takes that place, so that a solver that is slower than the
+//! sliders always solves for where they are, never for where they were.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use axum::extract::ws::{Message, WebSocket};
+use futures_util::{SinkExt as _, StreamExt as _};
+use tokio::sync::{Semaphore, mpsc, watch};
+
+use crate::bench::Bench;
+use crate::opened::Opened;
+use crate::protocol::{self, FromPage, Malformed, Request, ToPage};
+
+/// Messages that wait to be sent to a page that is slow to take them.
+const WAITING: usize = 4;
+
+/// What all pages share.
+#[derive(Clone, Debug)]
+pub struct Shared {
+    /// The robot file as it is now.
+    pub opened: watch::Receiver<Opened>,
+    /// As many solves at once as there are processors.
+    pub solvers: Arc<Semaphore>,
+}
+
+/// A request and when it came.
+type Arrived = (Arc<Request>, Instant);
+
+/// Serves one page until it goes.
+pub async fn serve(socket: WebSocket, shared: Shared) {
+    let (mut out, mut incoming) = socket.split();
+    let (send, mut messages) = mpsc::channel::<ToPage>(WAITING);
+    let (ask, latest) = watch::channel::<Option<Arrived>>(None);
+    let writer = async move {
+        while let Some(message) = messages.recv().await {
+            // What is sent has been checked to hold numbers only, which is all that could fail.
+            let Ok(text) = serde_json::to_string(&message) else { continue };
+            if out.send(Message::Text(text.into())).await.is_err() {
+                break;
+            }
+        }
+    };
+    let solver = solve(shared, latest, send.clone());
+    let reader = async move {
+        while let Some(Ok(message)) = incoming.next().await {
+            let read = match message {
+                Message::Text(text) => protocol::read(&text),
+                Message::Binary(bytes) => Err(Malformed::NotText { bytes: bytes.len() }),
+                Message::Close(_) => break,
+                Message::Ping(_) | Message::Pong(_) => continue,
+            };
+            match read {
+                Ok(FromPage::Solve(request)) => {
+                    ask.send_replace(Some((Arc::new(request), Instant::now())));
+                }
+                Err(error) => {
+                    if send.send(ToPage::Error { message: error.to_string() }).await.is_err() {
+                        break;
+                    }
+                }
+            }
+        }
+    };
+    tokio::select! {
+        () = writer => {}
+        () = solver => {}
+        () = reader => {}
+    }
+}
+
+/// Tells the page of the file, and answers the latest of its requests.
+async fn solve(
+    shared: Shared,
+    mut latest: watch::Receiver<Option<Arrived>>,
+    send: mpsc::Sender<ToPage>,
+) {
+    let Shared { mut opened, solvers } = shared;
+    let mut bench: Option<Bench> = None;
+    opened.mark_changed();
+    loop {
+        tokio::select! {
+            biased;
+            changed = opened.changed() => {
+                if changed.is_err() {
+                    return;
+                }
+                let now = opened.borrow_and_update().clone();
+                let message = match now {
+                    Opened::Usable(usable) => {
+                        bench = Some(Bench::new(Arc::clone(&usable.file)));
+                        ToPage::Scene(Box::new(usable.scene.clone()))
+                    }
+                    // The robot that was can still be moved.
+                    Opened::Broken(message) => ToPage::Broken { message: message.to_string() },
+                };
+                if send.send(message).await.is_err() {
+                    return;
+                }
+            }
+            changed = latest.changed() => {
+                if changed.is_err() {
+                    return;
+                }
+                let Some((request, arrival)) = latest.borrow_and_update().clone() else { continue };
+                let Some(mut at_work) = bench.take() else { continue };
+                let Ok(permit) = Arc::clone(&solvers).acquire_owned().await else { return };
+                let solved = tokio::task::spawn_blocking(move || {
+                    let frame = at_work.solve(&request, arrival);
+                    drop(permit);
+                    (at_work, frame)
+                });
+                // A solve that panics costs this page its connection, and no other.
+                let Ok((back, frame)) = solved.await else { return };
+                bench = Some(back);
+                let message = match frame {
+                    Ok(frame) => ToPage::Frame(frame),
+                    Err(error) => ToPage::Error { message: error.to_string() },
+                };
+                if send.send(message).await.is_err() {
+                    return;
+                }
+            }
+        }
+    }
+}

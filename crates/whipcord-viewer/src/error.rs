@@ -1,0 +1,28 @@
+use std::io;
+
+use thiserror::Error;
+use whipcord_io::FileError;
+
+/// Why there is nothing to view.
+#[derive(Debug, Error)]
+pub enum ViewError {
+    /// The binary was built without the page.
+    #[error(
+        "this whipcord was built without the page of its viewer: run `make page`, which needs Node, and build again"
+    )]
+    NoPage,
+    /// The robot file cannot be used.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// No server can be started.
+    #[error("cannot serve the page on port {port} of this machine: {source}")]
+    Port {
+        /// The port that was asked for; 0 is any.
+        port: u16,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The server has stopped.
+    #[error("the server of the page has stopped: {0}")]
+    Server(io::Error),
+}

@@ -1,0 +1,76 @@
+//! The viewer of whipcord: a robot in a page of the browser, with a slider for each cable.
+//!
+//! A server on this machine reads a robot file, follows its changes, and solves what the sliders of the page say, over
+//! a WebSocket ([`protocol`]). The page is TypeScript in `page/`; built by `make page`, it is part of this crate's
+//! binary. Without it everything here compiles, and [`View::open`] says what to do.
+
+mod bench;
+mod connection;
+mod error;
+mod obstacles;
+mod opened;
+mod page;
+pub mod protocol;
+mod ranges;
+mod scene;
+mod server;
+mod stations;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use crate::opened::{Opened, Watched};
+use crate::page::{Page, page};
+use crate::server::Server;
+
+pub use error::ViewError;
+
+/// A robot file that is about to be viewed: it can be used, and the server listens.
+#[derive(Debug)]
+pub struct View {
+    path: PathBuf,
+    page: Page,
+    opened: Opened,
+    watched: Watched,
+    server: Server,
+    runtime: tokio::runtime::Runtime,
+}
+
+impl View {
+    /// Reads a robot file, and listens on a port of this machine, a free one for 0.
+    ///
+    /// # Errors
+    /// [`ViewError`] for a file that cannot be used, a port that is not to be had, and a binary without the page.
+    pub fn open(path: &Path, port: u16) -> Result<Self, ViewError> {
+        let (opened, watched) = Opened::read(path)?;
+        let page = page()?;
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .enable_all()
+            .build()
+            .map_err(ViewError::Server)?;
+        let server = runtime.block_on(Server::listen(port))?;
+        Ok(Self { path: path.to_owned(), page, opened, watched, server, runtime })
+    }
+
+    /// Where the page is.
+    #[must_use]
+    pub fn url(&self) -> String {
+        format!("http://127.0.0.1:{}/", self.server.port())
+    }
+
+    /// Shows the page in the browser; a machine without one is no error.
+    pub fn show(&self) {
+        // The address has been printed: whoever has no browser here can go there by hand.
+        let _ = open::that_detached(self.url());
+    }
+
+    /// Serves the page for as long as the process lives.
+    ///
+    /// # Errors
+    /// [`ViewError::Server`] when the server stops.
+    pub fn serve(self) -> Result<(), ViewError> {
+        let Self { path, page, opened, watched, server, runtime } = self;
+        runtime.block_on(server.serve(page, path, opened, watched, std::future::pending()))
+    }
+}

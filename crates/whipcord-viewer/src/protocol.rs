@@ -1,0 +1,443 @@
+//! What page and server say to each other: one JSON object in each text message of a WebSocket, everything in SI.
+//!
+//! The page sends [`FromPage`], the server [`ToPage`]. `page/src/protocol.ts` has the same types; `page/src/samples.ts`
+//! holds an example of each as it is written here, and TypeScript's compiler holds it against those.
+//!
+//! Positions are in the world frame, in which the file gives the pose of the base; quaternions are (w, x, y, z).
+
+use serde::{Deserialize, Serialize};
+use whipcord::{Drive, ModelKind};
+
+/// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
+pub const MOST_BYTES: usize = 64 * 1024;
+
+/// The greatest integer that JavaScript counts to without gaps.
+const MOST_ID: u64 = (1 << 53) - 1;
+
+/// What the page sends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+pub enum FromPage {
+    /// To solve what the sliders say. A request that comes before an earlier one is begun replaces it.
+    Solve(Request),
+}
+
+/// What the sliders say.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// Number of the request, which the answer carries.
+    pub id: u64,
+    /// One for each cable.
+    pub commands: Vec<Command>,
+    /// Force at the tip in N.
+    pub tip_force: [f64; 3],
+    /// Moment at the tip in N·m.
+    pub tip_moment: [f64; 3],
+    /// Acceleration of gravity in m/s².
+    pub gravity: [f64; 3],
+    /// Names of the models that are to answer.
+    pub models: Vec<String>,
+    /// Whether the compliance of the tip is asked for.
+    #[serde(default)]
+    pub compliance: bool,
+}
+
+/// What one cable is told.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Command {
+    /// To pull with this tension in N.
+    Tension(f64),
+    /// To be shorter by this in m than before actuation.
+    Shortening(f64),
+}
+
+/// What the server sends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum ToPage {
+    /// The robot and the case of the file: the first message, and again whenever the file changes.
+    Scene(Box<Scene>),
+    /// The file cannot be used as it now is.
+    Broken {
+        /// What is wrong with it, with the place, as the command line prints it.
+        message: String,
+    },
+    /// The answer to a request.
+    Frame(Frame),
+    /// A message from the page that means nothing.
+    Error {
+        /// Why.
+        message: String,
+    },
+}
+
+/// A robot, its surroundings and what the file asks of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// Title of the file.
+    pub title: String,
+    /// Name of the file.
+    pub file: String,
+    /// Version of whipcord.
+    pub version: String,
+    /// Length of the backbone in m.
+    pub length: f64,
+    /// Arc lengths in m at which frames give the shape.
+    pub stations: Vec<f64>,
+    /// Cross-section of the backbone.
+    pub section: Section,
+    /// The disks, from the base on.
+    pub disks: Vec<Disk>,
+    /// The cables.
+    pub cables: Vec<Cable>,
+    /// Where the base is.
+    pub base: Pose,
+    /// All models.
+    pub models: Vec<ModelChoice>,
+    /// What the file asks for.
+    pub initial: Request,
+    /// How far the sliders reach.
+    pub ranges: Ranges,
+    /// Whether tip force, tip moment and gravity are those of the frame of the base, in contrast to the world's.
+    pub loads_in_base: bool,
+    /// What loads the file has that no slider moves, in words.
+    pub other_loads: Vec<String>,
+    /// Where the real robot's disks were measured, in m.
+    pub measured: Vec<[f64; 3]>,
+    /// What stands in the robot's way.
+    pub obstacles: Vec<Obstacle>,
+}
+
+/// A cross-section at each station; lengths in m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Section {
+    /// Not known.
+    Unknown,
+    /// A rod or a tube.
+    Round {
+        /// Outer diameters.
+        outer: Vec<f64>,
+        /// Inner diameters.
+        inner: Vec<f64>,
+    },
+    /// A bar.
+    Rectangle {
+        /// Extents along x.
+        width: Vec<f64>,
+        /// Extents along y.
+        height: Vec<f64>,
+    },
+}
+
+/// A disk; lengths in m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Disk {
+    /// Which of the stations it sits at.
+    pub station: usize,
+    /// Of its rim.
+    pub radius: f64,
+    /// From face to face.
+    pub thickness: f64,
+    /// Centres of the holes in its plane.
+    pub holes: Vec<[f64; 2]>,
+    /// Radius of the holes, as they are drawn.
+    pub hole_radius: f64,
+}
+
+/// A cable and where it runs in the cross-sections.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cable {
+    /// Its name.
+    pub name: String,
+    /// Where it runs at each station, from the first to the one it is anchored at: (x, y) in m.
+    pub course: Vec<[f64; 2]>,
+    /// Its length in m before actuation.
+    pub initial_length: f64,
+}
+
+/// A frame in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Position of its origin in m.
+    pub position: [f64; 3],
+    /// How it is turned.
+    pub orientation: [f64; 4],
+}
+
+/// A model, and whether it can be chosen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelChoice {
+    /// Its name.
+    pub name: String,
+    /// Whether its cables run straight from disk to disk.
+    pub hole_to_hole: bool,
+    /// Why it does not take this robot.
+    pub refusal: Option<String>,
+}
+
+/// How far sliders reach; each from the negative to the positive, tensions from zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ranges {
+    /// In N.
+    pub tension: f64,
+    /// In m.
+    pub shortening: f64,
+    /// In N.
+    pub force: f64,
+    /// In N·m.
+    pub moment: f64,
+    /// In m/s².
+    pub gravity: f64,
+}
+
+/// A body in the robot's way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Obstacle {
+    /// Its name.
+    pub name: String,
+    /// Where it is.
+    pub pose: Pose,
+    /// Its form, in its own frame.
+    pub form: Form,
+}
+
+/// The form of an obstacle, as robot files have it; lengths in m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Form {
+    /// All below the plane z = 0.
+    HalfSpace,
+    /// A ball.
+    Sphere {
+        /// Its radius.
+        radius: f64,
+    },
+    /// A cylinder with round ends, along z.
+    Capsule {
+        /// Its radius.
+        radius: f64,
+        /// Of the cylinder.
+        length: f64,
+    },
+    /// A box.
+    Box {
+        /// Its edges.
+        size: [f64; 3],
+    },
+    /// A cylinder along z.
+    Cylinder {
+        /// Its radius.
+        radius: f64,
+        /// Its length.
+        length: f64,
+    },
+    /// A bore around a line.
+    Pipe {
+        /// Its radius.
+        radius: f64,
+        /// Points of its middle line.
+        middle: Vec<[f64; 3]>,
+    },
+    /// |x/a|, |y/b|, |z/c| with these exponents.
+    Superellipsoid {
+        /// a, b and c.
+        semi_axes: [f64; 3],
+        /// North to south, and around.
+        exponents: [f64; 2],
+    },
+    /// Triangles.
+    Mesh {
+        /// Corners.
+        vertices: Vec<[f64; 3]>,
+        /// Three corners each, counter-clockwise as seen from outside.
+        triangles: Vec<[u32; 3]>,
+    },
+}
+
+/// The answer to a request.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Number of the request.
+    pub id: u64,
+    /// Time in s from the arrival of the request to the end of the last solve.
+    pub time: f64,
+    /// What each model says, in the order of the request.
+    pub answers: Vec<Answer>,
+}
+
+/// What a model says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "status", rename_all = "snake_case")]
+pub enum Answer {
+    /// A shape.
+    Solved(Box<Solved>),
+    /// None, and why.
+    Failed {
+        /// The model.
+        model: String,
+        /// Why there is no answer, and what to do.
+        message: String,
+    },
+}
+
+/// A shape that a model found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Solved {
+    /// The model.
+    pub model: String,
+    /// Position at each station in m.
+    pub positions: Vec<[f64; 3]>,
+    /// How the cross-section is turned at each station.
+    pub orientations: Vec<[f64; 4]>,
+    /// Between each two stations: curvature of bending, twist, both in 1/m, and stretch, as means.
+    pub strains: Vec<[f64; 3]>,
+    /// What became of each cable.
+    pub cables: Vec<CableState>,
+    /// Where it touches obstacles.
+    pub touches: Vec<Touch>,
+    /// What is left of the equations, relative to their scale.
+    pub residual: f64,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Least eigenvalue of the tangent stiffness relative to the backbone's own.
+    pub stability: Option<f64>,
+    /// Whether the robot leaves this shape at the slightest disturbance.
+    pub unstable: bool,
+    /// Time in s that the solve took.
+    pub solve_time: f64,
+    /// The model whose cable lengths drove this one, where it knows no tensions.
+    pub driven_by: Option<String>,
+    /// How the tip yields to a force, with the tensions held, where that was asked for.
+    pub compliance: Option<Compliance>,
+}
+
+/// What became of a cable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CableState {
+    /// Tension in N; none from a model that knows no forces.
+    pub tension: Option<f64>,
+    /// Length in m of its path.
+    pub length: f64,
+    /// Length in m of that path before actuation.
+    pub initial_length: f64,
+    /// Whether it hangs loose.
+    pub slack: bool,
+    /// Tension in N between each two disks, where it rubs.
+    pub span_tensions: Vec<f64>,
+}
+
+/// A point at which the robot touches an obstacle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Touch {
+    /// The obstacle, by its number in the scene.
+    pub obstacle: usize,
+    /// Arc length in m of the cross-section that touches.
+    pub arc_length: f64,
+    /// The point in m.
+    pub point: [f64; 3],
+    /// Unit normal out of the obstacle.
+    pub normal: [f64; 3],
+    /// With how much the obstacle pushes, in N.
+    pub force: Option<f64>,
+}
+
+/// An ellipsoid of compliance: what a force of 1 N in any direction moves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "status", rename_all = "snake_case")]
+pub enum Compliance {
+    /// Its principal axes in the world.
+    Known {
+        /// In m/N, the greatest first.
+        values: [f64; 3],
+        /// Unit vectors.
+        directions: [[f64; 3]; 3],
+    },
+    /// There is none, and why.
+    Unknown {
+        /// Why.
+        message: String,
+    },
+}
+
+/// Why a message from the page means nothing.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Malformed {
+    /// It is no JSON of the protocol.
+    #[error("this is no message of the viewer: {0}")]
+    Json(String),
+    /// It is not text.
+    #[error("a message of {bytes} bytes is not text")]
+    NotText {
+        /// Its length.
+        bytes: usize,
+    },
+    /// A number that is none, or that JavaScript cannot hold.
+    #[error("the number of the request is {0}, more than 2^53 - 1")]
+    Id(u64),
+    /// A model that is not known.
+    #[error(transparent)]
+    Model(#[from] whipcord::model::UnknownModel),
+    /// Too many models.
+    #[error("{given} models are asked for, of the {all} that there are")]
+    Models {
+        /// How many.
+        given: usize,
+        /// How many there are.
+        all: usize,
+    },
+}
+
+/// Reads a message from the page.
+///
+/// # Errors
+/// [`Malformed`] with what is wrong. Numbers that no robot takes are left to the models to refuse.
+pub fn read(text: &str) -> Result<FromPage, Malformed> {
+    let message: FromPage =
+        serde_json::from_str(text).map_err(|error| Malformed::Json(error.to_string()))?;
+    let FromPage::Solve(request) = &message;
+    if request.id > MOST_ID {
+        return Err(Malformed::Id(request.id));
+    }
+    let all = ModelKind::ALL.len();
+    if request.models.len() > all {
+        return Err(Malformed::Models { given: request.models.len(), all });
+    }
+    request.kinds()?;
+    Ok(message)
+}
+
+impl Request {
+    /// The models that are asked for.
+    ///
+    /// # Errors
+    /// [`Malformed::Model`] for a name of none.
+    pub fn kinds(&self) -> Result<Vec<ModelKind>, Malformed> {
+        self.models.iter().map(|name| Ok(name.parse::<ModelKind>()?)).collect()
+    }
+}
+
+impl Command {
+    /// As robot files have it.
+    #[must_use]
+    pub fn command(self) -> whipcord::CableCommand {
+        use whipcord::{CableCommand, Shortening};
+        match self {
+            Self::Tension(tension) => CableCommand { tension: Some(tension), shortening: None },
+            Self::Shortening(length) => {
+                CableCommand { tension: None, shortening: Some(Shortening::Length(length)) }
+            }
+        }
+    }
+
+    /// What drives a cable by it.
+    #[must_use]
+    pub const fn drive(self) -> Drive {
+        match self {
+            Self::Tension(_) => Drive::Tension,
+            Self::Shortening(_) => Drive::Shortening,
+        }
+    }
+}

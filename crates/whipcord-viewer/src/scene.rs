@@ -1,0 +1,196 @@
+//! A robot file as the page is told of it.
+
+use whipcord::{
+    Drive, LoadFrame, Model, ModelKind, Prepared, Robot, Section, Shortening, SolveError, Stations,
+    Vec3,
+};
+use whipcord_io::CaseFile;
+use whipcord_plot::{CableCourse, plates_of};
+
+use crate::obstacles;
+use crate::protocol::{self, Command, Disk, ModelChoice, Pose, Request, Scene};
+use crate::ranges::ranges;
+use crate::stations::Places;
+
+/// Thickness of disks that have none, relative to their radius.
+const THICKNESS: f64 = 0.1;
+
+/// What the page is told of a file.
+pub fn scene(file: &CaseFile) -> Scene {
+    let (robot, case) = (&file.robot, &file.case);
+    let places = Places::of(robot);
+    let initial_lengths = initial_lengths(robot, &places);
+    let initial = initial(file, &initial_lengths);
+    let names = |path: &std::path::Path| {
+        path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    };
+    Scene {
+        title: file.title.clone(),
+        file: names(&file.path),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        length: robot.backbone().length,
+        section: section(robot, &places.arc_lengths),
+        disks: disks(robot, &places),
+        cables: cables(robot, &places, &initial_lengths),
+        stations: places.arc_lengths,
+        base: pose(&case.base),
+        models: ModelKind::ALL.map(|kind| choice(file, kind)).to_vec(),
+        ranges: ranges(robot, &initial),
+        initial,
+        loads_in_base: case.loads.frame == LoadFrame::Base,
+        other_loads: other_loads(file),
+        measured: file.measured.iter().flat_map(|m| &m.disks).map(|d| array(d.position)).collect(),
+        obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
+    }
+}
+
+/// The model at the stations of frames, each cable driven by what it is told.
+pub fn model(kind: ModelKind, places: &Places) -> Model {
+    Model::new(kind, Stations::At(places.arc_lengths.clone()), Drive::Natural)
+}
+
+pub fn array(vector: Vec3) -> [f64; 3] {
+    vector.to_array()
+}
+
+pub fn pose(pose: &whipcord::Pose) -> Pose {
+    Pose { position: array(pose.position), orientation: pose.rotation.wxyz() }
+}
+
+fn section(robot: &Robot, stations: &[f64]) -> protocol::Section {
+    let disks = robot.disks();
+    let along = |along: &whipcord::Along<f64>| -> Vec<f64> {
+        stations.iter().map(|&s| along.at(disks, s)).collect()
+    };
+    match &robot.backbone().section {
+        None => protocol::Section::Unknown,
+        Some(Section::Round { outer, inner }) => {
+            protocol::Section::Round { outer: along(outer), inner: along(inner) }
+        }
+        Some(Section::Rectangle { width, height }) => {
+            protocol::Section::Rectangle { width: along(width), height: along(height) }
+        }
+    }
+}
+
+fn disks(robot: &Robot, places: &Places) -> Vec<Disk> {
+    let plates = plates_of(robot).into_iter().zip(&places.disks);
+    plates
+        .map(|(plate, &station)| Disk {
+            station,
+            radius: plate.radius,
+            thickness: robot.disks().thickness.unwrap_or(THICKNESS * plate.radius),
+            holes: plate.holes,
+            hole_radius: plate.hole_radius,
+        })
+        .collect()
+}
+
+fn cables(robot: &Robot, places: &Places, initial: &[f64]) -> Vec<protocol::Cable> {
+    let all = robot.cables().iter().zip(robot.routes()).zip(&places.anchors).zip(initial);
+    all.map(|(((cable, route), &anchor), &initial_length)| {
+        let course = places.arc_lengths[..=anchor].iter().map(|&s| {
+            let offset = route.at(s.min(route.end())).offset;
+            [offset.x, offset.y]
+        });
+        protocol::Cable { name: cable.name.clone(), course: course.collect(), initial_length }
+    })
+    .collect()
+}
+
+/// Lengths of the cables before actuation in m, by the first model that takes the robot; the lengths of their courses
+/// along a straight backbone where none does.
+fn initial_lengths(robot: &Robot, places: &Places) -> Vec<f64> {
+    let at_rest = whipcord::at_rest(robot, whipcord::Pose::IDENTITY, &Stations::Disks);
+    if let Some(solution) = at_rest {
+        return solution.cables.iter().map(|cable| cable.initial_length).collect();
+    }
+    let of = |(route, &anchor): (&whipcord::robot::Route, &usize)| -> f64 {
+        let point = |s: f64| route.at(s.min(route.end())).offset + Vec3::Z * s;
+        let ends = places.arc_lengths[..=anchor].windows(2);
+        ends.map(|s| (point(s[1]) - point(s[0])).norm()).sum()
+    };
+    robot.routes().iter().zip(&places.anchors).map(of).collect()
+}
+
+/// What the file asks for, as the page would. A cable that the file gives both commands is driven by its tension.
+fn initial(file: &CaseFile, initial_lengths: &[f64]) -> Request {
+    let case = &file.case;
+    let commands = case.commands.iter().zip(initial_lengths).map(|(command, &length)| {
+        match (command.tension, command.shortening) {
+            (Some(tension), _) => Command::Tension(tension),
+            (None, Some(shortening)) => Command::Shortening(in_metres(shortening, length)),
+            (None, None) => Command::Tension(0.0),
+        }
+    });
+    let loads = &case.loads;
+    let first = ModelKind::ALL.into_iter().find(|&kind| refusal(file, kind).is_none());
+    Request {
+        id: 0,
+        commands: commands.collect(),
+        tip_force: array(loads.tip_force),
+        tip_moment: array(loads.tip_moment),
+        gravity: array(loads.gravity.unwrap_or_default()),
+        models: first.map(|kind| kind.name().to_owned()).into_iter().collect(),
+        compliance: false,
+    }
+}
+
+fn in_metres(shortening: Shortening, initial_length: f64) -> f64 {
+    shortening.in_metres(initial_length)
+}
+
+fn choice(file: &CaseFile, kind: ModelKind) -> ModelChoice {
+    ModelChoice {
+        name: kind.name().to_owned(),
+        hole_to_hole: CableCourse::of(kind) == CableCourse::HoleToHole,
+        refusal: refusal(file, kind),
+    }
+}
+
+/// Why a model does not take the robot among its obstacles, whatever its cables are told.
+fn refusal(file: &CaseFile, kind: ModelKind) -> Option<String> {
+    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+    let mut prepared: Prepared = match model.prepare(&file.robot, &file.case.loads) {
+        Ok(prepared) => prepared,
+        Err(error) => return Some(error.to_string()),
+    };
+    // What only a solve finds missing or cannot take is found by one in which nothing pulls.
+    let mut case = file.case.clone();
+    case.before.clear();
+    case.loads.tip_force = Vec3::ZERO;
+    case.loads.tip_moment = Vec3::ZERO;
+    case.loads.gravity = None;
+    for command in &mut case.commands {
+        *command = match kind.natural_drive() {
+            Drive::Shortening => Command::Shortening(0.0).command(),
+            _ => Command::Tension(0.0).command(),
+        };
+    }
+    match prepared.solve(&case, None) {
+        Err(
+            error @ (SolveError::Missing { .. }
+            | SolveError::Unsupported { .. }
+            | SolveError::Invalid(_)),
+        ) => Some(error.to_string()),
+        _ => None,
+    }
+}
+
+/// Loads of the file that no slider moves.
+fn other_loads(file: &CaseFile) -> Vec<String> {
+    let loads = &file.case.loads;
+    let mut words = Vec::new();
+    let mut say = |count: usize, one: &str, several: &str| match count {
+        0 => {}
+        1 => words.push(one.to_owned()),
+        n => words.push(format!("{n} {several}")),
+    };
+    say(loads.points.len(), "a load at a point", "loads at points");
+    say(loads.distributed.len(), "a distributed load", "distributed loads");
+    say(loads.masses.len(), "a mass that is carried", "masses that are carried");
+    if loads.tip_follower {
+        words.push("force and moment at the tip turn with it".to_owned());
+    }
+    words
+}

@@ -1,0 +1,133 @@
+//! What the page is answered is what the library says.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use whipcord::{CableCommand, Model, ModelKind, Shortening, Statics as _, Stations};
+use whipcord_io::load;
+
+use super::example;
+use crate::bench::Bench;
+use crate::protocol::{Answer, Command, Compliance, Request, Solved};
+use crate::scene::{array, model, scene};
+use crate::stations::Places;
+
+fn only(answers: Vec<Answer>) -> Solved {
+    match answers.into_iter().next().unwrap() {
+        Answer::Solved(solved) => *solved,
+        Answer::Failed { model, message } => panic!("{model}: {message}"),
+    }
+}
+
+#[test]
+fn an_answer_is_that_of_the_library() {
+    let file = Arc::new(load(example("two-segment-arm.toml")).unwrap());
+    let mut request = scene(&file).initial;
+    request.commands[3] = Command::Tension(12.5);
+    request.tip_force = [0.2, -0.1, 0.0];
+    let mut bench = Bench::new(Arc::clone(&file));
+    let frame = bench.solve(&request, Instant::now()).unwrap();
+    let solved = only(frame.answers);
+
+    let mut case = file.case.clone();
+    case.commands[3] = CableCommand { tension: Some(12.5), shortening: None };
+    case.loads.tip_force = request.tip_force.into();
+    let expected =
+        model(ModelKind::Cosserat, &Places::of(&file.robot)).solve(&file.robot, &case).unwrap();
+    let positions: Vec<_> = expected.shape.positions().map(array).collect();
+    assert_eq!(solved.positions, positions);
+    for (found, cable) in solved.cables.iter().zip(&expected.cables) {
+        assert_eq!((found.length, found.tension), (cable.length, cable.tension));
+    }
+    // The places at which a frame gives the shape change the steps of the integration, and little else.
+    let at_disks = Model::new(ModelKind::Cosserat, Stations::Disks, Default::default());
+    let at_disks = at_disks.solve(&file.robot, &case).unwrap();
+    let apart = at_disks.disks.tip().position - expected.disks.tip().position;
+    assert!(apart.norm() < 1e-6 * file.robot.backbone().length);
+}
+
+#[test]
+fn a_geometric_model_is_driven_by_the_lengths_that_tensions_give() {
+    let file = Arc::new(load(example("table1/case-3.toml")).unwrap());
+    let models = vec!["four-bar".to_owned()];
+    let request = Request { models, gravity: [0.0; 3], ..scene(&file).initial };
+    let solved =
+        only(Bench::new(Arc::clone(&file)).solve(&request, Instant::now()).unwrap().answers);
+    assert_eq!(solved.driven_by.as_deref(), Some("cosserat"));
+
+    let places = Places::of(&file.robot);
+    let mut case = file.case.clone();
+    case.loads.gravity = None;
+    let rod = model(ModelKind::Cosserat, &places).solve(&file.robot, &case).unwrap();
+    for (command, cable) in case.commands.iter_mut().zip(&rod.cables) {
+        let shortening = cable.initial_length - cable.length;
+        // Where the cables run is the same to both models; how long they take themselves to be is not.
+        let share = shortening / cable.initial_length;
+        command.shortening = Some(Shortening::Fraction(share));
+    }
+    let expected = model(ModelKind::FourBar, &places).solve(&file.robot, &case).unwrap();
+    let apart = |(found, expected): (&[f64; 3], whipcord::Vec3)| {
+        (whipcord::Vec3::from(*found) - expected).norm()
+    };
+    let worst = solved.positions.iter().zip(expected.shape.positions()).map(apart);
+    assert!(worst.fold(0.0, f64::max) < 1e-9);
+}
+
+#[test]
+fn what_has_no_answer_says_why_and_the_next_request_is_answered() {
+    let file = Arc::new(load(example("two-segment-arm.toml")).unwrap());
+    let initial = scene(&file).initial;
+    let mut bench = Bench::new(file);
+    let mut request = initial.clone();
+    request.commands[0] = Command::Tension(60_000.0);
+    let frame = bench.solve(&request, Instant::now()).unwrap();
+    let Some(Answer::Failed { model, message }) = frame.answers.first() else {
+        panic!("{frame:?}");
+    };
+    assert_eq!(model, "cosserat");
+    assert!(message.contains("pull the cable less"), "{message}");
+    for bad in [f64::NAN, -1.0, 1e30] {
+        request.commands[0] = Command::Tension(bad);
+        let frame = bench.solve(&request, Instant::now()).unwrap();
+        assert!(matches!(frame.answers[0], Answer::Failed { .. }), "{bad}");
+    }
+    request.commands.pop();
+    let frame = bench.solve(&request, Instant::now()).unwrap();
+    assert!(matches!(frame.answers[0], Answer::Failed { .. }));
+    only(bench.solve(&initial, Instant::now()).unwrap().answers);
+}
+
+#[test]
+fn the_compliance_of_the_tip_is_how_far_a_small_force_moves_it() {
+    let file = Arc::new(load(example("two-segment-arm.toml")).unwrap());
+    let mut request = Request { compliance: true, ..scene(&file).initial };
+    let mut bench = Bench::new(Arc::clone(&file));
+    let before = only(bench.solve(&request, Instant::now()).unwrap().answers);
+    let Some(Compliance::Known { values, directions }) = before.compliance else {
+        panic!("{:?}", before.compliance);
+    };
+    let force = 1e-4;
+    request.tip_force = directions[0].map(|d| d * force);
+    let after = only(bench.solve(&request, Instant::now()).unwrap().answers);
+    let (a, b) = (before.positions.last().unwrap(), after.positions.last().unwrap());
+    let moved: f64 = (0..3).map(|k| (b[k] - a[k]) * directions[0][k]).sum();
+    assert!((moved / force / values[0] - 1.0).abs() < 1e-3, "{} {}", moved / force, values[0]);
+}
+
+#[test]
+fn every_example_can_be_viewed() {
+    let mut files = Vec::new();
+    for folder in ["", "table1", "contact"] {
+        let entries =
+            std::fs::read_dir(example(folder)).unwrap().map(|entry| entry.unwrap().path());
+        files.extend(entries.filter(|path| path.extension().is_some_and(|e| e == "toml")));
+    }
+    assert!(files.len() > 12);
+    for path in files {
+        let scene = scene(&load(&path).unwrap());
+        assert!(!scene.initial.models.is_empty(), "{}", path.display());
+        for range in [scene.ranges.tension, scene.ranges.shortening, scene.ranges.force] {
+            assert!(range > 0.0 && range.is_finite(), "{}: {range}", path.display());
+        }
+    }
+}

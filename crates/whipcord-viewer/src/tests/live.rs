@@ -1,0 +1,149 @@
+//! A server and its pages.
+
+use std::fs;
+
+use proptest::prelude::*;
+use proptest::strategy::ValueTree as _;
+use proptest::test_runner::TestRunner;
+use tokio_tungstenite::tungstenite::Message;
+
+use super::{Client, example, serve};
+use crate::protocol::{Answer, Command, Frame, ToPage};
+
+fn solved(message: ToPage) -> Frame {
+    match message {
+        ToPage::Frame(frame) => {
+            assert!(frame.answers.iter().all(|a| matches!(a, Answer::Solved(_))), "{frame:?}");
+            frame
+        }
+        other => panic!("{other:?} is no frame"),
+    }
+}
+
+#[tokio::test]
+async fn the_latest_request_is_answered_and_none_queue_up() {
+    let port = serve(&example("two-segment-arm.toml")).await;
+    let (mut client, scene) = Client::connect(port).await;
+    let mut request = scene.initial;
+    const LAST: u64 = 300;
+    for id in 1..=LAST {
+        request.id = id;
+        request.commands[0] = Command::Tension(14.0 + id as f64 * 0.01);
+        client.ask(&request).await;
+    }
+    let mut answered = Vec::new();
+    while answered.last() != Some(&LAST) {
+        answered.push(solved(client.hear().await).id);
+    }
+    assert!(answered.windows(2).all(|w| w[1] > w[0]), "{answered:?}");
+    // Nothing comes after the answer to the last.
+    request.id = LAST + 1;
+    client.ask(&request).await;
+    assert_eq!(solved(client.hear().await).id, LAST + 1);
+}
+
+#[tokio::test]
+async fn a_file_that_changes_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.toml");
+    let text = fs::read_to_string(example("two-segment-arm.toml")).unwrap();
+    fs::write(&path, &text).unwrap();
+    let port = serve(&path).await;
+    let (mut client, scene) = Client::connect(port).await;
+    assert_eq!(scene.length, 0.3);
+    fs::write(&path, text.replace("300 mm", "300 mn")).unwrap();
+    match client.hear().await {
+        ToPage::Broken { message } => {
+            assert!(message.contains("arm.toml:7:") && message.contains("300 mn"), "{message}");
+        }
+        other => panic!("{other:?}"),
+    }
+    // The robot that was is still moved.
+    client.ask(&scene.initial).await;
+    solved(client.hear().await);
+    // Editors write another file and move it there.
+    let other = folder.path().join("arm.toml.new");
+    fs::write(&other, text.replace("300 mm", "250 mm")).unwrap();
+    fs::rename(&other, &path).unwrap();
+    match client.hear().await {
+        ToPage::Scene(scene) => assert_eq!(scene.length, 0.25),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Messages of all kinds that mean nothing: garbage, JSON of other shapes, and requests with a part that is wrong.
+fn malformed(valid: &str) -> impl Strategy<Value = Message> + use<> {
+    let valid = valid.to_owned();
+    let cut = (0..valid.len(), any::<prop::sample::Index>(), any::<char>());
+    let spoilt = cut.prop_map(move |(length, at, letter)| {
+        let mut text: Vec<char> = valid.chars().take(length).collect();
+        if !text.is_empty() {
+            let at = at.index(text.len());
+            text[at] = letter;
+        }
+        Message::Text(text.into_iter().collect::<String>().into())
+    });
+    let json = prop_oneof![
+        Just(r#"{"type":"solve"}"#),
+        Just(r#"{"type":"nothing"}"#),
+        Just(r#"{"type":"solve","id":-1}"#),
+        Just(r#"{"type":"solve","id":1e400}"#),
+        Just("[[[[[[[[[[]]]]]]]]]]"),
+        Just("null"),
+        Just("NaN"),
+        Just(""),
+    ];
+    prop_oneof![
+        ".{0,200}".prop_map(|text: String| Message::Text(text.into())),
+        spoilt,
+        json.prop_map(|text| Message::Text(text.into())),
+        prop::collection::vec(any::<u8>(), 0..200).prop_map(|bytes| Message::Binary(bytes.into())),
+    ]
+}
+
+#[tokio::test]
+async fn ten_thousand_malformed_messages_are_answered_one_by_one() {
+    let port = serve(&example("two-segment-arm.toml")).await;
+    let (mut client, scene) = Client::connect(port).await;
+    let valid = serde_json::to_string(&crate::protocol::FromPage::Solve(scene.initial.clone()));
+    let strategy = malformed(&valid.unwrap());
+    let mut runner = TestRunner::deterministic();
+    for n in 0..10_000 {
+        let message = strategy.new_tree(&mut runner).unwrap().current();
+        client.say(message.clone()).await;
+        match client.hear().await {
+            ToPage::Error { message } => assert!(!message.is_empty()),
+            other => panic!("message {n}, {message:?}, is answered by {other:?}"),
+        }
+    }
+    client.ask(&scene.initial).await;
+    solved(client.hear().await);
+}
+
+#[tokio::test]
+async fn a_message_beyond_the_bound_ends_the_connection_and_not_the_server() {
+    let port = serve(&example("two-segment-arm.toml")).await;
+    let (mut client, scene) = Client::connect(port).await;
+    let long = "x".repeat(crate::protocol::MOST_BYTES + 1);
+    client.say(Message::Text(long.into())).await;
+    client.wait_for_the_end().await;
+    let (mut client, _) = Client::connect(port).await;
+    client.ask(&scene.initial).await;
+    solved(client.hear().await);
+}
+
+#[tokio::test]
+async fn a_hundred_pages_are_served_at_once() {
+    let port = serve(&example("two-segment-arm.toml")).await;
+    let mut clients = Vec::new();
+    for _ in 0..100 {
+        clients.push(Client::connect(port).await);
+    }
+    for (k, (client, scene)) in clients.iter_mut().enumerate() {
+        scene.initial.id = k as u64;
+        client.ask(&scene.initial).await;
+    }
+    for (k, (client, _)) in clients.iter_mut().enumerate() {
+        assert_eq!(solved(client.hear().await).id, k as u64);
+    }
+}

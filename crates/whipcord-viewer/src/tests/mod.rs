@@ -1,0 +1,82 @@
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod answers;
+mod guarded;
+mod live;
+mod samples;
+
+use std::path::{Path, PathBuf};
+
+use futures_util::{SinkExt as _, StreamExt as _};
+use tokio::net::TcpStream;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
+use tokio_tungstenite::tungstenite::http::{HeaderValue, header};
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+
+use crate::opened::Opened;
+use crate::page::Page;
+use crate::protocol::{FromPage, Request, Scene, ToPage};
+use crate::server::Server;
+
+pub fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name)
+}
+
+/// Serves a file with a page of nothing, and returns the port.
+pub async fn serve(path: &Path) -> u16 {
+    let page = Page { html: "<p>page</p>", script: "script", style: "style" };
+    let (opened, watched) = Opened::read(path).unwrap();
+    let server = Server::listen(0).await.unwrap();
+    let port = server.port();
+    tokio::spawn(server.serve(page, path.to_owned(), opened, watched, std::future::pending()));
+    port
+}
+
+/// A page that is connected.
+pub struct Client {
+    socket: WebSocketStream<MaybeTlsStream<TcpStream>>,
+}
+
+impl Client {
+    /// As the page of the server connects, and what it is told first.
+    pub async fn connect(port: u16) -> (Self, Scene) {
+        let mut request = format!("ws://127.0.0.1:{port}/socket").into_client_request().unwrap();
+        let origin = HeaderValue::from_str(&format!("http://127.0.0.1:{port}")).unwrap();
+        request.headers_mut().insert(header::ORIGIN, origin);
+        let (socket, _) = connect_async(request).await.unwrap();
+        let mut client = Self { socket };
+        match client.hear().await {
+            ToPage::Scene(scene) => (client, *scene),
+            other => panic!("the first message is {other:?}"),
+        }
+    }
+
+    pub async fn say(&mut self, message: Message) {
+        self.socket.send(message).await.unwrap();
+    }
+
+    pub async fn ask(&mut self, request: &Request) {
+        let text = serde_json::to_string(&FromPage::Solve(request.clone())).unwrap();
+        self.say(Message::Text(text.into())).await;
+    }
+
+    /// The next message, pings apart.
+    pub async fn hear(&mut self) -> ToPage {
+        loop {
+            match self.socket.next().await.unwrap().unwrap() {
+                Message::Text(text) => return serde_json::from_str(&text).unwrap(),
+                Message::Ping(_) | Message::Pong(_) => {}
+                other => panic!("the server says {other:?}"),
+            }
+        }
+    }
+    /// Waits until the server ends the connection, whatever it says before.
+    pub async fn wait_for_the_end(&mut self) {
+        while let Some(Ok(message)) = self.socket.next().await {
+            if message.is_close() {
+                return;
+            }
+        }
+    }
+}

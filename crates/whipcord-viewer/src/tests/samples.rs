@@ -1,0 +1,174 @@
+//! The page knows the protocol as the server writes it: `page/src/samples.ts` is what is written here, and
+//! `npm run check` compiles it against the types of the page.
+
+use std::path::Path;
+use std::{env, fs};
+
+use crate::protocol::{
+    Answer, Cable, CableState, Command, Compliance, Disk, Form, Frame, FromPage, ModelChoice,
+    Obstacle, Pose, Ranges, Request, Scene, Section, Solved, ToPage, Touch, read,
+};
+
+fn request() -> Request {
+    Request {
+        id: 7,
+        commands: vec![Command::Tension(1.5), Command::Shortening(-0.002)],
+        tip_force: [0.1, 0.0, -0.2],
+        tip_moment: [0.0, 0.01, 0.0],
+        gravity: [0.0, 0.0, -9.81],
+        models: vec!["cosserat".to_owned(), "four-bar".to_owned()],
+        compliance: true,
+    }
+}
+
+fn scenes() -> Vec<Scene> {
+    let pose = Pose { position: [0.0, 0.0, 0.1], orientation: [1.0, 0.0, 0.0, 0.0] };
+    let forms = vec![
+        Form::HalfSpace,
+        Form::Sphere { radius: 0.02 },
+        Form::Capsule { radius: 0.02, length: 0.1 },
+        Form::Box { size: [0.1, 0.2, 0.3] },
+        Form::Cylinder { radius: 0.02, length: 0.1 },
+        Form::Pipe { radius: 0.02, middle: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]] },
+        Form::Superellipsoid { semi_axes: [0.1, 0.2, 0.3], exponents: [0.5, 1.0] },
+        Form::Mesh {
+            vertices: vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]],
+            triangles: vec![[0, 1, 2]],
+        },
+    ];
+    let obstacles = forms.into_iter().map(|form| Obstacle { name: "body".to_owned(), pose, form });
+    let round = Scene {
+        title: "Arm".to_owned(),
+        file: "arm.toml".to_owned(),
+        version: "0.0.0".to_owned(),
+        length: 0.2,
+        stations: vec![0.0, 0.1, 0.2],
+        section: Section::Round { outer: vec![0.003; 3], inner: vec![0.0; 3] },
+        disks: vec![Disk {
+            station: 0,
+            radius: 0.01,
+            thickness: 0.001,
+            holes: vec![[0.008, 0.0]],
+            hole_radius: 0.001,
+        }],
+        cables: vec![Cable {
+            name: "pull".to_owned(),
+            course: vec![[0.008, 0.0]; 3],
+            initial_length: 0.2,
+        }],
+        base: pose,
+        models: vec![
+            ModelChoice { name: "cosserat".to_owned(), hole_to_hole: false, refusal: None },
+            ModelChoice {
+                name: "four-bar".to_owned(),
+                hole_to_hole: true,
+                refusal: Some("why".to_owned()),
+            },
+        ],
+        initial: request(),
+        ranges: Ranges { tension: 10.0, shortening: 0.02, force: 1.0, moment: 0.1, gravity: 15.0 },
+        loads_in_base: true,
+        other_loads: vec!["a load at a point".to_owned()],
+        measured: vec![[0.0, 0.0, 0.2]],
+        obstacles: obstacles.collect(),
+    };
+    let bar = Section::Rectangle { width: vec![0.01; 3], height: vec![0.001; 3] };
+    vec![
+        Scene { section: bar, ..round.clone() },
+        Scene { section: Section::Unknown, ..round.clone() },
+        round,
+    ]
+}
+
+fn frame() -> Frame {
+    let solved = Solved {
+        model: "cosserat".to_owned(),
+        positions: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]],
+        orientations: vec![[1.0, 0.0, 0.0, 0.0]; 2],
+        strains: vec![[1.5, 0.0, -0.001]],
+        cables: vec![CableState {
+            tension: Some(1.5),
+            length: 0.19,
+            initial_length: 0.2,
+            slack: false,
+            span_tensions: vec![1.5, 1.4],
+        }],
+        touches: vec![Touch {
+            obstacle: 0,
+            arc_length: 0.1,
+            point: [0.0, 0.0, 0.1],
+            normal: [1.0, 0.0, 0.0],
+            force: Some(0.3),
+        }],
+        residual: 1e-12,
+        iterations: 3,
+        stability: Some(0.9),
+        unstable: false,
+        solve_time: 2e-5,
+        driven_by: None,
+        compliance: Some(Compliance::Known {
+            values: [0.1, 0.01, 0.001],
+            directions: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        }),
+    };
+    let geometric = Solved {
+        model: "four-bar".to_owned(),
+        cables: vec![CableState {
+            tension: None,
+            length: 0.19,
+            initial_length: 0.2,
+            slack: true,
+            span_tensions: vec![],
+        }],
+        touches: vec![],
+        stability: None,
+        driven_by: Some("cosserat".to_owned()),
+        compliance: Some(Compliance::Unknown { message: "why".to_owned() }),
+        ..solved.clone()
+    };
+    let failed = Answer::Failed { model: "cosserat-disks".to_owned(), message: "why".to_owned() };
+    Frame {
+        id: 7,
+        time: 1e-3,
+        answers: vec![
+            Answer::Solved(Box::new(solved)),
+            Answer::Solved(Box::new(geometric)),
+            failed,
+        ],
+    }
+}
+
+#[test]
+fn the_page_has_the_types_of_the_server() {
+    let from_page = vec![FromPage::Solve(request())];
+    let mut to_page: Vec<ToPage> =
+        scenes().into_iter().map(|scene| ToPage::Scene(Box::new(scene))).collect();
+    to_page.push(ToPage::Broken { message: "why".to_owned() });
+    to_page.push(ToPage::Frame(frame()));
+    to_page.push(ToPage::Error { message: "why".to_owned() });
+    let [from, to] = [
+        serde_json::to_string_pretty(&from_page).unwrap(),
+        serde_json::to_string_pretty(&to_page).unwrap(),
+    ];
+    let text = format!(
+        "// Written by the test `samples` of the crate, with UPDATE_SAMPLES=1: what page and server say to each other.\n\n\
+         import type {{ FromPage, ToPage }} from \"./protocol\";\n\n\
+         export const fromPage: FromPage[] = {from};\n\n\
+         export const toPage: ToPage[] = {to};\n"
+    );
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("page/src/samples.ts");
+    if env::var_os("UPDATE_SAMPLES").is_some() {
+        fs::write(&path, &text).unwrap();
+    }
+    let written = fs::read_to_string(&path).unwrap();
+    assert_eq!(
+        written.replace("\r\n", "\n"),
+        text,
+        "run with UPDATE_SAMPLES=1, then `npm run check`"
+    );
+    // And what is written is read.
+    let message = serde_json::to_string(&from_page[0]).unwrap();
+    assert_eq!(read(&message), Ok(from_page[0].clone()));
+    let back: Vec<ToPage> = serde_json::from_str(&to).unwrap();
+    assert_eq!(back, to_page);
+}
