@@ -4,6 +4,7 @@
 
 mod cosserat;
 mod four_bar;
+mod grasp;
 mod pipe;
 
 use whipcord::{

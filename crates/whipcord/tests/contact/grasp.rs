@@ -1,0 +1,83 @@
+//! A finger that closes round a ball.
+
+use super::{among, assert_clear, pushes_of, sphere};
+use whipcord::cosserat::{Cosserat, Options, Workspace};
+use whipcord::four_bar::{FourBar, LengthRule, Objective};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Drive, Material, Part, Robot, Routing, Section, Shortening,
+    Solution, SolveError, Vec3,
+};
+
+const LENGTH: f64 = 0.12;
+const YOUNG: f64 = 2e11;
+/// Of the strip towards the ball.
+const STIFFNESS: f64 = YOUNG * 0.008 * 0.0003 * 0.0003 * 0.0003 / 12.0;
+
+/// A strip of steel that hardly bends sideways, so that it does not slip off.
+fn strip(sections: usize) -> Robot {
+    let material =
+        Material { young_modulus: Some(YOUNG), poisson_ratio: Some(0.3), ..Material::default() };
+    let section = Some(Section::rectangle(0.0003, 0.008));
+    let backbone = Backbone { material, section, ..Backbone::new(LENGTH) };
+    let disks = Disks {
+        outer_radius: Some(0.008),
+        thickness: Some(0.002),
+        ..Disks::equally_spaced(LENGTH, sections + 1, 0.006)
+    };
+    let cable = Cable::new("flexor", Routing::Straight { angle: 0.0, radius: 0.006 });
+    Robot::new(backbone, disks, vec![cable]).unwrap()
+}
+
+fn by_rod(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    let options = Options { drive: Drive::Shortening, ..Options::default() };
+    Cosserat::new(robot, &case.loads, &options)?.solve(case, None, &mut Workspace::default())
+}
+
+fn by_chain(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    let options = whipcord::four_bar::Options {
+        objective: Objective::StrainEnergy,
+        lengths: LengthRule::Free,
+        ..Default::default()
+    };
+    FourBar::new(robot, &options)?.solve(case, None, &mut Default::default())
+}
+
+/// It touches the ball from both sides, and what the ball pushes is what the base bears.
+#[test]
+fn a_finger_closes_round_a_ball() {
+    let ball = sphere(Vec3::new(0.031, 0.0, 0.030), 0.022);
+    let case = Case::with_shortenings(&[Shortening::Length(0.01837)]);
+    let case = among(case, vec![ball.clone()]);
+    let robot = strip(24);
+    let [rod, chain] = [by_rod(&robot, &case), by_chain(&robot, &case)].map(Result::unwrap);
+    for solution in [&rod, &chain] {
+        let touches = &solution.touches;
+        assert!(touches.len() >= 3, "{touches:?}");
+        assert!(touches[0].normal.x < -0.7, "{touches:?}");
+        let last = touches.last().unwrap();
+        assert!(last.normal.x > 0.7 && last.part == Part::Disk(24), "{touches:?}");
+        assert!(solution.disks.bend().0 > 2.9);
+        assert_clear(&robot, solution, &ball);
+    }
+    let apart = rod.disks.distances(&chain.disks).fold(0.0, f64::max);
+    assert!(apart < 0.01 * LENGTH, "{apart}");
+    let [t, u] = [&rod, &chain].map(|solution| solution.cables[0].tension.unwrap());
+    assert!((u / t - 1.0).abs() < 0.05, "{t} N, {u} N");
+    let (_, total) = pushes_of(&rod);
+    let base = rod.base_wrench.unwrap();
+    assert!((base.force - total.force).norm() < 1e-6 * STIFFNESS / (LENGTH * LENGTH));
+    assert!((base.moment - total.moment).norm() < 1e-6 * STIFFNESS / LENGTH);
+}
+
+/// Pulled harder, the disks roll off sideways: their rims push towards the strip, and it twists.
+#[test]
+fn a_grasp_that_nothing_holds_is_refused() {
+    let ball = sphere(Vec3::new(0.031, 0.0, 0.030), 0.022);
+    let case = among(Case::with_tensions(&[35.0]), vec![ball]);
+    let robot = strip(12);
+    let model = Cosserat::new(&robot, &case.loads, &Options::default()).unwrap();
+    let error = model.solve(&case, None, &mut Workspace::default()).unwrap_err();
+    let SolveError::Obstructed { reached, touching, .. } = &error else { panic!("{error}") };
+    assert!((0.5..0.9).contains(reached), "{reached}");
+    assert_eq!(touching, &["ball"]);
+}
