@@ -44,7 +44,8 @@ pub(super) struct Chain {
 #[derive(Clone, Copy, Debug, Default)]
 struct Gap {
     change: Change,
-    displacement: Vec3,
+    /// Frame at the end, with the position relative to the start.
+    end: Pose,
 }
 
 /// What the chain is solved for.
@@ -109,9 +110,8 @@ impl Chain {
     ) -> Result<(usize, f64), Open> {
         let failed = |iterations, gap, fault| Open { iterations, gap, fault };
         let by = across.map_or(Step::Close, Step::Across);
-        let mut gap = self
-            .shoot(task, by.frees_load(), shot)
-            .map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
+        let mut gap =
+            self.shoot(task, shot).map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
         for iteration in 0..MAX_ITERATIONS {
             if gap <= task.tolerance {
                 return Ok((iteration, gap));
@@ -126,7 +126,7 @@ impl Chain {
             let mut fraction = 1.0;
             loop {
                 self.state.step_from(&self.kept, fraction, &self.step);
-                match self.shoot(task, by.frees_load(), shot) {
+                match self.shoot(task, shot) {
                     Ok(now) if now < (1.0 - 1e-4 * fraction) * gap => {
                         gap = now;
                         break;
@@ -156,21 +156,16 @@ impl Chain {
         by: Step<'_>,
         shot: &mut Shot,
     ) -> Option<Direction> {
-        self.shoot(task, by.frees_load(), shot).ok()?;
+        self.shoot(task, shot).ok()?;
         self.solve_step(task, by, shot).then(|| self.step.clone())
     }
 
     /// Whether the determinant of the linearised problem at this load is negative. The chain is
     /// closed.
     pub fn is_determinant_negative(&mut self, task: &Task<'_>, shot: &mut Shot) -> Option<bool> {
-        self.shoot(task, false, shot).ok()?;
+        self.shoot(task, shot).ok()?;
         self.solve_step(task, Step::Close, shot)
             .then_some(self.elimination.is_negative() != self.shared.negative)
-    }
-
-    /// Shoots every step from where it stands; the greatest gap.
-    pub fn look(&mut self, task: &Task<'_>, shot: &mut Shot) -> Result<f64, Fault> {
-        self.shoot(task, false, shot)
     }
 
     /// How the steps end beyond the nodes that they should meet, in the base frame.
@@ -194,30 +189,20 @@ impl Chain {
         let mut position = Vec3::ZERO;
         for (node, gap) in nodes.iter().zip(&self.gaps) {
             poses.push(Pose { position, rotation: node.rotation });
-            position += gap.displacement;
+            position += gap.end.position;
         }
         if let Some(last) = nodes.last() {
             poses.push(Pose { position, rotation: last.rotation });
         }
     }
 
-    /// Shoots every step from its node and linearises it; the greatest gap.
-    fn shoot(&mut self, task: &Task<'_>, by_load: bool, shot: &mut Shot) -> Result<f64, Fault> {
+    /// Shoots every step from its node; the greatest gap.
+    pub fn shoot(&mut self, task: &Task<'_>, shot: &mut Shot) -> Result<f64, Fault> {
         let scales = Scales::of(task.grid, task.length);
-        let by_length = task.commands.iter().any(|c| matches!(c, Command::Length { .. }));
-        let by = Unknowns {
-            follower_force: task.loads.any_follower_force(),
-            load: by_load,
-            tensions: if by_length { task.commands.len() } else { 0 },
-        };
-        let cut = if by.follower_force { 6 } else { 3 };
-        self.size = Size { cut, shared: by.count() - 3 - cut };
-        self.columns.clear();
         shot.samples.clear();
         self.gaps.clear();
-        self.length_rows.clear();
         let mut greatest: f64 = 0.0;
-        let Self { state, sensitivity, .. } = self;
+        let state = &self.state;
         for k in 0..task.grid.len() {
             let (start, next) = (state.nodes[k], state.nodes[k + 1]);
             let moment = start.rotation.rotate(start.moment);
@@ -239,10 +224,6 @@ impl Chain {
                 moment: to_body.rotate(cut.moment) - state.load * applied - next.moment,
                 force: force - next.force,
             };
-            let samples = &shot.samples[3 * k..3 * k + 3];
-            sensitivity.transition(task.grid, task.loads, state.load, k, samples, end.rotation, by);
-            self.columns.extend_from_slice(&sensitivity.columns);
-            self.length_rows.extend_from_slice(&sensitivity.lengths);
             let moment = change.moment.norm() / (scales.moment + next.moment.norm());
             let force = change.force.norm() / (scales.tension + next.force.norm());
             greatest = greatest.max(change.turn.norm()).max(moment).max(force);
@@ -250,9 +231,9 @@ impl Chain {
             if !change.is_finite() {
                 greatest = f64::INFINITY;
             }
-            self.gaps.push(Gap { change, displacement: end.position });
+            self.gaps.push(Gap { change, end });
         }
-        if by_length {
+        if task.commands.iter().any(Command::is_length) {
             shot.measure(task.grid);
             for (i, command) in task.commands.iter().enumerate() {
                 let left = command.lack(i, &state.tensions, &shot.lengths, scales.of_cables());
@@ -262,9 +243,32 @@ impl Chain {
         Ok(greatest)
     }
 
-    /// Solves eq. (10), and with it what all steps share, into `self.step`; `false` where the
+    /// How the end of every step that has been shot depends on its start and on what all share.
+    fn linearise(&mut self, task: &Task<'_>, by_load: bool, shot: &Shot) {
+        let by_length = task.commands.iter().any(Command::is_length);
+        let by = Unknowns {
+            follower_force: task.loads.any_follower_force(),
+            load: by_load,
+            tensions: if by_length { task.commands.len() } else { 0 },
+        };
+        let cut = if by.follower_force { 6 } else { 3 };
+        self.size = Size { cut, shared: by.count() - 3 - cut };
+        self.columns.clear();
+        self.length_rows.clear();
+        let Self { state, gaps, sensitivity, .. } = self;
+        for (k, gap) in gaps.iter().enumerate() {
+            let samples = &shot.samples[3 * k..3 * k + 3];
+            let end = gap.end.rotation;
+            sensitivity.transition(task.grid, task.loads, state.load, k, samples, end, by);
+            self.columns.extend_from_slice(&sensitivity.columns);
+            self.length_rows.extend_from_slice(&sensitivity.lengths);
+        }
+    }
+
+    /// Linearises the steps that have been shot and solves eq. (10), and with it what all steps share, into `self.step`; `false` where the
     /// system is singular.
     fn solve_step(&mut self, task: &Task<'_>, by: Step<'_>, shot: &Shot) -> bool {
+        self.linearise(task, by.frees_load(), shot);
         let scales = Scales::of(task.grid, task.length);
         let Self { state, gaps, columns, length_rows, step, elimination, shared, size, .. } = self;
         let steps = gaps.len();

@@ -152,7 +152,7 @@ impl Pushed {
                 *tension = *given;
             }
         }
-        let looked = self.chain.look(&task, &mut self.shot);
+        let looked = self.chain.shoot(&task, &mut self.shot);
         self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
         self.shot.measure(grid);
         self.chain.poses(&mut self.poses);
