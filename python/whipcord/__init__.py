@@ -42,6 +42,7 @@ from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
 from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution, Touch
+from .viewing import Viewer
 
 __all__ = [
     "Along",
@@ -104,6 +105,7 @@ __all__ = [
     "Touch",
     "Unknown",
     "Unresolved",
+    "Viewer",
     "WhipcordError",
     "__version__",
     "benchmark",

@@ -15,6 +15,7 @@ from .batch import Batch, Gradients, pull_back_batch, solve_batch
 from .derivatives import Derivatives, Place
 from .models import ModelLike, StationsLike
 from .solution import Branches, Solution, begun
+from .viewing import HEIGHT, Viewer, view
 
 __all__ = ["Case", "load"]
 
@@ -124,6 +125,23 @@ class Case(Description):
             shortening = shortening_for(length, shortening, initial, self.robot.cables)
         given = listed(tension, "tension"), listed(shortening, "shortening")
         return Solution._of(self, chosen, self._setup.solve(chosen, *given, begun(start)), start)
+
+    def view(self, *, open: bool | None = None, height: int = HEIGHT) -> Viewer:
+        """Shows the robot in the browser, with sliders for its cables and loads; a notebook shows the page itself.
+
+        Parameters
+        ----------
+        open
+            Whether a tab of the browser is opened: by default, except in a notebook.
+        height
+            Height of the page in a notebook, in px.
+
+        Returns
+        -------
+        Viewer
+            The page, served until it is closed.
+        """
+        return view(self.to_toml(), open=open, height=height)
 
     def solve_steps(
         self,

@@ -12,6 +12,7 @@ from . import _core
 from ._files import write
 from ._html import picture
 from ._tables import Quantity, Table, part, parts, plain
+from .viewing import HEIGHT, Viewer, view
 
 __all__ = ["Along", "Backbone", "Cable", "Disks", "Robot", "Routing", "Section", "SectionStiffness"]
 
@@ -478,6 +479,23 @@ class Robot:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a robot file, whole or not at all."""
         write(path, self.to_toml())
+
+    def view(self, *, open: bool | None = None, height: int = HEIGHT) -> Viewer:
+        """Shows the robot in the browser, with sliders for its cables and loads; a notebook shows the page itself.
+
+        Parameters
+        ----------
+        open
+            Whether a tab of the browser is opened: by default, except in a notebook.
+        height
+            Height of the page in a notebook, in px.
+
+        Returns
+        -------
+        Viewer
+            The page, served until it is closed.
+        """
+        return view(self.to_toml(), open=open, height=height)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"a robot never changes: use replace({name}=...)")

@@ -9,9 +9,7 @@ use whipcord::{
 };
 use whipcord_io::CaseFile;
 
-use crate::protocol::{
-    Answer, CableState, Command, Compliance, Frame, Malformed, Request, Solved, Touch,
-};
+use crate::protocol::{Answer, CableState, Compliance, Frame, Malformed, Request, Solved, Touch};
 use crate::scene::{array, model};
 use crate::stations::Places;
 
@@ -32,7 +30,20 @@ struct Ready {
 }
 
 /// Why a model has no answer, as the page shows it.
-type Refusal = String;
+pub type Refusal = String;
+
+/// What a model found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The answer.
+    pub solution: Solution,
+    /// How long it took in s.
+    solve_time: f64,
+    /// What was asked of the model.
+    case: Case,
+    /// The model whose cable lengths drove it.
+    driven_by: Option<ModelKind>,
+}
 
 impl Bench {
     /// For the robot and the case of a file.
@@ -46,49 +57,59 @@ impl Bench {
     /// # Errors
     /// [`Malformed`] for a model that is not known.
     pub fn solve(&mut self, request: &Request, arrival: Instant) -> Result<Frame, Malformed> {
-        let kinds = request.kinds()?;
         let case = self.case(request);
-        // Those that know tensions come first: their cable lengths drive those that know none.
-        let mut lead: Option<(ModelKind, Result<Vec<f64>, Refusal>)> = None;
-        let mut answers: Vec<Option<Answer>> = vec![None; kinds.len()];
-        for geometric in [false, true] {
-            for (i, &kind) in kinds.iter().enumerate() {
-                if (kind.natural_drive() == Drive::Shortening) != geometric {
-                    continue;
-                }
-                let pulled =
-                    request.commands.iter().any(|command| matches!(command, Command::Tension(_)));
-                let outcome = if geometric && pulled {
-                    let (by, shortenings) =
-                        lead.get_or_insert_with(|| (ModelKind::Cosserat, self.lead(&case)));
-                    let by = *by;
-                    shortenings
-                        .clone()
-                        .map_err(|why| format!("its cable lengths come from {by}: {why}"))
-                        .and_then(|shares| self.answer(kind, &shortened(&case, &shares), request))
-                        .map(|solved| Solved { driven_by: Some(by.name().to_owned()), ..solved })
-                } else {
-                    self.answer(kind, &case, request)
-                };
-                if !geometric && lead.is_none() {
-                    let shares = self.ready.iter().find(|ready| ready.kind == kind);
-                    let shares = shares.and_then(|ready| Some(shares_of(ready.last.as_ref()?)));
-                    if let (Ok(_), Some(shares)) = (&outcome, shares) {
-                        lead = Some((kind, Ok(shares)));
-                    }
-                }
-                answers[i] = Some(match outcome {
-                    Ok(solved) => Answer::Solved(Box::new(solved)),
-                    Err(message) => Answer::Failed { model: kind.name().to_owned(), message },
-                });
+        let answers = self.found(&request.kinds()?, &case).into_iter().map(|(kind, found)| {
+            let answer = found.and_then(|found| {
+                let compliance = request.compliance.then(|| self.compliance(kind, &found.case));
+                solved(&found, compliance).ok_or_else(|| {
+                    "the answer holds a number that is none; please report the robot file"
+                        .to_owned()
+                })
+            });
+            match answer {
+                Ok(solved) => Answer::Solved(Box::new(solved)),
+                Err(message) => Answer::Failed { model: kind.name().to_owned(), message },
             }
-        }
-        let answers = answers.into_iter().flatten().collect();
+        });
+        let answers = answers.collect();
         Ok(Frame { id: request.id, time: arrival.elapsed().as_secs_f64(), answers })
     }
 
+    /// What these models find, in their order.
+    pub fn found(
+        &mut self,
+        kinds: &[ModelKind],
+        case: &Case,
+    ) -> Vec<(ModelKind, Result<Found, Refusal>)> {
+        let pulled = case.commands.iter().any(|command| command.tension.is_some());
+        let is_driven = |kind: ModelKind| pulled && kind.natural_drive() == Drive::Shortening;
+        let mut all: Vec<_> = kinds
+            .iter()
+            .map(|&kind| (kind, if is_driven(kind) { None } else { Some(self.one(kind, case)) }))
+            .collect();
+        // Those that know no tensions are driven by the cable lengths of the first that does.
+        let mut lead = all.iter().find_map(|(kind, found)| {
+            Some((*kind, Ok(shares_of(&found.as_ref()?.as_ref().ok()?.solution))))
+        });
+        for (kind, found) in &mut all {
+            if found.is_some() {
+                continue;
+            }
+            let (by, shares) = lead.get_or_insert_with(|| {
+                let by = ModelKind::Cosserat;
+                (by, self.one(by, case).map(|found| shares_of(&found.solution)))
+            });
+            let one = match shares {
+                Ok(shares) => self.one(*kind, &shortened(case, shares)),
+                Err(why) => Err(format!("its cable lengths come from {by}: {why}")),
+            };
+            *found = Some(one.map(|found| Found { driven_by: Some(*by), ..found }));
+        }
+        all.into_iter().filter_map(|(kind, found)| Some((kind, found?))).collect()
+    }
+
     /// What the sliders say, with all that they leave as the file has it.
-    fn case(&self, request: &Request) -> Case {
+    pub fn case(&self, request: &Request) -> Case {
         let mut case = self.file.case.clone();
         case.commands = request.commands.iter().map(|command| command.command()).collect();
         case.loads.tip_force = Vec3::from(request.tip_force);
@@ -98,28 +119,9 @@ impl Bench {
         case
     }
 
-    /// By which share each cable is shortened, as the Cosserat rod finds it.
-    fn lead(&mut self, case: &Case) -> Result<Vec<f64>, Refusal> {
-        let (solution, _) = self.solution(ModelKind::Cosserat, case)?;
-        Ok(shares_of(&solution))
-    }
-
-    fn answer(
-        &mut self,
-        kind: ModelKind,
-        case: &Case,
-        request: &Request,
-    ) -> Result<Solved, Refusal> {
-        let (solution, solve_time) = self.solution(kind, case)?;
-        let compliance = request.compliance.then(|| self.compliance(kind, case));
-        solved(&solution, solve_time, compliance).ok_or_else(|| {
-            "the answer holds a number that is none; please report the robot file".to_owned()
-        })
-    }
-
-    /// The answer of a model and how long it took in s. It starts from the last one and, where that leads nowhere, from
+    /// The answer of a model. It starts from the last one and, where that leads nowhere, from
     /// cold. Where cables rub, what they did before counts: then each answer is that after the steps of the file.
-    fn solution(&mut self, kind: ModelKind, case: &Case) -> Result<(Solution, f64), Refusal> {
+    fn one(&mut self, kind: ModelKind, case: &Case) -> Result<Found, Refusal> {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
         let ready = self.ready(kind)?;
         let rubs = !case.before.is_empty()
@@ -133,10 +135,10 @@ impl Bench {
                 Err(_) => ready.prepared.solve(case, None),
             },
         };
-        let time = begun.elapsed().as_secs_f64();
+        let solve_time = begun.elapsed().as_secs_f64();
         let solution = outcome.map_err(|error| error.to_string())?;
         ready.last = Some(solution.clone());
-        Ok((solution, time))
+        Ok(Found { solution, solve_time, case: case.clone(), driven_by: None })
     }
 
     fn ready(&mut self, kind: ModelKind) -> Result<&mut Ready, Refusal> {
@@ -195,7 +197,8 @@ fn shortened(case: &Case, shares: &[f64]) -> Case {
 }
 
 /// A solution as the page gets it; `None` where a number of it is none.
-fn solved(solution: &Solution, solve_time: f64, compliance: Option<Compliance>) -> Option<Solved> {
+fn solved(found: &Found, compliance: Option<Compliance>) -> Option<Solved> {
+    let Found { solution, solve_time, .. } = found;
     let shape = &solution.shape;
     let diagnostics = &solution.diagnostics;
     let cables = solution.cables.iter().map(|cable| CableState {
@@ -223,8 +226,8 @@ fn solved(solution: &Solution, solve_time: f64, compliance: Option<Compliance>) 
         iterations: diagnostics.iterations,
         stability: diagnostics.stability,
         unstable: diagnostics.is_unstable(),
-        solve_time,
-        driven_by: None,
+        solve_time: *solve_time,
+        driven_by: found.driven_by.map(|model| model.name().to_owned()),
         compliance,
     };
     solved.is_finite().then_some(solved)

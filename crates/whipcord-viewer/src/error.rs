@@ -14,6 +14,25 @@ pub enum ViewError {
     /// The robot file cannot be used.
     #[error(transparent)]
     File(#[from] FileError),
+    /// A model that is to be exported does not take the robot.
+    #[error("{message}")]
+    Refused {
+        /// Why.
+        message: String,
+    },
+    /// A page that nobody wants to be sent.
+    #[error(
+        "the page would have {bytes} bytes, more than {most}: leave models out, or meshes of obstacles"
+    )]
+    TooLarge {
+        /// How many it has.
+        bytes: usize,
+        /// How many it may have.
+        most: usize,
+    },
+    /// A recording that JSON cannot hold.
+    #[error("the frames cannot be written: {0}")]
+    Unwritten(#[from] serde_json::Error),
     /// No server can be started.
     #[error("cannot serve the page on port {port} of this machine: {source}")]
     Port {

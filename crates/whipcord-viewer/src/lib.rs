@@ -7,6 +7,8 @@
 mod bench;
 mod connection;
 mod error;
+mod export;
+mod grid;
 mod obstacles;
 mod opened;
 mod page;
@@ -25,6 +27,7 @@ use crate::page::{Page, page};
 use crate::server::Server;
 
 pub use error::ViewError;
+pub use export::export;
 
 /// A robot file that is about to be viewed: it can be used, and the server listens.
 #[derive(Debug)]

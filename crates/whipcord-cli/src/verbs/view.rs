@@ -4,15 +4,18 @@ use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
-use whipcord_viewer::{View, ViewError};
+use whipcord::ModelKind;
+use whipcord_viewer::{View, ViewError, export};
 
+use crate::chosen::model_parser;
 use crate::failure::Failure;
+use crate::files;
 use crate::inputs;
 
 /// Move the cables of a robot in the browser
 ///
 /// Serves a page on this machine alone, with a slider for each cable, and opens it in the browser. The
-/// page follows the file when it changes. Ctrl-C ends it.
+/// page follows the file when it changes. Ctrl-C ends it. With --export, writes a page to be sent instead.
 #[derive(Debug, Args)]
 pub struct ViewArgs {
     /// Robot file
@@ -23,10 +26,22 @@ pub struct ViewArgs {
     /// Print the address and leave the browser alone
     #[arg(long)]
     no_open: bool,
+    /// Write one page that needs no server, with frames over the ranges of the cables' sliders
+    #[arg(long, value_name = "OUT.html", conflicts_with_all = ["port", "no_open"])]
+    export: Option<PathBuf>,
+    /// Model of the exported page; may be given again. By default the first that takes the robot
+    #[arg(long, value_name = "NAME", value_parser = model_parser(), requires = "export")]
+    model: Vec<ModelKind>,
 }
 
 /// Serves the page until the process is ended.
 pub fn run(args: &ViewArgs) -> Result<String, Failure> {
+    if let Some(out) = &args.export {
+        files::keep(out, [args.file.as_path()])?;
+        let page = export(&args.file, &args.model).map_err(|error| failure(&error))?;
+        files::write(out, page.as_bytes())?;
+        return Ok(format!("{}\n", out.display()));
+    }
     let view = View::open(&args.file, args.port).map_err(|error| failure(&error))?;
     // Who waits for the address may read it from a pipe.
     let mut out = io::stdout().lock();

@@ -9,7 +9,9 @@ import { modelColour, paints, type Legend } from "./paint";
 import type { Answer, Frame, Scene, Solved, Vector } from "./protocol";
 import { readout } from "./readout";
 import { RobotMesh } from "./robot";
-import { Live, type Source } from "./source";
+import { describe, Recorded, recordingInPage, type Recording } from "./recorded";
+import { saving } from "./save";
+import { Live, type Listener, type Source } from "./source";
 import { Stage } from "./stage";
 import { fromHash, History, initialState, same, toHash, toRequest, type State } from "./state";
 import { Theme } from "./theme";
@@ -25,6 +27,7 @@ export class App {
   readonly #stage: Stage;
   readonly #theme: Theme;
   readonly #source: Source;
+  readonly #recording: Recording | undefined;
   readonly #undo: HTMLButtonElement;
   readonly #redo: HTMLButtonElement;
   #scene: Scene | undefined;
@@ -62,11 +65,10 @@ export class App {
         this.#commit();
       },
     });
+    byId("actions").append(saving(this.#stage, () => this.#scene?.file.replace(/\.toml$/, "") ?? "robot"));
     window.addEventListener("keydown", (event) => this.#key(event));
     window.addEventListener("hashchange", () => this.#address());
-    const url = new URL("/socket", location.href);
-    url.protocol = url.protocol.replace("http", "ws");
-    this.#source = new Live(url.href, {
+    const listener: Listener = {
       scene: (scene) => this.#open(scene),
       frame: (frame) => this.#receive(frame),
       broken: (message) => {
@@ -81,7 +83,15 @@ export class App {
         this.#broken = message;
         this.#tell();
       },
-    });
+    };
+    this.#recording = recordingInPage();
+    if (this.#recording) {
+      this.#source = new Recorded(this.#recording, listener);
+    } else {
+      const url = new URL("/socket", location.href);
+      url.protocol = url.protocol.replace("http", "ws");
+      this.#source = new Live(url.href, listener);
+    }
   }
 
   #open(scene: Scene): void {
@@ -102,7 +112,12 @@ export class App {
       byId("controls"),
       { change: (edit) => this.#change(edit), commit: () => this.#commit() },
       (model) => modelColour(scene, model),
+      this.#recording?.axes,
     );
+    if (this.#recording) {
+      byId("note").textContent = describe(this.#recording);
+      byId("note").hidden = false;
+    }
     this.#stage.surround(scene, this.#theme.colours);
     this.#show();
   }
@@ -239,8 +254,10 @@ export class App {
       const body = answer.compliance && ellipsoid(answer.compliance, answer.positions.at(-1)!, scene, modelColour(scene, answer.model));
       if (body) this.#stage.mark(body);
     }
+    // What the frames of an exported page are loaded with does not change.
+    const grip = this.#recording ? undefined : first?.positions.at(-1);
     const world = scene.loads_in_base ? rotate(scene.base.orientation, state.tipForce) : state.tipForce;
-    this.#stage.tip(first?.positions.at(-1), world, (0.5 * scene.length) / scene.ranges.force);
+    this.#stage.tip(grip, world, (0.5 * scene.length) / scene.ranges.force);
     this.#stage.draw();
     showLegend(legend);
   }

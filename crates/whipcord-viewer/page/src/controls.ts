@@ -29,6 +29,7 @@ class Quantity {
   readonly #slider: HTMLInputElement;
   readonly #box: HTMLInputElement;
   #unit: Unit;
+  #bound: readonly [number, number] = [-Infinity, Infinity];
   readonly #symbol: HTMLElement;
 
   constructor(
@@ -54,7 +55,9 @@ class Quantity {
     this.#box.addEventListener("change", () => {
       const value = Number(this.#box.value);
       if (this.#box.value.trim() === "" || !Number.isFinite(value)) return this.show(Number(this.#slider.value));
-      changes.change((state) => edit(state, fromUnit(value, this.#unit)));
+      const [least, most] = this.#bound;
+      const given = Math.min(Math.max(fromUnit(value, this.#unit), least), most);
+      changes.change((state) => edit(state, given));
       changes.commit();
     });
     this.range(range, unit, label);
@@ -67,6 +70,17 @@ class Quantity {
     this.#slider.step = String((most - least) / STEPS);
     this.#box.setAttribute("aria-label", `${label} in ${unit.word}`);
     this.#symbol.textContent = unit.symbol;
+  }
+
+  /** Holds the slider between these ends. */
+  bound(least: number, most: number): void {
+    this.#bound = [least, most];
+    this.#slider.min = String(least);
+    this.#slider.max = String(most);
+    this.#slider.step = String(Math.max((most - least) / STEPS, Number.MIN_VALUE));
+    const still = least === most;
+    for (const input of [this.#slider, this.#box]) input.disabled = still;
+    this.#symbol.toggleAttribute("disabled", true);
   }
 
   show(value: number): void {
@@ -90,9 +104,18 @@ export class Controls {
   readonly #colouring: HTMLSelectElement;
   readonly #compliance: HTMLInputElement;
   readonly #scene: Scene;
+  readonly #axes: readonly number[][] | undefined;
 
-  constructor(scene: Scene, into: HTMLElement, changes: Changes, colourOf: (model: string) => string) {
+  /** `axes` are the positions of the cables' sliders in an exported page, in which nothing else can be moved. */
+  constructor(
+    scene: Scene,
+    into: HTMLElement,
+    changes: Changes,
+    colourOf: (model: string) => string,
+    axes?: readonly number[][],
+  ) {
     this.#scene = scene;
+    this.#axes = axes;
     const { ranges } = scene;
     this.#kinds = scene.cables.map(() => "tension");
     this.#cables = scene.cables.map((cable, i) => {
@@ -116,9 +139,9 @@ export class Controls {
       };
       return new Quantity(cable.name, `cable-${i}`, NEWTON, [0, ranges.tension], changes, edit, toggle);
     });
-    const axes = ["x", "y", "z"] as const;
+    const directions = ["x", "y", "z"] as const;
     const vector = (name: string, unit: Unit, reach: number, of: (state: State) => Vector): Quantity[] =>
-      axes.map((axis, k) =>
+      directions.map((axis, k) =>
         new Quantity(axis, `${name}-${axis}`, unit, [-reach, reach], changes, (state, value) => {
           of(state)[k] = value;
         }),
@@ -141,18 +164,22 @@ export class Controls {
     const frame = scene.loads_in_base ? "in the frame of the base" : "in the world";
     const force = group(`Force at the tip`, ...this.#vectors[0]!.each.map((q) => q.row));
     force.append(element("p", { class: "hint" }, `Drag the tip, or set it here, ${frame}.`));
-    into.replaceChildren(
-      group("Cables", ...this.#cables.map((q) => q.row)),
+    const loads = [
       force,
       group("Moment at the tip", ...this.#vectors[1]!.each.map((q) => q.row)),
       group("Gravity", ...this.#vectors[2]!.each.map((q) => q.row)),
+    ];
+    into.replaceChildren(
+      group("Cables", ...this.#cables.map((q) => q.row)),
+      ...(axes ? [] : loads),
       group("Models", ...scene.models.map((model) => this.#model(model.name, model.refusal, changes, colourOf(model.name)))),
       group(
         "Show",
         element("div", { class: "choice" }, element("label", { for: "colouring" }, "Colour by"), this.#colouring),
-        element("div", { class: "choice" }, this.#compliance, element("label", { for: "compliance" }, "Compliance of the tip")),
+        ...(axes ? [] : [element("div", { class: "choice" }, this.#compliance, element("label", { for: "compliance" }, "Compliance of the tip"))]),
       ),
     );
+    axes?.forEach((values, i) => this.#cables[i]!.bound(values[0]!, values.at(-1)!));
     if (scene.other_loads.length > 0) {
       into.append(element("p", { class: "hint" }, `The file also has: ${scene.other_loads.join("; ")}.`));
     }
@@ -166,6 +193,8 @@ export class Controls {
         this.#kinds[i] = kind;
         const range: [number, number] = kind === "tension" ? [0, ranges.tension] : [-ranges.shortening, ranges.shortening];
         this.#cables[i]!.range(range, kind === "tension" ? NEWTON : MILLIMETRE, cables[i]!.name);
+        const axis = this.#axes?.[i];
+        if (axis) this.#cables[i]!.bound(axis[0]!, axis.at(-1)!);
       }
       this.#cables[i]!.show(value);
     });

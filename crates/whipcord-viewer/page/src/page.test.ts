@@ -2,7 +2,8 @@ import { describe, expect, it } from "vitest";
 
 import { course, place, rotate, tensions } from "./geometry";
 import { extent, ticks } from "./plots";
-import { decode, encode, type Request, type Scene, type Solved } from "./protocol";
+import { around, move } from "./recorded";
+import { decode, encode, type Pose, type Request, type Scene, type Solved } from "./protocol";
 import { fromPage, toPage } from "./samples";
 import { fromHash, History, initialState, toHash, toRequest } from "./state";
 import { fixed, fromUnit, MILLIMETRE, significant, toUnit } from "./units";
@@ -104,6 +105,32 @@ describe("geometry", () => {
   it("gives a cable that rubs the tension of each span", () => {
     const spans: Scene = { ...scene, disks: [0, 1, 2].map((station) => ({ ...scene.disks[0]!, station })) };
     expect(tensions(spans, solved, 0, [0, 1, 2])).toEqual([1.5, 1.5, 1.4]);
+  });
+});
+
+describe("an exported page", () => {
+  it("mixes the frames around what the cables are told", () => {
+    const axes = [[0, 1, 4], [2], [0, 10]];
+    const linear = (frame: number): number => {
+      const [i, k] = [Math.floor(frame / 2), frame % 2];
+      return 3 * axes[0]![i]! + axes[2]![k]!;
+    };
+    for (const [a, c] of [[0, 0], [4, 10], [0.25, 3], [2.5, 10], [1, 5]] as const) {
+      const mixed = around(axes, [{ tension: a }, { tension: 2 }, { tension: c }]);
+      expect(mixed.reduce((sum, [, weight]) => sum + weight, 0)).toBeCloseTo(1, 14);
+      expect(mixed.reduce((sum, [frame, weight]) => sum + weight * linear(frame), 0)).toBeCloseTo(3 * a + c, 12);
+    }
+  });
+
+  it("adds strains up to a circle", () => {
+    let pose: Pose = { position: [0, 0, 0], orientation: [1, 0, 0, 0] };
+    for (let i = 0; i < 10; i++) pose = move(pose, [0, 0, 0.02], [0, 0.1 * Math.PI, 0]);
+    // Half a turn about y in a length of 0.2 ends a diameter away along x.
+    expect(pose.position[0]).toBeCloseTo((2 * 0.2) / Math.PI, 14);
+    expect(pose.position[2]).toBeCloseTo(0, 14);
+    // Strains so small that the series counts.
+    const little = move({ position: [0, 0, 0], orientation: [1, 0, 0, 0] }, [0, 0, 1], [0, 9e-3, 0]);
+    expect(little.position[0]).toBeCloseTo((1 - Math.cos(9e-3)) / 9e-3, 11);
   });
 });
 

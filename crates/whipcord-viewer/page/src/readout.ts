@@ -32,8 +32,9 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
     ["tip", `(${tip.map(mm).join(", ")}) mm`],
     ["orientation", `(${answer.orientations.at(-1)!.map((c) => fixed(c, 4)).join(", ")})`],
     ["residual", significant(answer.residual, 2)],
-    ["solve time", duration(answer.solve_time)],
   ];
+  // The frames of an exported page were solved before.
+  if (answer.solve_time > 0) facts.push(["solve time", duration(answer.solve_time)]);
   if (answer.stability !== null) facts.push(["stability", significant(answer.stability, 3)]);
   if (answer.driven_by !== null) facts.push(["driven by", `the cable lengths of ${answer.driven_by}`]);
   if (answer.touches.length > 0) facts.push(["touches at", touches(answer)]);

@@ -7,8 +7,8 @@ import { basename, join, resolve } from "node:path";
 
 import { test as base, expect, type Page } from "@playwright/test";
 
-const ROOT = resolve(import.meta.dirname, "../../../..");
-const WHIPCORD = process.env["WHIPCORD"] ?? join(ROOT, "target/debug/whipcord");
+export const ROOT = resolve(import.meta.dirname, "../../../..");
+export const WHIPCORD = process.env["WHIPCORD"] ?? join(ROOT, "target/debug/whipcord");
 export const ARTEFACTS = process.env["VIEWER_ARTEFACTS"] ?? join(ROOT, "target/viewer");
 
 export class Viewer {
@@ -48,10 +48,11 @@ export class Viewer {
 
 /** The tip of a robot in m as `whipcord solve` has it: that of the file, with other text in it. */
 export function tipBySolve(file: string, change: (text: string) => string, ...options: string[]): number[] {
-  const copy = `${file}.solved.toml`;
+  const folder = mkdtempSync(join(tmpdir(), "solve-"));
+  const copy = join(folder, basename(file));
   writeFileSync(copy, change(readFileSync(file, "utf8")));
   const solved = spawnSync(WHIPCORD, ["solve", copy, "--json", ...options], { encoding: "utf8" });
-  rmSync(copy);
+  rmSync(folder, { recursive: true });
   expect(solved.status, solved.stderr).toBe(0);
   const answer = JSON.parse(solved.stdout) as { disks: { position: number[] }[] };
   return answer.disks.at(-1)!.position;

@@ -1,0 +1,276 @@
+//! One page that needs no server: the page, and the frames of a grid of positions of the sliders.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Serialize;
+use whipcord::{ModelKind, Solution, Twist, Vec3};
+use whipcord_io::{CaseFile, load};
+
+use crate::bench::Bench;
+use crate::error::ViewError;
+use crate::grid::{Grid, integrate};
+use crate::page::{Page, page};
+use crate::protocol::{Command, Request, Scene};
+use crate::scene::scene;
+
+/// Most bytes of an exported page.
+pub const MOST_BYTES: usize = 5_000_000;
+/// Bytes that the frames of all models together take at most, before they are written as text, which takes a third more.
+const MOST_OF_FRAMES: usize = 2_600_000;
+/// Frames of a model at most.
+const MOST_FRAMES: usize = 2500;
+/// Bytes of a strain and of a cable in a frame.
+const STRAIN_BYTES: usize = 12;
+const CABLE_BYTES: usize = 12;
+/// At so many places between frames the interpolation is held against solves.
+const TRIALS: usize = 100;
+
+/// What an exported page has instead of a server. Numbers stand in base64, little-endian, frame after frame.
+#[derive(Debug, Serialize)]
+struct Recording {
+    scene: Scene,
+    /// The positions of each cable's slider.
+    axes: Vec<Vec<f64>>,
+    models: Vec<Recorded>,
+}
+
+/// The frames of one model.
+#[derive(Debug, Serialize)]
+struct Recorded {
+    model: String,
+    /// What 1 of the integers of each component of the strains is: shear x, shear y, stretch, bending x, bending y, twist.
+    scales: [f64; 6],
+    /// Six 16-bit integers for each piece between two stations.
+    strains: String,
+    /// Tension in N (negative where there is none), length in m and 1 where it is slack, as 32-bit floats, of each cable.
+    cables: String,
+    initial_lengths: Vec<f64>,
+    /// A byte for each frame: 0 where no solution was found.
+    valid: String,
+    /// Of all frames.
+    solved: usize,
+    greatest_residual: f64,
+    /// How far the tip was from a solve at places between frames, in m.
+    trials: Trials,
+}
+
+#[derive(Debug, Serialize)]
+struct Trials {
+    count: usize,
+    median: f64,
+    greatest: f64,
+}
+
+/// Writes the page of a robot file, with frames of these models, or of the first that takes the robot.
+///
+/// # Errors
+/// [`ViewError`] for a file that cannot be used, a model that does not take the robot, a robot that is too large for one page, and a
+/// binary without the page.
+pub fn export(path: &Path, models: &[ModelKind]) -> Result<String, ViewError> {
+    let file = Arc::new(load(path)?);
+    let page = page()?;
+    let recording = record(&file, models)?;
+    let data = serde_json::to_string(&recording)?;
+    let text = one_page(page, &data)?;
+    if text.len() > MOST_BYTES {
+        return Err(ViewError::TooLarge { bytes: text.len(), most: MOST_BYTES });
+    }
+    Ok(text)
+}
+
+fn record(file: &Arc<CaseFile>, models: &[ModelKind]) -> Result<Recording, ViewError> {
+    let mut scene = scene(file);
+    if !models.is_empty() {
+        scene.initial.models = models.iter().map(|kind| kind.name().to_owned()).collect();
+    }
+    for choice in &mut scene.models {
+        if !scene.initial.models.contains(&choice.name) {
+            choice.refusal = Some("not in this page".to_owned());
+        } else if let Some(refusal) = choice.refusal.take() {
+            return Err(ViewError::Refused { message: refusal });
+        }
+    }
+    let kinds: Vec<ModelKind> =
+        scene.initial.models.iter().filter_map(|name| name.parse().ok()).collect();
+    if kinds.is_empty() {
+        return Err(ViewError::Refused { message: "no model takes this robot".to_owned() });
+    }
+    let pieces = scene.stations.len() - 1;
+    let bytes = pieces * STRAIN_BYTES + scene.cables.len() * CABLE_BYTES + 1;
+    let most = (MOST_OF_FRAMES / kinds.len() / bytes).min(MOST_FRAMES);
+    let grid = Grid::new(&scene.initial.commands, &scene.ranges, most);
+    let recorded = kinds.iter().map(|&kind| frames(file, &scene, &grid, kind)).collect();
+    let axes = grid.axes.into_iter().map(|axis| axis.values).collect();
+    Ok(Recording { scene, axes, models: recorded })
+}
+
+/// Frames in an order in which each is solved from a neighbour: every other row backwards.
+fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, kind: ModelKind) -> Recorded {
+    let mut bench = Bench::new(Arc::clone(file));
+    let row = grid.axes.last().map_or(1, |axis| axis.values.len());
+    let mut all: Vec<Option<Solution>> = vec![None; grid.frames()];
+    for k in 0..all.len() {
+        let (line, at) = (k / row, k % row);
+        let frame = line * row + if line % 2 == 0 { at } else { row - 1 - at };
+        all[frame] = solve(&mut bench, scene, kind, grid.commands(frame));
+    }
+    let lengths: Vec<f64> = scene.stations.windows(2).map(|ends| ends[1] - ends[0]).collect();
+    let strains: Vec<Option<Vec<Twist>>> =
+        all.iter().map(|frame| Some(frame.as_ref()?.shape.strains().collect())).collect();
+    let known = || strains.iter().flatten().flatten();
+    let scales = [0, 1, 2, 3, 4, 5].map(|c| {
+        let greatest = known().map(|&strain| component(strain, c).abs()).fold(0.0, f64::max);
+        if greatest > 0.0 { greatest / f64::from(i16::MAX) } else { 1.0 }
+    });
+    let mut packed = Vec::with_capacity(all.len() * lengths.len() * STRAIN_BYTES);
+    let mut cables = Vec::new();
+    for (frame, strains) in all.iter().zip(&strains) {
+        for piece in 0..lengths.len() {
+            let strain = strains.as_ref().map_or(Twist::default(), |strains| strains[piece]);
+            for c in 0..6 {
+                let steps = (component(strain, c) / scales[c]).round() as i16;
+                packed.extend(steps.to_le_bytes());
+            }
+        }
+        for cable in 0..scene.cables.len() {
+            let state = frame.as_ref().map(|frame| &frame.cables[cable]);
+            let numbers = state.map_or([0.0; 3], |state| {
+                [state.tension.unwrap_or(-1.0), state.length, f64::from(u8::from(state.slack))]
+            });
+            numbers.iter().for_each(|&number| cables.extend((number as f32).to_le_bytes()));
+        }
+    }
+    let valid: Vec<u8> = all.iter().map(|frame| u8::from(frame.is_some())).collect();
+    let first = all.iter().flatten().next();
+    Recorded {
+        model: kind.name().to_owned(),
+        scales,
+        strains: base64(&packed),
+        cables: base64(&cables),
+        initial_lengths: first
+            .map(|solution| solution.cables.iter().map(|cable| cable.initial_length).collect())
+            .unwrap_or_default(),
+        valid: base64(&valid),
+        solved: all.iter().flatten().count(),
+        greatest_residual: all.iter().flatten().map(|s| s.diagnostics.residual).fold(0.0, f64::max),
+        trials: trials(&mut bench, scene, grid, kind, &strains, &lengths),
+    }
+}
+
+fn solve(
+    bench: &mut Bench,
+    scene: &Scene,
+    kind: ModelKind,
+    commands: Vec<Command>,
+) -> Option<Solution> {
+    let request = Request { commands, ..scene.initial.clone() };
+    let case = bench.case(&request);
+    let (_, found) = bench.found(&[kind], &case).pop()?;
+    found.ok().map(|found| found.solution)
+}
+
+/// How far the interpolated tip is from the solved one, at places that fill the space between the frames evenly
+/// (Halton's sequence).
+fn trials(
+    bench: &mut Bench,
+    scene: &Scene,
+    grid: &Grid,
+    kind: ModelKind,
+    strains: &[Option<Vec<Twist>>],
+    lengths: &[f64],
+) -> Trials {
+    let mut errors = Vec::new();
+    for n in 1..=TRIALS {
+        let fractions: Vec<f64> = (0..grid.axes.len()).map(|axis| halton(n, axis)).collect();
+        let commands = grid.between(&fractions);
+        let around = grid.around(&commands);
+        let Some(solution) = solve(bench, scene, kind, commands) else { continue };
+        let mut mixed = vec![Twist::default(); lengths.len()];
+        let mut whole = true;
+        for (frame, weight) in around {
+            match &strains[frame] {
+                Some(strains) => {
+                    for (sum, &strain) in mixed.iter_mut().zip(strains) {
+                        *sum = *sum + strain * weight;
+                    }
+                }
+                None => whole = false,
+            }
+        }
+        let Some(&base) = solution.shape.poses.first() else { continue };
+        if !whole {
+            continue;
+        }
+        let found: Option<Vec3> = integrate(base, &mixed, lengths).last().map(|pose| pose.position);
+        errors.extend(found.map(|tip| (tip - solution.shape.tip().position).norm()));
+    }
+    errors.sort_by(f64::total_cmp);
+    Trials {
+        count: errors.len(),
+        median: errors.get(errors.len() / 2).copied().unwrap_or(0.0),
+        greatest: errors.last().copied().unwrap_or(0.0),
+    }
+}
+
+/// The radical inverse of n in the base of the axis.
+fn halton(mut n: usize, axis: usize) -> f64 {
+    const PRIMES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+    let base = PRIMES[axis % PRIMES.len()];
+    let (mut value, mut digit) = (0.0, 1.0 / base as f64);
+    while n > 0 {
+        value += digit * (n % base) as f64;
+        n /= base;
+        digit /= base as f64;
+    }
+    value
+}
+
+/// A component of a strain without that of a straight, unstretched piece.
+fn component(strain: Twist, c: usize) -> f64 {
+    let straight = if c == 2 { 1.0 } else { 0.0 };
+    if c < 3 { strain.linear[c] - straight } else { strain.angular[c - 3] }
+}
+
+/// What an exported page may do: nothing but run what is in it.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
+    img-src data: blob:; media-src blob:; base-uri 'none'; form-action 'none'";
+
+/// The page with all that it needs inside.
+fn one_page(page: Page, data: &str) -> Result<String, ViewError> {
+    let mut html = page.html.to_owned();
+    // Text inside a script ends at the first `</script`, wherever that stands.
+    let script = page.script.replace("</script", "<\\/script");
+    let data = data.replace('<', "\\u003c");
+    let policy = format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\" />");
+    let head = html.find("<head>").ok_or(ViewError::NoPage)? + "<head>".len();
+    html.insert_str(head, &policy);
+    replace_tag(&mut html, "<script", "</script>", "")?;
+    replace_tag(
+        &mut html,
+        "<link rel=\"stylesheet\"",
+        ">",
+        &format!("<style>{}</style>", page.style),
+    )?;
+    let inside = format!(
+        "<script type=\"application/json\" id=\"recording\">{data}</script><script type=\"module\">{script}</script></body>"
+    );
+    let end = html.rfind("</body>").ok_or(ViewError::NoPage)?;
+    html.replace_range(end..end + "</body>".len(), &inside);
+    Ok(html)
+}
+
+fn replace_tag(html: &mut String, start: &str, end: &str, by: &str) -> Result<(), ViewError> {
+    let from = html.find(start).ok_or(ViewError::NoPage)?;
+    let to = html[from..].find(end).ok_or(ViewError::NoPage)? + from + end.len();
+    html.replace_range(from..to, by);
+    Ok(())
+}
+
+fn base64(bytes: &[u8]) -> String {
+    use base64::Engine as _;
+    base64::engine::general_purpose::STANDARD.encode(bytes)
+}
+
+#[cfg(test)]
+mod tests;
