@@ -125,14 +125,23 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, kind: ModelKind) -> 
     });
     let mut packed = Vec::with_capacity(all.len() * lengths.len() * STRAIN_BYTES);
     let mut cables = Vec::new();
+    // As the page has them: in whole steps.
+    let mut rounded: Vec<Option<Vec<Twist>>> = Vec::with_capacity(all.len());
     for (frame, strains) in all.iter().zip(&strains) {
+        let mut pieces = Vec::with_capacity(lengths.len());
         for piece in 0..lengths.len() {
-            let strain = strains.as_ref().map_or(Twist::default(), |strains| strains[piece]);
-            for c in 0..6 {
-                let steps = (component(strain, c) / scales[c]).round() as i16;
-                packed.extend(steps.to_le_bytes());
-            }
+            let strain = strains
+                .as_ref()
+                .map_or(Twist { linear: Vec3::Z, ..Default::default() }, |s| s[piece]);
+            let steps =
+                [0, 1, 2, 3, 4, 5].map(|c| (component(strain, c) / scales[c]).round() as i16);
+            steps.iter().for_each(|steps| packed.extend(steps.to_le_bytes()));
+            let [x, y, z, bend_x, bend_y, twist]: [f64; 6] =
+                core::array::from_fn(|c| f64::from(steps[c]) * scales[c]);
+            let linear = Vec3::new(x, y, 1.0 + z);
+            pieces.push(Twist { linear, angular: Vec3::new(bend_x, bend_y, twist) });
         }
+        rounded.push(strains.is_some().then_some(pieces));
         for cable in 0..scene.cables.len() {
             let state = frame.as_ref().map(|frame| &frame.cables[cable]);
             let numbers = state.map_or([0.0; 3], |state| {
@@ -154,7 +163,7 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, kind: ModelKind) -> 
         valid: base64(&valid),
         solved: all.iter().flatten().count(),
         greatest_residual: all.iter().flatten().map(|s| s.diagnostics.residual).fold(0.0, f64::max),
-        trials: trials(&mut bench, scene, grid, kind, &strains, &lengths),
+        trials: trials(&mut bench, scene, grid, kind, &rounded, &lengths),
     }
 }
 

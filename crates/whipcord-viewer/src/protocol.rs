@@ -350,7 +350,7 @@ pub struct Touch {
 pub enum Compliance {
     /// Its principal axes in the world.
     Known {
-        /// In m/N, the greatest first.
+        /// In m/N.
         values: [f64; 3],
         /// Unit vectors.
         directions: [[f64; 3]; 3],

@@ -20,7 +20,11 @@ pub fn scene(file: &CaseFile) -> Scene {
     let (robot, case) = (&file.robot, &file.case);
     let places = Places::of(robot);
     let initial_lengths = initial_lengths(robot, &places);
-    let initial = initial(file, &initial_lengths);
+    let models = ModelKind::ALL.map(|kind| choice(file, kind)).to_vec();
+    let first = models.iter().find(|choice| choice.refusal.is_none());
+    let first = first.map(|choice| choice.name.clone());
+    let initial =
+        Request { models: first.into_iter().collect(), ..initial(file, &initial_lengths) };
     let names = |path: &std::path::Path| {
         path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     };
@@ -34,7 +38,7 @@ pub fn scene(file: &CaseFile) -> Scene {
         cables: cables(robot, &places, &initial_lengths),
         stations: places.arc_lengths,
         base: pose(&case.base),
-        models: ModelKind::ALL.map(|kind| choice(file, kind)).to_vec(),
+        models,
         ranges: ranges(robot, &initial),
         initial,
         loads_in_base: case.loads.frame == LoadFrame::Base,
@@ -124,14 +128,13 @@ fn initial(file: &CaseFile, initial_lengths: &[f64]) -> Request {
         }
     });
     let loads = &case.loads;
-    let first = ModelKind::ALL.into_iter().find(|&kind| refusal(file, kind).is_none());
     Request {
         id: 0,
         commands: commands.collect(),
         tip_force: array(loads.tip_force),
         tip_moment: array(loads.tip_moment),
         gravity: array(loads.gravity.unwrap_or_default()),
-        models: first.map(|kind| kind.name().to_owned()).into_iter().collect(),
+        models: Vec::new(),
         compliance: false,
     }
 }

@@ -23,6 +23,9 @@ interface Shown {
   solved: Solved;
 }
 
+/** How long an answer may take before the page says that it is waited for, in ms. */
+const PATIENCE = 400;
+
 export class App {
   readonly #stage: Stage;
   readonly #theme: Theme;
@@ -39,6 +42,7 @@ export class App {
   #answers: readonly Answer[] = [];
   #asked = 0;
   #scheduled = false;
+  #patience = 0;
   #frame: Frame | undefined;
   #broken: string | undefined;
   #connected = false;
@@ -183,7 +187,9 @@ export class App {
     this.#held ??= [...state.tipForce];
     const force = scale(by, (2 * scene.ranges.force) / scene.length);
     const own = scene.loads_in_base ? rotate(conjugate(scene.base.orientation), force) : force;
-    state.tipForce = add(this.#held, own).map((f) => Number(f.toPrecision(4))) as Vector;
+    // In steps that can be read.
+    const step = 10 ** Math.floor(Math.log10(scene.ranges.force) - 2.5);
+    state.tipForce = add(this.#held, own).map((f) => Number((Math.round(f / step) * step).toPrecision(6))) as Vector;
     this.#show();
   }
 
@@ -197,7 +203,11 @@ export class App {
     this.#scheduled = true;
     requestAnimationFrame(() => {
       this.#scheduled = false;
-      if (this.#state) this.#source.ask(toRequest(this.#state, ++this.#asked));
+      if (!this.#state) return;
+      this.#source.ask(toRequest(this.#state, ++this.#asked));
+      // Most answers come at once; who waits is told that it goes on.
+      window.clearTimeout(this.#patience);
+      this.#patience = window.setTimeout(() => this.#wait(true), PATIENCE);
     });
   }
 
@@ -221,6 +231,10 @@ export class App {
   #draw(frame: Frame): void {
     const [scene, state] = [this.#scene, this.#state];
     if (!scene || !state) return;
+    if (frame.id === this.#asked) {
+      window.clearTimeout(this.#patience);
+      this.#wait(false);
+    }
     this.#answers = frame.answers;
     byId("view").dataset["frame"] = String(frame.id);
     this.#dress(scene, state);
@@ -277,6 +291,10 @@ export class App {
     const text = lines.join("\n");
     if (status.textContent !== text) status.textContent = text;
     status.hidden = text === "";
+  }
+
+  #wait(yes: boolean): void {
+    byId("waiting").hidden = !yes;
   }
 
   #redress(): void {

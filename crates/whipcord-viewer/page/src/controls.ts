@@ -46,7 +46,7 @@ class Quantity {
     const id = `q-${name}`;
     this.#slider = element("input", { type: "range", id, "data-name": name });
     this.#box = element("input", { type: "number", step: "any", "data-name": name });
-    this.row = element("div", { class: "quantity" }, element("label", { for: id }, label), this.#slider, this.#box, symbol);
+    this.row = element("div", { class: "quantity" }, element("label", { for: id, title: label }, label), this.#slider, this.#box, symbol);
     this.#slider.addEventListener("input", () => {
       const value = Number(this.#slider.value);
       changes.change((state) => edit(state, value));
@@ -172,7 +172,7 @@ export class Controls {
     into.replaceChildren(
       group("Cables", ...this.#cables.map((q) => q.row)),
       ...(axes ? [] : loads),
-      group("Models", ...scene.models.map((model) => this.#model(model.name, model.refusal, changes, colourOf(model.name)))),
+      group("Models", ...scene.models.filter((model) => !axes || model.refusal === null).map((model) => this.#model(model.name, model.refusal, changes, colourOf(model.name)))),
       group(
         "Show",
         element("div", { class: "choice" }, element("label", { for: "colouring" }, "Colour by"), this.#colouring),
@@ -229,5 +229,5 @@ export class Controls {
 }
 
 function group(legend: string, ...rows: HTMLElement[]): HTMLElement {
-  return element("fieldset", {}, element("legend", {}, legend), ...rows);
+  return element("fieldset", { "data-group": legend }, element("legend", {}, legend), ...rows);
 }

@@ -10,10 +10,10 @@ const SIZE = 0.2;
 const LEAST = 0.02;
 
 export function ellipsoid(compliance: Compliance, at: Vector, scene: Scene, colour: string): Mesh | undefined {
-  if (compliance.status !== "known" || compliance.values[0] <= 0) return undefined;
-  const [a, b, c] = compliance.values.map(
-    (value) => SIZE * scene.length * Math.max(value / compliance.values[0], LEAST),
-  ) as Vector;
+  if (compliance.status !== "known") return undefined;
+  const most = Math.max(...compliance.values);
+  if (most <= 0) return undefined;
+  const [a, b, c] = compliance.values.map((value) => SIZE * scene.length * Math.max(value / most, LEAST)) as Vector;
   const [u, v, w] = compliance.directions.map((direction) => new Vector3(...direction)) as [Vector3, Vector3, Vector3];
   // Directions of either sign are principal ones; those of a rotation keep the surface outside.
   if (u.clone().cross(v).dot(w) < 0) w.negate();

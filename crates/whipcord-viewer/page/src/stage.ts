@@ -126,7 +126,8 @@ export class Stage {
     for (const { point, normal, force } of touches) {
       const size = this.#length * (0.05 + 0.12 * ((force ?? 0) / most));
       const at = new Vector3(...point);
-      const arrow = new ArrowHelper(new Vector3(...normal), at, size, "#d55e00", 0.35 * size, 0.2 * size);
+      const head = Math.min(0.35 * size, 0.035 * this.#length);
+      const arrow = new ArrowHelper(new Vector3(...normal), at, size, "#d55e00", head, 0.6 * head);
       this.#marks.add(arrow);
     }
   }
@@ -163,6 +164,12 @@ export class Stage {
   drawNow(): void {
     this.#asked = false;
     this.#renderer.render(this.#space, this.#camera);
+    if (this.#handle.visible) {
+      const { x, y } = this.#handle.position.clone().project(this.#camera);
+      const { clientWidth, clientHeight } = this.#canvas;
+      // Where on the canvas the tip is, for who has no eyes.
+      this.#canvas.dataset["handle"] = JSON.stringify([((x + 1) / 2) * clientWidth, ((1 - y) / 2) * clientHeight]);
+    }
   }
 
   get canvas(): HTMLCanvasElement {

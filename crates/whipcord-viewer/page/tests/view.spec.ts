@@ -76,3 +76,53 @@ test("the address keeps the state, and undo, redo and reset go through it", asyn
   await page.getByRole("button", { name: "Redo" }).click();
   await expect.poll(async () => near(await tip(page, "cosserat"), asInFile, SAME)).toBe(true);
 });
+
+test("the tip is dragged", async ({ page, viewer }) => {
+  void viewer;
+  const before = await tip(page, "cosserat");
+  const handle = JSON.parse((await page.locator("#canvas").getAttribute("data-handle")) ?? "[]") as [number, number];
+  const box = (await page.locator("#canvas").boundingBox())!;
+  await page.mouse.move(box.x + handle[0], box.y + handle[1]);
+  await page.mouse.down();
+  await page.mouse.move(box.x + handle[0] + 60, box.y + handle[1], { steps: 6 });
+  await page.mouse.up();
+  await expect.poll(async () => near(await tip(page, "cosserat"), before, 1e-3)).toBe(false);
+  expect(page.url()).toContain("force=");
+  await page.screenshot({ path: `${ARTEFACTS}/dragged.png` });
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => near(await tip(page, "cosserat"), before, SAME)).toBe(true);
+});
+
+test("colours stand for what they say", async ({ page, viewer }) => {
+  void viewer;
+  for (const [colouring, legend] of [["tension", "tension in N"], ["curvature", "curvature in 1/m"], ["strain", "stretch in %"]] as const) {
+    await page.getByLabel("Colour by").selectOption(colouring);
+    await expect(page.locator("#legend")).toContainText(legend);
+    await page.screenshot({ path: `${ARTEFACTS}/${colouring}.png` });
+  }
+  await page.getByLabel("Colour by").selectOption("model");
+  await expect(page.locator("#legend")).toBeHidden();
+});
+
+test("a cable is changed from tension to length, and the compliance of the tip is shown", async ({ page, viewer }) => {
+  void viewer;
+  await page.getByRole("button", { name: "Cable upper-1" }).click();
+  await expect(page.locator('input[type="number"][data-name="cable-0"]')).toHaveAttribute("aria-label", /millimetres/);
+  await set(page, "cable-0", "4");
+  const row = page.locator('.answer[data-model="cosserat"] tbody tr').first();
+  await expect(row.locator("td").last()).toHaveText("4.000");
+  await page.getByLabel("Compliance of the tip").check();
+  await expect(page.locator('.answer[data-model="cosserat"] dl')).toContainText("mm/N");
+  await page.screenshot({ path: `${ARTEFACTS}/compliance.png` });
+});
+
+test.describe("among obstacles", () => {
+  test.use({ example: "contact/among-bodies.toml" });
+
+  test("the robot touches them, and what knows no contact says so", async ({ page, viewer }) => {
+    void viewer;
+    await page.getByLabel("Colour by").selectOption("contact");
+    await expect(page.locator('.answer[data-model="cosserat"] dl')).toContainText("touches at");
+    await page.screenshot({ path: `${ARTEFACTS}/obstacles.png` });
+  });
+});

@@ -1,9 +1,9 @@
 // A viewer of a robot file, for tests: `whipcord view` on a copy of the file.
 
 import { type ChildProcess, spawn, spawnSync } from "node:child_process";
-import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { basename, join, resolve } from "node:path";
+import { basename, dirname, join, resolve } from "node:path";
 
 import { test as base, expect, type Page } from "@playwright/test";
 
@@ -19,8 +19,10 @@ export class Viewer {
 
   static async start(example: string): Promise<Viewer> {
     const folder = mkdtempSync(join(tmpdir(), "viewer-"));
+    const source = join(ROOT, "examples", example);
     const file = join(folder, basename(example));
-    copyFileSync(join(ROOT, "examples", example), file);
+    // With the files that it names.
+    cpSync(dirname(source), folder, { recursive: true });
     const child = spawn(WHIPCORD, ["view", file, "--no-open"], { stdio: ["ignore", "pipe", "inherit"] });
     const url = await new Promise<string>((found, failed) => {
       child.stdout.once("data", (text: Buffer) => found(text.toString().trim()));
