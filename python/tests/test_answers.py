@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
+from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 import whipcord
-from whipcord import Backbone, Cable, Case, Disks, InputError, Loads, Robot, Routing, errors
+from whipcord import Backbone, Cable, Case, Disks, InputError, Loads, Obstacle, Robot, Routing, errors
 
 Array = npt.NDArray[np.float64]
 
@@ -104,6 +105,41 @@ def test_answers_are_pickled_to_the_last_bit() -> None:
         assert copy.report() == solution.report()
         assert copy.case == solution.case
     assert copy != whipcord.load("examples/table1/case-3.toml").solve()
+
+
+def test_touches_are_pickled_to_the_last_bit(tmp_path: Path) -> None:
+    # A mesh is read from its file again, so that it goes where that is.
+    mesh = "o v\nv 0 -1 0\nv 0 2 0\nv 0 -1 2\nv 1 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    (tmp_path / "wedge.obj").write_text(mesh)
+    case = whipcord.suite("routing", only=["wall-9-30"])["wall-9-30"]
+    wedge = Obstacle(
+        kind="mesh", name="wedge", file=tmp_path / "wedge.obj", unit="mm", scale=10, position=["80 mm", 0, 0]
+    )
+    case = case.replace(obstacles=[*case.obstacles, wedge])
+    sliding = whipcord.models.FourBar(objective="strain-energy", length_rule="free")
+    answers = [
+        case.solve(model="cosserat"),
+        case.solve(model=sliding, shortening=[0.004]),
+    ]
+    for solution in answers:
+        (touch,) = solution.touches
+        assert (touch.obstacle, touch.part, touch.disk) == ("wall", "disk", 9)
+        assert touch.force is not None and touch.force > 0 and abs(touch.gap) < 1e-9
+        for copy in (pickle.loads(pickle.dumps(solution)), deepcopy(solution)):
+            assert copy == solution and copy.case == solution.case
+            assert copy.case.obstacles == case.obstacles
+            for seen in (copy.touches, pickle.loads(pickle.dumps(solution.touches))):
+                (again,) = seen
+                for name in ("obstacle", "part", "disk", "arc_length", "force", "gap"):
+                    assert getattr(again, name) == getattr(touch, name)
+                assert np.array_equal(again.point, touch.point) and np.array_equal(again.normal, touch.normal)
+            assert copy.diagnostics == solution.diagnostics
+            assert copy.diagnostics.stability_absent == "touching"
+            assert copy.report() == solution.report()
+    assert answers[0] != answers[1]
+    # A pickled answer is as good a start as the answer: nothing is left to do.
+    start = pickle.loads(pickle.dumps(answers[0]))
+    assert np.array_equal(case.solve(start=start).position, case.solve(start=answers[0]).position)
 
 
 # The paper's eq. (3) for one cable and a uniform round rod, in v and u: force and moment of the rod are

@@ -45,7 +45,7 @@ def test_every_example_comes_back_from_its_text_parts_and_pickle(path: Path) -> 
     assert robot == case.robot and hash(robot) == hash(case.robot)
     rebuilt = case.replace(loads=case.loads.replace(), base=case.base.replace())
     assert rebuilt._tables == case._tables
-    for thing in (case, robot, case.loads, case.base, *case.robot.cables):
+    for thing in (case, robot, case.loads, case.base, *case.robot.cables, *case.obstacles):
         copy = pickle.loads(pickle.dumps(thing))
         assert copy == thing and hash(copy) == hash(thing) and repr(copy) == repr(thing)
 

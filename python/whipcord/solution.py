@@ -123,7 +123,8 @@ class Diagnostics:
     """Least eigenvalue of the tangent stiffness relative to the bare rod's: 1 without load, 0 where the
     robot buckles, negative at an unstable equilibrium; None where `stability_absent` says why."""
     stability_absent: str | None
-    """``"not-asked"``, ``"no-energy"``, ``"followers"``, ``"sliding"`` or ``"undetermined"``."""
+    """``"not-asked"``, ``"no-energy"``, ``"followers"``, ``"sliding"``, ``"touching"`` or
+    ``"undetermined"``."""
     discretization_error: float | None
     """Estimated error of the positions in m; None where the steps were prescribed."""
     steps: int

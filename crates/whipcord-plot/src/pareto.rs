@@ -26,8 +26,8 @@ const PALE: f64 = 0.45;
 
 /// Relative error against time to solve on logarithmic axes: every case as a dot, and the medians of a model's
 /// times and errors as its sign, with its name. A model is pale when another one of no fewer cases is both faster and
-/// nearer by its medians, or one of these and as good in the other; the others are joined by a dashed line. Errors below 1e-16 are
-/// drawn there.
+/// nearer by its medians, or one of these and as good in the other; of the others those that are nearer than all faster ones
+/// are joined by a dashed line. Errors below 1e-16 are drawn there.
 ///
 /// ```
 /// use whipcord_plot::{Colour, Marker, ParetoSeries, pareto_chart};
@@ -74,6 +74,12 @@ pub fn pareto_chart(title: &str, series: &[ParetoSeries]) -> Result<String, Plot
     let mut front: Vec<[f64; 2]> =
         medians.iter().zip(&pale).filter(|(_, pale)| !**pale).map(|(median, _)| *median).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut nearest = f64::INFINITY;
+    front.retain(|[_, error]| {
+        let nearer = *error < nearest;
+        nearest = nearest.min(*error);
+        nearer
+    });
     let mut all = Vec::with_capacity(series.len() + 1);
     if front.len() > 1 {
         let line = Series::new("", 0, vec![Layer::Dashed(front)]);

@@ -25,8 +25,19 @@ pub(super) struct Task<'a> {
 pub(super) struct Elimination {
     /// So much of the sections' own stiffness is taken off the tangent.
     pub shift: f64,
-    /// Whether the response to each cable's tension is asked for beside the step.
-    pub by_tension: bool,
+    /// What for.
+    pub asked: Asked,
+}
+
+/// What is asked of a linear system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// The signs of its eigenvalues.
+    Signs,
+    /// The Newton step.
+    Step,
+    /// The step, and the response to each cable's tension.
+    Responses,
 }
 
 /// A matrix row of each coordinate.
@@ -160,7 +171,7 @@ impl Chain {
     }
 
     /// Fills the tangent of each section for what was evaluated last, eq. (5).
-    fn tangents(&mut self, task: &Task<'_>) {
+    pub fn linearise(&mut self, task: &Task<'_>) {
         let (division, count) = (task.division, task.division.coordinates());
         let mut pulls = self.pulls.iter();
         for (section, link) in task.sections.iter().zip(&mut self.links) {
@@ -198,13 +209,16 @@ impl Chain {
         }
     }
 
-    /// Solves for the Newton step, eqs. (6) and (7), at what was evaluated last. The number of negative
-    /// pivots, which is that of negative eigenvalues where the tangent is symmetric; `None` where it is
-    /// singular.
+    /// Takes apart what was linearised last, and solves for the Newton step where that is asked, eqs. (6) and (7).
+    /// The number of negative pivots, which is that of negative eigenvalues where the tangent is symmetric; `None`
+    /// where it is singular.
     pub fn eliminate(&mut self, task: &Task<'_>, how: Elimination) -> Option<usize> {
-        self.tangents(task);
         let (count, n) = (task.division.coordinates(), task.sections.len());
-        let sides = if how.by_tension { 1 + task.tensions.len() } else { 1 };
+        let sides = match how.asked {
+            Asked::Signs => 0,
+            Asked::Step => 1,
+            Asked::Responses => 1 + task.tensions.len(),
+        };
         self.steps.clear();
         self.steps.resize(sides * n, [0.0; MOST]);
         self.beyond.clear();

@@ -1,6 +1,6 @@
 //! Equilibrium under tensions and loads by Newton's method, and along the load where that does not get there.
 
-use super::chain::{Chain, Elimination, Task, bend};
+use super::chain::{Asked, Chain, Elimination, Task, bend};
 use super::layout::Section;
 use super::motion::Coordinates;
 use crate::cosserat::lengths::{Note, Responds};
@@ -52,7 +52,7 @@ impl Scratch {
         effort: &mut Effort,
     ) -> bool {
         let Self { chain, before, .. } = self;
-        let how = Elimination { shift: 0.0, by_tension: false };
+        let how = Elimination { shift: 0.0, asked: Asked::Step };
         let mut residual = chain.evaluate(task);
         for _ in 0..MAX_ITERATIONS {
             effort.residual = residual;
@@ -62,6 +62,7 @@ impl Scratch {
             if !residual.is_finite() {
                 return false;
             }
+            chain.linearise(task);
             match chain.eliminate(task, how) {
                 Some(negative) if !strict || negative == 0 => {}
                 _ => return false,
@@ -203,7 +204,8 @@ impl Scratch {
         const FARTHEST: f64 = 1e6;
         const BISECTIONS: usize = 22;
         let below = |scratch: &mut Self, value: f64| -> Option<usize> {
-            let how = Elimination { shift: value, by_tension: !held.is_empty() };
+            let asked = if held.is_empty() { Asked::Signs } else { Asked::Responses };
+            let how = Elimination { shift: value, asked };
             let negative = scratch.chain.eliminate(task, how)?;
             if held.is_empty() {
                 return Some(negative);
@@ -217,6 +219,7 @@ impl Scratch {
             Some((negative + positive).saturating_sub(held.len()))
         };
         self.chain.evaluate(task);
+        self.chain.linearise(task);
         let (mut low, mut high) = (0.5, 1.4);
         while below(self, low)? > 0 {
             if low < -FARTHEST {
@@ -284,7 +287,8 @@ impl Responds for Responder<'_> {
             }
         }
         let Scratch { chain, length_by_tension, .. } = &mut *self.scratch;
-        let how = Elimination { shift: 0.0, by_tension: true };
+        let how = Elimination { shift: 0.0, asked: Asked::Responses };
+        chain.linearise(&task);
         chain.eliminate(&task, how).ok_or(unsettled)?;
         chain.length_by_tension(&task, length_by_tension);
         Ok(())
