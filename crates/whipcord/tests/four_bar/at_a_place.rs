@@ -163,7 +163,7 @@ fn many_sections_yield_as_the_rod_does() {
             let entries = || (0..9).map(|k| (rows + k / 3, columns + k % 3));
             let size = entries().map(|(i, j)| exact.at(i, j).abs()).fold(0.0, f64::max);
             let worst = entries().map(|(i, j)| apart(i, j)).fold(0.0, f64::max);
-            assert!(worst < 0.03 * size, "{name} held, block {block}: {}", worst / size);
+            assert!(worst < 0.04 * size, "{name} held, block {block}: {}", worst / size);
         }
     }
 }
