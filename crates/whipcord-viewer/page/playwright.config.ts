@@ -7,7 +7,9 @@ export default defineConfig({
   testDir: "tests",
   outputDir: `${target}/playwright`,
   workers: 1,
-  timeout: 60_000,
+  timeout: 120_000,
+  // Solves are not optimised in debug, and machines are shared.
+  expect: { timeout: 20_000 },
   reporter: "line",
   use: {
     browserName: "chromium",
