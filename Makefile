@@ -56,7 +56,10 @@ $(PAGE)/node_modules/.package-lock.json: $(PAGE)/package-lock.json $(PAGE)/packa
 	touch $@
 
 # The viewer's page, which the next build of Rust embeds.
-page: $(PAGE)/node_modules/.package-lock.json
+page: $(PAGE)/dist/index.html
+
+# Only where its sources have changed: else that next build would be for nothing.
+$(PAGE)/dist/index.html: $(PAGE)/node_modules/.package-lock.json $(wildcard $(PAGE)/src/* $(PAGE)/tests/* $(PAGE)/*.ts $(PAGE)/*.json $(PAGE)/index.html)
 	cd $(PAGE) && $(NPM) run check && $(NPM) run build
 
 page-where-node:
