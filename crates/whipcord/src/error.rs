@@ -233,7 +233,7 @@ pub enum Obstruction {
     Leaps,
     /// The iteration stopped before the conditions of contact were met.
     #[error(
-        "beyond, no shape was found that touches without overlapping (residual {}): pull the cables less, by their tension, or give the obstacle a rounder form",
+        "beyond, no shape was found that touches without overlapping (residual {}): pull the cables less, or give the obstacle a rounder form",
         significant(*residual, 3, Round::Nearest)
     )]
     NotConverged {

@@ -48,8 +48,9 @@ struct Walk<'a, M> {
     scratch: Scratch,
     iterations: usize,
     residual: f64,
-    /// Whether the contacts change an odd number of directions from stable to unstable or back.
-    odd: bool,
+    /// Whether the contacts change an odd number of directions from stable to unstable or back; `None` until a
+    /// step has told.
+    odd: Option<bool>,
     /// A small force that decides which way a robot slips off.
     nudge: Option<Push>,
     /// Where on the way the robot slipped off.
@@ -80,7 +81,7 @@ pub(crate) fn solve(
         scratch: Scratch::default(),
         iterations: 0,
         residual: 0.0,
-        odd: false,
+        odd: None,
         nudge: None,
         slipped_at: None,
     };
@@ -91,7 +92,7 @@ pub(crate) fn solve(
     if let Err(SolveError::Obstructed { reached, why: Obstruction::Slips, .. }) = gone {
         // Once more, with a nudge that decides which way it slips, and is then taken away.
         walk.slipped_at = Some(reached);
-        walk.odd = false;
+        walk.odd = None;
         walk.nudge = Some(walk.sideways());
         walk.pairs.near.clear();
         walk.model.reset();
@@ -261,7 +262,8 @@ impl<M: Yielding> Walk<'_, M> {
             }
             looked = false;
             self.residual = self.error();
-            if self.residual <= MET {
+            // A known answer that is met at once still has to be judged.
+            if self.residual <= MET && (self.odd.is_some() || !self.is_touching()) {
                 return self.arrived();
             }
             if self.residual < 0.5 * least {
@@ -281,7 +283,7 @@ impl<M: Yielding> Walk<'_, M> {
             let cap = STRIDE * self.length;
             let stepped = self.scratch.step(&mut self.pairs, self.model, &self.scene, cap);
             match stepped {
-                Ok(stepped) => self.odd = stepped.odd,
+                Ok(stepped) => self.odd = Some(stepped.odd),
                 Err(NoStep::Contacts) => return Err(Stop::NotConverged(self.residual)),
                 Err(NoStep::Model(error)) => return Err(Stop::Model(error)),
             }
@@ -291,11 +293,14 @@ impl<M: Yielding> Walk<'_, M> {
 
     /// Whether the contacts hold: eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
-        let touches = self.pairs.near.iter().any(|pair| pair.force > 0.0);
-        if touches && self.odd == self.model.stands_alone() {
+        if self.is_touching() && self.odd == Some(self.model.stands_alone()) {
             return Err(Stop::Slips);
         }
         Ok(None)
+    }
+
+    fn is_touching(&self) -> bool {
+        self.pairs.near.iter().any(|pair| pair.force > 0.0)
     }
 
     /// The equilibrium without pushes.

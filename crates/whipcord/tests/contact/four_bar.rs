@@ -113,3 +113,23 @@ fn the_geometric_variants_refuse_obstacles() {
     let error = model.solve(&case, None, &mut Workspace::default()).unwrap_err();
     assert!(error.to_string().contains("strain-energy"), "{error}");
 }
+
+/// An answer that the contacts alone keep from buckling is one to start from: nothing is left to do.
+#[test]
+fn the_answer_to_the_same_case_starts_where_it_ends() {
+    let robot = finger(9);
+    let options = Options {
+        objective: Objective::StrainEnergy,
+        lengths: LengthRule::Free,
+        ..Options::default()
+    };
+    let model = FourBar::new(&robot, &options).unwrap();
+    for (millimetres, x) in [(6.0, 0.02), (7.0, 0.03), (8.0, 0.045)] {
+        let case = shortened(millimetres, vec![wall(x)]);
+        let answer = solve(&robot, &case).unwrap();
+        assert!(!answer.touches.is_empty());
+        let again = model.solve(&case, Some(&answer), &mut Workspace::default()).unwrap();
+        let apart = again.disks.distances(&answer.disks).fold(0.0, f64::max);
+        assert!(apart < 1e-7 * LENGTH, "{millimetres} mm: {apart}");
+    }
+}
