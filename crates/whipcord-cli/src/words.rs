@@ -7,8 +7,8 @@ use whipcord::obstacle::Bends;
 use whipcord::robot::SectionProperties;
 use whipcord::{
     Along, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Form, Interpolation,
-    LoadFrame, Loads, ModelKind, Pose, RestCurvature, Robot, Routing, Section, Solution, Stiffness,
-    Vec3,
+    LoadFrame, Loads, ModelKind, NoStability, Pose, RestCurvature, Robot, Routing, Section,
+    Solution, Stiffness, Vec3,
 };
 use whipcord_io::CaseFile;
 
@@ -407,12 +407,37 @@ pub fn instability(solution: &Solution) -> Option<String> {
             let least = number(least, 3);
             Some(format!("unstable: the robot leaves this shape (stability {least}){buckles}"))
         }
-        (None, Some(load)) => Some(format!(
-            "snapped through: at {} the robot leaves the shape it had; this is a stable one beyond",
-            share(load)
-        )),
+        (None, Some(load)) => {
+            // Of what obstacles hold, only an odd number of unstable directions would be known.
+            let touching = diagnostics.stability_absent == Some(NoStability::Touching);
+            let kind = if touching { "one" } else { "a stable one" };
+            Some(format!(
+                "snapped through: at {} the robot leaves the shape it had; this is {kind} beyond",
+                share(load)
+            ))
+        }
         (None, None) => None,
     }
+}
+
+/// Of an answer to lengths that contradict each other a little: which cable is longer than prescribed, and by how
+/// much. Only four-bar gives such answers.
+pub fn compromise(solution: &Solution, case: &Case) -> Option<String> {
+    if solution.model != ModelKind::FourBar {
+        return None;
+    }
+    let least = 1e-6 * solution.shape.arc_length.last()?;
+    let excess = solution.cables.iter().zip(&case.commands).filter_map(|(cable, command)| {
+        let shortening = command.shortening?.in_metres(cable.initial_length);
+        Some((&cable.name, cable.length - (cable.initial_length - shortening)))
+    });
+    let (name, most) = excess.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (most > least).then(|| {
+        let most = millimetres(most);
+        format!(
+            "compromise: the prescribed cable lengths contradict each other; cable `{name}` is {most} too long"
+        )
+    })
 }
 
 /// What drives a model: the tension or shortening of each cable that it uses.

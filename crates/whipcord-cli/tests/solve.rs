@@ -354,6 +354,26 @@ fn lengths_that_contradict_one_another_are_told_with_what_they_miss() {
     assert!(message.contains(told), "{message}");
 }
 
+/// So little that the least-squares shape is an answer: of the 0.4 mm each of the two cables misses a half.
+#[test]
+fn a_compromise_between_lengths_is_called_one() {
+    let scratch = Scratch::new();
+    let against = "name = \"against\"\nholes = [10, 10, 10, 10, 10, 10, 10, 10, 10, 10]";
+    let solve = |name, shortening| {
+        let text = format!(
+            "{}[[cables]]\n{against}\nshortening = \"{shortening} mm\"\n",
+            robot("shortening = \"3 mm\"")
+        );
+        let file = scratch.write(name, &text);
+        let options = ["--objective=strain-energy", "--length-rule=free"];
+        succeed(&[&["solve", &file, "--model=four-bar"], &options[..]].concat())
+    };
+    let told = "compromise: the prescribed cable lengths contradict each other; cable `";
+    let text = solve("little.toml", -2.6);
+    assert!(text.contains(told) && text.contains("` is 0.2 mm too long\n"), "{text}");
+    assert!(!solve("none.toml", -3.0).contains("compromise"));
+}
+
 #[test]
 fn a_reader_that_stops_early_is_no_failure() {
     let mut child = command(&["solve", CASE_3, "--json", "--stations", "20000"])

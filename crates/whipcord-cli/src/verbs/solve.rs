@@ -21,7 +21,7 @@ use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
 use crate::touches;
-use crate::words::{driven_by, instability};
+use crate::words::{compromise, driven_by, instability};
 
 /// Solve one case with one model
 ///
@@ -247,7 +247,7 @@ fn summary(
         text += &format!("\n{}", table.text(style));
     }
     text.push('\n');
-    if let Some(words) = instability(solution) {
+    for words in [compromise(solution, &file.case), instability(solution)].into_iter().flatten() {
         text += &format!("{}\n", style.heading(words));
     }
     text += &format!("{}\n", diagnostics(solution));

@@ -171,18 +171,20 @@ fn control(evidence: &Evidence) -> Finding {
     };
     let exact = fit(CommandDerivatives::Exact);
     let Some(best) = exact.or_else(|| fit(CommandDerivatives::Differences)) else {
-        let why = match least(complete(evidence.standings.iter()), worst) {
-            Some(nearest) if worst(nearest) > TOLERANCE => format!(
+        let all = complete(evidence.standings.iter());
+        let near = all.clone().filter(|s| worst(s) <= TOLERANCE);
+        let why = match (least(near, time), least(all, worst)) {
+            (Some(quickest), _) => format!(
+                "{} is near enough and takes {}",
+                quickest.contender,
+                duration(time(quickest))
+            ),
+            (None, Some(nearest)) => format!(
                 "the nearest that answers every case, {}, is {} off",
                 nearest.contender,
                 share(worst(nearest))
             ),
-            Some(nearest) => format!(
-                "{} is near enough and takes {}",
-                nearest.contender,
-                duration(time(nearest))
-            ),
-            None => "none answers every case".to_owned(),
+            (None, None) => "none answers every case".to_owned(),
         };
         return none(
             Topic::Control,
