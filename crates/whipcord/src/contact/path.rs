@@ -10,7 +10,7 @@ use super::step::{NoStep, Scratch, turned};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::robot::Robot;
-use crate::shape::{Solution, Wrench};
+use crate::shape::{Part, Solution, Wrench};
 
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
 const MET: f64 = 1e-9;
@@ -146,6 +146,19 @@ impl<M: Yielding> Walk<'_, M> {
 
     /// Inserts the robot at rest into the pipes: from where its base is drawn back by its length, forward.
     fn insert(&mut self, case: &Case) -> Result<(), SolveError> {
+        // The base touches nothing, but where it is the robot has to come out of the bore.
+        let walled = self.scene.iter().find_map(|(_, pipe)| {
+            let depth = -pipe.surface(Vec3::ZERO).distance;
+            (depth > OVERLAP * self.length).then(|| SolveError::ObstacleInTheWay {
+                obstacle: pipe.name.clone(),
+                part: Part::Backbone,
+                arc_length: 0.0,
+                depth,
+            })
+        });
+        if let Some(error) = walled {
+            return Err(error);
+        }
         let start = INSERTED * self.length;
         self.scene.draw_back(start);
         self.refuse_overlap()?;

@@ -142,3 +142,18 @@ fn a_vessel_that_is_too_narrow_is_told_of() {
     let SolveError::ObstacleInTheWay { obstacle, .. } = &error else { panic!("{error}") };
     assert_eq!(obstacle, "vessel");
 }
+
+/// No way leads into a bore from a base that stands in the body around it.
+#[test]
+fn a_base_beside_the_bore_is_in_the_way() {
+    let mut vessel = pipe(3);
+    let Form::Pipe(bore) = &vessel.form else { unreachable!() };
+    let radius = bore.radius();
+    vessel.pose.position.x += 0.01;
+    let case = among(Case::with_shortenings(&[Shortening::Length(0.0)]), vec![vessel]);
+    let error = chain(&catheter(10), &case).unwrap_err();
+    let SolveError::ObstacleInTheWay { arc_length, depth, .. } = error else { panic!("{error}") };
+    assert_eq!(arc_length, 0.0);
+    // The smooth line through the points is not quite straight.
+    assert!((depth - (0.01 - radius)).abs() < 1e-4, "{depth}");
+}
