@@ -2,7 +2,8 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use whipcord::{Drive, Model, ModelKind, Stations, four_bar};
+use whipcord::{Drive, Model, ModelKind, ModelVariant, Stations, four_bar};
+use whipcord_viewer::offered;
 
 use crate::failure::Failure;
 
@@ -47,6 +48,12 @@ pub const fn drive(actuation: Option<Actuation>) -> Drive {
 pub fn model_parser() -> impl TypedValueParser<Value = ModelKind> {
     PossibleValuesParser::new(ModelKind::ALL.map(ModelKind::name))
         .try_map(|name| name.parse::<ModelKind>())
+}
+
+/// Models and their variants by their names.
+pub fn variant_parser() -> impl TypedValueParser<Value = ModelVariant> {
+    PossibleValuesParser::new(offered().into_iter().map(ModelVariant::name))
+        .try_map(|name| name.parse::<ModelVariant>())
 }
 
 fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use whipcord::kinematics::principal_axes;
 use whipcord::{
-    Case, Differentiable as _, Drive, Model, ModelKind, Prepared, Shape, Shortening, Solution, Vec3,
+    Case, Differentiable as _, Drive, Model, ModelKind, ModelVariant, Prepared, Shape, Shortening,
+    Solution, Vec3,
 };
 use whipcord_io::CaseFile;
 
@@ -23,7 +24,7 @@ pub struct Bench {
 
 #[derive(Debug)]
 struct Ready {
-    kind: ModelKind,
+    variant: ModelVariant,
     model: Model,
     prepared: Prepared,
     last: Option<Solution>,
@@ -42,7 +43,7 @@ pub struct Found {
     /// What was asked of the model.
     case: Case,
     /// The model whose cable lengths drove it.
-    driven_by: Option<ModelKind>,
+    driven_by: Option<ModelVariant>,
 }
 
 impl Bench {
@@ -58,19 +59,21 @@ impl Bench {
     /// [`Malformed`] for a model that is not known.
     pub fn solve(&mut self, request: &Request, arrival: Instant) -> Result<Frame, Malformed> {
         let case = self.case(request);
-        let answers = self.found(&request.kinds()?, &case).into_iter().map(|(kind, found)| {
-            let answer = found.and_then(|found| {
-                let compliance = request.compliance.then(|| self.compliance(kind, &found.case));
-                solved(&found, compliance).ok_or_else(|| {
-                    "the answer holds a number that is none; please report the robot file"
-                        .to_owned()
-                })
+        let answers =
+            self.found(&request.variants()?, &case).into_iter().map(|(variant, found)| {
+                let answer = found.and_then(|found| {
+                    let compliance =
+                        request.compliance.then(|| self.compliance(variant, &found.case));
+                    solved(variant, &found, compliance).ok_or_else(|| {
+                        "the answer holds a number that is none; please report the robot file"
+                            .to_owned()
+                    })
+                });
+                match answer {
+                    Ok(solved) => Answer::Solved(Box::new(solved)),
+                    Err(message) => Answer::Failed { model: variant.name().to_owned(), message },
+                }
             });
-            match answer {
-                Ok(solved) => Answer::Solved(Box::new(solved)),
-                Err(message) => Answer::Failed { model: kind.name().to_owned(), message },
-            }
-        });
         let answers = answers.collect();
         Ok(Frame { id: request.id, time: arrival.elapsed().as_secs_f64(), answers })
     }
@@ -78,34 +81,34 @@ impl Bench {
     /// What these models find, in their order.
     pub fn found(
         &mut self,
-        kinds: &[ModelKind],
+        variants: &[ModelVariant],
         case: &Case,
-    ) -> Vec<(ModelKind, Result<Found, Refusal>)> {
+    ) -> Vec<(ModelVariant, Result<Found, Refusal>)> {
         let pulled = case.commands.iter().any(|command| command.tension.is_some());
-        let is_driven = |kind: ModelKind| pulled && kind.natural_drive() == Drive::Shortening;
-        let mut all: Vec<_> = kinds
+        let is_driven = |one: ModelVariant| pulled && one.kind.natural_drive() == Drive::Shortening;
+        let mut all: Vec<_> = variants
             .iter()
-            .map(|&kind| (kind, if is_driven(kind) { None } else { Some(self.one(kind, case)) }))
+            .map(|&one| (one, if is_driven(one) { None } else { Some(self.one(one, case)) }))
             .collect();
         // Those that know no tensions are driven by the cable lengths of the first that does.
-        let mut lead = all.iter().find_map(|(kind, found)| {
-            Some((*kind, Ok(shares_of(&found.as_ref()?.as_ref().ok()?.solution))))
+        let mut lead = all.iter().find_map(|(one, found)| {
+            Some((*one, Ok(shares_of(&found.as_ref()?.as_ref().ok()?.solution))))
         });
-        for (kind, found) in &mut all {
+        for (variant, found) in &mut all {
             if found.is_some() {
                 continue;
             }
             let (by, shares) = lead.get_or_insert_with(|| {
-                let by = ModelKind::Cosserat;
+                let by = ModelVariant::usual(ModelKind::Cosserat);
                 (by, self.one(by, case).map(|found| shares_of(&found.solution)))
             });
             let one = match shares {
-                Ok(shares) => self.one(*kind, &shortened(case, shares)),
+                Ok(shares) => self.one(*variant, &shortened(case, shares)),
                 Err(why) => Err(format!("its cable lengths come from {by}: {why}")),
             };
             *found = Some(one.map(|found| Found { driven_by: Some(*by), ..found }));
         }
-        all.into_iter().filter_map(|(kind, found)| Some((kind, found?))).collect()
+        all.into_iter().filter_map(|(variant, found)| Some((variant, found?))).collect()
     }
 
     /// What the sliders say, with all that they leave as the file has it.
@@ -121,9 +124,9 @@ impl Bench {
 
     /// The answer of a model. It starts from the last one and, where that leads nowhere, from
     /// cold. Where cables rub, what they did before counts: then each answer is that after the steps of the file.
-    fn one(&mut self, kind: ModelKind, case: &Case) -> Result<Found, Refusal> {
+    fn one(&mut self, variant: ModelVariant, case: &Case) -> Result<Found, Refusal> {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
-        let ready = self.ready(kind)?;
+        let ready = self.ready(variant)?;
         let rubs = !case.before.is_empty()
             || ready.prepared.robot().cables().iter().any(whipcord::Cable::rubs);
         let begun = Instant::now();
@@ -141,16 +144,16 @@ impl Bench {
         Ok(Found { solution, solve_time, case: case.clone(), driven_by: None })
     }
 
-    fn ready(&mut self, kind: ModelKind) -> Result<&mut Ready, Refusal> {
-        let found = self.ready.iter().position(|ready| ready.kind == kind);
+    fn ready(&mut self, variant: ModelVariant) -> Result<&mut Ready, Refusal> {
+        let found = self.ready.iter().position(|ready| ready.variant == variant);
         let index = match found {
             Some(index) => index,
             None => {
-                let model = model(kind, &self.places);
+                let model = model(variant, &self.places);
                 let prepared = model
                     .prepare(&self.file.robot, &self.file.case.loads)
                     .map_err(|error| error.to_string())?;
-                self.ready.push(Ready { kind, model, prepared, last: None });
+                self.ready.push(Ready { variant, model, prepared, last: None });
                 self.ready.len() - 1
             }
         };
@@ -158,8 +161,8 @@ impl Bench {
     }
 
     /// How the tip yields with the tensions held.
-    fn compliance(&mut self, kind: ModelKind, case: &Case) -> Compliance {
-        let ready = match self.ready(kind) {
+    fn compliance(&mut self, variant: ModelVariant, case: &Case) -> Compliance {
+        let ready = match self.ready(variant) {
             Ok(ready) => ready,
             Err(message) => return Compliance::Unknown { message },
         };
@@ -197,7 +200,7 @@ fn shortened(case: &Case, shares: &[f64]) -> Case {
 }
 
 /// A solution as the page gets it; `None` where a number of it is none.
-fn solved(found: &Found, compliance: Option<Compliance>) -> Option<Solved> {
+fn solved(variant: ModelVariant, found: &Found, compliance: Option<Compliance>) -> Option<Solved> {
     let Found { solution, solve_time, .. } = found;
     let shape = &solution.shape;
     let diagnostics = &solution.diagnostics;
@@ -216,7 +219,7 @@ fn solved(found: &Found, compliance: Option<Compliance>) -> Option<Solved> {
         force: touch.force,
     });
     let solved = Solved {
-        model: solution.model.name().to_owned(),
+        model: variant.name().to_owned(),
         positions: shape.positions().map(array).collect(),
         orientations: shape.poses.iter().map(|pose| pose.rotation.wxyz()).collect(),
         strains: strains(shape),

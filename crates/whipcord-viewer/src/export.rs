@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde::Serialize;
-use whipcord::{ModelKind, Solution, Twist, Vec3};
+use whipcord::{ModelVariant, Solution, Twist, Vec3};
 use whipcord_io::{CaseFile, load};
 
 use crate::bench::Bench;
@@ -67,7 +67,7 @@ struct Trials {
 /// # Errors
 /// [`ViewError`] for a file that cannot be used, a model that does not take the robot, a robot that is too large for one page, and a
 /// binary without the page.
-pub fn export(path: &Path, models: &[ModelKind]) -> Result<String, ViewError> {
+pub fn export(path: &Path, models: &[ModelVariant]) -> Result<String, ViewError> {
     let file = Arc::new(load(path)?);
     let page = page()?;
     let recording = record(&file, models)?;
@@ -79,10 +79,10 @@ pub fn export(path: &Path, models: &[ModelKind]) -> Result<String, ViewError> {
     Ok(text)
 }
 
-fn record(file: &Arc<CaseFile>, models: &[ModelKind]) -> Result<Recording, ViewError> {
+fn record(file: &Arc<CaseFile>, models: &[ModelVariant]) -> Result<Recording, ViewError> {
     let mut scene = scene(file);
     if !models.is_empty() {
-        scene.initial.models = models.iter().map(|kind| kind.name().to_owned()).collect();
+        scene.initial.models = models.iter().map(|one| one.name().to_owned()).collect();
     }
     for choice in &mut scene.models {
         if !scene.initial.models.contains(&choice.name) {
@@ -91,29 +91,29 @@ fn record(file: &Arc<CaseFile>, models: &[ModelKind]) -> Result<Recording, ViewE
             return Err(ViewError::Refused { message: refusal });
         }
     }
-    let kinds: Vec<ModelKind> =
+    let variants: Vec<ModelVariant> =
         scene.initial.models.iter().filter_map(|name| name.parse().ok()).collect();
-    if kinds.is_empty() {
+    if variants.is_empty() {
         return Err(ViewError::Refused { message: "no model takes this robot".to_owned() });
     }
     let pieces = scene.stations.len() - 1;
     let bytes = pieces * STRAIN_BYTES + scene.cables.len() * CABLE_BYTES + 1;
-    let most = (MOST_OF_FRAMES / kinds.len() / bytes).min(MOST_FRAMES);
+    let most = (MOST_OF_FRAMES / variants.len() / bytes).min(MOST_FRAMES);
     let grid = Grid::new(&scene.initial.commands, &scene.ranges, most);
-    let recorded = kinds.iter().map(|&kind| frames(file, &scene, &grid, kind)).collect();
+    let recorded = variants.iter().map(|&one| frames(file, &scene, &grid, one)).collect();
     let axes = grid.axes.into_iter().map(|axis| axis.values).collect();
     Ok(Recording { scene, axes, models: recorded })
 }
 
 /// Frames in an order in which each is solved from a neighbour: every other row backwards.
-fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, kind: ModelKind) -> Recorded {
+fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, variant: ModelVariant) -> Recorded {
     let mut bench = Bench::new(Arc::clone(file));
     let row = grid.axes.last().map_or(1, |axis| axis.values.len());
     let mut all: Vec<Option<Solution>> = vec![None; grid.frames()];
     for k in 0..all.len() {
         let (line, at) = (k / row, k % row);
         let frame = line * row + if line % 2 == 0 { at } else { row - 1 - at };
-        all[frame] = solve(&mut bench, scene, kind, grid.commands(frame));
+        all[frame] = solve(&mut bench, scene, variant, grid.commands(frame));
     }
     let lengths: Vec<f64> = scene.stations.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let strains: Vec<Option<Vec<Twist>>> =
@@ -153,7 +153,7 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, kind: ModelKind) -> 
     let valid: Vec<u8> = all.iter().map(|frame| u8::from(frame.is_some())).collect();
     let first = all.iter().flatten().next();
     Recorded {
-        model: kind.name().to_owned(),
+        model: variant.name().to_owned(),
         scales,
         strains: base64(&packed),
         cables: base64(&cables),
@@ -163,19 +163,19 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, kind: ModelKind) -> 
         valid: base64(&valid),
         solved: all.iter().flatten().count(),
         greatest_residual: all.iter().flatten().map(|s| s.diagnostics.residual).fold(0.0, f64::max),
-        trials: trials(&mut bench, scene, grid, kind, &rounded, &lengths),
+        trials: trials(&mut bench, scene, grid, variant, &rounded, &lengths),
     }
 }
 
 fn solve(
     bench: &mut Bench,
     scene: &Scene,
-    kind: ModelKind,
+    variant: ModelVariant,
     commands: Vec<Command>,
 ) -> Option<Solution> {
     let request = Request { commands, ..scene.initial.clone() };
     let case = bench.case(&request);
-    let (_, found) = bench.found(&[kind], &case).pop()?;
+    let (_, found) = bench.found(&[variant], &case).pop()?;
     found.ok().map(|found| found.solution)
 }
 
@@ -185,7 +185,7 @@ fn trials(
     bench: &mut Bench,
     scene: &Scene,
     grid: &Grid,
-    kind: ModelKind,
+    variant: ModelVariant,
     strains: &[Option<Vec<Twist>>],
     lengths: &[f64],
 ) -> Trials {
@@ -194,7 +194,7 @@ fn trials(
         let fractions: Vec<f64> = (0..grid.axes.len()).map(|axis| halton(n, axis)).collect();
         let commands = grid.between(&fractions);
         let around = grid.around(&commands);
-        let Some(solution) = solve(bench, scene, kind, commands) else { continue };
+        let Some(solution) = solve(bench, scene, variant, commands) else { continue };
         let mut mixed = vec![Twist::default(); lengths.len()];
         let mut whole = true;
         for (frame, weight) in around {

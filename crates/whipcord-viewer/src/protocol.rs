@@ -6,7 +6,7 @@
 //! Positions are in the world frame, in which the file gives the pose of the base; quaternions are (w, x, y, z).
 
 use serde::{Deserialize, Serialize};
-use whipcord::{Drive, ModelKind};
+use whipcord::{Drive, ModelKind, ModelVariant};
 
 /// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
 pub const MOST_BYTES: usize = 64 * 1024;
@@ -102,6 +102,8 @@ pub struct Scene {
     pub ranges: Ranges,
     /// Whether tip force, tip moment and gravity are those of the frame of the base, in contrast to the world's.
     pub loads_in_base: bool,
+    /// Whether tip force and tip moment are those of the frame of the tip instead, and turn with it.
+    pub tip_follower: bool,
     /// What loads the file has that no slider moves, in words.
     pub other_loads: Vec<String>,
     /// Where the real robot's disks were measured, in m.
@@ -401,11 +403,11 @@ pub fn read(text: &str) -> Result<FromPage, Malformed> {
     if request.id > MOST_ID {
         return Err(Malformed::Id(request.id));
     }
-    let all = ModelKind::ALL.len();
+    let all = ModelVariant::of(&ModelKind::ALL).len();
     if request.models.len() > all {
         return Err(Malformed::Models { given: request.models.len(), all });
     }
-    request.kinds()?;
+    request.variants()?;
     Ok(message)
 }
 
@@ -414,8 +416,8 @@ impl Request {
     ///
     /// # Errors
     /// [`Malformed::Model`] for a name of none.
-    pub fn kinds(&self) -> Result<Vec<ModelKind>, Malformed> {
-        self.models.iter().map(|name| Ok(name.parse::<ModelKind>()?)).collect()
+    pub fn variants(&self) -> Result<Vec<ModelVariant>, Malformed> {
+        self.models.iter().map(|name| Ok(name.parse::<ModelVariant>()?)).collect()
     }
 }
 

@@ -1,8 +1,9 @@
 //! A robot file as the page is told of it.
 
+use whipcord::variant::Variant;
 use whipcord::{
-    Drive, LoadFrame, Model, ModelKind, Prepared, Robot, Section, Shortening, SolveError, Stations,
-    Vec3,
+    Drive, LoadFrame, Model, ModelKind, ModelVariant, Prepared, Robot, Section, Shortening,
+    SolveError, Stations, Vec3,
 };
 use whipcord_io::CaseFile;
 use whipcord_plot::{CableCourse, plates_of};
@@ -20,7 +21,7 @@ pub fn scene(file: &CaseFile) -> Scene {
     let (robot, case) = (&file.robot, &file.case);
     let places = Places::of(robot);
     let initial_lengths = initial_lengths(robot, &places);
-    let models = ModelKind::ALL.map(|kind| choice(file, kind)).to_vec();
+    let models: Vec<_> = offered().into_iter().map(|one| choice(file, one)).collect();
     let first = models.iter().find(|choice| choice.refusal.is_none());
     let first = first.map(|choice| choice.name.clone());
     let initial =
@@ -42,6 +43,7 @@ pub fn scene(file: &CaseFile) -> Scene {
         ranges: ranges(robot, &initial),
         initial,
         loads_in_base: case.loads.frame == LoadFrame::Base,
+        tip_follower: case.loads.tip_follower,
         other_loads: other_loads(file),
         measured: file.measured.iter().flat_map(|m| &m.disks).map(|d| array(d.position)).collect(),
         obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
@@ -49,8 +51,8 @@ pub fn scene(file: &CaseFile) -> Scene {
 }
 
 /// The model at the stations of frames, each cable driven by what it is told.
-pub fn model(kind: ModelKind, places: &Places) -> Model {
-    Model::new(kind, Stations::At(places.arc_lengths.clone()), Drive::Natural)
+pub fn model(variant: ModelVariant, places: &Places) -> Model {
+    variant.model(Stations::At(places.arc_lengths.clone()), places.disks.len() - 1)
 }
 
 pub fn array(vector: Vec3) -> [f64; 3] {
@@ -143,17 +145,27 @@ fn in_metres(shortening: Shortening, initial_length: f64) -> f64 {
     shortening.in_metres(initial_length)
 }
 
-fn choice(file: &CaseFile, kind: ModelKind) -> ModelChoice {
+/// What can be chosen: all models, then their variants that answer something else, so that a model has the colour
+/// that it has in the figures of the command line.
+pub fn offered() -> Vec<ModelVariant> {
+    let all = ModelVariant::of(&ModelKind::ALL).into_iter();
+    let (usual, others): (Vec<_>, Vec<_>) = all
+        .filter(|one| one.variant != Variant::StepPerSection)
+        .partition(|one| one.variant == Variant::Usual);
+    [usual, others].concat()
+}
+
+fn choice(file: &CaseFile, variant: ModelVariant) -> ModelChoice {
     ModelChoice {
-        name: kind.name().to_owned(),
-        hole_to_hole: CableCourse::of(kind) == CableCourse::HoleToHole,
-        refusal: refusal(file, kind),
+        name: variant.name().to_owned(),
+        hole_to_hole: CableCourse::of(variant.kind) == CableCourse::HoleToHole,
+        refusal: refusal(file, variant),
     }
 }
 
 /// Why a model does not take the robot among its obstacles, whatever its cables are told.
-fn refusal(file: &CaseFile, kind: ModelKind) -> Option<String> {
-    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+fn refusal(file: &CaseFile, variant: ModelVariant) -> Option<String> {
+    let model = variant.model(Stations::Disks, file.robot.disks().arc_lengths.len() - 1);
     let mut prepared: Prepared = match model.prepare(&file.robot, &file.case.loads) {
         Ok(prepared) => prepared,
         Err(error) => return Some(error.to_string()),
@@ -165,7 +177,7 @@ fn refusal(file: &CaseFile, kind: ModelKind) -> Option<String> {
     case.loads.tip_moment = Vec3::ZERO;
     case.loads.gravity = None;
     for command in &mut case.commands {
-        *command = match kind.natural_drive() {
+        *command = match variant.kind.natural_drive() {
             Drive::Shortening => Command::Shortening(0.0).command(),
             _ => Command::Tension(0.0).command(),
         };
@@ -192,8 +204,5 @@ fn other_loads(file: &CaseFile) -> Vec<String> {
     say(loads.points.len(), "a load at a point", "loads at points");
     say(loads.distributed.len(), "a distributed load", "distributed loads");
     say(loads.masses.len(), "a mass that is carried", "masses that are carried");
-    if loads.tip_follower {
-        words.push("force and moment at the tip turn with it".to_owned());
-    }
     words
 }

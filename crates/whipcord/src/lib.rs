@@ -34,6 +34,7 @@ pub mod registration;
 pub mod robot;
 pub mod shape;
 mod uncertainty;
+pub mod variant;
 
 pub use camera::{Camera, Lens};
 pub use case::{
@@ -54,6 +55,7 @@ pub use robot::{
 pub use shape::{
     CableState, Contact, Diagnostics, NoStability, Part, Shape, Solution, Touch, Wrench,
 };
+pub use variant::ModelVariant;
 pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
 /// The examples of the project's front page, so that they keep working.

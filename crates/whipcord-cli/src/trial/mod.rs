@@ -204,7 +204,7 @@ fn entry(
     like: Option<&Case>,
     bare: Option<&Robot>,
 ) -> Entry {
-    let (robot, model) = (subject.robot, contender.model(subject.sections()));
+    let (robot, model) = (subject.robot, contender.model(Stations::Disks, subject.sections()));
     let solve = |case: &Case| timing::solve(&model, robot, case).map_err(|(_, error)| error);
     let as_given = || (Commands::Case, subject.case, solve(subject.case));
     let as_reference = |case| (Commands::Reference, case, solve(case));

@@ -4,10 +4,10 @@ use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
-use whipcord::ModelKind;
+use whipcord::ModelVariant;
 use whipcord_viewer::{View, ViewError, export};
 
-use crate::chosen::model_parser;
+use crate::chosen::variant_parser;
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs;
@@ -30,8 +30,8 @@ pub struct ViewArgs {
     #[arg(long, value_name = "OUT.html", conflicts_with_all = ["port", "no_open"])]
     export: Option<PathBuf>,
     /// Model of the exported page; may be given again. By default the first that takes the robot
-    #[arg(long, value_name = "NAME", value_parser = model_parser(), requires = "export")]
-    model: Vec<ModelKind>,
+    #[arg(long, value_name = "NAME", value_parser = variant_parser(), requires = "export")]
+    model: Vec<ModelVariant>,
 }
 
 /// Serves the page until the process is ended.

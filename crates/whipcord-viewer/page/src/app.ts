@@ -4,9 +4,9 @@ import { rampCss } from "./colours";
 import { ellipsoid } from "./ellipsoid";
 import { Controls } from "./controls";
 import { byId, element } from "./dom";
-import { add, conjugate, rotate, scale } from "./geometry";
+import { add, conjugate, rotate, scale, tipFrame } from "./geometry";
 import { modelColour, paints, type Legend } from "./paint";
-import type { Answer, Frame, Scene, Solved, Vector } from "./protocol";
+import type { Answer, Frame, Quaternion, Scene, Solved, Vector } from "./protocol";
 import { readout } from "./readout";
 import { RobotMesh } from "./robot";
 import { describe, Recorded, recordingInPage, type Recording } from "./recorded";
@@ -46,7 +46,7 @@ export class App {
   #frame: Frame | undefined;
   #broken: string | undefined;
   #connected = false;
-  /** Force at the tip when it was taken hold of. */
+  /** Force at the tip when it was taken hold of, in the world. */
   #held: Vector | undefined;
 
   constructor() {
@@ -184,13 +184,24 @@ export class App {
   #pull(by: Vector): void {
     const [scene, state] = [this.#scene, this.#state];
     if (!scene || !state) return;
-    this.#held ??= [...state.tipForce];
-    const force = scale(by, (2 * scene.ranges.force) / scene.length);
-    const own = scene.loads_in_base ? rotate(conjugate(scene.base.orientation), force) : force;
+    const frame = this.#tipFrame(scene);
+    this.#held ??= rotate(frame, state.tipForce);
+    const force = add(this.#held, scale(by, (2 * scene.ranges.force) / scene.length));
+    const own = rotate(conjugate(frame), force);
     // In steps that can be read.
     const step = 10 ** Math.floor(Math.log10(scene.ranges.force) - 2.5);
-    state.tipForce = add(this.#held, own).map((f) => Number((Math.round(f / step) * step).toPrecision(6))) as Vector;
+    state.tipForce = own.map((f) => Number((Math.round(f / step) * step).toPrecision(6))) as Vector;
     this.#show();
+  }
+
+  /** The robot whose tip has the handle: the first that has a shape. */
+  get #first(): Solved | undefined {
+    const solved = this.#answers.find((answer) => answer.status === "solved");
+    return solved ?? [...this.#shown.values()][0]?.solved;
+  }
+
+  #tipFrame(scene: Scene): Quaternion {
+    return tipFrame(scene, this.#first?.orientations.at(-1) ?? scene.base.orientation);
   }
 
   /** Shows what the state says, and asks for the robot's shape: once for each picture of the display. */
@@ -262,16 +273,14 @@ export class App {
       mesh.stale = !solved.some((answer) => answer.model === model);
     }
     this.#stage.robots([...this.#shown.values()].map(({ mesh }) => mesh.group));
-    const first = solved[0] ?? [...this.#shown.values()][0]?.solved;
     this.#stage.touches(solved.flatMap((answer) => answer.touches));
     for (const answer of solved) {
       const body = answer.compliance && ellipsoid(answer.compliance, answer.positions.at(-1)!, scene, modelColour(scene, answer.model));
       if (body) this.#stage.mark(body);
     }
     // What the frames of an exported page are loaded with does not change.
-    const grip = this.#recording ? undefined : first?.positions.at(-1);
-    const world = scene.loads_in_base ? rotate(scene.base.orientation, state.tipForce) : state.tipForce;
-    this.#stage.tip(grip, world, (0.5 * scene.length) / scene.ranges.force);
+    const grip = this.#recording ? undefined : this.#first?.positions.at(-1);
+    this.#stage.tip(grip, rotate(this.#tipFrame(scene), state.tipForce), (0.5 * scene.length) / scene.ranges.force);
     this.#stage.draw();
     showLegend(legend);
   }

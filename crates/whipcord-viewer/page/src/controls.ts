@@ -161,8 +161,9 @@ export class Controls {
       changes.change((state) => void (state.compliance = this.#compliance.checked));
       changes.commit();
     });
-    const frame = scene.loads_in_base ? "in the frame of the base" : "in the world";
-    const force = group(`Force at the tip`, ...this.#vectors[0]!.each.map((q) => q.row));
+    const fixed = scene.loads_in_base ? "in the frame of the base" : "in the world";
+    const frame = scene.tip_follower ? "in the frame of the tip, with which it turns, as the moment does" : fixed;
+    const force = group("Force at the tip", ...this.#vectors[0]!.each.map((q) => q.row));
     force.append(element("p", { class: "hint" }, `Drag the tip, or set it here, ${frame}.`));
     const loads = [
       force,

@@ -33,6 +33,12 @@ export function conjugate([w, x, y, z]: Quaternion): Quaternion {
   return [w, -x, -y, -z];
 }
 
+/** How the frame is turned in the world that force and moment at the tip are given in, where the tip is turned so. */
+export function tipFrame(scene: Scene, tip: Quaternion): Quaternion {
+  if (scene.tip_follower) return tip;
+  return scene.loads_in_base ? scene.base.orientation : [1, 0, 0, 0];
+}
+
 /** A point (x, y) of a cross-section in space. */
 export function place(solved: Solved, station: number, [x, y]: readonly [number, number]): Vector {
   return add(solved.positions[station]!, rotate(solved.orientations[station]!, [x, y, 0]));

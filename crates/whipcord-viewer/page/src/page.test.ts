@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { course, place, rotate, tensions } from "./geometry";
+import { course, place, rotate, tensions, tipFrame } from "./geometry";
 import { extent, ticks } from "./plots";
 import { around, move } from "./recorded";
 import { decode, encode, type Pose, type Request, type Scene, type Solved } from "./protocol";
@@ -22,6 +22,17 @@ describe("the protocol", () => {
     const { type, ...request } = fromPage[0]!;
     expect(type).toBe("solve");
     expect(JSON.parse(encode(request satisfies Request))).toEqual(fromPage[0]);
+  });
+});
+
+describe("a force at the tip", () => {
+  it("is in the frame that the file says", () => {
+    const tip = [Math.SQRT1_2, 0, Math.SQRT1_2, 0] as const;
+    const world = (of: Partial<Scene>): number[] => [...rotate(tipFrame({ ...scene, ...of }, [...tip]), [0, 0, 1])];
+    expect(world({ loads_in_base: false, tip_follower: false })).toEqual([0, 0, 1]);
+    expect(tipFrame({ ...scene, loads_in_base: true, tip_follower: false }, [...tip])).toEqual(scene.base.orientation);
+    // A tip that is turned about y by a right angle points along x.
+    world({ loads_in_base: true, tip_follower: true }).forEach((c, i) => expect(c).toBeCloseTo([1, 0, 0][i]!, 12));
   });
 });
 

@@ -87,6 +87,7 @@ export interface Scene {
   initial: Request;
   ranges: Ranges;
   loads_in_base: boolean;
+  tip_follower: boolean;
   other_loads: string[];
   measured: Vector[];
   obstacles: Obstacle[];

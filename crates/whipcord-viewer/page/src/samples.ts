@@ -160,6 +160,7 @@ export const toPage: ToPage[] = [
       "gravity": 15.0
     },
     "loads_in_base": true,
+    "tip_follower": false,
     "other_loads": [
       "a load at a point"
     ],
@@ -493,6 +494,7 @@ export const toPage: ToPage[] = [
       "gravity": 15.0
     },
     "loads_in_base": true,
+    "tip_follower": false,
     "other_loads": [
       "a load at a point"
     ],
@@ -836,6 +838,7 @@ export const toPage: ToPage[] = [
       "gravity": 15.0
     },
     "loads_in_base": true,
+    "tip_follower": false,
     "other_loads": [
       "a load at a point"
     ],

@@ -93,6 +93,39 @@ test("the tip is dragged", async ({ page, viewer }) => {
   await expect.poll(async () => near(await tip(page, "cosserat"), before, SAME)).toBe(true);
 });
 
+test("a force that turns with the tip is dragged in its frame", async ({ page, viewer }) => {
+  // Pulled to one side until the tip has turned by more than a right angle: in any other frame the tip would go elsewhere.
+  viewer.edit((text) => `${text.replace("14 N", "24 N")}\nfollower = true\n`);
+  await expect(page.locator('[data-group="Force at the tip"]')).toContainText("in the frame of the tip");
+  const free = tipBySolve(viewer.file, (text) => text);
+  await expect.poll(async () => near(await tip(page, "cosserat"), free, SAME)).toBe(true);
+  const handle = async (): Promise<[number, number]> =>
+    JSON.parse((await page.locator("#canvas").getAttribute("data-handle")) ?? "[]") as [number, number];
+  // The picture comes after the numbers.
+  await expect.poll(async () => {
+    const at = await handle();
+    await page.waitForTimeout(200);
+    return String(at) === String(await handle());
+  }).toBe(true);
+  const [before, box] = [await handle(), (await page.locator("#canvas").boundingBox())!];
+  await page.mouse.move(box.x + before[0], box.y + before[1]);
+  await page.mouse.down();
+  await page.mouse.move(box.x + before[0] + 40, box.y + before[1], { steps: 8 });
+  await page.mouse.up();
+  await expect.poll(async () => (await handle())[0]).toBeGreaterThan(before[0] + 4);
+  const force = new URL(page.url()).hash.match(/force=([^&]*)/)?.[1]?.split(",") ?? [];
+  const given = `tip_force = [${force.map((f) => `"${f} N"`).join(", ")}]\n`;
+  const expected = tipBySolve(viewer.file, (text) => text + given);
+  await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
+});
+
+test("a variant of a model is chosen", async ({ page, viewer }) => {
+  void viewer;
+  await set(page, "gravity-z", "0");
+  await page.getByLabel("four-bar-strain-energy").check();
+  await expect(page.locator('.answer[data-model="four-bar-strain-energy"]')).toHaveAttribute("data-status", "solved");
+});
+
 test("colours stand for what they say", async ({ page, viewer }) => {
   void viewer;
   for (const [colouring, legend] of [["tension", "tension in N"], ["curvature", "curvature in 1/m"], ["strain", "stretch in %"]] as const) {

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use whipcord::ModelKind;
+
 use super::*;
 
 fn example(name: &str) -> Arc<CaseFile> {
@@ -25,8 +27,11 @@ fn frames_say_how_far_what_lies_between_them_is_off() {
 
 #[test]
 fn a_model_that_does_not_take_the_robot_is_refused() {
-    let error =
-        record(&example("two-segment-arm.toml"), &[ModelKind::ConstantCurvature]).unwrap_err();
+    let error = record(
+        &example("two-segment-arm.toml"),
+        &[ModelVariant::usual(ModelKind::ConstantCurvature)],
+    )
+    .unwrap_err();
     assert!(error.to_string().contains("constant-curvature"), "{error}");
 }
 

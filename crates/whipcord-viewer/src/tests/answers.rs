@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use whipcord::{CableCommand, Model, ModelKind, Shortening, Statics as _, Stations};
+use whipcord::{CableCommand, Model, ModelKind, ModelVariant, Shortening, Statics as _, Stations};
 use whipcord_io::load;
 
 use super::example;
@@ -32,8 +32,9 @@ fn an_answer_is_that_of_the_library() {
     let mut case = file.case.clone();
     case.commands[3] = CableCommand { tension: Some(12.5), shortening: None };
     case.loads.tip_force = request.tip_force.into();
-    let expected =
-        model(ModelKind::Cosserat, &Places::of(&file.robot)).solve(&file.robot, &case).unwrap();
+    let expected = model(ModelVariant::usual(ModelKind::Cosserat), &Places::of(&file.robot))
+        .solve(&file.robot, &case)
+        .unwrap();
     let positions: Vec<_> = expected.shape.positions().map(array).collect();
     assert_eq!(solved.positions, positions);
     for (found, cable) in solved.cables.iter().zip(&expected.cables) {
@@ -58,14 +59,16 @@ fn a_geometric_model_is_driven_by_the_lengths_that_tensions_give() {
     let places = Places::of(&file.robot);
     let mut case = file.case.clone();
     case.loads.gravity = None;
-    let rod = model(ModelKind::Cosserat, &places).solve(&file.robot, &case).unwrap();
+    let rod =
+        model(ModelVariant::usual(ModelKind::Cosserat), &places).solve(&file.robot, &case).unwrap();
     for (command, cable) in case.commands.iter_mut().zip(&rod.cables) {
         let shortening = cable.initial_length - cable.length;
         // Where the cables run is the same to both models; how long they take themselves to be is not.
         let share = shortening / cable.initial_length;
         command.shortening = Some(Shortening::Fraction(share));
     }
-    let expected = model(ModelKind::FourBar, &places).solve(&file.robot, &case).unwrap();
+    let expected =
+        model(ModelVariant::usual(ModelKind::FourBar), &places).solve(&file.robot, &case).unwrap();
     let apart = |(found, expected): (&[f64; 3], whipcord::Vec3)| {
         (whipcord::Vec3::from(*found) - expected).norm()
     };
@@ -112,6 +115,29 @@ fn the_compliance_of_the_tip_is_how_far_a_small_force_moves_it() {
     let (a, b) = (before.positions.last().unwrap(), after.positions.last().unwrap());
     let moved: f64 = (0..3).map(|k| (b[k] - a[k]) * directions[0][k]).sum();
     assert!((moved / force / values[0] - 1.0).abs() < 1e-3, "{} {}", moved / force, values[0]);
+}
+
+#[test]
+fn a_variant_is_a_choice_of_its_own() {
+    let file = Arc::new(load(example("table1/case-2.toml")).unwrap());
+    let scene = scene(&file);
+    let names = ["four-bar", "four-bar-sliding", "four-bar-strain-energy"];
+    let offered = |name| scene.models.iter().any(|one| one.name == name && one.refusal.is_none());
+    assert!(names.into_iter().all(offered), "{:?}", scene.models);
+
+    let models = names.map(str::to_owned).to_vec();
+    let request = Request { models, gravity: [0.0; 3], ..scene.initial };
+    let frame = Bench::new(file).solve(&request, Instant::now()).unwrap();
+    let tip = |answer: &Answer, name| match answer {
+        Answer::Solved(solved) if solved.model == name => {
+            whipcord::Vec3::from(*solved.positions.last().unwrap())
+        }
+        other => panic!("{name}: {other:?}"),
+    };
+    let tips: Vec<_> = frame.answers.iter().zip(names).map(|(one, name)| tip(one, name)).collect();
+    // Around a helix, what angles and energy find least are different shapes.
+    assert!((tips[2] - tips[1]).norm() > 1e-6, "{tips:?}");
+    assert!((tips[2] - tips[0]).norm() > 1e-6, "{tips:?}");
 }
 
 #[test]

@@ -68,6 +68,7 @@ fn scenes() -> Vec<Scene> {
         initial: request(),
         ranges: Ranges { tension: 10.0, shortening: 0.02, force: 1.0, moment: 0.1, gravity: 15.0 },
         loads_in_base: true,
+        tip_follower: false,
         other_loads: vec!["a load at a point".to_owned()],
         measured: vec![[0.0, 0.0, 0.2]],
         obstacles: obstacles.collect(),
