@@ -26,6 +26,8 @@ class Obstacle(Table):
         ``"superellipsoid"`` or ``"mesh"``. Each takes the parameters that it has.
     name
         What messages and reports call it; by default ``"obstacle-1"``, ``"obstacle-2"``, …
+    friction
+        Coefficient of Coulomb friction between it and the robot; 0 by default.
     position
         (3,) origin of its frame in the world in m.
     orientation
@@ -58,6 +60,7 @@ class Obstacle(Table):
 
     kind: str
     name: str | None = None
+    friction: float | None = None
     position: tuple[float, ...] | None = None
     orientation: tuple[float, ...] | None = None
     rotation: Mapping[str, Any] | None = None
@@ -80,6 +83,7 @@ class Obstacle(Table):
         *,
         kind: str,
         name: str | None = None,
+        friction: float | None = None,
         position: Vector | None = None,
         orientation: Sequence[float] | None = None,
         rotation: Mapping[str, Any] | None = None,
@@ -98,6 +102,7 @@ class Obstacle(Table):
         self._set(
             kind=kind,
             name=name,
+            friction=friction,
             position=position,
             orientation=orientation,
             rotation=rotation,

@@ -90,7 +90,7 @@ class CableState:
 
 @dataclass(frozen=True, eq=False)
 class Touch:
-    """A place where the robot touches an obstacle, without friction."""
+    """A place where the robot touches an obstacle."""
 
     obstacle: str
     """Name of the obstacle."""
@@ -107,6 +107,11 @@ class Touch:
     force: float | None
     """With how much the obstacle pushes the robot along the normal, in N; None from a model that knows no
     forces."""
+    friction: Array | None
+    """(3,) force along the surface with which friction holds the robot back, in N; zero where the obstacle
+    does not rub, None from a model that knows no forces."""
+    sticks: bool
+    """Whether friction keeps it from sliding."""
     gap: float
     """Distance between robot and obstacle in m; negative where they overlap by a remainder of the iteration."""
 
@@ -254,7 +259,12 @@ class Solution:
     def touches(self) -> tuple[Touch, ...]:
         """Where the robot touches the obstacles of its case."""
         return tuple(
-            Touch(**{**touch, "point": np.array(touch["point"]), "normal": np.array(touch["normal"])})
+            Touch(
+                **{
+                    key: np.array(value) if isinstance(value, tuple | list) else value
+                    for key, value in touch.items()
+                }
+            )
             for touch in self._answer.touches
         )
 

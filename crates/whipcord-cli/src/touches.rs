@@ -1,6 +1,6 @@
 //! Where a robot touches obstacles, for people.
 
-use whipcord::{Obstacle, Part, Solution};
+use whipcord::{Obstacle, Part, Solution, Touch};
 
 use crate::quantity::{fixed, fixed_millimetres, newtons, number};
 use crate::table::{Align, Table};
@@ -10,15 +10,21 @@ pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
     if solution.touches.is_empty() {
         return None;
     }
-    let mut table = Table::new([
+    let rubs = |touch: &Touch| obstacles.get(touch.obstacle).is_some_and(|it| it.friction > 0.0);
+    let any_rubs = solution.touches.iter().any(rubs);
+    let mut columns = vec![
         ("touches", Align::Left),
         ("with", Align::Left),
         ("arc length", Align::Right),
         ("at x, y, z (mm)", Align::Right),
         ("normal", Align::Right),
         ("force", Align::Right),
-        ("gap", Align::Right),
-    ]);
+    ];
+    if any_rubs {
+        columns.push(("friction", Align::Right));
+    }
+    columns.push(("gap", Align::Right));
+    let mut table = Table::new(columns);
     table.group();
     for touch in &solution.touches {
         let part = match touch.part {
@@ -26,15 +32,23 @@ pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
             Part::Disk(disk) => format!("disk {}", disk + 1),
         };
         let name = obstacles.get(touch.obstacle).map(|obstacle| obstacle.name.clone());
-        table.row(vec![
+        let mut row = vec![
             name.unwrap_or_else(|| format!("obstacle {}", touch.obstacle + 1)),
             part,
             format!("{} mm", fixed_millimetres(touch.arc_length, 2)),
             touch.point.to_array().map(|x| fixed_millimetres(x, 3)).join(", "),
             touch.normal.to_array().map(|x| fixed(x, 3)).join(", "),
             touch.force.map_or_else(|| "–".to_owned(), newtons),
-            format!("{} mm", number(touch.gap * 1e3, 2)),
-        ]);
+        ];
+        if any_rubs {
+            let does = if touch.sticks { "sticks" } else { "slides" };
+            row.push(match touch.friction.filter(|_| rubs(touch)) {
+                Some(friction) => format!("{}, {does}", newtons(friction.norm())),
+                None => "–".to_owned(),
+            });
+        }
+        row.push(format!("{} mm", number(touch.gap * 1e3, 2)));
+        table.row(row);
     }
     Some(table)
 }

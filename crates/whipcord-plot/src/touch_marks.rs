@@ -32,10 +32,8 @@ impl TouchMarks {
         let largest = largest(touches);
         let marks = touches.iter().map(|touch| {
             // An arrow pushes from within the obstacle. A place that is merely touched has none.
-            let force = touch.force.filter(|&force| force > 0.0);
-            let tail = force.map(|force| {
-                let length = LONGEST * extent * (force / largest).max(SHORTEST);
-                touch.point - length * touch.normal
+            let tail = push(touch).map(|(size, way)| {
+                touch.point - way * (LONGEST * extent * (size / largest).max(SHORTEST))
             });
             (touch.point, tail)
         });
@@ -55,7 +53,7 @@ impl TouchMarks {
         let point = Swatch::Marker(Marker::Circle, Fill::new(CONTACT), None);
         let label = if touches.len() == 1 { "contact" } else { "contacts" };
         let mut entries = vec![Entry { label: label.to_owned(), swatches: vec![point] }];
-        let forces: Vec<f64> = touches.iter().filter_map(|touch| touch.force).collect();
+        let forces: Vec<f64> = touches.iter().filter_map(push).map(|(size, _)| size).collect();
         let largest = largest(touches);
         if largest > 0.0 {
             let up_to = if forces.len() > 1 { "forces up to" } else { "force" };
@@ -83,6 +81,14 @@ impl TouchMarks {
     }
 }
 
+/// With how much in N, and along which unit vector, a touch pushes and rubs the robot.
+fn push(touch: &Touch) -> Option<(f64, Vec3)> {
+    let force = touch.force.filter(|&force| force > 0.0)?;
+    let total = touch.normal * force + touch.friction.unwrap_or_default();
+    let size = total.norm();
+    Some((size, total / size))
+}
+
 fn largest(touches: &[Touch]) -> f64 {
-    touches.iter().filter_map(|touch| touch.force).fold(0.0, f64::max)
+    touches.iter().filter_map(push).map(|(size, _)| size).fold(0.0, f64::max)
 }

@@ -34,7 +34,12 @@ fn forms() -> Vec<Form> {
 
 fn at(form: Form, position: Vec3) -> Obstacle {
     let rotation = UnitQuaternion::exp(Vec3::new(0.3, 0.2, 0.1));
-    Obstacle { name: form.name().to_owned(), form, pose: Pose { position, rotation } }
+    Obstacle {
+        name: form.name().to_owned(),
+        form,
+        pose: Pose { position, rotation },
+        friction: 0.0,
+    }
 }
 
 fn touch(obstacle: usize, force: Option<f64>) -> Touch {
@@ -45,6 +50,8 @@ fn touch(obstacle: usize, force: Option<f64>) -> Touch {
         point: Vec3::new(0.01, 0.0, 0.06),
         normal: -Vec3::X,
         force,
+        friction: None,
+        sticks: false,
         gap: 0.0,
     }
 }

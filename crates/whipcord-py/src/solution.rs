@@ -32,8 +32,9 @@ impl Solution {
 type ShapeState = (Vec<f64>, Vec<f64>, Vec<f64>);
 type CableRow = (String, Option<f64>, f64, f64, bool, Vec<f64>, Vec<String>);
 type DiagnosticsRow = (usize, f64, Option<f64>, Option<f64>, usize, Option<f64>, Option<String>);
-/// Obstacle, disk if it is one, arc length, force, gap, point and normal.
-type TouchRow = (usize, Option<usize>, f64, Option<f64>, f64, [f64; 3], [f64; 3]);
+/// Obstacle, disk if it is one, arc length, force, gap, point, normal, friction, and whether it sticks.
+type TouchRow =
+    (usize, Option<usize>, f64, Option<f64>, f64, [f64; 3], [f64; 3], Option<[f64; 3]>, bool);
 type State = (
     String,
     ShapeState,
@@ -129,6 +130,8 @@ impl Solution {
             values.set_item("point", touch.point.to_array())?;
             values.set_item("normal", touch.normal.to_array())?;
             values.set_item("force", touch.force)?;
+            values.set_item("friction", touch.friction.map(|friction| friction.to_array()))?;
+            values.set_item("sticks", touch.sticks)?;
             values.set_item("gap", touch.gap)?;
             list.append(values)?;
         }
@@ -257,14 +260,17 @@ impl Solution {
 }
 
 fn touch_row(touch: &Touch) -> TouchRow {
-    let &Touch { obstacle, part, arc_length, point, normal, force, gap } = touch;
-    (obstacle, part.disk(), arc_length, force, gap, point.to_array(), normal.to_array())
+    let &Touch { obstacle, part, arc_length, point, normal, force, friction, sticks, gap } = touch;
+    let [point, normal] = [point, normal].map(|vector| vector.to_array());
+    let friction = friction.map(|friction| friction.to_array());
+    (obstacle, part.disk(), arc_length, force, gap, point, normal, friction, sticks)
 }
 
-fn touch_of((obstacle, disk, arc_length, force, gap, point, normal): TouchRow) -> Touch {
+fn touch_of(row: TouchRow) -> Touch {
+    let (obstacle, disk, arc_length, force, gap, point, normal, friction, sticks) = row;
     let part = disk.map_or(Part::Backbone, Part::Disk);
-    let (point, normal) = (point.into(), normal.into());
-    Touch { obstacle, part, arc_length, point, normal, force, gap }
+    let (point, normal, friction) = (point.into(), normal.into(), friction.map(Into::into));
+    Touch { obstacle, part, arc_length, point, normal, force, friction, sticks, gap }
 }
 
 fn contacts(cable: &CableState) -> Vec<String> {

@@ -32,6 +32,7 @@ fn case(shortening: f64) -> Case {
         name: "ball".to_owned(),
         form: Form::Sphere { radius: 0.03 },
         pose: Pose { position, rotation: UnitQuaternion::IDENTITY },
+        friction: 0.0,
     };
     Case { obstacles: vec![ball], ..Case::with_shortenings(&[Shortening::Length(shortening)]) }
 }

@@ -221,9 +221,9 @@ pub enum Obstruction {
     /// The model has no answer under the pushes of the obstacles.
     #[error("{0}")]
     Model(Box<SolveError>),
-    /// The contacts cannot hold: beyond, nothing but friction would keep the robot from slipping off.
+    /// The contacts cannot hold: beyond, nothing keeps the robot from slipping off, or with friction from jamming.
     #[error(
-        "beyond, it slips off, for nothing but friction could hold it; pull the cables less, or let the obstacle embrace it"
+        "beyond, it slips off, for nothing there holds it; pull the cables less, let the obstacle embrace it, or give it the friction that it has"
     )]
     Slips,
     /// However little it goes on, it leaps.

@@ -173,7 +173,7 @@ pub struct Solution {
     pub diagnostics: Diagnostics,
 }
 
-/// A point at which the robot touches an obstacle, without friction.
+/// A point at which the robot touches an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// The obstacle, by its number in [`crate::Case::obstacles`].
@@ -189,6 +189,11 @@ pub struct Touch {
     /// With how much the obstacle pushes the robot along the normal, in N; `None` from a model that
     /// knows no forces.
     pub force: Option<f64>,
+    /// The force along the surface with which friction holds the robot back, in N and the same frame; zero
+    /// where the obstacle does not rub, and `None` from a model that knows no forces.
+    pub friction: Option<Vec3>,
+    /// Whether friction keeps it from sliding.
+    pub sticks: bool,
     /// Distance between robot and obstacle in m; negative where they overlap by a remainder of the
     /// iteration.
     pub gap: f64,

@@ -37,7 +37,7 @@ fn obstacle(burden: Burden) -> Result<Option<Obstacle>, RobotError> {
         }
     };
     let name = burden.name().to_owned();
-    Ok(Some(Obstacle { name, form, pose: Pose { position, rotation } }))
+    Ok(Some(Obstacle { name, form, pose: Pose { position, rotation }, friction: 0.0 }))
 }
 
 pub(super) fn cases() -> Result<Vec<SuiteCase>, RobotError> {

@@ -134,6 +134,10 @@ pub fn touches_csv(solution: &Solution, obstacles: &[Obstacle]) -> CsvTable {
         "ny",
         "nz",
         "force",
+        "fx",
+        "fy",
+        "fz",
+        "sticks",
         "gap",
     ]);
     for touch in &solution.touches {
@@ -147,7 +151,10 @@ pub fn touches_csv(solution: &Solution, obstacles: &[Obstacle]) -> CsvTable {
         ];
         row.extend(touch.point.to_array().map(Cell::from));
         row.extend(touch.normal.to_array().map(Cell::from));
-        row.extend([Cell::from(touch.force), Cell::from(touch.gap)]);
+        row.push(Cell::from(touch.force));
+        let friction = touch.friction.map(|friction| friction.to_array());
+        row.extend((0..3).map(|i| Cell::from(friction.map(|friction| friction[i]))));
+        row.extend([Cell::from(if touch.sticks { "yes" } else { "no" }), Cell::from(touch.gap)]);
         table.push(row);
     }
     table

@@ -91,6 +91,11 @@ fn touch(index: usize, touch: &Touch, obstacles: &[Obstacle]) -> Result<Value, N
         "point": vector(|| path("point"), touch.point)?,
         "normal": vector(|| path("normal"), touch.normal)?,
         "force": optional(|| path("force"), touch.force)?,
+        "friction": match touch.friction {
+            Some(friction) => vector(|| path("friction"), friction)?,
+            None => Value::Null,
+        },
+        "sticks": touch.sticks,
         "gap": number(|| path("gap"), touch.gap)?,
     }))
 }
@@ -203,6 +208,8 @@ mod tests {
                     point: Vec3::new(0.0, 0.11, 0.15),
                     normal: -Vec3::Y,
                     force: Some(0.25),
+                    friction: Some(Vec3::ZERO),
+                    sticks: false,
                     gap: -1e-9,
                 },
                 Touch {
@@ -212,6 +219,8 @@ mod tests {
                     point: Vec3::ZERO,
                     normal: Vec3::Z,
                     force: None,
+                    friction: None,
+                    sticks: false,
                     gap: 0.0,
                 },
             ],
@@ -225,7 +234,7 @@ mod tests {
 
     fn ball() -> Obstacle {
         let form = Form::Sphere { radius: 0.02 };
-        Obstacle { name: "ball".to_owned(), form, pose: Pose::IDENTITY }
+        Obstacle { name: "ball".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0 }
     }
 
     #[test]

@@ -34,7 +34,8 @@ pub(crate) fn obstacles(
         }
         let name = fields.text("name").map_or_else(|| format!("obstacle-{}", k + 1), str::to_owned);
         if let (Ok(form), Ok(pose)) = (form, placed) {
-            all.push(Obstacle { name, form, pose });
+            let friction = fields.number("friction").unwrap_or(0.0);
+            all.push(Obstacle { name, form, pose, friction });
         }
     }
     all

@@ -55,6 +55,12 @@ const TURN: Key = key(
     r#"{ axis = [0, 1, 0], angle = "90 deg" }"#,
     "The same rotation about an axis; instead of `orientation`.",
 );
+const RUBS: Key = key(
+    "friction",
+    ratio(limits::FRICTION),
+    "0.2",
+    "Coefficient of Coulomb friction between it and the robot; 0 by default. What touches then sticks or slides as it came to touch, step by step.",
+);
 const RADIUS: Key = key("radius", LENGTH, r#""20 mm""#, "Radius.");
 
 /// The table of a form, with what all forms have around what is its own.
@@ -63,7 +69,7 @@ macro_rules! form {
         Table {
             title: $title,
             doc: $doc,
-            keys: &[NAME, $($key,)* PLACE, ORIENTATION, TURN],
+            keys: &[NAME, $($key,)* RUBS, PLACE, ORIENTATION, TURN],
             rules: &[$($rule,)* Rule::AtMostOne(&[$($turns),*])],
         }
     };

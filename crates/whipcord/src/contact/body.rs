@@ -167,11 +167,21 @@ impl Body {
 }
 
 impl Nearest {
+    /// From the centre of the cross-section to the point that is nearest, in m.
+    pub fn lever(&self, rounding: f64) -> Vec3 {
+        self.arm - self.normal * rounding
+    }
+
     /// The unit force along the normal, and its moment about the centre of the cross-section, eq. (2).
     pub fn push(&self) -> [f64; 6] {
-        let (force, moment) = (self.normal, self.arm.cross(self.normal));
-        [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+        wrench_of(self.normal, self.arm)
     }
+}
+
+/// A force and its moment about the centre of the cross-section that it has this lever on.
+pub(super) fn wrench_of(force: Vec3, lever: Vec3) -> [f64; 6] {
+    let moment = lever.cross(force);
+    [force.x, force.y, force.z, moment.x, moment.y, moment.z]
 }
 
 fn angle(k: usize) -> f64 {

@@ -71,6 +71,9 @@ pub(crate) trait Yielding {
     /// Keeps the last equilibrium, to go back to.
     fn keep(&mut self);
 
+    /// Pose of a cross-section when it was last kept, as nearly as that is known.
+    fn pose_before(&self, arc_length: f64) -> Pose;
+
     /// Goes back to the equilibrium that was kept.
     fn go_back(&mut self);
 

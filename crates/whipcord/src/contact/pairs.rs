@@ -2,7 +2,8 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::body::{Body, Nearest};
+use super::body::{Body, Nearest, wrench_of};
+use super::friction::Grip;
 use super::model::{Push, Yielding};
 use super::scene::Scene;
 use crate::obstacle::Obstacle;
@@ -27,6 +28,8 @@ pub(super) struct Pair {
     pub force: f64,
     /// Force and moment on the cross-section that the model was last given.
     pub given: [f64; 6],
+    /// How it holds on to the obstacle; `None` without friction.
+    pub grip: Option<Grip>,
 }
 
 /// All pairs that are near, and where to look for more.
@@ -80,7 +83,11 @@ impl Pairs {
         for pair in &mut self.near {
             let pose = model.pose(pair.member.arc_length);
             let obstacle = scene.get(pair.obstacle);
-            pair.nearest = pair.member.body.track(obstacle, &pose, pair.nearest.local);
+            let body = &pair.member.body;
+            pair.nearest = body.track(obstacle, &pose, pair.nearest.local);
+            if let Some(grip) = &mut pair.grip {
+                grip.refresh(&pose, &pair.nearest, body.rounding);
+            }
         }
         let far = 2.0 * NEAR * self.length;
         self.near.retain(|pair| pair.force > 0.0 || pair.nearest.gap < far);
@@ -103,14 +110,15 @@ impl Pairs {
                             && dx.hypot(dy) < 0.2 * member.body.flat
                     };
                     if !self.near.iter().any(known) {
-                        self.near.push(Pair::new(k, *member, *nearest));
+                        let grip = grip(model, scene, k, member.arc_length);
+                        self.near.push(Pair { grip, ..Pair::new(k, *member, *nearest) });
                     }
                 }
             }
         }
         let mut elsewhere = false;
         for (k, obstacle) in scene.iter() {
-            elsewhere |= self.discover_along(model, k, obstacle, within);
+            elsewhere |= self.discover_along(model, scene, (k, obstacle), within);
         }
         elsewhere
     }
@@ -119,8 +127,8 @@ impl Pairs {
     fn discover_along(
         &mut self,
         model: &impl Yielding,
-        number: usize,
-        obstacle: &Obstacle,
+        scene: &Scene,
+        (number, obstacle): (usize, &Obstacle),
         within: f64,
     ) -> bool {
         let watched = model.watched();
@@ -161,13 +169,23 @@ impl Pairs {
             let member = Member { part: Part::Backbone, arc_length, body };
             let nearest =
                 Nearest { gap: f64::INFINITY, normal: Vec3::Z, arm: Vec3::ZERO, local: [0.0, 0.0] };
-            self.near.push(Pair::new(number, member, nearest));
+            let grip = grip(model, scene, number, arc_length);
+            self.near.push(Pair { grip, ..Pair::new(number, member, nearest) });
         }
         elsewhere
     }
 
+    /// A step on the way begins where the robot is: what touches has not slid yet.
+    pub fn begin_step(&mut self, model: &impl Yielding, scene: &Scene) {
+        for pair in &mut self.near {
+            if let Some(grip) = &mut pair.grip {
+                grip.from = scene.carried(model.pose_before(pair.member.arc_length));
+            }
+        }
+    }
+
     /// Takes over a contact of a known answer.
-    pub fn resume(&mut self, touch: &Touch, answer: &Solution, to_base: &Pose) {
+    pub fn resume(&mut self, touch: &Touch, answer: &Solution, to_base: &Pose, scene: &Scene) {
         let normal = to_base.rotation.rotate(touch.normal);
         let point = to_base.transform(touch.point);
         let (member, arm, local) = match touch.part {
@@ -188,8 +206,14 @@ impl Pairs {
         };
         let nearest = Nearest { gap: touch.gap, normal, arm, local };
         let force = touch.force.unwrap_or(0.0);
-        let given = nearest.push().map(|component| force * component);
-        self.near.push(Pair { force, given, ..Pair::new(touch.obstacle, member, nearest) });
+        let coefficient = scene.get(touch.obstacle).friction;
+        let grip = (coefficient > 0.0).then(|| {
+            let traction = to_base.rotation.rotate(touch.friction.unwrap_or_default());
+            Grip { traction, sticks: touch.sticks, ..Grip::new(coefficient, *to_base) }
+        });
+        let mut pair = Pair { force, grip, ..Pair::new(touch.obstacle, member, nearest) };
+        pair.given = pair.push();
+        self.near.push(pair);
     }
 
     /// The deepest overlap of the robot with an obstacle where it is now: obstacle, part, arc length and
@@ -242,6 +266,8 @@ impl Pairs {
                     point: base.transform(point),
                     normal: base.rotation.rotate(nearest.normal),
                     force: forces.then_some(pair.force),
+                    friction: forces.then(|| base.rotation.rotate(pair.traction())),
+                    sticks: pair.grip.is_some_and(|grip| grip.sticks),
                     gap: nearest.gap,
                 }
             })
@@ -258,8 +284,37 @@ const THICKNESS: f64 = 0.1;
 
 impl Pair {
     fn new(obstacle: usize, member: Member, nearest: Nearest) -> Self {
-        Self { obstacle, member, nearest, force: 0.0, given: [0.0; 6] }
+        Self { obstacle, member, nearest, force: 0.0, given: [0.0; 6], grip: None }
     }
+
+    /// The force along the surface on the robot, in N.
+    fn traction(&self) -> Vec3 {
+        self.grip.map_or(Vec3::ZERO, |grip| grip.traction)
+    }
+
+    /// Force and moment on the cross-section, where it is now.
+    pub fn push(&self) -> [f64; 6] {
+        let drag = wrench_of(self.traction(), self.nearest.lever(self.member.body.rounding));
+        let push = self.nearest.push();
+        core::array::from_fn(|a| self.force * push[a] + drag[a])
+    }
+
+    /// Takes over what a step found, or a part of it.
+    pub fn hold(&mut self, sticks: bool, traction: Vec3, part: f64) {
+        let touches = self.force > 0.0;
+        if let Some(grip) = &mut self.grip {
+            let next = grip.traction + (traction - grip.traction) * part;
+            grip.traction = if touches { next } else { Vec3::ZERO };
+            grip.sticks = sticks && touches;
+        }
+    }
+}
+
+/// The grip of a part that comes near, where the obstacle rubs.
+fn grip(model: &impl Yielding, scene: &Scene, obstacle: usize, arc_length: f64) -> Option<Grip> {
+    let coefficient = scene.get(obstacle).friction;
+    let from = || scene.carried(model.pose_before(arc_length));
+    (coefficient > 0.0).then(|| Grip::new(coefficient, from()))
 }
 
 /// Where the parabola through three points is least, not beyond the middles of their intervals.

@@ -9,6 +9,7 @@ use super::scene::{Scene, is_pipe};
 use super::step::{NoStep, Scratch, turned};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
+use crate::obstacle::Obstacle;
 use crate::robot::Robot;
 use crate::shape::{Part, Solution, Wrench};
 
@@ -64,6 +65,16 @@ pub(crate) fn solve(
     case: &Case,
     warm_start: Option<&Solution>,
 ) -> Result<Solution, SolveError> {
+    if warm_start.is_none() && !case.before.is_empty() && case.obstacles.iter().any(Obstacle::rubs)
+    {
+        // Friction remembers the steps before the last.
+        let mut last = None;
+        for step in case.steps() {
+            let step = Case { before: Vec::new(), ..step };
+            last = Some(solve(model, robot, &step, last.as_ref())?);
+        }
+        return last.ok_or(SolveError::NoDerivatives);
+    }
     let to_base = case.base.inverse();
     let journey = match warm_start {
         Some(answer) if answer.cables.len() == case.commands.len() => {
@@ -138,7 +149,7 @@ impl<M: Yielding> Walk<'_, M> {
         self.model.start_from(answer);
         let count = self.scene.count();
         for touch in answer.touches.iter().filter(|t| t.obstacle < count) {
-            self.pairs.resume(touch, answer, to_base);
+            self.pairs.resume(touch, answer, to_base, &self.scene);
         }
         self.pairs.pushes(&mut self.pushes);
         self.model.consider(case, &self.pushes)
@@ -192,10 +203,11 @@ impl<M: Yielding> Walk<'_, M> {
             before.clear();
             let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
             let kept_back = self.scene.drawn_back();
+            self.scene.begin_step();
             self.scene.draw_back(drawn_back(next));
+            self.pairs.begin_step(self.model, &self.scene);
             // Where they were, as the base sees it from where it will be.
-            let behind = Vec3::Z * (self.scene.drawn_back() - kept_back);
-            before.extend(watched.iter().map(|&s| self.model.pose(s).position + behind));
+            before.extend(watched.iter().map(|&s| self.scene.carried(self.model.pose(s)).position));
             let stop = match self.touch(&at(next), &watched, &before) {
                 Ok(None) => {
                     way = next;
@@ -335,10 +347,11 @@ impl<M: Yielding> Walk<'_, M> {
         let of = |pair: &Pair| {
             let gap = pair.nearest.gap / self.length;
             let open = if pair.force > 0.0 { gap.abs() } else { (-gap - OVERLAP).max(0.0) };
-            let turned = turned(pair, &pair.nearest.push());
+            let lack = pair.grip.map_or(0.0, |grip| grip.lack(pair.force, scale / self.length));
+            let turned = turned(pair);
             let [force, moment] =
                 [0, 3].map(|i| Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm());
-            open.max((force + moment / self.length) / (scale + pair.force))
+            open.max((force + moment / self.length + lack) / (scale + pair.force))
         };
         self.pairs.near.iter().map(of).fold(settled, f64::max)
     }

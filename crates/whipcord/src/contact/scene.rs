@@ -14,6 +14,8 @@ pub(super) struct Scene {
     obstacles: Vec<Obstacle>,
     only_pipes: bool,
     drawn_back: f64,
+    /// By how much when the step on the way began.
+    began_at: f64,
 }
 
 impl Scene {
@@ -22,7 +24,7 @@ impl Scene {
         let seen =
             |obstacle: &Obstacle| Obstacle { pose: to_base * obstacle.pose, ..obstacle.clone() };
         let there: Vec<Obstacle> = case.obstacles.iter().map(seen).collect();
-        Self { obstacles: there.clone(), there, only_pipes: false, drawn_back: 0.0 }
+        Self { obstacles: there.clone(), there, only_pipes: false, drawn_back: 0.0, began_at: 0.0 }
     }
 
     /// Draws the base back by so many metres.
@@ -36,6 +38,17 @@ impl Scene {
 
     pub fn drawn_back(&self) -> f64 {
         self.drawn_back
+    }
+
+    /// A step on the way begins.
+    pub fn begin_step(&mut self) {
+        self.began_at = self.drawn_back;
+    }
+
+    /// A pose of when the step began, carried along with the obstacles since.
+    pub fn carried(&self, pose: Pose) -> Pose {
+        let by = Vec3::Z * (self.drawn_back - self.began_at);
+        Pose { position: pose.position + by, ..pose }
     }
 
     /// Leaves out all obstacles that the robot is not inserted into, or takes them in again.

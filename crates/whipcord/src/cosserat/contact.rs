@@ -121,6 +121,7 @@ impl Yielding for Touched<'_> {
     }
 
     fn start_from(&mut self, answer: &Solution) {
+        self.found = Pushed::default();
         self.warm = Some(answer.clone());
     }
 
@@ -164,6 +165,10 @@ impl Yielding for Touched<'_> {
 
     fn keep(&mut self) {
         self.found.keep(&mut self.kept);
+    }
+
+    fn pose_before(&self, arc_length: f64) -> Pose {
+        self.kept.pose(arc_length)
     }
 
     fn go_back(&mut self) {

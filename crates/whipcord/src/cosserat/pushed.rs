@@ -353,6 +353,22 @@ impl Pushed {
     }
 }
 
+impl Kept {
+    /// The frame of a cross-section, between two nodes on the line that joins them.
+    pub fn pose(&self, arc_length: f64) -> Pose {
+        let Some(site) = &self.site else { return Pose::IDENTITY };
+        let arcs = site.arc_lengths();
+        let after = arcs.partition_point(|&s| s < arc_length).clamp(1, arcs.len() - 1);
+        let (a, b) = (self.poses[after - 1], self.poses[after]);
+        let part = (arc_length - arcs[after - 1]) / (arcs[after] - arcs[after - 1]);
+        let turn = (a.rotation.conjugate() * b.rotation).log();
+        Pose {
+            position: a.position + (b.position - a.position) * part,
+            rotation: a.rotation * UnitQuaternion::exp(turn * part),
+        }
+    }
+}
+
 impl Site {
     fn new(
         robot: &Robot,

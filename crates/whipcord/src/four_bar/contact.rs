@@ -198,6 +198,11 @@ impl Yielding for Touched<'_> {
         self.kept.clone_from(&self.found);
     }
 
+    fn pose_before(&self, arc_length: f64) -> Pose {
+        let (section, part) = self.model.locate(arc_length);
+        self.kept.pose_at(&self.model.sections, section, part)
+    }
+
     fn go_back(&mut self) {
         self.found.clone_from(&self.kept);
         self.look();

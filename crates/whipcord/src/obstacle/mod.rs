@@ -33,6 +33,8 @@ pub struct Obstacle {
     pub form: Form,
     /// Where that frame is in the world.
     pub pose: Pose,
+    /// Coefficient of Coulomb friction between it and the robot; 0 for none.
+    pub friction: f64,
 }
 
 /// The form of an obstacle, in the obstacle's frame.
@@ -116,8 +118,14 @@ impl Obstacle {
         Surface { distance, normal: self.pose.rotation.rotate(normal) }
     }
 
+    /// Whether it has friction.
+    pub(crate) fn rubs(&self) -> bool {
+        self.friction > 0.0
+    }
+
     pub(crate) fn check(&self) -> Result<(), RobotError> {
         check_pose(&self.pose)?;
+        limits::FRICTION.check("friction", self.friction)?;
         let tube = |radius, length| {
             limits::LENGTH.check("radius", radius)?;
             limits::LENGTH.check("length", length)

@@ -4,6 +4,7 @@
 
 mod cosserat;
 mod four_bar;
+mod friction;
 mod grasp;
 mod pipe;
 
@@ -33,6 +34,7 @@ fn sphere(position: Vec3, radius: f64) -> Obstacle {
         name: "ball".to_owned(),
         form: Form::Sphere { radius },
         pose: Pose { position, rotation: UnitQuaternion::IDENTITY },
+        friction: 0.0,
     }
 }
 
@@ -43,6 +45,7 @@ fn wall(x: f64) -> Obstacle {
         name: "wall".to_owned(),
         form: Form::HalfSpace,
         pose: Pose { position: Vec3::new(x, 0.0, 0.0), rotation: UnitQuaternion::exp(quarter) },
+        friction: 0.0,
     }
 }
 
@@ -60,7 +63,7 @@ fn pushes_of(solution: &Solution) -> (Loads, Wrench) {
     let mut loads = Loads::default();
     let mut total = Wrench::default();
     for touch in &solution.touches {
-        let force = touch.normal * touch.force.unwrap();
+        let force = touch.normal * touch.force.unwrap() + touch.friction.unwrap();
         let Shape { arc_length, poses } = &solution.disks;
         let disk = arc_length.iter().position(|&s| s == touch.arc_length).unwrap();
         let centre = poses[disk].position;

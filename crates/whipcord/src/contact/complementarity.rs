@@ -1,0 +1,283 @@
+//! Which contacts touch, which of them stick, and how hard each pushes: eq. (5), and (9) with friction.
+
+use clarabel::algebra::{CscMatrix, MatrixMathMut};
+use clarabel::solver::SolverStatus;
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT};
+use whipcord_numerics::DenseLu;
+
+/// `gap = q + Mf ≥ 0, λ ≥ 0, λ·gap = 0`, and Coulomb's law where there is friction. A contact without friction
+/// has one line in M, that of its normal; one with friction has two more, along its tangents: of slip and of
+/// traction.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Complementarity {
+    /// `M` by rows.
+    pub matrix: Vec<f64>,
+    /// Gaps and slips where the forces are what they were.
+    pub gaps: Vec<f64>,
+    /// The forces that were, then those that solve it.
+    pub forces: Vec<f64>,
+    pub contacts: Vec<Contact>,
+    rubbing: Rubbing,
+    lu: DenseLu,
+}
+
+/// One contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    /// Line of its normal.
+    pub first: usize,
+    /// Coefficient of friction; 0 without.
+    pub coefficient: f64,
+    /// Whether it is thought to touch, then whether it does.
+    pub touches: bool,
+    /// Whether it then sticks.
+    pub sticks: bool,
+}
+
+/// Those that touch when it is solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held {
+    /// Whether the determinant of their part of M is negative.
+    pub negative: bool,
+}
+
+/// No forces solve it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Unsolved;
+
+/// Memory of Newton's method with friction.
+#[derive(Clone, Debug, Default)]
+struct Rubbing {
+    values: Vec<f64>,
+    jacobian: Vec<f64>,
+    step: Vec<f64>,
+    lu: DenseLu,
+}
+
+/// What a contact yields of itself, as a part of what the robot does.
+const SHARING: f64 = 1e-11;
+/// Forces and gaps smaller than this beside the largest are rounding.
+const ROUNDING: f64 = 1e-9;
+/// Steps of Newton's method with friction.
+const STEPS: usize = 60;
+/// It ends where a step changes no force by more, relative to the largest.
+const SETTLED: f64 = 1e-13;
+
+impl Contact {
+    /// How many lines it has.
+    pub const fn lines(&self) -> usize {
+        if self.coefficient > 0.0 { 3 } else { 1 }
+    }
+}
+
+impl Complementarity {
+    /// Forgets everything but makes room for so many lines.
+    pub fn reset(&mut self, lines: usize) {
+        self.matrix.clear();
+        self.matrix.resize(lines * lines, 0.0);
+        for list in [&mut self.gaps, &mut self.forces] {
+            list.clear();
+            list.resize(lines, 0.0);
+        }
+        self.contacts.clear();
+    }
+
+    /// Mostly what touched touches again, and linear equations say how hard. Else those that pull are let go
+    /// and those that overlap taken in, one at a time, which keeps to the history of the contacts and asks
+    /// nothing of M: it has negative eigenvalues where the contacts hold what they alone would buckle. Where
+    /// that goes round in circles a quadratic programme decides which touch.
+    pub fn solve(&mut self) -> Result<Held, Unsolved> {
+        let lines = self.gaps.len();
+        for i in 0..lines {
+            let pushed: f64 = (0..lines).map(|j| self.matrix[i * lines + j] * self.forces[j]).sum();
+            self.gaps[i] -= pushed;
+        }
+        if self.contacts.iter().any(|contact| contact.coefficient > 0.0) {
+            return self.rub();
+        }
+        for _ in 0..2 * lines + 1 {
+            match self.with_touching() {
+                Ok(held) => return Ok(held),
+                Err(Some(worst)) => {
+                    let contact = &mut self.contacts[worst];
+                    contact.touches = !contact.touches;
+                }
+                Err(None) => break,
+            }
+        }
+        self.choose_touching()?;
+        self.with_touching().map_err(|_| Unsolved)
+    }
+
+    /// Without friction, the forces that close the gaps of those that touch, if none pulls and nothing else
+    /// overlaps; else the one that does so most, where there are forces at all.
+    fn with_touching(&mut self) -> Result<Held, Option<usize>> {
+        let count = self.gaps.len();
+        let touching: Vec<usize> = (0..count).filter(|&i| self.contacts[i].touches).collect();
+        let m = touching.len();
+        let part: Vec<f64> = touching
+            .iter()
+            .flat_map(|i| touching.iter().map(move |j| (i, j)))
+            .map(|(i, j)| {
+                // Contacts that depend on one another share what they carry.
+                let share = if i == j { 1.0 + SHARING } else { 1.0 };
+                self.matrix[i * count + j] * share
+            })
+            .collect();
+        let mut forces: Vec<f64> = touching.iter().map(|&i| -self.gaps[i]).collect();
+        let mut negative = false;
+        if m > 0 {
+            self.lu.factor(m, &part).map_err(|_| None)?;
+            self.lu.solve(&mut forces);
+            negative = self.lu.is_determinant_negative();
+        }
+        if forces.iter().any(|force| !force.is_finite()) {
+            return Err(None);
+        }
+        let most = forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+        let scale = self.gaps.iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
+        let gap = |i: usize| -> f64 {
+            let row = &self.matrix[i * count..(i + 1) * count];
+            self.gaps[i] + touching.iter().zip(&forces).map(|(&j, f)| row[j] * f).sum::<f64>()
+        };
+        let pulling = touching.iter().zip(&forces).map(|(&i, force)| (i, force / most));
+        let free = (0..count).filter(|&i| !self.contacts[i].touches);
+        let overlapping = free.map(|i| (i, gap(i) / scale));
+        let wrong = pulling.chain(overlapping).filter(|&(_, size)| size < -ROUNDING);
+        if let Some((worst, _)) = wrong.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            return Err(Some(worst));
+        }
+        self.forces.fill(0.0);
+        for (&i, &force) in touching.iter().zip(&forces) {
+            self.forces[i] = force.max(0.0);
+        }
+        Ok(Held { negative })
+    }
+
+    /// With friction: Newton's method on the projections of Alart and Curnier (1991), by contact
+    ///
+    /// ```text
+    /// λ = max(λ − ρ gap, 0),   t = the vector in the disk of radius μλ that is nearest to t − ρ s      (9)
+    /// ```
+    ///
+    /// from the forces that were.
+    fn rub(&mut self) -> Result<Held, Unsolved> {
+        let lines = self.gaps.len();
+        let Self { matrix, gaps, forces, contacts, rubbing, .. } = self;
+        let Rubbing { values, jacobian, step, lu } = rubbing;
+        for _ in 0..STEPS {
+            values.clear();
+            values.extend((0..lines).map(|i| {
+                let row = &matrix[i * lines..(i + 1) * lines];
+                gaps[i] + row.iter().zip(&*forces).map(|(m, f)| m * f).sum::<f64>()
+            }));
+            jacobian.clear();
+            jacobian.resize(lines * lines, 0.0);
+            step.clear();
+            step.resize(lines, 0.0);
+            for contact in contacts.iter_mut() {
+                let i = contact.first;
+                let by_gap = 1.0 / matrix[i * lines + i].abs();
+                contact.touches = forces[i] > by_gap * values[i];
+                contact.sticks = false;
+                let range = i..i + contact.lines();
+                if !contact.touches {
+                    for row in range {
+                        jacobian[row * lines + row] = 1.0;
+                        step[row] = -forces[row];
+                    }
+                    continue;
+                }
+                // Contacts that depend on one another share what they carry.
+                let close = |row: usize, jacobian: &mut [f64], step: &mut [f64]| {
+                    let of = row * lines..(row + 1) * lines;
+                    jacobian[of.clone()].copy_from_slice(&matrix[of]);
+                    jacobian[row * lines + row] *= 1.0 + SHARING;
+                    step[row] = -values[row];
+                };
+                close(i, jacobian, step);
+                if contact.coefficient == 0.0 {
+                    continue;
+                }
+                let [x, y] = [i + 1, i + 2];
+                let by_slip = 2.0 / (matrix[x * lines + x] + matrix[y * lines + y]).abs();
+                let [a, b] = [x, y].map(|k| forces[k] - by_slip * values[k]);
+                let (size, most) = (a.hypot(b), contact.coefficient * forces[i].max(0.0));
+                if size <= most {
+                    contact.sticks = true;
+                    close(x, jacobian, step);
+                    close(y, jacobian, step);
+                    continue;
+                }
+                let way = [a / size, b / size];
+                let part = most / size;
+                for (k, row) in [x, y].into_iter().enumerate() {
+                    step[row] = most * way[k] - forces[row];
+                    jacobian[row * lines + row] += 1.0;
+                    jacobian[row * lines + i] -= contact.coefficient * way[k];
+                    for (l, column) in [x, y].into_iter().enumerate() {
+                        let turns = if k == l { 1.0 } else { 0.0 } - way[k] * way[l];
+                        jacobian[row * lines + column] -= part * turns;
+                        for j in 0..lines {
+                            jacobian[row * lines + j] +=
+                                part * turns * by_slip * matrix[column * lines + j];
+                        }
+                    }
+                }
+            }
+            lu.factor(lines, jacobian).map_err(|_| Unsolved)?;
+            lu.solve(step);
+            if step.iter().any(|change| !change.is_finite()) {
+                return Err(Unsolved);
+            }
+            forces.iter_mut().zip(&*step).for_each(|(force, change)| *force += change);
+            let largest = |list: &[f64]| list.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if largest(step) <= SETTLED * largest(forces) {
+                for contact in contacts.iter() {
+                    forces[contact.first] = forces[contact.first].max(0.0);
+                }
+                return Ok(Held { negative: lu.is_determinant_negative() });
+            }
+        }
+        Err(Unsolved)
+    }
+
+    /// Which touch, by the quadratic programme `min ½λᵀMλ + qᵀλ, λ ≥ 0`, scaled to a diagonal of 1.
+    fn choose_touching(&mut self) -> Result<(), Unsolved> {
+        let count = self.gaps.len();
+        let entry =
+            |i: usize, j: usize| 0.5 * (self.matrix[i * count + j] + self.matrix[j * count + i]);
+        let sizes: Vec<f64> = (0..count).map(|i| entry(i, i)).collect();
+        if sizes.iter().any(|&size| size.is_nan() || size <= 0.0) {
+            return Err(Unsolved);
+        }
+        let units: Vec<f64> = sizes.iter().map(|size| size.sqrt().recip()).collect();
+        let mut linear: Vec<f64> = (0..count).map(|i| self.gaps[i] * units[i]).collect();
+        let largest = linear.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
+        if largest == 0.0 {
+            self.contacts.iter_mut().for_each(|contact| contact.touches = false);
+            return Ok(());
+        }
+        linear.iter_mut().for_each(|q| *q /= largest);
+        let upper = (0..count).flat_map(|j| (0..=j).map(move |i| (i, j)));
+        let (rows, columns): (Vec<usize>, Vec<usize>) = upper.clone().unzip();
+        let values = upper.map(|(i, j)| entry(i, j) * units[i] * units[j]).collect();
+        let quadratic = CscMatrix::new_from_triplets(count, count, rows, columns, values);
+        let mut signs = CscMatrix::identity(count);
+        signs.negate();
+        let settings =
+            DefaultSettingsBuilder::default().verbose(false).build().map_err(|_| Unsolved)?;
+        let bounds = vec![0.0; count];
+        let cones = [NonnegativeConeT(count)];
+        let mut solver = DefaultSolver::new(&quadratic, &linear, &signs, &bounds, &cones, settings)
+            .map_err(|_| Unsolved)?;
+        solver.solve();
+        if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+            return Err(Unsolved);
+        }
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
+            contact.touches = solver.solution.x[i] > solver.solution.z[i];
+        }
+        Ok(())
+    }
+}

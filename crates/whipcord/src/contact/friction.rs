@@ -1,0 +1,63 @@
+//! Coulomb friction of a contact, eqs. (8) and (9) of `docs/theory/contact.md`.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::body::Nearest;
+
+/// How a contact holds on to its obstacle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grip {
+    /// Coefficient of friction.
+    pub coefficient: f64,
+    /// Frame of the cross-section where the step on the way began, carried along with the obstacle.
+    pub from: Pose,
+    /// What touches has slid since then, in m.
+    pub slip: Vec3,
+    /// Force along the surface on the robot, in N.
+    pub traction: Vec3,
+    /// Whether that is less than friction could bear.
+    pub sticks: bool,
+}
+
+impl Grip {
+    pub fn new(coefficient: f64, from: Pose) -> Self {
+        Self { coefficient, from, slip: Vec3::ZERO, traction: Vec3::ZERO, sticks: false }
+    }
+
+    /// What touches at a pose of the cross-section has slid since the step began, eq. (8): the material point
+    /// that is at the contact now was elsewhere then.
+    pub fn slip_at(&self, pose: &Pose, nearest: &Nearest, rounding: f64) -> Vec3 {
+        let lever = nearest.lever(rounding);
+        let point = pose.position + lever;
+        let before = self.from.transform(pose.rotation.conjugate().rotate(lever));
+        along(point - before, nearest.normal)
+    }
+
+    /// Looks again where the robot is now.
+    pub fn refresh(&mut self, pose: &Pose, nearest: &Nearest, rounding: f64) {
+        self.slip = self.slip_at(pose, nearest, rounding);
+        self.traction = along(self.traction, nearest.normal);
+    }
+
+    /// How far slip and traction are from eq. (9), as a force in N; the slip counts by a stiffness in N/m.
+    pub fn lack(&self, force: f64, stiffness: f64) -> f64 {
+        let most = self.coefficient * force;
+        let trial = self.traction - self.slip * stiffness;
+        let size = trial.norm();
+        let lawful = if size > most { trial * (most / size) } else { trial };
+        (self.traction - lawful).norm()
+    }
+}
+
+/// The part of a vector along a surface.
+fn along(vector: Vec3, normal: Vec3) -> Vec3 {
+    vector - normal * normal.dot(vector)
+}
+
+/// Two unit vectors along a surface, at right angles.
+pub(super) fn tangents(normal: Vec3) -> [Vec3; 2] {
+    let other = if normal.x.abs() < 0.6 { Vec3::X } else { Vec3::Y };
+    let first = normal.cross(other);
+    let first = first / first.norm();
+    [first, normal.cross(first)]
+}
