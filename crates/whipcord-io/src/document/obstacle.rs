@@ -41,5 +41,8 @@ pub(super) fn obstacle(obstacle: &Obstacle) -> Result<Table, Inexpressible> {
             table.insert("scale", file.scale);
         }
     }
+    if obstacle.friction > 0.0 {
+        table.insert("friction", obstacle.friction);
+    }
     Ok(placed(table, &obstacle.pose))
 }
