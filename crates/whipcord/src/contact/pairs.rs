@@ -48,6 +48,9 @@ pub(super) struct Pairs {
 const NEAR: f64 = 2e-3;
 /// Overlap that is not mended, as a part of the length.
 pub(super) const OVERLAP: f64 = 1e-8;
+/// Least distance of a contact to one where the backbone seems to overlap between two watched places, as a part of their
+/// distance.
+const BETWEEN: f64 = 0.05;
 /// Least distance of two contacts of the backbone, as a part of its length.
 const APART: f64 = 1e-5;
 
@@ -89,8 +92,35 @@ impl Pairs {
                 grip.refresh(&pose, &pair.nearest, body.rounding);
             }
         }
+        self.merge();
         let far = 2.0 * NEAR * self.length;
         self.near.retain(|pair| pair.force > 0.0 || pair.nearest.gap < far);
+    }
+
+    /// Places of one disk that have run into one another become one, with what both pushed.
+    fn merge(&mut self) {
+        let mut k = 0;
+        while k < self.near.len() {
+            let of = self.near[k];
+            let same = |pair: &Pair| {
+                let [dx, dy] = [0, 1].map(|i| pair.nearest.local[i] - of.nearest.local[i]);
+                pair.obstacle == of.obstacle
+                    && pair.member.part == of.member.part
+                    && of.member.body.flat > 0.0
+                    && dx.hypot(dy) < 1e-3 * of.member.body.flat
+            };
+            let Some(first) = self.near[..k].iter().position(same) else {
+                k += 1;
+                continue;
+            };
+            self.near.remove(k);
+            let into = &mut self.near[first];
+            into.force += of.force;
+            into.given.iter_mut().zip(of.given).for_each(|(sum, given)| *sum += given);
+            if let (Some(grip), Some(other)) = (&mut into.grip, of.grip) {
+                grip.traction += other.traction;
+            }
+        }
     }
 
     /// Adds the pairs that have come near; whether some of them are where the model has not been
@@ -143,16 +173,17 @@ impl Pairs {
             if here > within || here > before || here >= after {
                 continue;
             }
-            let arc_length = if i < last && before.is_finite() {
+            let (arc_length, least) = if i < last && before.is_finite() {
                 vertex([watched[i - 1], watched[i], watched[i + 1]], gaps)
             } else {
-                watched[i]
+                (watched[i], here)
             };
-            // Beside a contact there is no other until the robot overlaps there.
-            let spacing = if here < -OVERLAP * self.length {
-                APART * self.length
-            } else {
-                watched[i] - watched[i - 1]
+            // Beside a contact there is no other until the robot overlaps there, or seems to between two places.
+            let overlap = -OVERLAP * self.length;
+            let spacing = match (here < overlap, least < overlap) {
+                (true, _) => APART * self.length,
+                (false, true) => BETWEEN * (watched[i] - watched[i - 1]),
+                (false, false) => watched[i] - watched[i - 1],
             };
             let known = |pair: &Pair| {
                 pair.obstacle == number
@@ -163,6 +194,7 @@ impl Pairs {
                 added.push((arc_length, self.radii[i]));
             }
         }
+        self.beside_contacts(model, (number, obstacle), &mut added);
         let elsewhere = !added.is_empty();
         for (arc_length, rounding) in added {
             let body = Body { flat: 0.0, rounding };
@@ -173,6 +205,51 @@ impl Pairs {
             self.near.push(Pair { grip, ..Pair::new(number, member, nearest) });
         }
         elsewhere
+    }
+
+    /// Where the backbone is nearer to an obstacle beside a contact that holds it than there: the gap has a slope
+    /// along it.
+    fn beside_contacts(
+        &self,
+        model: &impl Yielding,
+        (number, obstacle): (usize, &Obstacle),
+        added: &mut Vec<(f64, f64)>,
+    ) {
+        let slope = |s: f64| {
+            let pose = model.pose(s);
+            obstacle.surface(pose.position).normal.dot(pose.rotation.rotate(Vec3::Z))
+        };
+        for pair in &self.near {
+            let Pair { member, force, obstacle: at, .. } = pair;
+            if *at != number || member.part != Part::Backbone || *force <= 0.0 {
+                continue;
+            }
+            let s = member.arc_length;
+            let k = self.watched.partition_point(|&there| there < s).max(1);
+            let Some(&after) = self.watched.get(k) else { continue };
+            let before = self.watched[k - 1];
+            let here = slope(s);
+            let bend = (slope(after) - slope(before)) / (after - before);
+            let aside = -here / bend;
+            let overlap = 0.5 * here * here / bend;
+            let there = s + aside;
+            if overlap.is_nan()
+                || overlap <= OVERLAP * self.length
+                || !(before..=after).contains(&there)
+            {
+                continue;
+            }
+            let near =
+                |other: f64| (other - there).abs() < (0.5 * aside.abs()).max(APART * self.length);
+            let known = self.near.iter().any(|pair| {
+                pair.obstacle == number
+                    && pair.member.part == Part::Backbone
+                    && near(pair.member.arc_length)
+            });
+            if !known && !added.iter().any(|&(other, _)| near(other)) {
+                added.push((there, self.radius(there)));
+            }
+        }
     }
 
     /// A step on the way begins where the robot is: what touches has not slid yet.
@@ -317,12 +394,13 @@ fn grip(model: &impl Yielding, scene: &Scene, obstacle: usize, arc_length: f64) 
     (coefficient > 0.0).then(|| Grip::new(coefficient, from()))
 }
 
-/// Where the parabola through three points is least, not beyond the middles of their intervals.
-fn vertex([a, b, c]: [f64; 3], [fa, fb, fc]: [f64; 3]) -> f64 {
+/// Where the parabola through three points is least, not beyond the middles of their intervals, and its value there.
+fn vertex([a, b, c]: [f64; 3], [fa, fb, fc]: [f64; 3]) -> (f64, f64) {
     let (left, right) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
     let bend = (right - left) / (c - a);
     if bend <= 0.0 {
-        return b;
+        return (b, fb);
     }
-    (0.5 * (a + b) - 0.5 * left / bend).clamp(0.5 * (a + b), 0.5 * (b + c))
+    let at = (0.5 * (a + b) - 0.5 * left / bend).clamp(0.5 * (a + b), 0.5 * (b + c));
+    (at, fa + (at - a) * (left + (at - b) * bend))
 }
