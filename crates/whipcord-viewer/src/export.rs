@@ -19,7 +19,10 @@ pub const MOST_BYTES: usize = 5_000_000;
 /// Bytes that the frames of all models together take at most, before they are written as text, which takes a third more.
 const MOST_OF_FRAMES: usize = 2_600_000;
 /// Frames of a model at most.
-const MOST_FRAMES: usize = 2500;
+const MOST_FRAMES: usize = 4100;
+/// Numbers of a touch, and how many of them frames have room for where there are obstacles.
+const TOUCH_NUMBERS: usize = 9;
+const TOUCHES: usize = 8;
 /// Bytes of a strain and of a cable in a frame.
 const STRAIN_BYTES: usize = 12;
 const CABLE_BYTES: usize = 12;
@@ -30,7 +33,7 @@ const TRIALS: usize = 100;
 #[derive(Debug, Serialize)]
 struct Recording {
     scene: Scene,
-    /// The positions of each cable's slider.
+    /// The positions of each cable's slider. The last frame is that of the file, which is none of theirs.
     axes: Vec<Vec<f64>>,
     models: Vec<Recorded>,
 }
@@ -48,6 +51,10 @@ struct Recorded {
     initial_lengths: Vec<f64>,
     /// A byte for each frame: 0 where no solution was found.
     valid: String,
+    /// A byte for each frame: how many touches it has.
+    touch_counts: String,
+    /// Obstacle, arc length in m, point in m, normal and force in N (negative where there is none), as 32-bit floats, of each touch.
+    touches: String,
     /// Of all frames.
     solved: usize,
     greatest_residual: f64,
@@ -97,7 +104,8 @@ fn record(file: &Arc<CaseFile>, models: &[ModelVariant]) -> Result<Recording, Vi
         return Err(ViewError::Refused { message: "no model takes this robot".to_owned() });
     }
     let pieces = scene.stations.len() - 1;
-    let bytes = pieces * STRAIN_BYTES + scene.cables.len() * CABLE_BYTES + 1;
+    let touching = if scene.obstacles.is_empty() { 0 } else { 4 * TOUCH_NUMBERS * TOUCHES };
+    let bytes = pieces * STRAIN_BYTES + scene.cables.len() * CABLE_BYTES + 2 + touching;
     let most = (MOST_OF_FRAMES / variants.len() / bytes).min(MOST_FRAMES);
     let grid = Grid::new(&scene.initial.commands, &scene.ranges, most);
     let recorded = variants.iter().map(|&one| frames(file, &scene, &grid, one)).collect();
@@ -110,9 +118,11 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, variant: ModelVarian
     let mut bench = Bench::new(Arc::clone(file));
     let row = grid.axes.last().map_or(1, |axis| axis.values.len());
     let mut all: Vec<Option<Solution>> = vec![None; grid.frames()];
-    for k in 0..all.len() {
+    let last = all.len() - 1;
+    for k in 0..=last {
         let (line, at) = (k / row, k % row);
-        let frame = line * row + if line % 2 == 0 { at } else { row - 1 - at };
+        let turned = k < last && line % 2 == 1;
+        let frame = line * row + if turned { row - 1 - at } else { at };
         all[frame] = solve(&mut bench, scene, variant, grid.commands(frame));
     }
     let lengths: Vec<f64> = scene.stations.windows(2).map(|ends| ends[1] - ends[0]).collect();
@@ -151,6 +161,7 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, variant: ModelVarian
         }
     }
     let valid: Vec<u8> = all.iter().map(|frame| u8::from(frame.is_some())).collect();
+    let (touch_counts, touches) = touches(&all);
     let first = all.iter().flatten().next();
     Recorded {
         model: variant.name().to_owned(),
@@ -161,10 +172,31 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, variant: ModelVarian
             .map(|solution| solution.cables.iter().map(|cable| cable.initial_length).collect())
             .unwrap_or_default(),
         valid: base64(&valid),
+        touch_counts: base64(&touch_counts),
+        touches: base64(&touches),
         solved: all.iter().flatten().count(),
         greatest_residual: all.iter().flatten().map(|s| s.diagnostics.residual).fold(0.0, f64::max),
         trials: trials(&mut bench, scene, grid, variant, &rounded, &lengths),
     }
+}
+
+/// How many touches each frame has, and all of them: the first 255 of a frame, which no robot of disks comes near.
+fn touches(all: &[Option<Solution>]) -> (Vec<u8>, Vec<u8>) {
+    let (mut counts, mut packed) = (Vec::with_capacity(all.len()), Vec::new());
+    for frame in all {
+        let touches = frame.as_ref().map_or(&[][..], |frame| &frame.touches);
+        let kept = &touches[..touches.len().min(usize::from(u8::MAX))];
+        counts.push(kept.len() as u8);
+        for touch in kept {
+            let [x, y, z] = touch.point.to_array();
+            let [a, b, c] = touch.normal.to_array();
+            let (obstacle, force) = (touch.obstacle as f64, touch.force.unwrap_or(-1.0));
+            let numbers: [f64; TOUCH_NUMBERS] =
+                [obstacle, touch.arc_length, x, y, z, a, b, c, force];
+            numbers.iter().for_each(|&number| packed.extend((number as f32).to_le_bytes()));
+        }
+    }
+    (counts, packed)
 }
 
 fn solve(
@@ -193,24 +225,17 @@ fn trials(
     for n in 1..=TRIALS {
         let fractions: Vec<f64> = (0..grid.axes.len()).map(|axis| halton(n, axis)).collect();
         let commands = grid.between(&fractions);
-        let around = grid.around(&commands);
+        let Some(around) = grid.around(&commands, |frame| strains[frame].is_some()) else {
+            continue;
+        };
         let Some(solution) = solve(bench, scene, variant, commands) else { continue };
         let mut mixed = vec![Twist::default(); lengths.len()];
-        let mut whole = true;
         for (frame, weight) in around {
-            match &strains[frame] {
-                Some(strains) => {
-                    for (sum, &strain) in mixed.iter_mut().zip(strains) {
-                        *sum = *sum + strain * weight;
-                    }
-                }
-                None => whole = false,
+            for (sum, &strain) in mixed.iter_mut().zip(strains[frame].iter().flatten()) {
+                *sum = *sum + strain * weight;
             }
         }
         let Some(&base) = solution.shape.poses.first() else { continue };
-        if !whole {
-            continue;
-        }
         let found: Option<Vec3> = integrate(base, &mixed, lengths).last().map(|pose| pose.position);
         errors.extend(found.map(|tip| (tip - solution.shape.tip().position).norm()));
     }

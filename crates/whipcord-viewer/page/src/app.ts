@@ -23,6 +23,9 @@ interface Shown {
   solved: Solved;
 }
 
+/** How much nearer a press of + goes. */
+const ZOOM = 1.15;
+
 /** How long an answer may take before the page says that it is waited for, in ms. */
 const PATIENCE = 400;
 
@@ -175,8 +178,10 @@ export class App {
     } else if (control && key === "y") {
       event.preventDefault();
       this.#forth();
-    } else if (key === "home" && event.target === this.#stage.canvas && this.#scene) {
-      this.#stage.look(this.#scene);
+    } else if (event.target === this.#stage.canvas && !control) {
+      if (key === "home" && this.#scene) this.#stage.look(this.#scene);
+      if (key === "+" || key === "=") this.#stage.zoom(ZOOM);
+      if (key === "-") this.#stage.zoom(1 / ZOOM);
     }
   }
 

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 
 import { course, place, rotate, tensions, tipFrame } from "./geometry";
 import { extent, ticks } from "./plots";
-import { around, move } from "./recorded";
+import { around, move, touches } from "./recorded";
 import { decode, encode, type Pose, type Request, type Scene, type Solved } from "./protocol";
 import { fromPage, toPage } from "./samples";
 import { fromHash, History, initialState, toHash, toRequest } from "./state";
@@ -122,15 +122,30 @@ describe("geometry", () => {
 describe("an exported page", () => {
   it("mixes the frames around what the cables are told", () => {
     const axes = [[0, 1, 4], [2], [0, 10]];
+    const initial = [{ tension: 0.5 }, { tension: 2 }, { tension: 3 }];
     const linear = (frame: number): number => {
+      // The frame of the file, after the others.
+      if (frame === 6) return 4.5;
       const [i, k] = [Math.floor(frame / 2), frame % 2];
       return 3 * axes[0]![i]! + axes[2]![k]!;
     };
     for (const [a, c] of [[0, 0], [4, 10], [0.25, 3], [2.5, 10], [1, 5]] as const) {
-      const mixed = around(axes, [{ tension: a }, { tension: 2 }, { tension: c }]);
+      const mixed = around(axes, [{ tension: a }, { tension: 2 }, { tension: c }], initial, () => true)!;
       expect(mixed.reduce((sum, [, weight]) => sum + weight, 0)).toBeCloseTo(1, 14);
       expect(mixed.reduce((sum, [frame, weight]) => sum + weight * linear(frame), 0)).toBeCloseTo(3 * a + c, 12);
     }
+    // Whatever is interpolated, the file's own frame is what it is; and where a node has no solution there is none.
+    const own = around(axes, initial, initial, () => true)!;
+    expect(own.reduce((sum, [frame, weight]) => sum + (frame === 6 ? 1 : frame ** 3) * weight, 0)).toBeCloseTo(1, 12);
+    expect(around(axes, initial, initial, (frame) => frame !== 0)).toBeUndefined();
+  });
+
+  it("has the touches of each frame", () => {
+    const numbers = new Float32Array([1, 0.5, 1, 2, 3, 0, 0, 1, 4, 0, 0.25, 1, 2, 3, 0, 0, 1, -1]);
+    const found = touches(new Uint8Array([0, 2, 0]), numbers);
+    expect(found.map((frame) => frame.length)).toEqual([0, 2, 0]);
+    expect(found[1]![0]).toEqual({ obstacle: 1, arc_length: 0.5, point: [1, 2, 3], normal: [0, 0, 1], force: 4 });
+    expect(found[1]![1]!.force).toBeNull();
   });
 
   it("adds strains up to a circle", () => {

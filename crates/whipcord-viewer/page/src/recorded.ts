@@ -1,8 +1,8 @@
-// Answers from the frames that an exported page has inside. Between frames the strains are interpolated, linearly in each
-// slider, and the shape is what they add up to: geometry, as everything here.
+// Answers from the frames that an exported page has inside. Between frames the strains are interpolated, as `src/grid.rs`
+// has it, and the shape is what they add up to: geometry, as everything here.
 
 import { add, rotate, scale, cross } from "./geometry";
-import type { Answer, Command, Frame, Pose, Quaternion, Request, Scene, Solved, Vector } from "./protocol";
+import type { Answer, Command, Frame, Pose, Quaternion, Request, Scene, Solved, Touch, Vector } from "./protocol";
 import type { Listener, Source } from "./source";
 import { valueOf } from "./state";
 import { significant } from "./units";
@@ -21,6 +21,8 @@ interface RecordedModel {
   cables: string;
   initial_lengths: number[];
   valid: string;
+  touch_counts: string;
+  touches: string;
   solved: number;
   greatest_residual: number;
   trials: { count: number; median: number; greatest: number };
@@ -31,6 +33,7 @@ interface Frames {
   strains: Int16Array;
   cables: Float32Array;
   valid: Uint8Array;
+  touches: Touch[][];
 }
 
 function bytes(base64: string): ArrayBuffer {
@@ -43,25 +46,82 @@ export function recordingInPage(): Recording | undefined {
   return text ? (JSON.parse(text) as Recording) : undefined;
 }
 
-/** The frames around what the cables are told, and the share of each. */
-export function around(axes: readonly number[][], commands: readonly Command[]): [number, number][] {
-  let all: [number, number][] = [[0, 1]];
+export type Weights = [number, number][];
+
+/** Positions that the interpolation in a slider takes. */
+const STENCIL = 4;
+
+/** Lagrange's polynomial through the positions around a value: the share of each, none of them 0. */
+function lagrange(values: readonly number[], value: number, stencil: number): Weights {
+  const last = values.length - 1;
+  const at = Math.min(Math.max(value, values[0]!), values[last]!);
+  const nodes = Math.min(stencil, values.length);
+  let cell = 0;
+  while (cell + 1 < last && values[cell + 1]! <= at) cell++;
+  const start = Math.min(Math.max(cell + 1 - Math.floor(nodes / 2), 0), values.length - nodes);
+  return Array.from({ length: nodes }, (_, k): [number, number] => {
+    let share = 1;
+    for (let j = start; j < start + nodes; j++) {
+      if (j !== start + k) share *= (at - values[j]!) / (values[start + k]! - values[j]!);
+    }
+    return [start + k, share];
+  }).filter(([, share]) => share !== 0);
+}
+
+function tensor(axes: readonly number[][], commands: readonly Command[], stencil: number): Weights {
+  let all: Weights = [[0, 1]];
   axes.forEach((values, k) => {
-    const { value } = valueOf(commands[k]!);
-    const last = values.length - 1;
-    let low = 0;
-    while (low + 1 < last && values[low + 1]! <= value) low++;
-    const high = Math.min(low + 1, last);
-    const width = values[high]! - values[low]!;
-    const share = width > 0 ? Math.min(Math.max((value - values[low]!) / width, 0), 1) : 0;
-    all = all
-      .flatMap(([frame, weight]): [number, number][] => [
-        [frame * values.length + low, weight * (1 - share)],
-        [frame * values.length + high, weight * share],
-      ])
-      .filter(([, weight]) => weight > 0);
+    const each = lagrange(values, valueOf(commands[k]!).value, stencil);
+    all = all.flatMap(([frame, weight]) => each.map(([at, share]): [number, number] => [frame * values.length + at, weight * share]));
   });
   return all;
+}
+
+/** From 1 where the slider is as in the file to 0 at the distance of two positions. */
+function nearness(values: readonly number[], at: number, own: number): number {
+  if (values.length < 2) return 1;
+  return Math.max(1 - Math.abs(at - own) / (values[1]! - values[0]!), 0);
+}
+
+/** The frames that an answer is interpolated from, and the share of each; none where the nearest are not all solved. */
+export function around(
+  axes: readonly number[][],
+  commands: readonly Command[],
+  initial: readonly Command[],
+  isSolved: (frame: number) => boolean,
+): Weights | undefined {
+  const own = axes.reduce((product, values) => product * values.length, 1);
+  const value = (of: readonly Command[], k: number): number => valueOf(of[k]!).value;
+  const near = axes.reduce((product, values, k) => product * nearness(values, value(commands, k), value(initial, k)), 1);
+  for (const stencil of [STENCIL, 2]) {
+    const all = tensor(axes, commands, stencil);
+    if (near > 0) {
+      all.push([own, near]);
+      for (const [frame, weight] of tensor(axes, initial, stencil)) all.push([frame, -near * weight]);
+    }
+    if (all.every(([frame]) => isSolved(frame))) return all;
+  }
+  return undefined;
+}
+
+/** Numbers of a touch. */
+const TOUCH = 9;
+
+/** The touches of each frame. */
+export function touches(counts: Uint8Array, numbers: Float32Array): Touch[][] {
+  let next = 0;
+  return Array.from(counts, (count) =>
+    Array.from({ length: count }, () => {
+      const [obstacle, s, x, y, z, a, b, c, force] = numbers.subarray(TOUCH * next, TOUCH * ++next);
+      return {
+        obstacle: obstacle!,
+        arc_length: s!,
+        point: [x!, y!, z!],
+        normal: [a!, b!, c!],
+        force: force! < 0 ? null : force!,
+      };
+    }),
+  );
 }
 
 /** The pose reached by moving with a constant body twist, linear and angular: the exponential of SE(3). */
@@ -100,6 +160,7 @@ export class Recorded implements Source {
       strains: new Int16Array(bytes(recorded.strains)),
       cables: new Float32Array(bytes(recorded.cables)),
       valid: new Uint8Array(bytes(recorded.valid)),
+      touches: touches(new Uint8Array(bytes(recorded.touch_counts)), new Float32Array(bytes(recorded.touches))),
     }));
     // As a server does: after the page has been set up.
     queueMicrotask(() => {
@@ -118,19 +179,21 @@ export class Recorded implements Source {
   #answer(model: string, request: Request): Answer {
     const frames = this.#frames.find(({ recorded }) => recorded.model === model);
     if (!frames) return { status: "failed", model, message: "it is not in this page" };
-    const weights = around(this.#recording.axes, request.commands);
-    if (weights.some(([frame]) => frames.valid[frame] === 0)) {
+    const { axes, scene } = this.#recording;
+    const weights = around(axes, request.commands, scene.initial.commands, (frame) => frames.valid[frame] === 1);
+    if (!weights) {
       return { status: "failed", model, message: "no solution was found for a frame next to these positions of the sliders" };
     }
     return { status: "solved", ...this.#mix(frames, weights) };
   }
 
-  #mix({ recorded, strains, cables }: Frames, weights: readonly [number, number][]): Solved {
+  #mix({ recorded, strains, cables, touches }: Frames, weights: Weights): Solved {
     const { scene } = this.#recording;
     const pieces = scene.stations.length - 1;
     const count = scene.cables.length;
     const mean = (from: Int16Array | Float32Array, stride: number, at: number): number =>
       weights.reduce((sum, [frame, weight]) => sum + weight * from[frame * stride + at]!, 0);
+    const [nearest] = weights.reduce((a, b) => (b[1] > a[1] ? b : a));
     const poses: Pose[] = [scene.base];
     const shown: Vector[] = [];
     for (let piece = 0; piece < pieces; piece++) {
@@ -148,14 +211,16 @@ export class Recorded implements Source {
       cables: scene.cables.map((_, k) => {
         const tension = mean(cables, 3 * count, 3 * k);
         return {
-          tension: tension < 0 ? null : tension,
+          // Negative in a frame stands for none; a little of it is rounding.
+          tension: tension < -0.5 ? null : Math.max(tension, 0),
           length: mean(cables, 3 * count, 3 * k + 1),
           initial_length: recorded.initial_lengths[k]!,
           slack: mean(cables, 3 * count, 3 * k + 2) > 0.5,
           span_tensions: [],
         };
       }),
-      touches: [],
+      // Those of the nearest frame: contact comes and goes, and has no mean.
+      touches: touches[nearest]!,
       residual: recorded.greatest_residual,
       iterations: 0,
       stability: null,
@@ -181,8 +246,9 @@ export function describe({ scene, axes, models }: Recording): string {
     );
   });
   const moving = fixed === 0 ? "" : ` The sliders of the last ${fixed} cables do not move.`;
+  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame.";
   return (
     `A page without a server, by whipcord ${scene.version}: ${positions} positions of each slider. ${words.join(". ")}.` +
-    `${moving} Loads are those of the file; contact forces and compliance are not in it.`
+    `${moving} Loads are those of the file.${contact} Compliance is not in it.`
   );
 }

@@ -55,6 +55,7 @@ export class Stage {
     this.#orbit.addEventListener("change", () => this.draw());
     this.#orbit.listenToKeyEvents(canvas);
     this.#orbit.keyPanSpeed = 20;
+    this.#orbit.keyRotateSpeed = 15;
     const sun = new DirectionalLight("#ffffff", 2.2);
     sun.position.set(1, -2, 3);
     this.#camera.add(new DirectionalLight("#ffffff", 0.8));
@@ -108,6 +109,14 @@ export class Stage {
     this.#camera.near = 0.01 * scene.length;
     this.#camera.far = 50 * scene.length;
     this.#camera.updateProjectionMatrix();
+    this.#orbit.update();
+    this.draw();
+  }
+
+  /** Goes nearer to what is looked at, or farther from it. */
+  zoom(factor: number): void {
+    const { target } = this.#orbit;
+    this.#camera.position.sub(target).multiplyScalar(1 / factor).add(target);
     this.#orbit.update();
     this.draw();
   }

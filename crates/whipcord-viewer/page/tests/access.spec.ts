@@ -1,0 +1,73 @@
+import AxeBuilder from "@axe-core/playwright";
+
+import { ARTEFACTS, expect, test } from "./viewer";
+
+for (const [name, width, colorScheme] of [["wide", 1400, "light"], ["wide-dark", 1400, "dark"], ["narrow", 400, "light"]] as const) {
+  test(`has no faults that a machine finds: ${name}`, async ({ page, viewer }) => {
+    void viewer;
+    await page.setViewportSize({ width, height: 860 });
+    await page.emulateMedia({ colorScheme });
+    await page.getByLabel("Colour by").selectOption("tension");
+    await page.getByText("Save", { exact: true }).click();
+    const { violations } = await new AxeBuilder({ page }).analyze();
+    expect(violations.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html}`))).toEqual([]);
+    await page.screenshot({ path: `${ARTEFACTS}/access-${name}.png` });
+    // Nothing sticks out, and no row lies on another.
+    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
+    const overlaps = await page.evaluate(() => {
+      const all = [...document.querySelectorAll("header > *, #actions > *, .quantity > *, .choice > *, #readout td, #readout th, #readout dt, #readout dd")];
+      const boxes = all.map((item) => ({ item, box: item.getBoundingClientRect() })).filter(({ box }) => box.width > 0);
+      return boxes.flatMap(({ item, box: a }, i) =>
+        boxes
+          .slice(i + 1)
+          .filter(({ item: other, box: b }) =>
+            !item.contains(other) &&
+            Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
+            Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1,
+          )
+          .map(({ item: other }) => `${item.outerHTML} on ${other.outerHTML}`),
+      );
+    });
+    expect(overlaps).toEqual([]);
+  });
+}
+
+test("every control is reached by Tab, and is seen to be", async ({ page, viewer }) => {
+  void viewer;
+  const controls = page.locator("button:enabled, input:enabled, select, summary, canvas");
+  const count = (await controls.all()).length;
+  const hidden = await page.locator("#save button").count();
+  const seen = new Set<string>();
+  await page.locator("body").press("Tab");
+  for (let i = 0; i < count + 5; i++) {
+    const focused = await page.evaluate(() => {
+      const item = document.activeElement as HTMLElement;
+      if (item === document.body) return undefined;
+      const all = [...document.querySelectorAll("*")];
+      return { key: String(all.indexOf(item)), outline: getComputedStyle(item).outlineStyle, html: item.outerHTML };
+    });
+    if (focused) {
+      seen.add(focused.key);
+      expect(focused.outline, focused.html).not.toBe("none");
+    }
+    await page.keyboard.press("Tab");
+  }
+  // Those of a menu that is shut are not reached, and the panels scroll.
+  expect(seen.size).toBeGreaterThanOrEqual(count - hidden);
+});
+
+test("the view is turned, moved and zoomed by the keyboard", async ({ page, viewer }) => {
+  void viewer;
+  const canvas = page.locator("#canvas");
+  const handle = async (): Promise<string | null> => canvas.getAttribute("data-handle");
+  await canvas.focus();
+  await expect(canvas).toHaveAttribute("data-handle", /\d/);
+  const start = await handle();
+  for (const key of ["Shift+ArrowLeft", "ArrowUp", "+", "-", "Shift+ArrowDown"]) {
+    const before = await handle();
+    await page.keyboard.press(key);
+    await expect.poll(handle, { message: key }).not.toBe(before);
+  }
+  await page.keyboard.press("Home");
+  await expect.poll(handle).toBe(start);
+});
