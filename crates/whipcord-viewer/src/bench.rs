@@ -217,6 +217,8 @@ fn solved(variant: ModelVariant, found: &Found, compliance: Option<Compliance>) 
         point: array(touch.point),
         normal: array(touch.normal),
         force: touch.force,
+        friction: touch.friction.map(array),
+        sticks: touch.sticks,
     });
     let solved = Solved {
         model: variant.name().to_owned(),
@@ -260,6 +262,7 @@ impl Solved {
                 finite(&touch.point)
                     && finite(&touch.normal)
                     && touch.force.is_none_or(f64::is_finite)
+                    && touch.friction.is_none_or(|friction| finite(&friction))
             })
             && finite(&[self.residual, self.solve_time])
             && self.stability.is_none_or(f64::is_finite)

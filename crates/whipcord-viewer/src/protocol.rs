@@ -344,6 +344,10 @@ pub struct Touch {
     pub normal: [f64; 3],
     /// With how much the obstacle pushes, in N.
     pub force: Option<f64>,
+    /// With what it rubs, in N, across the normal.
+    pub friction: Option<[f64; 3]>,
+    /// Whether it sticks there.
+    pub sticks: bool,
 }
 
 /// An ellipsoid of compliance: what a force of 1 N in any direction moves.

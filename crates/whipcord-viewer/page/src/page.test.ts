@@ -144,7 +144,7 @@ describe("an exported page", () => {
     const numbers = new Float32Array([1, 0.5, 1, 2, 3, 0, 0, 1, 4, 0, 0.25, 1, 2, 3, 0, 0, 1, -1]);
     const found = touches(new Uint8Array([0, 2, 0]), numbers);
     expect(found.map((frame) => frame.length)).toEqual([0, 2, 0]);
-    expect(found[1]![0]).toEqual({ obstacle: 1, arc_length: 0.5, point: [1, 2, 3], normal: [0, 0, 1], force: 4 });
+    expect(found[1]![0]).toEqual({ obstacle: 1, arc_length: 0.5, point: [1, 2, 3], normal: [0, 0, 1], force: 4, friction: null, sticks: false });
     expect(found[1]![1]!.force).toBeNull();
   });
 

@@ -107,6 +107,8 @@ export interface Touch {
   point: Vector;
   normal: Vector;
   force: number | null;
+  friction: Vector | null;
+  sticks: boolean;
 }
 
 export type Compliance =

@@ -55,7 +55,8 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
 
 function touches({ touches: all }: Solved): string {
   const total = all.reduce((sum, touch) => sum + (touch.force ?? 0), 0);
-  const points = `${all.length} ${all.length === 1 ? "point" : "points"}`;
+  const stuck = all.filter((touch) => touch.sticks).length;
+  const points = `${all.length} ${all.length === 1 ? "point" : "points"}${stuck > 0 ? ` (${stuck} stuck by friction)` : ""}`;
   return all.some((touch) => touch.force !== null) ? `${points}, ${significant(total, 3)} N in all` : points;
 }
 

@@ -119,6 +119,8 @@ export function touches(counts: Uint8Array, numbers: Float32Array): Touch[][] {
         point: [x!, y!, z!],
         normal: [a!, b!, c!],
         force: force! < 0 ? null : force!,
+        friction: null,
+        sticks: false,
       };
     }),
   );
@@ -246,7 +248,7 @@ export function describe({ scene, axes, models }: Recording): string {
     );
   });
   const moving = fixed === 0 ? "" : ` The sliders of the last ${fixed} cables do not move.`;
-  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame.";
+  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame, without friction.";
   return (
     `A page without a server, by whipcord ${scene.version}: ${positions} positions of each slider. ${words.join(". ")}.` +
     `${moving} Loads are those of the file.${contact} Compliance is not in it.`

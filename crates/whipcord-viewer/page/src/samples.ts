@@ -1131,7 +1131,13 @@ export const toPage: ToPage[] = [
               0.0,
               0.0
             ],
-            "force": 0.3
+            "force": 0.3,
+            "friction": [
+              0.0,
+              0.05,
+              0.0
+            ],
+            "sticks": true
           }
         ],
         "residual": 1e-12,

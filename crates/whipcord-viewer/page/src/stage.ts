@@ -131,14 +131,19 @@ export class Stage {
   touches(touches: readonly Touch[]): void {
     discard(this.#marks);
     this.#marks.clear();
-    const most = Math.max(...touches.map((touch) => touch.force ?? 0), Number.MIN_VALUE);
-    for (const { point, normal, force } of touches) {
-      const size = this.#length * (0.05 + 0.12 * ((force ?? 0) / most));
+    const pushes = touches.map(({ normal, force, friction }) =>
+      new Vector3(...normal).multiplyScalar(force ?? 0).add(new Vector3(...(friction ?? [0, 0, 0]))),
+    );
+    const most = Math.max(...pushes.map((push) => push.length()), Number.MIN_VALUE);
+    touches.forEach(({ point, normal }, i) => {
+      const push = pushes[i]!;
+      const size = this.#length * (0.05 + 0.12 * (push.length() / most));
+      const along = push.length() > 0 ? push.clone().normalize() : new Vector3(...normal);
       const at = new Vector3(...point);
       const head = Math.min(0.35 * size, 0.035 * this.#length);
-      const arrow = new ArrowHelper(new Vector3(...normal), at, size, "#d55e00", head, 0.6 * head);
+      const arrow = new ArrowHelper(along, at, size, "#d55e00", head, 0.6 * head);
       this.#marks.add(arrow);
-    }
+    });
   }
 
   /** Adds a mark that goes with the next frame. */

@@ -100,6 +100,8 @@ fn frame() -> Frame {
             point: [0.0, 0.0, 0.1],
             normal: [1.0, 0.0, 0.0],
             force: Some(0.3),
+            friction: Some([0.0, 0.05, 0.0]),
+            sticks: true,
         }],
         residual: 1e-12,
         iterations: 3,
