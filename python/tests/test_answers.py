@@ -480,3 +480,16 @@ def test_places_are_counted_as_in_arrays(case: whipcord.Case) -> None:
 def test_parameters_are_set_exactly(case: whipcord.Case) -> None:
     path = "backbone.young_modulus"
     assert case.with_parameters({path: 1.1}).parameter(path) == 1.1
+
+
+def test_an_obstacle_that_rubs_holds_on() -> None:
+    case = whipcord.load("examples/contact/rubbing-wall.toml")
+    (wall,) = case.obstacles
+    assert wall.friction == 0.3
+    (touch,) = case.solve().touches
+    assert touch.force is not None and touch.friction is not None and not touch.sticks
+    # Let go again, it slides up the wall: friction pulls it down.
+    assert np.allclose(touch.friction, [0.0, 0.0, -0.3 * touch.force], rtol=1e-6, atol=1e-9)
+    smooth = case.replace(obstacles=[wall.replace(friction=0.0)])
+    (slipping,) = smooth.solve().touches
+    assert slipping.friction is not None and np.all(slipping.friction == 0.0)
