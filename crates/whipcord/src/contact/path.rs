@@ -30,7 +30,7 @@ const NUDGE: f64 = 2e-2;
 /// How far the base is drawn back to insert the robot, as a part of its length.
 const INSERTED: f64 = 1.02;
 /// The longest step on the way of a robot that touches: eq. (6) misses two directions that turn unstable in one.
-const LONGEST_STEP: f64 = 0.1;
+const LONGEST_STEP: f64 = 0.2;
 /// The least step on the way.
 const LEAST_STEP: f64 = 1e-4;
 
