@@ -51,18 +51,18 @@ const PALE: f64 = 0.45;
 /// [`PlotError`] when there is nothing to draw, a time is not positive or an error not finite.
 pub fn pareto_chart(title: &str, series: &[ParetoSeries]) -> Result<String, PlotError> {
     not_empty(|| "the list of models".to_owned(), series)?;
-    let mut largest = 0.0_f64;
+    let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
     for one in series {
         not_empty(|| format!("the cases of `{}`", one.label), &one.cases)?;
         for [time, error] in &one.cases {
             finite(|| format!("a time of `{}`", one.label), *time)?;
             positive(|| format!("a time of `{}`", one.label), *time)?;
             finite(|| format!("an error of `{}`", one.label), *error)?;
-            largest = largest.max(*time);
+            (least, largest) = (least.min(*time), largest.max(*time));
         }
     }
     // On a logarithmic axis the middle of the range is what should read well.
-    let (name, factor) = unit::time(0.05 * largest);
+    let (name, factor) = unit::time((least * largest).sqrt());
     let drawn = |[time, error]: &[f64; 2]| [factor * time, error.abs().max(ROUNDING)];
     let cases: Vec<Vec<[f64; 2]>> =
         series.iter().map(|one| one.cases.iter().map(drawn).collect()).collect();

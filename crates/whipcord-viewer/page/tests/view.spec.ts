@@ -80,6 +80,8 @@ test("the address keeps the state, and undo, redo and reset go through it", asyn
 test("the tip is dragged", async ({ page, viewer }) => {
   void viewer;
   const before = await tip(page, "cosserat");
+  // The picture comes after the numbers.
+  await expect(page.locator("#canvas")).toHaveAttribute("data-handle", /\d/);
   const handle = JSON.parse((await page.locator("#canvas").getAttribute("data-handle")) ?? "[]") as [number, number];
   const box = (await page.locator("#canvas").boundingBox())!;
   await page.mouse.move(box.x + handle[0], box.y + handle[1]);

@@ -8,7 +8,7 @@ import { basename, dirname, join, resolve } from "node:path";
 import { test as base, expect, type Page } from "@playwright/test";
 
 export const ROOT = resolve(import.meta.dirname, "../../../..");
-export const WHIPCORD = process.env["WHIPCORD"] ?? join(ROOT, "target/debug/whipcord");
+export const WHIPCORD = process.env["WHIPCORD"] ?? join(process.env["CARGO_TARGET_DIR"] ?? join(ROOT, "target"), "debug/whipcord");
 export const ARTEFACTS = process.env["VIEWER_ARTEFACTS"] ?? join(ROOT, "target/viewer");
 
 export class Viewer {
