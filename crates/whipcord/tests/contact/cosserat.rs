@@ -1,15 +1,11 @@
 //! The rod among obstacles.
 
-use super::{among, finger, moved, pushes_of, sphere, wall};
+use super::{LENGTH, STIFFNESS, among, assert_forces_hold, finger, moved, sphere, wall};
 use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
 use whipcord::{
     Case, Loads, Model, ModelKind, Obstruction, Part, Pose, Robot, Shortening, Solution,
     SolveError, Statics, UnitQuaternion, Vec3,
 };
-
-const LENGTH: f64 = 0.18;
-/// EI of the finger.
-const STIFFNESS: f64 = 1.1e9 * core::f64::consts::PI * 0.003 * 0.003 * 0.003 * 0.003 / 64.0;
 
 fn solve(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
     let model = Cosserat::new(robot, &case.loads, &Options::default())?;
@@ -51,17 +47,7 @@ fn contacts_hold_the_shape_and_do_not_overlap() {
         let case = among(Case::with_tensions(&[tension]), vec![obstacle.clone()]);
         let solution = solve(&robot, &case).unwrap();
         assert!(!solution.touches.is_empty());
-        let (loads, total) = pushes_of(&solution);
-        let base = solution.base_wrench.unwrap();
-        let scale = STIFFNESS / LENGTH;
-        assert!((base.force - total.force).norm() < 1e-6 * scale / LENGTH);
-        assert!((base.moment - total.moment).norm() < 1e-6 * scale);
-
-        let free = Case { obstacles: vec![], loads, ..case.clone() };
-        let model = Cosserat::new(&robot, &free.loads, &Options::default()).unwrap();
-        let again = model.solve(&free, Some(&solution), &mut Workspace::default()).unwrap();
-        let apart = again.disks.distances(&solution.disks).fold(0.0, f64::max);
-        assert!(apart < 1e-7 * LENGTH, "{apart}");
+        assert_forces_hold(&robot, &case, &solution);
         super::assert_clear(&robot, &solution, &obstacle);
     }
 }

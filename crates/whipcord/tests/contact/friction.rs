@@ -1,13 +1,9 @@
 //! Obstacles that rub.
 
-use super::{among, assert_clear, finger, pushes_of, sphere, wall};
+use super::{LENGTH, STIFFNESS, among, assert_clear, assert_forces_hold, finger, sphere, wall};
 use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective};
 use whipcord::{Case, Drive, Obstacle, Robot, Shortening, Solution, SolveError, Touch, Vec3};
-
-const LENGTH: f64 = 0.18;
-/// EI of the finger.
-const STIFFNESS: f64 = 1.1e9 * core::f64::consts::PI * 0.003 * 0.003 * 0.003 * 0.003 / 64.0;
 
 fn rubbing(obstacle: Obstacle, friction: f64) -> Obstacle {
     Obstacle { friction, ..obstacle }
@@ -73,15 +69,7 @@ fn forces_keep_to_the_cone_and_hold_the_shape() {
             assert!(if touch.sticks { part < 1.0 } else { (part - 1.0).abs() < 1e-6 }, "{touch:?}");
             stuck += usize::from(touch.sticks);
         }
-        let (loads, total) = pushes_of(&solution);
-        let base = solution.base_wrench.unwrap();
-        let scale = STIFFNESS / LENGTH;
-        assert!((base.force - total.force).norm() < 1e-6 * scale / LENGTH);
-        assert!((base.moment - total.moment).norm() < 1e-6 * scale);
-        let free = Case { obstacles: vec![], loads, ..case.clone() };
-        let again = solve(&robot, &free, Some(&solution)).unwrap();
-        let apart = again.disks.distances(&solution.disks).fold(0.0, f64::max);
-        assert!(apart < 1e-7 * LENGTH, "{apart}");
+        assert_forces_hold(&robot, &case, &solution);
         assert_clear(&robot, &solution, &obstacle);
     }
     assert_eq!(stuck, 1);
@@ -103,7 +91,7 @@ fn pulling_and_letting_go_differ() {
     // A small step back does not loosen it: it sticks.
     let little = solve(&robot, &case(3.59), Some(&more)).unwrap();
     let [there, here] = [&more, &little].map(only);
-    assert!(here.sticks && (here.point - there.point).norm() < 0.02 * LENGTH * 0.01, "{here:?}");
+    assert!(here.sticks && (here.point - there.point).norm() < 2e-4 * LENGTH, "{here:?}");
 }
 
 /// The chain of sections and the rod agree where it rubs.

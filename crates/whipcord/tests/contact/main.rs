@@ -8,22 +8,27 @@ mod friction;
 mod grasp;
 mod pipe;
 
+use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::{
     Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, PointLoad, Pose, Robot, Routing,
     Section, Shape, Solution, UnitQuaternion, Vec3, Wrench,
 };
 
+/// Of the finger, in m.
+const LENGTH: f64 = 0.18;
+/// EI of the finger.
+const STIFFNESS: f64 = 1.1e9 * core::f64::consts::PI * 0.003 * 0.003 * 0.003 * 0.003 / 64.0;
+
 /// A finger of the paper's material with one straight cable at +x.
 fn finger(sections: usize) -> Robot {
-    let length = 0.18;
     let material =
         Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Material::default() };
     let section = Some(Section::circle(0.003));
-    let backbone = Backbone { material, section, ..Backbone::new(length) };
+    let backbone = Backbone { material, section, ..Backbone::new(LENGTH) };
     let disks = Disks {
         outer_radius: Some(0.01),
         thickness: Some(0.002),
-        ..Disks::equally_spaced(length, sections + 1, 0.008)
+        ..Disks::equally_spaced(LENGTH, sections + 1, 0.008)
     };
     let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
     Robot::new(backbone, disks, vec![cable]).unwrap()
@@ -73,6 +78,20 @@ fn pushes_of(solution: &Solution) -> (Loads, Wrench) {
         total.moment += touch.point.cross(force);
     }
     (loads, total)
+}
+
+/// The base of the finger bears what pushes and rubs it, and the rod under these forces as point loads has the shape
+/// that was found.
+fn assert_forces_hold(robot: &Robot, case: &Case, solution: &Solution) {
+    let (loads, total) = pushes_of(solution);
+    let base = solution.base_wrench.unwrap();
+    assert!((base.force - total.force).norm() < 1e-6 * STIFFNESS / (LENGTH * LENGTH));
+    assert!((base.moment - total.moment).norm() < 1e-6 * STIFFNESS / LENGTH);
+    let free = Case { obstacles: vec![], loads, ..case.clone() };
+    let model = Cosserat::new(robot, &free.loads, &Options::default()).unwrap();
+    let again = model.solve(&free, Some(solution), &mut Workspace::default()).unwrap();
+    let apart = again.disks.distances(&solution.disks).fold(0.0, f64::max);
+    assert!(apart < 1e-7 * LENGTH, "{apart}");
 }
 
 /// No disk overlaps the obstacle: every point of its flat inside is farther away than its rounding.
