@@ -261,8 +261,10 @@ class Solution:
         return tuple(
             Touch(
                 **{
-                    key: np.array(value) if isinstance(value, tuple | list) else value
-                    for key, value in touch.items()
+                    **touch,
+                    "point": np.array(touch["point"]),
+                    "normal": np.array(touch["normal"]),
+                    "friction": None if touch["friction"] is None else np.array(touch["friction"]),
                 }
             )
             for touch in self._answer.touches
