@@ -1,11 +1,11 @@
 //! How the rod yields to what pushes it: the side of contact that this model is asked for.
 
-use whipcord_numerics::{Pose, UnitQuaternion};
+use whipcord_numerics::Pose;
 
 use super::model::{Cosserat, Workspace};
 use super::options::Options;
 use super::pushed::{Kept, Pushed};
-use crate::case::{Case, LoadFrame, PointLoad};
+use crate::case::{Case, PointLoad};
 use crate::contact::{self, Push, Yielding};
 use crate::error::SolveError;
 use crate::robot::Robot;
@@ -82,10 +82,7 @@ fn sorted(places: &mut Vec<f64>, apart: f64) {
 /// The case with the pushes as point loads.
 fn with_pushes(case: &Case, pushes: &[Push]) -> Case {
     let mut case = case.clone();
-    let turn = match case.loads.frame {
-        LoadFrame::Base => UnitQuaternion::IDENTITY,
-        LoadFrame::World => case.base.rotation,
-    };
+    let turn = case.loads.to_base(case.base.rotation).conjugate();
     case.loads.points.extend(pushes.iter().map(|push| PointLoad {
         at: push.arc_length,
         force: turn.rotate(push.wrench.force),

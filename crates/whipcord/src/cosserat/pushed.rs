@@ -7,9 +7,12 @@
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Chain, Task};
-use super::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap};
+use super::command::Command;
+use super::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench};
+use super::elimination::Change;
 use super::grid::Grid;
 use super::loaded::{Aim, Shot};
+use super::loads::AppliedLoads;
 use super::model::{Cosserat, Workspace};
 use super::newton::Scales;
 use super::options::{Accuracy, Options};
@@ -135,10 +138,12 @@ impl Pushed {
             }
         }
         self.shot.steps_left = usize::MAX;
-        if let Some(answer) = warm
-            && let Some(state) = near(answer, site, &scratch.applied, &mut self.shot)
-        {
-            self.chain.state = state;
+        if let Some(answer) = warm {
+            match near(answer, site, &scratch.applied, &mut self.shot) {
+                Some(state) => self.chain.state = state,
+                // A shot that fails leaves no strains to start the sections from.
+                None => self.shot.seed(grid, &scratch.unloaded.strains),
+            }
         }
         let task = Task {
             grid,
@@ -148,7 +153,7 @@ impl Pushed {
             tolerance: options.residual,
         };
         for (tension, command) in self.chain.state.tensions.iter_mut().zip(&*commands) {
-            if let super::command::Command::Tension(given) = command {
+            if let Command::Tension(given) = command {
                 *tension = *given;
             }
         }
@@ -266,7 +271,7 @@ impl Pushed {
         let nodes = state.nodes.iter().zip(&motion.nodes).map(|(node, change)| {
             let to_body = node.rotation.conjugate();
             let moment = node.rotation.rotate(node.moment);
-            super::elimination::Change {
+            Change {
                 turn: to_body.rotate(change.turn),
                 // In the frame that turns with the cross-section.
                 moment: to_body.rotate(change.moment - change.turn.cross(moment)),
@@ -438,12 +443,7 @@ fn carried(state: &State, from: &[f64], to: &[f64]) -> State {
 }
 
 /// Where an answer stood, by one shot with the wrench at its base.
-fn near(
-    answer: &Solution,
-    site: &Site,
-    loads: &super::loads::AppliedLoads,
-    shot: &mut Shot,
-) -> Option<State> {
+fn near(answer: &Solution, site: &Site, loads: &AppliedLoads, shot: &mut Shot) -> Option<State> {
     let base = answer.base_wrench?;
     let tension =
         |&cable: &usize| answer.cables.get(cable).and_then(|state| state.tension).unwrap_or(0.0);
@@ -465,11 +465,4 @@ fn near(
     let tip = Node { rotation: shot.poses[steps].rotation, ..Node::default() };
     let nodes = (0..steps).map(start).chain([tip]).collect();
     Some(State { nodes, tensions, load: 1.0 })
-}
-
-fn unit_wrench(component: usize) -> Wrench {
-    let mut parts = [[0.0; 3]; 2];
-    parts[component / 3][component % 3] = 1.0;
-    let [force, moment] = parts.map(Vec3::from);
-    Wrench { force, moment }
 }

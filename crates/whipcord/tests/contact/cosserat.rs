@@ -91,6 +91,18 @@ fn a_warm_start_keeps_the_contacts() {
     assert!(apart < 1e-7 * LENGTH, "{apart}");
 }
 
+/// An answer that no rod can start from is told of.
+#[test]
+fn a_warm_start_that_folds_the_rod_is_an_error() {
+    let robot = finger(9);
+    let case = among(Case::with_tensions(&[3.0]), vec![wall(0.05)]);
+    let mut warm = solve(&robot, &case).unwrap();
+    warm.cables[0].tension = Some(1e7);
+    let model = Cosserat::new(&robot, &case.loads, &Options::default()).unwrap();
+    let error = model.solve(&case, Some(&warm), &mut Workspace::default()).unwrap_err();
+    assert!(error.to_string().contains("folds"), "{error}");
+}
+
 /// Pressed against the middle of a ball the finger slips off sideways, as whoever pushes a rod against a
 /// ball knows: to one side or the other, the two being mirror images.
 #[test]

@@ -248,7 +248,8 @@ impl Raw {
     }
 }
 
-fn unit_wrench(component: usize) -> Wrench {
+/// A wrench of which one component is 1, the force first.
+pub(in crate::cosserat) fn unit_wrench(component: usize) -> Wrench {
     match component {
         0..3 => Wrench { force: AXES[component], moment: Vec3::ZERO },
         _ => Wrench { force: Vec3::ZERO, moment: AXES[component % 3] },

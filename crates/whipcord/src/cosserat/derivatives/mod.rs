@@ -35,6 +35,7 @@ mod spread_change;
 pub use self::backward::{Cotangent, Gradient};
 pub use self::change::Change;
 use self::change::Places;
+pub(super) use self::columns::unit_wrench;
 use self::columns::{Raw, Source};
 use self::elimination::{Critical, Elimination};
 use self::forward::Maps;
