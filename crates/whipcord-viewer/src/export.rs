@@ -21,7 +21,7 @@ const MOST_OF_FRAMES: usize = 2_600_000;
 /// Frames of a model at most.
 const MOST_FRAMES: usize = 4100;
 /// Numbers of a touch, and how many of them frames have room for where there are obstacles.
-const TOUCH_NUMBERS: usize = 9;
+const TOUCH_NUMBERS: usize = 13;
 const TOUCHES: usize = 8;
 /// Bytes of a strain and of a cable in a frame.
 const STRAIN_BYTES: usize = 12;
@@ -53,7 +53,8 @@ struct Recorded {
     valid: String,
     /// A byte for each frame: how many touches it has.
     touch_counts: String,
-    /// Obstacle, arc length in m, point in m, normal and force in N (negative where there is none), as 32-bit floats, of each touch.
+    /// Of each touch, as 32-bit floats: obstacle, arc length in m, point in m, normal, force in N (negative where there is
+    /// none), friction in N, and whether it sticks (negative where nothing rubs).
     touches: String,
     /// Of all frames.
     solved: usize,
@@ -191,8 +192,10 @@ fn touches(all: &[Option<Solution>]) -> (Vec<u8>, Vec<u8>) {
             let [x, y, z] = touch.point.to_array();
             let [a, b, c] = touch.normal.to_array();
             let (obstacle, force) = (touch.obstacle as f64, touch.force.unwrap_or(-1.0));
+            let [f, g, h] = touch.friction.unwrap_or_default().to_array();
+            let sticks = touch.friction.map_or(-1.0, |_| f64::from(u8::from(touch.sticks)));
             let numbers: [f64; TOUCH_NUMBERS] =
-                [obstacle, touch.arc_length, x, y, z, a, b, c, force];
+                [obstacle, touch.arc_length, x, y, z, a, b, c, force, f, g, h, sticks];
             numbers.iter().for_each(|&number| packed.extend((number as f32).to_le_bytes()));
         }
     }

@@ -5,6 +5,7 @@ import { extent, ticks } from "./plots";
 import { around, move, touches } from "./recorded";
 import { decode, encode, type Pose, type Request, type Scene, type Solved } from "./protocol";
 import { fromPage, toPage } from "./samples";
+import { Sharpness } from "./sharpness";
 import { fromHash, History, initialState, toHash, toRequest } from "./state";
 import { fixed, fromUnit, MILLIMETRE, significant, toUnit } from "./units";
 
@@ -141,11 +142,13 @@ describe("an exported page", () => {
   });
 
   it("has the touches of each frame", () => {
-    const numbers = new Float32Array([1, 0.5, 1, 2, 3, 0, 0, 1, 4, 0, 0.25, 1, 2, 3, 0, 0, 1, -1]);
+    const rubs = [1, 0.5, 1, 2, 3, 0, 0, 1, 4, 0.5, 0, 0, 1];
+    const slides = [0, 0.25, 1, 2, 3, 0, 0, 1, -1, 0, 0, 0, -1];
+    const numbers = new Float32Array([...rubs, ...slides]);
     const found = touches(new Uint8Array([0, 2, 0]), numbers);
     expect(found.map((frame) => frame.length)).toEqual([0, 2, 0]);
-    expect(found[1]![0]).toEqual({ obstacle: 1, arc_length: 0.5, point: [1, 2, 3], normal: [0, 0, 1], force: 4, friction: null, sticks: false });
-    expect(found[1]![1]!.force).toBeNull();
+    expect(found[1]![0]).toEqual({ obstacle: 1, arc_length: 0.5, point: [1, 2, 3], normal: [0, 0, 1], force: 4, friction: [0.5, 0, 0], sticks: true });
+    expect(found[1]![1]).toMatchObject({ force: null, friction: null, sticks: false });
   });
 
   it("adds strains up to a circle", () => {
@@ -157,6 +160,29 @@ describe("an exported page", () => {
     // Strains so small that the series counts.
     const little = move({ position: [0, 0, 0], orientation: [1, 0, 0, 0] }, [0, 0, 1], [0, 9e-3, 0]);
     expect(little.position[0]).toBeCloseTo((1 - Math.cos(9e-3)) / 9e-3, 11);
+  });
+});
+
+describe("the sharpness of the view", () => {
+  const moved = (sharpness: Sharpness, from: number, apart: number, pictures: number): number => {
+    let ratio = NaN;
+    for (let k = 0; k < pictures; k++) ratio = sharpness.moving(from + k * apart);
+    return ratio;
+  };
+
+  it("is that of the display where pictures come in time", () => {
+    const sharpness = new Sharpness(1.5, false);
+    expect(moved(sharpness, 0, 16.7, 100)).toBe(1.5);
+    expect([sharpness.still, sharpness.usual]).toEqual([1.5, 1.5]);
+  });
+
+  it("falls while pictures are late, not below what can be seen, and comes back after a rest", () => {
+    const sharpness = new Sharpness(1, true);
+    expect(sharpness.still).toBe(2);
+    expect(moved(sharpness, 0, 50, 8)).toBeCloseTo(0.8, 12);
+    expect(moved(sharpness, 400, 50, 200)).toBeCloseTo(0.4, 12);
+    expect(sharpness.moving(1e5)).toBeCloseTo(0.5, 12);
+    expect(moved(sharpness, 2e5, 16.7, 20)).toBeCloseTo(0.625, 12);
   });
 });
 

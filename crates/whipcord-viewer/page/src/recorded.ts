@@ -105,22 +105,22 @@ export function around(
 }
 
 /** Numbers of a touch. */
-const TOUCH = 9;
+const TOUCH = 13;
 
 /** The touches of each frame. */
 export function touches(counts: Uint8Array, numbers: Float32Array): Touch[][] {
   let next = 0;
   return Array.from(counts, (count) =>
     Array.from({ length: count }, () => {
-      const [obstacle, s, x, y, z, a, b, c, force] = numbers.subarray(TOUCH * next, TOUCH * ++next);
+      const [obstacle, s, x, y, z, a, b, c, force, f, g, h, sticks] = numbers.subarray(TOUCH * next, TOUCH * ++next);
       return {
         obstacle: obstacle!,
         arc_length: s!,
         point: [x!, y!, z!],
         normal: [a!, b!, c!],
         force: force! < 0 ? null : force!,
-        friction: null,
-        sticks: false,
+        friction: sticks! < 0 ? null : [f!, g!, h!],
+        sticks: sticks === 1,
       };
     }),
   );
@@ -248,7 +248,7 @@ export function describe({ scene, axes, models }: Recording): string {
     );
   });
   const moving = fixed === 0 ? "" : ` The sliders of the last ${fixed} cables do not move.`;
-  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame, without friction.";
+  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame.";
   return (
     `A page without a server, by whipcord ${scene.version}: ${positions} positions of each slider. ${words.join(". ")}.` +
     `${moving} Loads are those of the file.${contact} Compliance is not in it.`

@@ -25,7 +25,7 @@ function inside(robots: Object3D): Group {
 }
 
 async function png(stage: Stage, name: string): Promise<void> {
-  stage.drawNow();
+  stage.drawFinely();
   const picture = await new Promise<Blob | null>((done) => stage.canvas.toBlob(done, "image/png"));
   if (picture) download(`${name}.png`, picture);
 }
@@ -81,8 +81,9 @@ function film(stage: Stage, type: string, name: string): MediaRecorder {
   const parts: Blob[] = [];
   recorder.addEventListener("dataavailable", (event) => parts.push(event.data));
   recorder.addEventListener("stop", () => download(`${name}.webm`, new Blob(parts, { type: "video/webm" })));
+  recorder.addEventListener("stop", () => (stage.filmed = false));
+  stage.filmed = true;
   recorder.start(1000);
-  stage.draw();
   return recorder;
 }
 

@@ -7,6 +7,7 @@ import {
   GridHelper,
   Group,
   HemisphereLight,
+  Line,
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
@@ -24,6 +25,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Scene, Touch, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
+import { drawsBySoftware, REST, Sharpness } from "./sharpness";
 
 export interface Dragging {
   /** The tip is pulled this far from where it is, in m in the world. */
@@ -45,11 +47,16 @@ export class Stage {
   readonly #arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#e69f00");
   #length = 1;
   #asked = false;
+  readonly #sharpness: Sharpness;
+  #resting = 0;
+  #filmed = false;
 
   constructor(canvas: HTMLCanvasElement, dragging: Dragging) {
     this.#canvas = canvas;
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
-    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    const bySoftware = drawsBySoftware();
+    this.#renderer = new WebGLRenderer({ canvas, antialias: !bySoftware, preserveDrawingBuffer: true });
+    this.#sharpness = new Sharpness(window.devicePixelRatio, bySoftware);
+    this.#renderer.setPixelRatio(this.#sharpness.still);
     this.#camera.up.set(0, 0, 1);
     this.#orbit = new OrbitControls(this.#camera, canvas);
     this.#orbit.addEventListener("change", () => this.draw());
@@ -172,11 +179,39 @@ export class Stage {
   draw(): void {
     if (this.#asked) return;
     this.#asked = true;
-    requestAnimationFrame(() => this.drawNow());
+    requestAnimationFrame((at) => {
+      this.#asked = false;
+      if (!this.#filmed) {
+        this.#sharpen(this.#sharpness.moving(at));
+        window.clearTimeout(this.#resting);
+        this.#resting = window.setTimeout(() => this.drawFinely(), REST);
+      }
+      this.#drawNow();
+    });
   }
 
-  drawNow(): void {
-    this.#asked = false;
+  /** Draws what rests. */
+  drawFinely(): void {
+    if (this.#filmed || !this.#sharpen(this.#sharpness.still)) return;
+    this.#drawNow();
+  }
+
+  /** Pictures of a film are all of one size. */
+  set filmed(yes: boolean) {
+    this.#filmed = yes;
+    window.clearTimeout(this.#resting);
+    this.#sharpen(this.#sharpness.usual);
+    this.draw();
+  }
+
+  /** Whether that is another size of the picture, which empties it. */
+  #sharpen(ratio: number): boolean {
+    if (this.#renderer.getPixelRatio() === ratio) return false;
+    this.#renderer.setPixelRatio(ratio);
+    return true;
+  }
+
+  #drawNow(): void {
     this.#renderer.render(this.#space, this.#camera);
     if (this.#handle.visible) {
       const { x, y } = this.#handle.position.clone().project(this.#camera);
@@ -201,7 +236,7 @@ export class Stage {
     this.#renderer.setSize(width, height, false);
     this.#camera.aspect = width / height;
     this.#camera.updateProjectionMatrix();
-    this.drawNow();
+    this.#drawNow();
   }
 
   #listen(dragging: Dragging): void {
@@ -247,9 +282,10 @@ export class Stage {
   }
 }
 
+/** Gives back what the graphics card holds of bodies and lines. */
 function discard(group: Object3D): void {
   group.traverse((object) => {
-    if (object instanceof Mesh) {
+    if (object instanceof Mesh || object instanceof Line) {
       object.geometry.dispose();
       for (const material of [object.material].flat()) material.dispose();
     }

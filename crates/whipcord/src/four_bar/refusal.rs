@@ -9,9 +9,9 @@ use crate::error::SolveError;
 use crate::model::ModelKind;
 use crate::robot::{Robot, Stiffness};
 
-const GEOMETRIC: &str = "the four-bar model is geometric: leave it out, or use cosserat";
+const NO_FORCES: &str = "it takes no forces: leave it out, or use cosserat";
 const GIVE_SHORTENING: &str =
-    "the four-bar model is geometric: give each cable's shortening, or use cosserat";
+    "it is driven by lengths: give each cable's shortening, or use cosserat";
 
 pub(super) fn unsupported(
     path: impl Into<String>,
@@ -38,7 +38,7 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
     for (i, cable) in robot.cables().iter().enumerate() {
         if cable.axial_stiffness.is_some() {
             let path = format!("cables[{i}].axial_stiffness");
-            return Err(unsupported(path, "an elastic cable", GEOMETRIC));
+            return Err(unsupported(path, "an elastic cable", NO_FORCES));
         }
         if options.lengths == LengthRule::Free && cable.rubs() {
             return Err(unsupported(
@@ -106,7 +106,7 @@ pub(super) fn case(robot: &Robot, case: &Case) -> Result<(), SolveError> {
         case.check(robot)?;
     }
     if let Some((path, what)) = case.loads.first() {
-        return Err(unsupported(path, what, GEOMETRIC));
+        return Err(unsupported(path, what, NO_FORCES));
     }
     for (i, command) in case.commands.iter().enumerate() {
         if command.shortening.is_none() {

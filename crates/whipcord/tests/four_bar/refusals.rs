@@ -102,7 +102,7 @@ fn loads_and_missing_commands_are_named() {
     assert_eq!(
         solve(&tension),
         "the four-bar model needs `shortening` of cable 1: \
-         the four-bar model is geometric: give each cable's shortening, or use cosserat"
+         it is driven by lengths: give each cable's shortening, or use cosserat"
     );
     // A tension beside the shortening does no harm.
     assert!(
