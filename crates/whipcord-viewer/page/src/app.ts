@@ -1,21 +1,21 @@
 // The page: what the user does becomes a state, a state a request, an answer a picture.
 
-import { rampCss } from "./colours";
 import { ellipsoid } from "./ellipsoid";
 import { Controls } from "./controls";
 import { byId, element } from "./dom";
 import { add, conjugate, rotate, scale, tipFrame } from "./geometry";
-import { modelColour, paints, type Legend } from "./paint";
+import { key, show, type Legend } from "./legend";
+import { modelColour, paints } from "./paint";
 import type { Answer, Frame, Quaternion, Scene, Solved, Vector } from "./protocol";
 import { readout } from "./readout";
 import { RobotMesh } from "./robot";
 import { describe, Recorded, recordingInPage, type Recording } from "./recorded";
 import { saving } from "./save";
 import { Live, type Listener, type Source } from "./source";
-import { Stage } from "./stage";
-import { fromHash, History, initialState, same, toHash, toRequest, type State } from "./state";
+import { gridSpacing, MEASURED, Stage } from "./stage";
+import { fromHash, History, initialState, rebase, same, toHash, toRequest, viewFromHash, viewToHash, type State } from "./state";
 import { Theme } from "./theme";
-import { significant } from "./units";
+import { MILLIMETRE, significant, toUnit } from "./units";
 
 /** A model's robot, and the last shape that it had. */
 interface Shown {
@@ -44,10 +44,17 @@ export class App {
   #shown = new Map<string, Shown>();
   #answers: readonly Answer[] = [];
   #asked = 0;
+  /** Requests up to this one were of an earlier version of the file. */
+  #outdated = 0;
   #scheduled = false;
   #patience = 0;
   #frame: Frame | undefined;
   #broken: string | undefined;
+  #error: string | undefined;
+  #failure: string | undefined;
+  #legend: Legend | undefined;
+  /** Whether the user looks from elsewhere than the page did. */
+  #looks = false;
   #connected = false;
   /** Force at the tip when it was taken hold of, in the world. */
   #held: Vector | undefined;
@@ -62,7 +69,7 @@ export class App {
       this.#undo,
       this.#redo,
       button("Reset", "", () => this.#reset()),
-      button("Whole robot", "Home", () => this.#scene && this.#stage.look(this.#scene)),
+      button("Whole robot", "Home", () => this.#whole()),
       this.#theme.button,
     );
     this.#stage = new Stage(byId("canvas") as HTMLCanvasElement, {
@@ -71,8 +78,22 @@ export class App {
         this.#held = undefined;
         this.#commit();
       },
+      looked: () => {
+        this.#looks = true;
+        this.#writeAddress();
+      },
     });
-    byId("actions").append(saving(this.#stage, () => this.#scene?.file.replace(/\.toml$/, "") ?? "robot"));
+    byId("actions").append(
+      saving(this.#stage, {
+        name: () => this.#scene?.file.replace(/\.toml$/, "") ?? "robot",
+        robots: () => [...this.#shown.values()].filter(({ mesh }) => !mesh.stale).map(({ mesh }) => mesh.group),
+        legend: () => this.#legend && { legend: this.#legend, ink: this.#theme.colours.ink },
+        failed: (message) => {
+          this.#failure = message;
+          this.#tell();
+        },
+      }),
+    );
     window.addEventListener("keydown", (event) => this.#key(event));
     window.addEventListener("hashchange", () => this.#address());
     const listener: Listener = {
@@ -84,10 +105,11 @@ export class App {
       },
       connected: (yes) => {
         this.#connected = yes;
+        if (!yes) this.#wait(false);
         this.#tell();
       },
       error: (message) => {
-        this.#broken = message;
+        this.#error = message;
         this.#tell();
       },
     };
@@ -103,11 +125,20 @@ export class App {
 
   #open(scene: Scene): void {
     this.#broken = undefined;
+    // What the user has moved stays as it is when the file is read again, and so does what undo goes back to.
+    const [before, initial] = [this.#scene, this.#initial];
+    if (before && initial && this.#state && this.#history && before.cables.length === scene.cables.length) {
+      const again = (state: State): State => rebase(state, initial, scene);
+      this.#state = again(this.#state);
+      this.#history.rebase(again);
+    } else {
+      this.#state = fromHash(location.hash, scene);
+      this.#history = new History(this.#state);
+    }
     this.#scene = scene;
     this.#initial = initialState(scene);
-    // What the user has changed stays changed when the file is read again.
-    this.#state = fromHash(location.hash, scene);
-    this.#history = new History(this.#state);
+    this.#outdated = this.#asked;
+    this.#frame = undefined;
     for (const { mesh } of this.#shown.values()) mesh.dispose();
     this.#shown.clear();
     this.#answers = [];
@@ -117,7 +148,14 @@ export class App {
     this.#controls = new Controls(
       scene,
       byId("controls"),
-      { change: (edit) => this.#change(edit), commit: () => this.#commit() },
+      {
+        change: (edit) => this.#change(edit),
+        commit: () => this.#commit(),
+        present: (cable) => {
+          const state = this.#first?.cables[cable];
+          return state && { tension: state.tension, shortening: state.initial_length - state.length };
+        },
+      },
       (model) => modelColour(scene, model),
       this.#recording?.axes,
     );
@@ -126,6 +164,10 @@ export class App {
       byId("note").hidden = false;
     }
     this.#stage.surround(scene, this.#theme.colours);
+    if (!before) this.#lookFrom(location.hash);
+    const spacing = significant(toUnit(gridSpacing(scene), MILLIMETRE), 3);
+    const points = scene.measured.length > 0 ? [key({ colour: MEASURED, label: "measured on the real robot" })] : [];
+    byId("scale").replaceChildren(`grid ${spacing} mm`, ...points);
     this.#show();
   }
 
@@ -138,9 +180,28 @@ export class App {
   #commit(): void {
     if (!this.#state || !this.#initial) return;
     this.#history?.commit(this.#state);
-    const hash = toHash(this.#state, this.#initial);
-    history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);
+    this.#writeAddress();
     this.#buttons();
+  }
+
+  #writeAddress(): void {
+    if (!this.#state || !this.#initial) return;
+    const parts = [toHash(this.#state, this.#initial), this.#looks ? viewToHash(this.#stage.view) : ""];
+    const hash = parts.filter((part) => part !== "").join("&");
+    history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);
+  }
+
+  #lookFrom(hash: string): void {
+    const view = viewFromHash(hash);
+    this.#looks = view !== undefined;
+    if (view) this.#stage.view = view;
+  }
+
+  #whole(): void {
+    if (!this.#scene) return;
+    this.#stage.look(this.#scene);
+    this.#looks = false;
+    this.#writeAddress();
   }
 
   #set(state: State | undefined): void {
@@ -164,7 +225,9 @@ export class App {
 
   #address(): void {
     if (!this.#scene || !this.#state) return;
-    const state = fromHash(location.hash, this.#scene);
+    const { hash } = location;
+    this.#lookFrom(hash);
+    const state = fromHash(hash, this.#scene);
     if (!same(state, this.#state)) this.#set(state);
   }
 
@@ -179,7 +242,7 @@ export class App {
       event.preventDefault();
       this.#forth();
     } else if (event.target === this.#stage.canvas && !control) {
-      if (key === "home" && this.#scene) this.#stage.look(this.#scene);
+      if (key === "home") this.#whole();
       if (key === "+" || key === "=") this.#stage.zoom(ZOOM);
       if (key === "-") this.#stage.zoom(1 / ZOOM);
     }
@@ -222,8 +285,7 @@ export class App {
       if (!this.#state) return;
       this.#source.ask(toRequest(this.#state, ++this.#asked));
       // Most answers come at once; who waits is told that it goes on.
-      window.clearTimeout(this.#patience);
-      this.#patience = window.setTimeout(() => this.#wait(true), PATIENCE);
+      if (this.#connected) this.#patience ||= window.setTimeout(() => this.#wait(true), PATIENCE);
     });
   }
 
@@ -234,6 +296,11 @@ export class App {
 
   /** Answers may come faster than the display shows them. */
   #receive(frame: Frame): void {
+    if (frame.id <= this.#outdated) return;
+    this.#error = undefined;
+    // A newer request may still be waited for, which then waits from now on.
+    this.#wait(false);
+    if (frame.id < this.#asked) this.#patience = window.setTimeout(() => this.#wait(true), PATIENCE);
     const waiting = this.#frame !== undefined;
     this.#frame = frame;
     if (waiting) return;
@@ -247,14 +314,10 @@ export class App {
   #draw(frame: Frame): void {
     const [scene, state] = [this.#scene, this.#state];
     if (!scene || !state) return;
-    if (frame.id === this.#asked) {
-      window.clearTimeout(this.#patience);
-      this.#wait(false);
-    }
     this.#answers = frame.answers;
     byId("view").dataset["frame"] = String(frame.id);
     this.#dress(scene, state);
-    byId("readout").replaceChildren(...readout(scene, frame.answers, (model) => modelColour(scene, model)));
+    byId("answers").replaceChildren(...readout(scene, frame.answers, (model) => modelColour(scene, model)));
     this.#tell();
   }
 
@@ -279,22 +342,25 @@ export class App {
     }
     this.#stage.robots([...this.#shown.values()].map(({ mesh }) => mesh.group));
     this.#stage.touches(solved.flatMap((answer) => answer.touches));
-    for (const answer of solved) {
-      const body = answer.compliance && ellipsoid(answer.compliance, answer.positions.at(-1)!, scene, modelColour(scene, answer.model));
-      if (body) this.#stage.mark(body);
-    }
+    const yields = solved.flatMap(({ compliance }) => (compliance?.status === "known" ? compliance.values : []));
+    const bodies = solved.map(({ compliance, positions, model }) =>
+      compliance ? ellipsoid(compliance, Math.max(...yields), positions.at(-1)!, scene, modelColour(scene, model)) : undefined,
+    );
+    this.#stage.marks(bodies.filter((body) => body !== undefined));
     // What the frames of an exported page are loaded with does not change.
     const grip = this.#recording ? undefined : this.#first?.positions.at(-1);
     this.#stage.tip(grip, rotate(this.#tipFrame(scene), state.tipForce), (0.5 * scene.length) / scene.ranges.force);
     this.#stage.draw();
-    showLegend(legend);
+    this.#legend = legend;
+    show(byId("legend"), legend);
   }
 
   #tell(): void {
     const failed = this.#answers.filter((answer) => answer.status === "failed");
     const lines = [
       ...(this.#connected ? [] : ["No connection to whipcord: is it still running?"]),
-      ...(this.#broken === undefined ? [] : [this.#broken]),
+      ...[this.#broken, this.#error, this.#failure].filter((line) => line !== undefined),
+      ...(this.#state?.models.length === 0 ? ["No model is chosen: tick one under Models."] : []),
       ...failed.map((answer) =>
         this.#shown.has(answer.model)
           ? `${answer.model}: ${answer.message} (in grey: the last shape that it found)`
@@ -308,6 +374,8 @@ export class App {
   }
 
   #wait(yes: boolean): void {
+    window.clearTimeout(this.#patience);
+    this.#patience = 0;
     byId("waiting").hidden = !yes;
   }
 
@@ -316,18 +384,4 @@ export class App {
     this.#stage.surround(this.#scene, this.#theme.colours);
     this.#dress(this.#scene, this.#state);
   }
-}
-
-function showLegend(legend: Legend | undefined): void {
-  const into = byId("legend");
-  into.hidden = legend === undefined;
-  if (!legend) return;
-  const bar = element("span", { class: "ramp" });
-  bar.style.background = rampCss();
-  into.replaceChildren(
-    element("span", {}, `${legend.title} in ${legend.unit}`),
-    element("span", {}, significant(legend.least, 3)),
-    bar,
-    element("span", {}, significant(legend.most, 3)),
-  );
 }

@@ -30,8 +30,15 @@ export function ramp(value: number): Rgb {
   return [mix(0), mix(1), mix(2)];
 }
 
-export function rampCss(): string {
-  return `linear-gradient(to right, ${RAMP.map((c) => `rgb(${c.join(" ")})`).join(", ")})`;
+/** The colours of the ramp from its least to its greatest value, evenly apart. */
+export function rampColours(): string[] {
+  return RAMP.map((c) => `rgb(${c.join(" ")})`);
+}
+
+/** The colour as light adds up, which is how three.js mixes it. */
+export function linear(colour: Rgb): Rgb {
+  const [r, g, b] = colour.map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+  return [r!, g!, b!];
 }
 
 export function parse(css: string): Rgb {

@@ -18,6 +18,8 @@ export interface Changes {
   change(edit: (state: State) => void): void;
   /** When it has been let go: what undo comes back to. */
   commit(): void;
+  /** What became of a cable in the shape that is shown, if that says it. */
+  present(cable: number): { tension: number | null; shortening: number } | undefined;
 }
 
 /** Steps of a slider from end to end. */
@@ -30,6 +32,7 @@ class Quantity {
   readonly #box: HTMLInputElement;
   #unit: Unit;
   #bound: readonly [number, number] = [-Infinity, Infinity];
+  #value = 0;
   readonly #symbol: HTMLElement;
 
   constructor(
@@ -45,7 +48,7 @@ class Quantity {
     this.#symbol = symbol;
     const id = `q-${name}`;
     this.#slider = element("input", { type: "range", id, "data-name": name });
-    this.#box = element("input", { type: "number", step: "any", "data-name": name });
+    this.#box = element("input", { type: "number", "data-name": name });
     this.row = element("div", { class: "quantity" }, element("label", { for: id, title: label }, label), this.#slider, this.#box, symbol);
     this.#slider.addEventListener("input", () => {
       const value = Number(this.#slider.value);
@@ -54,7 +57,7 @@ class Quantity {
     this.#slider.addEventListener("change", () => changes.commit());
     this.#box.addEventListener("change", () => {
       const value = Number(this.#box.value);
-      if (this.#box.value.trim() === "" || !Number.isFinite(value)) return this.show(Number(this.#slider.value));
+      if (this.#box.value.trim() === "" || !Number.isFinite(value)) return this.#write(this.#value);
       const [least, most] = this.#bound;
       const given = Math.min(Math.max(fromUnit(value, this.#unit), least), most);
       changes.change((state) => edit(state, given));
@@ -68,6 +71,8 @@ class Quantity {
     this.#slider.min = String(least);
     this.#slider.max = String(most);
     this.#slider.step = String((most - least) / STEPS);
+    // An arrow key in the box steps by a round part of the range.
+    this.#box.step = String(10 ** Math.floor(Math.log10((most - least) / unit.si / 100)));
     this.#box.setAttribute("aria-label", `${label} in ${unit.word}`);
     this.#symbol.textContent = unit.symbol;
   }
@@ -87,12 +92,15 @@ class Quantity {
     // A number typed beyond the slider's end moves the end.
     if (value > Number(this.#slider.max)) this.#slider.max = String(value);
     if (value < Number(this.#slider.min)) this.#slider.min = String(value);
+    this.#value = value;
     this.#slider.value = String(value);
     const shown = toUnit(value, this.#unit);
     this.#slider.setAttribute("aria-valuetext", `${Number(shown.toPrecision(4))} ${this.#unit.word}`);
-    if (document.activeElement !== this.#box || Number(this.#box.value) !== shown) {
-      this.#box.value = String(Number(shown.toPrecision(6)));
-    }
+    if (document.activeElement !== this.#box || Number(this.#box.value) !== shown) this.#write(value);
+  }
+
+  #write(value: number): void {
+    this.#box.value = String(Number(toUnit(value, this.#unit).toPrecision(6)));
   }
 }
 
@@ -128,7 +136,11 @@ export class Controls {
         onclick: () => {
           changes.change((state) => {
             const { kind } = valueOf(state.commands[i]!);
-            state.commands[i] = commandOf(kind === "tension" ? "shortening" : "tension", 0);
+            // The robot stays as it is, as far as its shape says what takes the place of what was given.
+            const present = changes.present(i);
+            const value = kind === "tension" ? present?.shortening : present?.tension;
+            const other = kind === "tension" ? "shortening" : "tension";
+            state.commands[i] = commandOf(other, Number((value ?? 0).toPrecision(6)));
           });
           changes.commit();
         },

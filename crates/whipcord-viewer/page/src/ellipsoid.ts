@@ -6,13 +6,12 @@ import type { Compliance, Scene, Vector } from "./protocol";
 
 /** The greatest half axis, relative to the length of the robot. The picture is of directions: numbers stand beside it. */
 const SIZE = 0.2;
-/** Half axes less than this, relative to the greatest, are drawn so: a flat body is hard to see. */
+/** Half axes less than this, relative to the longest that is drawn, are drawn so: a flat body is hard to see. */
 const LEAST = 0.02;
 
-export function ellipsoid(compliance: Compliance, at: Vector, scene: Scene, colour: string): Mesh | undefined {
-  if (compliance.status !== "known") return undefined;
-  const most = Math.max(...compliance.values);
-  if (most <= 0) return undefined;
+/** `most` is the compliance that is drawn as the greatest half axis: that of all models that are shown. */
+export function ellipsoid(compliance: Compliance, most: number, at: Vector, scene: Scene, colour: string): Mesh | undefined {
+  if (compliance.status !== "known" || most <= 0) return undefined;
   const [a, b, c] = compliance.values.map((value) => SIZE * scene.length * Math.max(value / most, LEAST)) as Vector;
   const [u, v, w] = compliance.directions.map((direction) => new Vector3(...direction)) as [Vector3, Vector3, Vector3];
   // Directions of either sign are principal ones; those of a rotation keep the surface outside.

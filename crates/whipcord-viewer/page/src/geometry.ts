@@ -91,6 +91,18 @@ export function tensions(scene: Scene, solved: Solved, index: number, stations: 
   });
 }
 
+/** The tension in N along a cable, as (station, tension): two for each span, as it steps at the disks where the cable rubs. */
+export function spans(scene: Scene, solved: Solved, index: number): [number, number][] {
+  const cable = solved.cables[index]!;
+  const last = scene.cables[index]!.course.length - 1;
+  if (cable.span_tensions.length === 0) return cable.tension === null ? [] : [[0, cable.tension], [last, cable.tension]];
+  const knots = [...new Set([...scene.disks.map((disk) => disk.station).filter((station) => station < last), last])];
+  return cable.span_tensions.flatMap((tension, k): [number, number][] => [
+    [knots[k] ?? last, tension],
+    [knots[k + 1] ?? last, tension],
+  ]);
+}
+
 /** A quantity between stations as one at stations: the mean of both sides. */
 export function atStations(between: readonly number[]): number[] {
   const last = between.length;

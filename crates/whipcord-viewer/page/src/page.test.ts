@@ -1,12 +1,14 @@
+import { Color } from "three";
 import { describe, expect, it } from "vitest";
 
-import { course, place, rotate, tensions, tipFrame } from "./geometry";
+import { linear, parse } from "./colours";
+import { course, place, rotate, spans, tensions, tipFrame } from "./geometry";
 import { extent, ticks } from "./plots";
 import { around, move, touches } from "./recorded";
 import { decode, encode, type Pose, type Request, type Scene, type Solved } from "./protocol";
 import { fromPage, toPage } from "./samples";
 import { Sharpness } from "./sharpness";
-import { fromHash, History, initialState, toHash, toRequest } from "./state";
+import { fromHash, History, initialState, rebase, toHash, toRequest, viewFromHash, viewToHash } from "./state";
 import { fixed, fromUnit, MILLIMETRE, significant, toUnit } from "./units";
 
 const scene = toPage.find((message) => message.type === "scene")! as Scene;
@@ -52,6 +54,15 @@ describe("units", () => {
   });
 });
 
+describe("colours", () => {
+  it("are given to three.js as it gives them itself", () => {
+    for (const css of ["#0072b2", "#d55e00", "#000000", "#0a0a0a", "#ffffff"]) {
+      const expected = new Color(css).toArray();
+      linear(parse(css)).forEach((c, i) => expect(c).toBeCloseTo(expected[i]!, 6));
+    }
+  });
+});
+
 describe("the state", () => {
   it("asks for what the file asks for", () => {
     expect(toRequest(initialState(scene), 7)).toEqual({ ...scene.initial, compliance: false });
@@ -68,6 +79,32 @@ describe("the state", () => {
     const hash = toHash(state, initial);
     expect(hash).toBe("cables=s-0.0031,t4.25&force=0,-0.5,0.001&models=cosserat&colour=curvature");
     expect(fromHash(`#${hash}`, scene)).toEqual(state);
+    state.models = [];
+    expect(fromHash(toHash(state, initial), scene)).toEqual(state);
+  });
+
+  it("keeps what was moved, and nothing else, when the file changes", () => {
+    const initial = initialState(scene);
+    const moved = structuredClone(initial);
+    moved.commands[1] = { tension: 4.25 };
+    moved.tipForce[2] = 0.5;
+    const changed = structuredClone(scene);
+    changed.initial.commands[0] = { tension: 77 };
+    changed.initial.tip_force = [0.1, 0.2, 0.3];
+    const again = rebase(moved, initial, changed);
+    expect(again.commands).toEqual([{ tension: 77 }, { tension: 4.25 }]);
+    expect(again.tipForce).toEqual([0.1, 0.2, 0.5]);
+    const history = new History(initial);
+    history.commit(moved);
+    history.rebase((state) => rebase(state, initial, changed));
+    expect(history.undo()).toEqual(initialState(changed));
+    expect(history.redo()).toEqual(again);
+  });
+
+  it("has from where one looks", () => {
+    const view = [0.1, -0.2, 0.3, 0, 0, 0.15];
+    expect(viewFromHash(`#force=1,,&${viewToHash(view)}`)).toEqual(view);
+    for (const hash of ["", "#view=1,2", "#view=1,2,3,4,5,x", "#review=1,2,3,4,5,6"]) expect(viewFromHash(hash)).toBeUndefined();
   });
 
   it("is that of the file where the address makes no sense", () => {
@@ -115,8 +152,10 @@ describe("geometry", () => {
   });
 
   it("gives a cable that rubs the tension of each span", () => {
-    const spans: Scene = { ...scene, disks: [0, 1, 2].map((station) => ({ ...scene.disks[0]!, station })) };
-    expect(tensions(spans, solved, 0, [0, 1, 2])).toEqual([1.5, 1.5, 1.4]);
+    const rubbing: Scene = { ...scene, disks: [0, 1, 2].map((station) => ({ ...scene.disks[0]!, station })) };
+    expect(tensions(rubbing, solved, 0, [0, 1, 2])).toEqual([1.5, 1.5, 1.4]);
+    // It steps at the disk between them.
+    expect(spans(rubbing, solved, 0)).toEqual([[0, 1.5], [1, 1.5], [1, 1.4], [2, 1.4]]);
   });
 });
 
@@ -192,5 +231,7 @@ describe("charts", () => {
     expect(ticks(-0.3, 3.4, 4)).toEqual([0, 1, 2, 3]);
     expect(extent([])).toEqual([0, 1]);
     expect(extent([2, 3])).toEqual([0, 3]);
+    expect(extent([-0.4, 10.2])).toEqual([-5, 15]);
+    expect(extent([-0.9, 0.9])).toEqual([-1, 1]);
   });
 });

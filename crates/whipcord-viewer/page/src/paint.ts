@@ -3,17 +3,11 @@
 import { paletteColour, parse, ramp, type Rgb } from "./colours";
 import { atStations, tensions } from "./geometry";
 import type { Scene, Solved } from "./protocol";
+import { NEUTRAL, type Legend } from "./legend";
 import { GREY, type Paint } from "./robot";
 import type { Colouring } from "./state";
 
-/** What a ramp of colours stands for. */
-export interface Legend {
-  title: string;
-  unit: string;
-  least: number;
-  most: number;
-}
-
+const TOUCHING = "#d55e00";
 const DISK: Rgb = [0.72, 0.74, 0.78];
 
 /** The colours of all robots that are shown, on one scale. */
@@ -24,7 +18,7 @@ export function paints(
 ): { paints: Paint[]; legend: Legend | undefined } {
   switch (colouring) {
     case "model":
-      return { paints: all.map((solved) => byModel(scene, solved, all.length > 1)), legend: undefined };
+      return { paints: all.map((solved) => byModel(scene, solved, all.length > 1)), legend: all.length > 1 ? modelLegend(scene, all) : undefined };
     case "tension": {
       const values = all.map((solved) =>
         scene.cables.map((cable, k) => tensions(scene, solved, k, cable.course.map((_, i) => i))),
@@ -39,14 +33,14 @@ export function paints(
           return value == null ? GREY : ramp(most > 0 ? value / most : 0);
         },
       });
-      return { paints: values.map(paint), legend: { title: "tension", unit: "N", least: 0, most } };
+      return { paints: values.map(paint), legend: { title: "tension", unit: "N", least: 0, most, unknown: values.flat(2).includes(null) } };
     }
     case "curvature":
       return onBackbone(all, "curvature", "1/m", ([bend]) => bend, 1);
     case "strain":
       return onBackbone(all, "stretch", "%", ([, , stretch]) => stretch, 100);
     case "contact":
-      return { paints: all.map((solved) => byContact(scene, solved)), legend: undefined };
+      return { paints: all.map((solved) => byContact(scene, solved)), legend: contactLegend(scene) };
   }
 }
 
@@ -81,13 +75,22 @@ function onBackbone(
     disk: () => DISK,
     cable: () => GREY,
   });
-  return { paints: values.map(paint), legend: { title, unit, least: least * factor, most: most * factor } };
+  return { paints: values.map(paint), legend: { title, unit, least: least * factor, most: most * factor, unknown: false } };
+}
+
+function modelLegend(scene: Scene, all: readonly Solved[]): Legend {
+  return { keys: all.map(({ model }) => ({ colour: modelColour(scene, model), label: model })) };
+}
+
+function contactLegend(scene: Scene): Legend {
+  if (scene.obstacles.length === 0) return { keys: [{ colour: NEUTRAL, label: "there are no obstacles to touch" }] };
+  return { keys: [{ colour: TOUCHING, label: "touches, and is pushed along the arrow" }, { colour: NEUTRAL, label: "touches nothing" }] };
 }
 
 function byContact(scene: Scene, solved: Solved): Paint {
   const near = scene.length / Math.max(scene.stations.length - 1, 1);
   const touched = (s: number): boolean => solved.touches.some((touch) => Math.abs(touch.arc_length - s) < 0.75 * near);
-  const touching = parse("#d55e00");
+  const touching = parse(TOUCHING);
   return {
     backbone: (i) => (touched(scene.stations[i]!) ? touching : GREY),
     disk: (i) => (touched(scene.stations[scene.disks[i]!.station]!) ? touching : DISK),

@@ -2,7 +2,8 @@
 
 import { paletteColour } from "./colours";
 import { element } from "./dom";
-import { tensions } from "./geometry";
+import { spans } from "./geometry";
+import { keys } from "./legend";
 import { chart, type Line } from "./plots";
 import type { Answer, Scene, Solved } from "./protocol";
 import { duration, fixed, significant } from "./units";
@@ -30,16 +31,20 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
   made.dataset["tip"] = JSON.stringify(tip);
   const facts: [string, string][] = [
     ["tip", `(${tip.map(mm).join(", ")}) mm`],
-    ["orientation", `(${answer.orientations.at(-1)!.map((c) => fixed(c, 4)).join(", ")})`],
-    ["residual", significant(answer.residual, 2)],
+    ["orientation", answer.orientations.at(-1)!.map((c, k) => `${"wxyz"[k]!} ${fixed(c, 4)}`).join(", ")],
   ];
-  // The frames of an exported page were solved before.
-  if (answer.solve_time > 0) facts.push(["solve time", duration(answer.solve_time)]);
+  if (answer.solve_time > 0) {
+    facts.push(["residual", significant(answer.residual, 2)]);
+    facts.push(["solve time", `${duration(answer.solve_time)}, ${count(answer.iterations, "iteration")}`]);
+  } else {
+    // The frames of an exported page were solved before: it has the greatest residual of them.
+    facts.push(["residual", `${significant(answer.residual, 2)} at most`]);
+  }
   if (answer.stability !== null) facts.push(["stability", significant(answer.stability, 3)]);
   if (answer.driven_by !== null) facts.push(["driven by", `the cable lengths of ${answer.driven_by}`]);
-  if (answer.touches.length > 0) facts.push(["touches at", touches(answer)]);
+  if (answer.touches.length > 0) facts.push(["touches", touches(answer)]);
   if (answer.compliance?.status === "known") {
-    facts.push(["compliance", `${answer.compliance.values.map((v) => significant(v * 1e3, 3)).join(", ")} mm/N`]);
+    facts.push(["compliance", `${answer.compliance.values.map((v) => significant(v * 1e3, 3)).join(", ")} mm/N, tensions held`]);
   } else if (answer.compliance?.status === "unknown") {
     facts.push(["compliance", answer.compliance.message]);
   }
@@ -56,8 +61,12 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
 function touches({ touches: all }: Solved): string {
   const total = all.reduce((sum, touch) => sum + (touch.force ?? 0), 0);
   const stuck = all.filter((touch) => touch.sticks).length;
-  const points = `${all.length} ${all.length === 1 ? "point" : "points"}${stuck > 0 ? ` (${stuck} stuck by friction)` : ""}`;
+  const points = `${count(all.length, "point")}${stuck > 0 ? ` (${stuck} stuck by friction)` : ""}`;
   return all.some((touch) => touch.force !== null) ? `${points}, ${significant(total, 3)} N in all` : points;
+}
+
+function count(n: number, one: string): string {
+  return `${n} ${one}${n === 1 ? "" : "s"}`;
 }
 
 function cables(scene: Scene, solved: Solved): HTMLElement {
@@ -66,7 +75,7 @@ function cables(scene: Scene, solved: Solved): HTMLElement {
     element(
       "tr",
       {},
-      element("th", { scope: "row" }, scene.cables[i]!.name),
+      element("th", { scope: "row", title: scene.cables[i]!.name }, scene.cables[i]!.name),
       element("td", {}, cable.slack ? "slack" : cable.tension === null ? "–" : significant(cable.tension, 4)),
       element("td", {}, mm(cable.length)),
       element("td", {}, mm(cable.initial_length - cable.length)),
@@ -92,24 +101,16 @@ function charts(scene: Scene, all: readonly Solved[], colourOf: (model: string) 
     ]),
   }));
   const shown = [chart("Curvature", "1/m", curvature, length)];
-  const [first] = all;
-  if (first?.cables.some((cable) => cable.tension !== null)) {
-    const lines = scene.cables.map((cable, k): Line => {
-      const stations = cable.course.map((_, i) => i);
-      const values = tensions(scene, first, k, stations);
-      return {
-        label: cable.name,
-        colour: paletteColour(k),
-        points: stations.flatMap((i): [number, number][] => (values[i] == null ? [] : [[at[i]!, values[i]]])),
-      };
-    });
-    const figure = chart("Tension", "N", lines, length);
-    const key = lines.map((line) => {
-      const swatch = element("span", { class: "swatch" });
-      swatch.style.background = line.colour;
-      return element("span", { class: "key" }, swatch, line.label);
-    });
-    figure.append(element("div", { class: "keys" }, ...key));
+  if (all.length > 1) shown[0]!.append(keys(curvature));
+  const first = all.find((solved) => solved.cables.some((cable) => cable.tension !== null));
+  if (first) {
+    const lines = scene.cables.map((cable, k): Line => ({
+      label: cable.name,
+      colour: paletteColour(k),
+      points: spans(scene, first, k).map(([station, tension]) => [at[station]!, tension]),
+    }));
+    const figure = chart(all.length > 1 ? `Tension by ${first.model}` : "Tension", "N", lines, length);
+    figure.append(keys(lines));
     shown.push(figure);
   }
   return shown;

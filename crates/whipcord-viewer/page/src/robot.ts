@@ -12,8 +12,9 @@ import {
   type Material,
 } from "three";
 
-import { parse, type Rgb } from "./colours";
+import { linear, parse, type Rgb } from "./colours";
 import { course, rotate } from "./geometry";
+import { NEUTRAL } from "./legend";
 import type { Disk, Scene, Solved } from "./protocol";
 import { circle, ringsAlong, square, Tube, type Outline, type Ring } from "./tube";
 
@@ -39,6 +40,7 @@ export class RobotMesh {
   readonly #disks: Mesh<BufferGeometry, MeshStandardMaterial>[];
   readonly #materials: MeshStandardMaterial[] = [];
   readonly #holeToHole: boolean;
+  #stale = false;
 
   constructor(scene: Scene, model: string) {
     this.#scene = scene;
@@ -79,12 +81,17 @@ export class RobotMesh {
       const [w, x, y, z] = solved.orientations[disk.station]!;
       mesh.position.set(...solved.positions[disk.station]!);
       mesh.setRotationFromQuaternion(new Turn(x, y, z, w));
-      mesh.material.color.setRGB(...paint.disk(i));
+      mesh.material.color.setRGB(...linear(paint.disk(i)));
     });
   }
 
   /** Greyed: the shape is not the answer to what the sliders say. */
+  get stale(): boolean {
+    return this.#stale;
+  }
+
   set stale(stale: boolean) {
+    this.#stale = stale;
     for (const material of this.#materials) {
       const { opacity, vertexColors } = material.userData as { opacity: number; vertexColors: boolean };
       material.opacity = stale ? 0.35 : opacity;
@@ -94,7 +101,7 @@ export class RobotMesh {
         material.vertexColors = vertexColors && !stale;
         material.needsUpdate = true;
       }
-      if (stale) material.color.setRGB(...GREY);
+      if (stale) material.color.setRGB(...linear(GREY));
       else if (vertexColors) material.color.set("#ffffff");
     }
   }
@@ -159,4 +166,4 @@ function plate(disk: Disk): BufferGeometry {
   return geometry.translate(0, 0, -disk.thickness / 2);
 }
 
-export const GREY: Rgb = parse("#8c8c8c");
+export const GREY: Rgb = parse(NEUTRAL);

@@ -5,7 +5,20 @@ import { GLTFExporter } from "three/addons/exporters/GLTFExporter.js";
 import { STLExporter } from "three/addons/exporters/STLExporter.js";
 
 import { element } from "./dom";
+import { stamp, type Legend } from "./legend";
 import type { Stage } from "./stage";
+
+/** What there is to save. */
+export interface Saved {
+  /** Of the files, without what says their kind. */
+  name(): string;
+  /** The robots whose shapes are answers. */
+  robots(): Object3D[];
+  /** What their colours stand for, and the colour to write that in. */
+  legend(): { legend: Legend; ink: string } | undefined;
+  /** Something could not be saved, and why. */
+  failed(message: string | undefined): void;
+}
 
 function download(name: string, content: Blob): void {
   const url = URL.createObjectURL(content);
@@ -17,35 +30,45 @@ function download(name: string, content: Blob): void {
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
 
-/** A copy of the robots inside a group of its own. */
-function inside(robots: Object3D): Group {
+/** Copies of the robots inside a group of their own. */
+function inside(robots: readonly Object3D[]): Group {
+  if (robots.length === 0) throw new Error("no robot is shown whose shape is an answer");
   const group = new Group();
-  group.add(robots.clone());
+  group.add(...robots.map((robot) => robot.clone()));
   return group;
 }
 
-async function png(stage: Stage, name: string): Promise<void> {
+/** The view, with what its colours stand for. */
+async function png(stage: Stage, saved: Saved): Promise<void> {
   stage.drawFinely();
-  const picture = await new Promise<Blob | null>((done) => stage.canvas.toBlob(done, "image/png"));
-  if (picture) download(`${name}.png`, picture);
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [stage.canvas.width, stage.canvas.height];
+  const context = canvas.getContext("2d");
+  if (!context) throw new Error("this browser draws no pictures");
+  context.drawImage(stage.canvas, 0, 0);
+  const said = saved.legend();
+  if (said) stamp(context, said.legend, canvas.width / stage.canvas.clientWidth, said.ink);
+  const picture = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
+  if (!picture) throw new Error("this browser makes no PNG of it");
+  download(`${saved.name()}.png`, picture);
 }
 
 /** glTF has metres, and y upwards. */
-async function gltf(stage: Stage, name: string): Promise<void> {
-  const body = inside(stage.shown);
+async function gltf(saved: Saved): Promise<void> {
+  const body = inside(saved.robots());
   body.rotation.x = -Math.PI / 2;
   body.updateMatrixWorld(true);
   const content = await new GLTFExporter().parseAsync(body, { binary: true });
-  download(`${name}.glb`, new Blob([content as ArrayBuffer], { type: "model/gltf-binary" }));
+  download(`${saved.name()}.glb`, new Blob([content as ArrayBuffer], { type: "model/gltf-binary" }));
 }
 
 /** STL has no unit: programs take it for millimetres. */
-function stl(stage: Stage, name: string): void {
-  const body = inside(stage.shown);
+function stl(saved: Saved): void {
+  const body = inside(saved.robots());
   body.scale.setScalar(1e3);
   body.updateMatrixWorld(true);
   const content = new STLExporter().parse(body, { binary: true });
-  download(`${name}.stl`, new Blob([content as unknown as BlobPart], { type: "model/stl" }));
+  download(`${saved.name()}.stl`, new Blob([content as unknown as BlobPart], { type: "model/stl" }));
 }
 
 /** Pictures for each second of a film. */
@@ -62,6 +85,7 @@ class Film {
       (one) => "MediaRecorder" in window && MediaRecorder.isTypeSupported(one),
     );
     this.button.disabled = type === undefined;
+    this.button.title = type === undefined ? "This browser records no WebM" : "From now until the next press, as WebM";
     this.button.addEventListener("click", () => {
       if (this.#recorder) {
         this.#recorder.stop();
@@ -87,10 +111,19 @@ function film(stage: Stage, type: string, name: string): MediaRecorder {
   return recorder;
 }
 
-/** Buttons for all of it; `name` is that of the files. */
-export function saving(stage: Stage, name: () => string): HTMLElement {
-  const button = (label: string, title: string, act: () => void): HTMLButtonElement =>
-    element("button", { type: "button", title, onclick: act }, label);
+/** Buttons for all of it. */
+export function saving(stage: Stage, saved: Saved): HTMLElement {
+  const button = (label: string, title: string, act: () => void | Promise<void>): HTMLButtonElement => {
+    const attempt = async (): Promise<void> => {
+      try {
+        await act();
+        saved.failed(undefined);
+      } catch (error) {
+        saved.failed(`${label} could not be saved: ${error instanceof Error ? error.message : String(error)}`);
+      }
+    };
+    return element("button", { type: "button", title, onclick: () => void attempt() }, label);
+  };
   return element(
     "details",
     { id: "save" },
@@ -98,10 +131,10 @@ export function saving(stage: Stage, name: () => string): HTMLElement {
     element(
       "div",
       {},
-      button("Picture (PNG)", "The view as it is", () => void png(stage, name())),
-      button("Robot (glTF)", "In metres, with colours", () => void gltf(stage, name())),
-      button("Robot (STL)", "In millimetres", () => stl(stage, name())),
-      new Film(stage, name).button,
+      button("Picture (PNG)", "The view as it is", () => png(stage, saved)),
+      button("Robot (glTF)", "In metres, with colours", () => gltf(saved)),
+      button("Robot (STL)", "In millimetres", () => stl(saved)),
+      new Film(stage, () => saved.name()).button,
     ),
   );
 }

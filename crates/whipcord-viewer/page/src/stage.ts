@@ -16,6 +16,7 @@ import {
   Raycaster,
   Scene as Space,
   SphereGeometry,
+  Sprite,
   Vector2,
   Vector3,
   WebGLRenderer,
@@ -23,8 +24,10 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
+import { axes } from "./axes";
 import type { Scene, Touch, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
+import type { Colours } from "./theme";
 import { drawsBySoftware, REST, Sharpness } from "./sharpness";
 
 export interface Dragging {
@@ -32,7 +35,12 @@ export interface Dragging {
   pull(by: Vector): void;
   /** The handle is let go. */
   release(): void;
+  /** The user looks from elsewhere. */
+  looked(): void;
 }
+
+/** Colour of what was measured: one that no model and no cable has. */
+export const MEASURED = "#f0e442";
 
 export class Stage {
   readonly #renderer: WebGLRenderer;
@@ -43,7 +51,8 @@ export class Stage {
   #surroundings = new Group();
   #robots = new Group();
   readonly #marks = new Group();
-  readonly #handle = new Mesh(new SphereGeometry(1, 24, 16), new MeshBasicMaterial({ color: "#e69f00", depthTest: false }));
+  readonly #pushes = new Group();
+  readonly #handle = new Mesh(new SphereGeometry(1, 24, 16), new MeshBasicMaterial({ color: "#e69f00", depthTest: false, transparent: true }));
   readonly #arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#e69f00");
   #length = 1;
   #asked = false;
@@ -63,6 +72,8 @@ export class Stage {
     this.#orbit.listenToKeyEvents(canvas);
     this.#orbit.keyPanSpeed = 20;
     this.#orbit.keyRotateSpeed = 15;
+    this.#orbit.addEventListener("end", () => dragging.looked());
+    canvas.addEventListener("keyup", () => dragging.looked());
     const sun = new DirectionalLight("#ffffff", 2.2);
     sun.position.set(1, -2, 3);
     this.#camera.add(new DirectionalLight("#ffffff", 0.8));
@@ -71,7 +82,7 @@ export class Stage {
     this.#arrow.visible = false;
     this.#space.add(
       new HemisphereLight("#ffffff", "#8890a0", 1.3), sun, this.#camera,
-      this.#surroundings, this.#robots, this.#marks, this.#handle, this.#arrow,
+      this.#surroundings, this.#robots, this.#marks, this.#pushes, this.#handle, this.#arrow,
     );
     this.#listen(dragging);
     new ResizeObserver(() => this.#resize()).observe(canvas.parentElement ?? canvas);
@@ -79,19 +90,21 @@ export class Stage {
   }
 
   /** What stands around the robot of a new file. The camera stays where the user put it, if the robot is of the same size. */
-  surround(scene: Scene, colours: { background: string; grid: string }): void {
+  surround(scene: Scene, colours: Colours): void {
     this.#space.remove(this.#surroundings);
     discard(this.#surroundings);
     this.#surroundings = obstacles(scene);
-    const step = 10 ** Math.floor(Math.log10(scene.length));
-    const grid = new GridHelper(4 * step, 40, colours.grid, colours.grid);
+    const spacing = gridSpacing(scene);
+    const grid = new GridHelper(40 * spacing, 40, colours.grid, colours.grid);
     grid.rotateX(Math.PI / 2);
     grid.position.set(...scene.base.position);
-    this.#surroundings.add(grid);
+    this.#surroundings.add(grid, axes(scene, colours.ink));
     const point = new SphereGeometry(0.012 * scene.length, 16, 12);
     for (const place of scene.measured) {
-      const mesh = new Mesh(point, new MeshStandardMaterial({ color: "#cc79a7" }));
+      const mesh = new Mesh(point, new MeshStandardMaterial({ color: MEASURED, depthTest: false, transparent: true }));
       mesh.position.set(...place);
+      // In front of the robot that it may lie inside of.
+      mesh.renderOrder = 1;
       this.#surroundings.add(mesh);
     }
     this.#space.add(this.#surroundings);
@@ -120,6 +133,18 @@ export class Stage {
     this.draw();
   }
 
+  /** From where, and at what the user looks, in m. */
+  get view(): number[] {
+    return [...this.#camera.position.toArray(), ...this.#orbit.target.toArray()];
+  }
+
+  set view(view: readonly number[]) {
+    this.#camera.position.fromArray(view, 0);
+    this.#orbit.target.fromArray(view, 3);
+    this.#orbit.update();
+    this.draw();
+  }
+
   /** Goes nearer to what is looked at, or farther from it. */
   zoom(factor: number): void {
     const { target } = this.#orbit;
@@ -136,26 +161,32 @@ export class Stage {
 
   /** Where obstacles push the robot, and how strongly relative to one another. */
   touches(touches: readonly Touch[]): void {
-    discard(this.#marks);
-    this.#marks.clear();
     const pushes = touches.map(({ normal, force, friction }) =>
       new Vector3(...normal).multiplyScalar(force ?? 0).add(new Vector3(...(friction ?? [0, 0, 0]))),
     );
     const most = Math.max(...pushes.map((push) => push.length()), Number.MIN_VALUE);
+    // Arrows are kept from frame to frame: contacts come and go.
+    while (this.#pushes.children.length < touches.length) {
+      this.#pushes.add(new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d55e00"));
+    }
+    this.#pushes.children.forEach((child, i) => (child.visible = i < touches.length));
     touches.forEach(({ point, normal }, i) => {
       const push = pushes[i]!;
       const size = this.#length * (0.05 + 0.12 * (push.length() / most));
       const along = push.length() > 0 ? push.clone().normalize() : new Vector3(...normal);
-      const at = new Vector3(...point);
       const head = Math.min(0.35 * size, 0.035 * this.#length);
-      const arrow = new ArrowHelper(along, at, size, "#d55e00", head, 0.6 * head);
-      this.#marks.add(arrow);
+      const arrow = this.#pushes.children[i] as ArrowHelper;
+      arrow.position.set(...point);
+      arrow.setDirection(along);
+      arrow.setLength(size, head, 0.6 * head);
     });
   }
 
-  /** Adds a mark that goes with the next frame. */
-  mark(object: Object3D): void {
-    this.#marks.add(object);
+  /** Bodies that belong to this frame alone. */
+  marks(bodies: readonly Object3D[]): void {
+    discard(this.#marks);
+    this.#marks.clear();
+    if (bodies.length > 0) this.#marks.add(...bodies);
   }
 
   /** Where the tip is, and which force pulls at it, in the world; `unit` is the length in m of an arrow of 1 N. */
@@ -225,11 +256,6 @@ export class Stage {
     return this.#canvas;
   }
 
-  /** What is shown of the robots, for other programs. */
-  get shown(): Object3D {
-    return this.#robots;
-  }
-
   #resize(): void {
     const box = (this.#canvas.parentElement ?? this.#canvas).getBoundingClientRect();
     const [width, height] = [Math.max(box.width, 1), Math.max(box.height, 1)];
@@ -282,10 +308,18 @@ export class Stage {
   }
 }
 
-/** Gives back what the graphics card holds of bodies and lines. */
+/** Distance between the lines of the grid in m: a round part of the robot's length. */
+export function gridSpacing(scene: Scene): number {
+  return 10 ** (Math.floor(Math.log10(scene.length)) - 1);
+}
+
+/** Gives back what the graphics card holds of bodies, lines and letters. */
 function discard(group: Object3D): void {
   group.traverse((object) => {
-    if (object instanceof Mesh || object instanceof Line) {
+    if (object instanceof Sprite) {
+      object.material.map?.dispose();
+      object.material.dispose();
+    } else if (object instanceof Mesh || object instanceof Line) {
       object.geometry.dispose();
       for (const material of [object.material].flat()) material.dispose();
     }

@@ -57,25 +57,26 @@ export function commandOf(kind: "tension" | "shortening", value: number): Comman
 }
 
 const text = (value: number): string => String(Number(value.toPrecision(9)));
-const list = (values: readonly number[]): string => values.map(text).join(",");
 
-/** The state as the part of an address behind `#`, without what is as in the file. */
+/** The state as the part of an address behind `#`, without what is as in the file: between commas nothing stands for that. */
 export function toHash(state: State, initial: State): string {
   const parts: string[] = [];
   const put = (key: string, value: string, before: string): void => {
     if (value !== before) parts.push(`${key}=${value}`);
   };
-  const commands = (of: State): string =>
-    of.commands
-      .map((command) => {
-        const { kind, value } = valueOf(command);
-        return `${kind === "tension" ? "t" : "s"}${text(value)}`;
-      })
-      .join(",");
-  put("cables", commands(state), commands(initial));
-  put("force", list(state.tipForce), list(initial.tipForce));
-  put("moment", list(state.tipMoment), list(initial.tipMoment));
-  put("gravity", list(state.gravity), list(initial.gravity));
+  const each = (key: string, values: readonly string[], before: readonly string[]): void => {
+    const changed = values.map((value, i) => (value === before[i] ? "" : value));
+    if (changed.some((value) => value !== "")) parts.push(`${key}=${changed.join(",")}`);
+  };
+  const commands = (of: State): string[] =>
+    of.commands.map((command) => {
+      const { kind, value } = valueOf(command);
+      return `${kind === "tension" ? "t" : "s"}${text(value)}`;
+    });
+  each("cables", commands(state), commands(initial));
+  each("force", state.tipForce.map(text), initial.tipForce.map(text));
+  each("moment", state.tipMoment.map(text), initial.tipMoment.map(text));
+  each("gravity", state.gravity.map(text), initial.gravity.map(text));
   put("models", state.models.join(","), initial.models.join(","));
   put("colour", state.colouring, initial.colouring);
   put("compliance", String(state.compliance), String(initial.compliance));
@@ -91,25 +92,24 @@ export function fromHash(hash: string, scene: Scene): State {
     const value = unescaped(part.slice(at + 1));
     switch (key) {
       case "cables": {
-        const commands = value.split(",").map(command);
-        if (commands.length === state.commands.length && commands.every((c) => c !== undefined)) {
-          state.commands = commands;
-        }
+        const words = value.split(",");
+        const commands = state.commands.map((own, i) => (words[i] === "" ? own : command(words[i] ?? "?")));
+        if (words.length === commands.length && commands.every((c) => c !== undefined)) state.commands = commands;
         break;
       }
       case "force":
-        state.tipForce = vector(value) ?? state.tipForce;
+        state.tipForce = vector(value, state.tipForce) ?? state.tipForce;
         break;
       case "moment":
-        state.tipMoment = vector(value) ?? state.tipMoment;
+        state.tipMoment = vector(value, state.tipMoment) ?? state.tipMoment;
         break;
       case "gravity":
-        state.gravity = vector(value) ?? state.gravity;
+        state.gravity = vector(value, state.gravity) ?? state.gravity;
         break;
       case "models": {
         const known = scene.models.filter((model) => model.refusal === null).map((model) => model.name);
         const models = value.split(",").filter((name) => known.includes(name));
-        if (models.length > 0) state.models = [...new Set(models)];
+        if (models.length > 0 || value === "") state.models = [...new Set(models)];
         break;
       }
       case "colour":
@@ -121,6 +121,22 @@ export function fromHash(hash: string, scene: Scene): State {
     }
   }
   return state;
+}
+
+/** From where and at what the user looks, as the part of an address. */
+export function viewToHash(view: readonly number[]): string {
+  return `view=${view.map((c) => String(Number(c.toPrecision(5)))).join(",")}`;
+}
+
+/** What an address says of it. */
+export function viewFromHash(hash: string): number[] | undefined {
+  const words = unescaped(hash).match(/(?:^#?|&)view=([^&]*)/)?.[1]?.split(",").map(number);
+  return words?.length === 6 && words.every((word) => word !== undefined) ? words : undefined;
+}
+
+/** The state of one file in another version of it: what was moved stays, and all else is as the file now has it. */
+export function rebase(state: State, initial: State, scene: Scene): State {
+  return fromHash(toHash(state, initial), scene);
 }
 
 /** What programs that pass an address on have escaped. */
@@ -140,8 +156,8 @@ function command(word: string): Command | undefined {
   return undefined;
 }
 
-function vector(words: string): Vector | undefined {
-  const [x, y, z, ...more] = words.split(",").map(number);
+function vector(words: string, own: Vector): Vector | undefined {
+  const [x, y, z, ...more] = words.split(",").map((word, i) => (word === "" ? own[i] : number(word)));
   if (x === undefined || y === undefined || z === undefined || more.length > 0) return undefined;
   return [x, y, z];
 }
@@ -176,6 +192,13 @@ export class History {
 
   redo(): State | undefined {
     return this.#move(this.#future, this.#past);
+  }
+
+  /** The same states of another version of the file. */
+  rebase(each: (state: State) => State): void {
+    this.#past = this.#past.map(each);
+    this.#future = this.#future.map(each);
+    this.#now = each(this.#now);
   }
 
   get canUndo(): boolean {

@@ -5,6 +5,14 @@ import { element } from "./dom";
 type Choice = "auto" | "light" | "dark";
 const CHOICES: readonly Choice[] = ["auto", "light", "dark"];
 
+/** Colours of what surrounds the robot. */
+export interface Colours {
+  background: string;
+  grid: string;
+  /** Of lines and letters. */
+  ink: string;
+}
+
 export class Theme {
   readonly button: HTMLButtonElement;
   readonly #system = window.matchMedia("(prefers-color-scheme: dark)");
@@ -22,8 +30,10 @@ export class Theme {
     return this.#choice === "auto" ? this.#system.matches : this.#choice === "dark";
   }
 
-  get colours(): { background: string; grid: string } {
-    return this.isDark ? { background: "#15191f", grid: "#3a4250" } : { background: "#f6f7f9", grid: "#cfd5dd" };
+  get colours(): Colours {
+    return this.isDark
+      ? { background: "#15191f", grid: "#3a4250", ink: "#e6eaf0" }
+      : { background: "#f6f7f9", grid: "#cfd5dd", ink: "#1d232b" };
   }
 
   #next(): void {

@@ -3,7 +3,7 @@
 
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage } from "three";
 
-import type { Rgb } from "./colours";
+import { linear, type Rgb } from "./colours";
 import { add, cross, norm, scale, subtract } from "./geometry";
 import type { Vector } from "./protocol";
 
@@ -79,13 +79,14 @@ export class Tube {
       return scale(add(scale(ring.u, x), scale(ring.v, y)), sign);
     };
     const last = rings.length - 1;
-    rings.forEach((ring, i) => points.forEach((_, k) => put(ring, k, 1, side(ring, k, 1), colours[i]!)));
-    rings.forEach((ring, i) => points.forEach((_, k) => put(ring, k, this.#inner, side(ring, k, -1), colours[i]!)));
+    const light = colours.map(linear);
+    rings.forEach((ring, i) => points.forEach((_, k) => put(ring, k, 1, side(ring, k, 1), light[i]!)));
+    rings.forEach((ring, i) => points.forEach((_, k) => put(ring, k, this.#inner, side(ring, k, -1), light[i]!)));
     for (const [i, sign] of [[0, -1], [last, 1]] as const) {
       const ring = rings[i]!;
       const along = scale(cross(ring.u, ring.v), sign);
       for (const width of [1, this.#inner]) {
-        points.forEach((_, k) => put(ring, k, width, along, colours[i]!));
+        points.forEach((_, k) => put(ring, k, width, along, light[i]!));
       }
     }
     for (const attribute of [position, normal, colour]) attribute.needsUpdate = true;

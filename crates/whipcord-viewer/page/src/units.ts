@@ -13,8 +13,6 @@ export const NEWTON: Unit = { symbol: "N", word: "newtons", si: 1 };
 export const MILLIMETRE: Unit = { symbol: "mm", word: "millimetres", si: 1e-3 };
 export const MILLINEWTON_METRE: Unit = { symbol: "mN·m", word: "millinewton metres", si: 1e-3 };
 export const METRE_PER_SECOND_SQUARED: Unit = { symbol: "m/s²", word: "metres per second squared", si: 1 };
-export const PER_METRE: Unit = { symbol: "1/m", word: "per metre", si: 1 };
-export const PER_CENT: Unit = { symbol: "%", word: "per cent", si: 1e-2 };
 
 /** A number of so many significant digits, without zeros that say nothing, and never in powers of ten between 1e-4 and 1e6. */
 export function significant(value: number, digits: number): string {

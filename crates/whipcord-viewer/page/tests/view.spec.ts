@@ -1,4 +1,9 @@
-import { ARTEFACTS, expect, near, set, test, tip, tipBySolve } from "./viewer";
+import { writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+
+import type { Page } from "@playwright/test";
+
+import { ARTEFACTS, expect, near, set, solve, test, tip, tipBySolve } from "./viewer";
 
 /** The page's stations change the steps of the integration, by less than the error that it allows: 1e-6 of the length. */
 const SAME = 1e-6;
@@ -59,12 +64,99 @@ test("the file is followed as it changes, and its mistakes are shown", async ({ 
   await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
 });
 
+test("a file with other cables is followed while the sliders move, and undo stays where it can", async ({ page, viewer }) => {
+  await set(page, "cable-1", "3");
+  viewer.edit((text) => text.replace('tension = "8 N"', 'tension = "7 N"'));
+  const box = page.locator('input[type="number"][data-name="cable-3"]');
+  await expect(box).toHaveValue("7");
+  await expect(page.locator('input[type="number"][data-name="cable-1"]')).toHaveValue("3");
+  await page.keyboard.press("Control+z");
+  const undone = tipBySolve(viewer.file, (text) => text);
+  await expect.poll(async () => near(await tip(page, "cosserat"), undone, SAME)).toBe(true);
+  // The last cable goes and comes back, again and again, in the midst of what is asked for.
+  const whole = viewer.read();
+  const fewer = whole.slice(0, whole.lastIndexOf("[[cables]]")) + whole.slice(whole.lastIndexOf("[loads]"));
+  expect(fewer.match(/\[\[cables\]\]/g)).toHaveLength(5);
+  for (let k = 0; k < 6; k++) {
+    viewer.edit(() => (k % 2 === 0 ? fewer : whole));
+    const count = k % 2 === 0 ? 5 : 6;
+    for (let moves = 0; moves < 200 && (await page.locator('input[type="range"][data-name^="cable-"]').count()) !== count; moves++) {
+      await page.locator('input[type="range"][data-name="cable-0"]').press(moves % 2 === 0 ? "ArrowRight" : "ArrowLeft");
+    }
+    await expect(page.locator('input[type="range"][data-name^="cable-"]')).toHaveCount(count);
+  }
+  await page.getByRole("button", { name: "Reset" }).click();
+  await expect.poll(async () => near(await tip(page, "cosserat"), undone, SAME)).toBe(true);
+});
+
+test("the server goes and comes back", async ({ page, viewer }) => {
+  await set(page, "cable-1", "3");
+  viewer.tolerated = /ERR_CONNECTION_REFUSED/;
+  await viewer.end();
+  await expect(page.locator("#status")).toContainText("No connection");
+  await set(page, "cable-2", "2");
+  await expect(page.locator("#waiting")).toBeHidden();
+  await viewer.again();
+  await expect(page.locator("#status")).toBeHidden();
+  await set(page, "cable-0", "12");
+  const expected = tipBySolve(viewer.file, (text) => text.replace('"14 N"', '"12 N"').replace('"1 N"', '"3 N"').replace('"1 N"', '"2 N"'));
+  await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
+});
+
+test("without a model the page says so", async ({ page, viewer }) => {
+  void viewer;
+  await page.getByLabel("cosserat", { exact: true }).uncheck();
+  await expect(page.locator("#status")).toContainText("No model is chosen");
+  await page.reload();
+  await expect(page.locator("#status")).toContainText("No model is chosen");
+});
+
+test("an emptied box, and one of the wrong kind, go back to what is", async ({ page, viewer }) => {
+  void viewer;
+  const box = page.locator('input[type="number"][data-name="cable-3"]');
+  await box.fill("");
+  await box.press("Tab");
+  await expect(box).toHaveValue("8");
+  // Long numbers are seen whole.
+  await set(page, "gravity-x", "-3.92266");
+  const cut = await page.evaluate(() => {
+    const context = document.createElement("canvas").getContext("2d")!;
+    const boxes = [...document.querySelectorAll<HTMLInputElement>('input[type="number"]')];
+    return boxes.filter((box) => {
+      const style = getComputedStyle(box);
+      context.font = style.font;
+      return context.measureText(box.value).width > box.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
+    }).map((box) => box.value);
+  });
+  expect(cut).toEqual([]);
+});
+
+test("the place that one looks from is in the address", async ({ page, viewer }) => {
+  void viewer;
+  const canvas = page.locator("#canvas");
+  await expect(canvas).toHaveAttribute("data-handle", /\d/);
+  await canvas.focus();
+  for (let k = 0; k < 4; k++) await page.keyboard.press("Shift+ArrowLeft");
+  await expect.poll(() => page.url()).toContain("view=");
+  // The picture comes after the keys.
+  await page.waitForTimeout(1500);
+  const seen = await canvas.getAttribute("data-handle");
+  await page.reload();
+  await expect(canvas).toHaveAttribute("data-handle", /\d/);
+  const handle = async (): Promise<number[]> => JSON.parse((await canvas.getAttribute("data-handle")) ?? "[]") as number[];
+  const [x, y] = JSON.parse(seen ?? "[]") as [number, number];
+  await expect.poll(async () => Math.hypot((await handle())[0]! - x, (await handle())[1]! - y)).toBeLessThan(1);
+  await canvas.focus();
+  await page.keyboard.press("Home");
+  expect(page.url()).not.toContain("view=");
+});
+
 test("the address keeps the state, and undo, redo and reset go through it", async ({ page, viewer }) => {
   await set(page, "force-x", "0.25");
   await set(page, "cable-1", "3");
   const pulled = tipBySolve(viewer.file, (text) => text.replace("tension = \"1 N\"", "tension = \"3 N\"") + 'tip_force = ["0.25 N", "0 N", "0 N"]\n');
   await expect.poll(async () => near(await tip(page, "cosserat"), pulled, SAME)).toBe(true);
-  expect(page.url()).toContain("force=0.25,0,0");
+  expect(page.url()).toContain("force=0.25,,");
   await page.reload();
   await expect.poll(async () => near(await tip(page, "cosserat"), pulled, SAME)).toBe(true);
   await page.getByRole("button", { name: "Reset" }).click();
@@ -113,7 +205,7 @@ test("a force that turns with the tip is dragged in its frame", async ({ page, v
   await page.mouse.up();
   await expect.poll(async () => (await handle())[0]).toBeGreaterThan(before[0] + 4);
   const force = new URL(page.url()).hash.match(/force=([^&]*)/)?.[1]?.split(",") ?? [];
-  const given = `tip_force = [${force.map((f) => `"${f} N"`).join(", ")}]\n`;
+  const given = `tip_force = [${force.map((f) => `"${f || 0} N"`).join(", ")}]\n`;
   const expected = tipBySolve(viewer.file, (text) => text + given);
   await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
 });
@@ -125,8 +217,25 @@ test("a variant of a model is chosen", async ({ page, viewer }) => {
   await expect(page.locator('.answer[data-model="four-bar-strain-energy"]')).toHaveAttribute("data-status", "solved");
 });
 
+/** How many points of the view have the colour of the second cable, #d55e00, in light or shade: six times as much red light as green. */
+async function vermillion(page: Page): Promise<number> {
+  return page.locator("#canvas").evaluate((view) => {
+    const canvas = view as HTMLCanvasElement;
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d")!;
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+    const light = (k: number): number => (data[k]! / 255) ** 2.2;
+    let count = 0;
+    for (let k = 0; k < data.length; k += 4) {
+      if (light(k) > 0.1 && light(k + 1) < 0.25 * light(k) && light(k + 2) < 0.1 * light(k)) count++;
+    }
+    return count;
+  });
+}
+
 test("colours stand for what they say", async ({ page, viewer }) => {
   void viewer;
+  await expect.poll(() => vermillion(page)).toBeGreaterThan(50);
   for (const [colouring, legend] of [["tension", "tension in N"], ["curvature", "curvature in 1/m"], ["strain", "stretch in %"]] as const) {
     await page.getByLabel("Colour by").selectOption(colouring);
     await expect(page.locator("#legend")).toContainText(legend);
@@ -138,7 +247,12 @@ test("colours stand for what they say", async ({ page, viewer }) => {
 
 test("a cable is changed from tension to length, and the compliance of the tip is shown", async ({ page, viewer }) => {
   void viewer;
+  const before = await tip(page, "cosserat");
   await page.getByRole("button", { name: "Cable upper-1" }).click();
+  // The robot stays where it is: rounded to six digits.
+  await expect.poll(async () => page.url()).toContain("cables=s0.0058");
+  await page.waitForTimeout(200);
+  expect(near(await tip(page, "cosserat"), before, 1e-6)).toBe(true);
   await expect(page.locator('input[type="number"][data-name="cable-0"]')).toHaveAttribute("aria-label", /millimetres/);
   await set(page, "cable-0", "4");
   const row = page.locator('.answer[data-model="cosserat"] tbody tr').first();
@@ -148,13 +262,47 @@ test("a cable is changed from tension to length, and the compliance of the tip i
   await page.screenshot({ path: `${ARTEFACTS}/compliance.png` });
 });
 
+test("several models are dragged together, and the greyed ones stay where they were", async ({ page, viewer }) => {
+  void viewer;
+  await page.getByLabel("cosserat-disks").check();
+  await page.getByLabel("pseudo-rigid-body").check();
+  await set(page, "force-x", "0.3");
+  const file = (model: string): number[] =>
+    tipBySolve(viewer.file, (text) => `${text}tip_force = ["0.3 N", "0 N", "0 N"]\n`, "--model", model);
+  for (const model of ["cosserat", "cosserat-disks", "pseudo-rigid-body"]) {
+    const expected = file(model);
+    await expect.poll(async () => near(await tip(page, model), expected, SAME), { message: model }).toBe(true);
+  }
+  await page.getByLabel("Compliance of the tip").check();
+  await expect(page.locator('.answer[data-model="cosserat-disks"] dl')).toContainText("mm/N");
+  await page.screenshot({ path: `${ARTEFACTS}/together.png` });
+});
+
 test.describe("among obstacles", () => {
   test.use({ example: "contact/among-bodies.toml" });
 
   test("the robot touches them, and what knows no contact says so", async ({ page, viewer }) => {
     void viewer;
     await page.getByLabel("Colour by").selectOption("contact");
-    await expect(page.locator('.answer[data-model="cosserat"] dl')).toContainText("touches at");
+    await expect(page.locator('.answer[data-model="cosserat"] dl')).toContainText("touches");
+    await expect(page.locator("#legend")).toContainText("touches nothing");
     await page.screenshot({ path: `${ARTEFACTS}/obstacles.png` });
+  });
+});
+
+test.describe("of a robot that was measured", () => {
+  test.use({ example: "table1/case-3.toml" });
+
+  test("the points are in the view, and a slack cable says that it is", async ({ page, viewer }) => {
+    const disks = JSON.parse(solve(viewer.file, (text) => text)).disks as { position: number[] }[];
+    const rows = disks.map(({ position }, i) => [i + 1, ...position.map((c) => 1e3 * c + (i % 2))].join(","));
+    writeFileSync(join(dirname(viewer.file), "seen.csv"), `disk,x,y,z\n${rows.join("\n")}\n`);
+    viewer.edit((text) => text.replace("[reference]", '[measured]\ndisks = "seen.csv"\nunit = "mm"\n[reference]'));
+    await expect(page.locator("#scale")).toContainText("measured on the real robot");
+    await page.screenshot({ path: `${ARTEFACTS}/measured.png` });
+    await page.getByRole("button", { name: "change between tension and shortening" }).click();
+    await set(page, "cable-0", "-5");
+    await expect(page.locator('.answer[data-model="cosserat"] tbody')).toContainText("slack");
+    await page.screenshot({ path: `${ARTEFACTS}/slack.png` });
   });
 });
