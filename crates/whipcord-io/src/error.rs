@@ -22,7 +22,7 @@ pub struct FileError {
     pub problems: Vec<Diagnostic>,
     /// How many more problems there are that were not kept.
     pub more: usize,
-    /// The files that were read.
+    /// The files that were read, and those that they name and that could not be.
     pub sources: Sources,
 }
 

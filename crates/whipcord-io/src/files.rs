@@ -121,6 +121,7 @@ pub(crate) fn read_content(
             Err(Refusal { problem: FileProblem::Unreadable { reason, missing }, .. }),
             Some(named),
         ) => {
+            sources.add(path, None);
             let path = path.display().to_string();
             problems.push(named, || FileProblem::NamedUnreadable { path, reason, missing });
             None

@@ -11,7 +11,7 @@ use futures_util::{SinkExt as _, StreamExt as _};
 use tokio::sync::{Semaphore, mpsc, watch};
 
 use crate::bench::Bench;
-use crate::opened::Opened;
+use crate::opened::{Opened, Usable};
 use crate::protocol::{self, FromPage, Malformed, Request, ToPage};
 
 /// Messages that wait to be sent to a page that is slow to take them.
@@ -78,7 +78,7 @@ async fn solve(
     send: mpsc::Sender<ToPage>,
 ) {
     let Shared { mut opened, solvers } = shared;
-    let mut bench: Option<Bench> = None;
+    let (mut bench, mut known): (Option<Bench>, Option<Arc<Usable>>) = (None, None);
     opened.mark_changed();
     loop {
         tokio::select! {
@@ -87,16 +87,20 @@ async fn solve(
                 if changed.is_err() {
                     return;
                 }
-                let now = opened.borrow_and_update().clone();
-                let message = match now {
-                    Opened::Usable(usable) => {
-                        bench = Some(Bench::new(Arc::clone(&usable.file)));
-                        ToPage::Scene(Box::new(usable.scene.clone()))
+                let Opened { usable, broken } = opened.borrow_and_update().clone();
+                // The robot that last could be used is told of once, and can be moved whatever is wrong with the file since.
+                let is_known = known.as_ref().is_some_and(|known| Arc::ptr_eq(known, &usable));
+                if !is_known {
+                    bench = Some(Bench::new(Arc::clone(&usable.file)));
+                    let scene = ToPage::Scene(Box::new(usable.scene.clone()));
+                    known = Some(usable);
+                    if send.send(scene).await.is_err() {
+                        return;
                     }
-                    // The robot that was can still be moved.
-                    Opened::Broken(message) => ToPage::Broken { message: message.to_string() },
-                };
-                if send.send(message).await.is_err() {
+                }
+                if let Some(why) = broken
+                    && send.send(ToPage::Broken { message: why.to_string() }).await.is_err()
+                {
                     return;
                 }
             }

@@ -15,13 +15,13 @@ use crate::scene::scene;
 /// of no change: looking is what always works.
 const EVERY: Duration = Duration::from_millis(200);
 
-/// A robot file, or what is wrong with it.
+/// A robot file as it last could be used, and what is wrong with it since.
 #[derive(Clone, Debug)]
-pub enum Opened {
-    /// It can be used.
-    Usable(Arc<Usable>),
-    /// It cannot: what the command line would print.
-    Broken(Arc<str>),
+pub struct Opened {
+    /// The robot that can be moved.
+    pub usable: Arc<Usable>,
+    /// Why the file as it now is cannot be used, where it cannot: what the command line would print.
+    pub broken: Option<Arc<str>>,
 }
 
 /// A robot file, and what the page is told of it.
@@ -39,42 +39,66 @@ impl Opened {
     /// # Errors
     /// [`FileError`] with all that is wrong with it.
     pub fn read(path: &Path) -> Result<(Self, Watched), FileError> {
-        let file = load(path)?;
-        let watched = Watched::new(file.files().map(Path::to_owned).collect());
+        let (read, watched) = read(path, vec![path.to_owned()]);
+        Ok((Self { usable: Arc::new(read?), broken: None }, watched))
+    }
+}
+
+/// Reads the file, while it and `known` are watched. A file that cannot be used is mended by a change of any of them,
+/// or of one that it names and that is not there.
+fn read(path: &Path, known: Vec<PathBuf>) -> (Result<Usable, FileError>, Watched) {
+    let (loaded, mut watched) = Watched::during(known, || {
+        let loaded = load(path);
+        let named = match &loaded {
+            Ok(file) => file.files().map(Path::to_owned).collect(),
+            Err(error) => error.sources.files().iter().map(|s| s.path.clone()).collect(),
+        };
+        (loaded, named)
+    });
+    let usable = loaded.map(|file| {
+        watched.keep(|watched| file.files().any(|path| path == watched));
         let file = Arc::new(file);
         let scene = scene(&file);
-        Ok((Self::Usable(Arc::new(Usable { file, scene })), watched))
-    }
-
-    fn broken(error: &FileError, path: &Path) -> (Self, Watched) {
-        let named = error.sources.files().iter().map(|source| source.path.clone());
-        let mut files: Vec<PathBuf> = named.collect();
-        if files.is_empty() {
-            files.push(path.to_owned());
-        }
-        let message = render(error, false).trim_end().to_owned();
-        (Self::Broken(message.into()), Watched::new(files))
-    }
+        Usable { file, scene }
+    });
+    (usable, watched)
 }
 
-/// The files that a robot file was read from, as they were then.
+/// Files as they were when they were read.
 #[derive(Debug)]
-pub struct Watched {
-    files: Vec<PathBuf>,
-    stamps: Vec<Stamp>,
-}
+pub struct Watched(Vec<(PathBuf, Stamp)>);
 
 /// What tells one state of a file from another; none where there is no such file.
 type Stamp = Option<(SystemTime, u64)>;
 
 impl Watched {
-    fn new(files: Vec<PathBuf>) -> Self {
-        let stamps = files.iter().map(|file| stamp(file)).collect();
-        Self { files, stamps }
+    /// What `read` gives, and the files that it names beside those that are known, as they were before it: what is saved
+    /// meanwhile is a change. So it reads again when it names a file that was not looked at before.
+    fn during<T>(
+        mut known: Vec<PathBuf>,
+        mut read: impl FnMut() -> (T, Vec<PathBuf>),
+    ) -> (T, Self) {
+        loop {
+            let before = known.iter().map(|file| stamp(file)).collect::<Vec<_>>();
+            let (found, mut named) = read();
+            named.retain(|file| !known.contains(file));
+            if named.is_empty() {
+                return (found, Self(known.into_iter().zip(before).collect()));
+            }
+            known.append(&mut named);
+        }
+    }
+
+    fn keep(&mut self, wanted: impl Fn(&Path) -> bool) {
+        self.0.retain(|(file, _)| wanted(file));
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.0.iter().map(|(file, _)| file.clone()).collect()
     }
 
     fn has_changed(&self) -> bool {
-        self.files.iter().zip(&self.stamps).any(|(file, before)| stamp(file) != *before)
+        self.0.iter().any(|(file, before)| stamp(file) != *before)
     }
 }
 
@@ -92,14 +116,42 @@ pub async fn follow(path: PathBuf, mut watched: Watched, tell: watch::Sender<Ope
         if !watched.has_changed() {
             continue;
         }
-        let path = path.clone();
-        let read = move || match Opened::read(&path) {
-            Ok(opened) => opened,
-            Err(error) => Opened::broken(&error, &path),
-        };
+        let (path, known) = (path.clone(), watched.files());
         // Only a panic ends the task without a result; the file then stays as it was last read.
-        let Ok((opened, now)) = tokio::task::spawn_blocking(read).await else { continue };
+        let reading = tokio::task::spawn_blocking(move || read(&path, known));
+        let Ok((read, now)) = reading.await else { continue };
         watched = now;
-        tell.send_replace(opened);
+        tell.send_modify(|opened| match read {
+            Ok(usable) => *opened = Opened { usable: Arc::new(usable), broken: None },
+            Err(error) => opened.broken = Some(render(&error, false).trim_end().into()),
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_saved_while_a_file_is_read_is_a_change() {
+        let folder = tempfile::tempdir().unwrap();
+        let [first, second] = ["a.toml", "b.toml"].map(|name| folder.path().join(name));
+        fs::write(&first, "one").unwrap();
+        let mut readings = 0;
+        let ((), watched) = Watched::during(vec![first.clone()], || {
+            readings += 1;
+            ((), vec![first.clone(), second.clone()])
+        });
+        // The second file was known only after the first reading.
+        assert_eq!((readings, watched.files()), (2, vec![first.clone(), second.clone()]));
+        assert!(!watched.has_changed());
+        fs::write(&second, "").unwrap();
+        assert!(watched.has_changed());
+
+        let ((), watched) = Watched::during(watched.files(), || {
+            fs::write(&first, "longer").unwrap();
+            ((), vec![first.clone()])
+        });
+        assert!(watched.has_changed());
     }
 }

@@ -20,6 +20,13 @@ fn solved(message: ToPage) -> Frame {
     }
 }
 
+fn broken(message: ToPage) -> String {
+    match message {
+        ToPage::Broken { message } => message,
+        other => panic!("{other:?} is no mistake in the file"),
+    }
+}
+
 #[tokio::test]
 async fn the_latest_request_is_answered_and_none_queue_up() {
     let port = serve(&example("two-segment-arm.toml")).await;
@@ -52,12 +59,8 @@ async fn a_file_that_changes_is_told_of() {
     let (mut client, scene) = Client::connect(port).await;
     assert_eq!(scene.length, 0.3);
     fs::write(&path, text.replace("300 mm", "300 mn")).unwrap();
-    match client.hear().await {
-        ToPage::Broken { message } => {
-            assert!(message.contains("arm.toml:7:") && message.contains("300 mn"), "{message}");
-        }
-        other => panic!("{other:?}"),
-    }
+    let why = broken(client.hear().await);
+    assert!(why.contains("arm.toml:7:") && why.contains("300 mn"), "{why}");
     // The robot that was is still moved.
     client.ask(&scene.initial).await;
     solved(client.hear().await);
@@ -68,6 +71,49 @@ async fn a_file_that_changes_is_told_of() {
     match client.hear().await {
         ToPage::Scene(scene) => assert_eq!(scene.length, 0.25),
         other => panic!("{other:?}"),
+    }
+}
+
+#[tokio::test]
+async fn a_named_file_that_was_missing_is_noticed_when_it_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let [arm, own] = ["arm.toml", "own.toml"].map(|name| folder.path().join(name));
+    let text = fs::read_to_string(example("two-segment-arm.toml")).unwrap();
+    fs::write(&arm, &text).unwrap();
+    fs::write(&own, "extends = \"arm.toml\"\ntitle = \"own\"\n").unwrap();
+    let port = serve(&own).await;
+    let (mut client, scene) = Client::connect(port).await;
+    assert_eq!((scene.title.as_str(), scene.length), ("own", 0.3));
+    for length in ["250 mm", "200 mm"] {
+        fs::remove_file(&arm).unwrap();
+        let why = broken(client.hear().await);
+        assert!(why.contains("arm.toml") && why.contains("no such file"), "{why}");
+        fs::write(&arm, text.replace("300 mm", length)).unwrap();
+        match client.hear().await {
+            ToPage::Scene(scene) => assert_eq!(format!("{} mm", scene.length * 1e3), length),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_page_that_comes_while_the_file_is_broken_has_the_robot_that_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.toml");
+    let text = fs::read_to_string(example("two-segment-arm.toml")).unwrap();
+    fs::write(&path, &text).unwrap();
+    let port = serve(&path).await;
+    let (mut first, _) = Client::connect(port).await;
+    fs::write(&path, text.replace("300 mm", "300 mn")).unwrap();
+    let why = broken(first.hear().await);
+
+    let (mut second, scene) = Client::connect(port).await;
+    assert_eq!((scene.length, broken(second.hear().await)), (0.3, why));
+    second.ask(&scene.initial).await;
+    solved(second.hear().await);
+    fs::write(&path, &text).unwrap();
+    for client in [&mut first, &mut second] {
+        assert!(matches!(client.hear().await, ToPage::Scene(_)));
     }
 }
 
