@@ -190,9 +190,10 @@ fn shares_of(solution: &Solution) -> Vec<f64> {
     solution.cables.iter().map(share).collect()
 }
 
-/// The case in which each cable is shortened by this share of its length.
+/// The case in which each cable is shortened by this share of its length: at once, because of the steps before the
+/// last there are tensions alone, and these lengths already are what the steps left.
 fn shortened(case: &Case, shares: &[f64]) -> Case {
-    let mut case = case.clone();
+    let mut case = Case { before: Vec::new(), ..case.clone() };
     for (command, &share) in case.commands.iter_mut().zip(shares) {
         command.shortening = Some(Shortening::Fraction(share));
     }

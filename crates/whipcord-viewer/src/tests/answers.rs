@@ -77,6 +77,34 @@ fn a_geometric_model_is_driven_by_the_lengths_that_tensions_give() {
 }
 
 #[test]
+fn a_geometric_model_is_driven_by_the_lengths_that_steps_and_friction_left() {
+    let file = Arc::new(load(example("rubbing-finger.toml")).unwrap());
+    let models = vec!["cosserat-disks".to_owned(), "four-bar".to_owned()];
+    let request = Request { models, ..scene(&file).initial };
+    let frame = Bench::new(Arc::clone(&file)).solve(&request, Instant::now()).unwrap();
+    let [rod, driven] = frame.answers.try_into().unwrap();
+    let (rod, driven) = (only(vec![rod]), only(vec![driven]));
+    assert_eq!(driven.driven_by.as_deref(), Some("cosserat-disks"));
+
+    let shares = rod.cables.iter().map(|cable| 1.0 - cable.length / cable.initial_length);
+    let fraction =
+        |share| CableCommand { tension: None, shortening: Some(Shortening::Fraction(share)) };
+    let case = whipcord::Case { commands: shares.map(fraction).collect(), ..Default::default() };
+    let expected = model(ModelVariant::usual(ModelKind::FourBar), &Places::of(&file.robot))
+        .solve(&file.robot, &case)
+        .unwrap();
+    let apart = expected.shape.tip().position - (*driven.positions.last().unwrap()).into();
+    assert!(apart.norm() < 1e-9 * file.robot.backbone().length, "{apart:?}");
+    // Friction holds more of the cable back than the same tension without the steps before.
+    let mut at_once = (*file).clone();
+    at_once.case.before.clear();
+    let mut bench = Bench::new(Arc::new(at_once));
+    let [_, straight] = bench.solve(&request, Instant::now()).unwrap().answers.try_into().unwrap();
+    let [x, y] = [driven, only(vec![straight])].map(|solved| solved.cables[0].length);
+    assert!(y - x > 1e-4, "{x} {y}");
+}
+
+#[test]
 fn what_has_no_answer_says_why_and_the_next_request_is_answered() {
     let file = Arc::new(load(example("two-segment-arm.toml")).unwrap());
     let initial = scene(&file).initial;
