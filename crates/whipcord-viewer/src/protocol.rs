@@ -106,7 +106,7 @@ pub struct Scene {
     pub tip_follower: bool,
     /// What loads the file has that no slider moves, in words.
     pub other_loads: Vec<String>,
-    /// Where the real robot's disks were measured, in m.
+    /// Where the real robot's disks and markers were measured, in m, in the world.
     pub measured: Vec<[f64; 3]>,
     /// What stands in the robot's way.
     pub obstacles: Vec<Obstacle>,

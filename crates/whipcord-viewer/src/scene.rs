@@ -1,11 +1,13 @@
 //! A robot file as the page is told of it.
 
+use whipcord::observation::{distances, in_space};
+use whipcord::registration::Alignment;
 use whipcord::variant::Variant;
 use whipcord::{
-    Drive, LoadFrame, Model, ModelKind, ModelVariant, Prepared, Robot, Section, Shortening,
-    SolveError, Stations, Vec3,
+    Drive, LoadFrame, Model, ModelKind, ModelVariant, Prepared, Robot, Section, SolveError,
+    Stations, Vec3,
 };
-use whipcord_io::CaseFile;
+use whipcord_io::{CaseFile, Measured};
 use whipcord_plot::{CableCourse, plates_of};
 
 use crate::obstacles;
@@ -21,11 +23,12 @@ pub fn scene(file: &CaseFile) -> Scene {
     let (robot, case) = (&file.robot, &file.case);
     let places = Places::of(robot);
     let initial_lengths = initial_lengths(robot, &places);
-    let models: Vec<_> = offered().into_iter().map(|one| choice(file, one)).collect();
-    let first = models.iter().find(|choice| choice.refusal.is_none());
-    let first = first.map(|choice| choice.name.clone());
+    let choices: Vec<_> = offered().into_iter().map(|one| (one, choice(file, one))).collect();
+    let first = choices.iter().find(|(_, choice)| choice.refusal.is_none()).map(|&(one, _)| one);
+    let models = choices.into_iter().map(|(_, choice)| choice).collect();
+    let named = first.map(|one| one.name().to_owned());
     let initial =
-        Request { models: first.into_iter().collect(), ..initial(file, &initial_lengths) };
+        Request { models: named.into_iter().collect(), ..initial(file, &initial_lengths) };
     let names = |path: &std::path::Path| {
         path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     };
@@ -45,7 +48,7 @@ pub fn scene(file: &CaseFile) -> Scene {
         loads_in_base: case.loads.frame == LoadFrame::Base,
         tip_follower: case.loads.tip_follower,
         other_loads: other_loads(file),
-        measured: file.measured.iter().flat_map(|m| &m.disks).map(|d| array(d.position)).collect(),
+        measured: measured(file, first),
         obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
     }
 }
@@ -125,7 +128,7 @@ fn initial(file: &CaseFile, initial_lengths: &[f64]) -> Request {
     let commands = case.commands.iter().zip(initial_lengths).map(|(command, &length)| {
         match (command.tension, command.shortening) {
             (Some(tension), _) => Command::Tension(tension),
-            (None, Some(shortening)) => Command::Shortening(in_metres(shortening, length)),
+            (None, Some(shortening)) => Command::Shortening(shortening.in_metres(length)),
             (None, None) => Command::Tension(0.0),
         }
     });
@@ -139,10 +142,6 @@ fn initial(file: &CaseFile, initial_lengths: &[f64]) -> Request {
         models: Vec::new(),
         compliance: false,
     }
-}
-
-fn in_metres(shortening: Shortening, initial_length: f64) -> f64 {
-    shortening.in_metres(initial_length)
 }
 
 /// What can be chosen: all models, then their variants that answer something else, so that a model has the colour
@@ -190,6 +189,24 @@ fn refusal(file: &CaseFile, variant: ModelVariant) -> Option<String> {
         ) => Some(error.to_string()),
         _ => None,
     }
+}
+
+/// Where disks and markers were measured, in the world: brought there, where the file says how, as onto the first
+/// model's answer. None where there is no such answer, or no motion brings them to it.
+fn measured(file: &CaseFile, first: Option<ModelVariant>) -> Vec<[f64; 3]> {
+    let (robot, case) = (&file.robot, &file.case);
+    let Some(Measured { observations, alignment, .. }) = &file.measured else { return Vec::new() };
+    if *alignment == Alignment::None {
+        return in_space(case, observations).map(|(_, position)| array(position)).collect();
+    }
+    let moved = first.and_then(|first| {
+        let model = first.model(Stations::Disks, robot.disks().count() - 1);
+        let mut prepared = model.prepare(robot, &case.loads).ok()?;
+        let solution = prepared.solve_to_the_end(case).ok()?;
+        distances(first.kind, robot, case, &solution, observations, *alignment).ok()?
+    });
+    let markers = moved.into_iter().flat_map(|distances| distances.markers);
+    markers.map(|marker| array(marker.measured)).collect()
 }
 
 /// Loads of the file that no slider moves.

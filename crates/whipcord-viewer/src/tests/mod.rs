@@ -4,6 +4,7 @@ mod answers;
 mod guarded;
 mod live;
 mod samples;
+mod scenes;
 mod soak;
 
 use std::path::{Path, PathBuf};

@@ -77,6 +77,21 @@ pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> Option<f64>
     (count > 0).then(|| (sum / count as f64).sqrt())
 }
 
+/// What was measured in space after the last step of a case: each with its position in m, in the frame of the
+/// measurement.
+pub fn in_space<'a>(
+    case: &Case,
+    observations: &'a [Observation],
+) -> impl Iterator<Item = (&'a Observation, Vec3)> {
+    let last = case.before.len();
+    observations.iter().filter(move |observation| observation.step == last).filter_map(
+        |observation| match observation.seen {
+            Seen::Position(position) => Some((observation, position)),
+            Seen::Pixel { .. } => None,
+        },
+    )
+}
+
 /// Compares an answer at the disks with what was measured in space after the last step, moved onto it as
 /// `alignment` says; `None` where nothing was. What was seen is on the robot.
 ///
@@ -90,15 +105,7 @@ pub fn distances(
     observations: &[Observation],
     alignment: Alignment,
 ) -> Result<Option<Distances>, Incomparable> {
-    let last = case.before.len();
-    let seen: Vec<(&Observation, Vec3)> = observations
-        .iter()
-        .filter(|observation| observation.step == last)
-        .filter_map(|observation| match observation.seen {
-            Seen::Position(position) => Some((observation, position)),
-            Seen::Pixel { .. } => None,
-        })
-        .collect();
+    let seen: Vec<_> = in_space(case, observations).collect();
     if seen.is_empty() {
         return Ok(None);
     }
