@@ -11,6 +11,14 @@ pub enum ViewError {
         "this whipcord was built without the page of its viewer: run `make page`, which needs Node, and build again"
     )]
     NoPage,
+    /// The page that the binary was built with is not one that can be exported.
+    #[error(
+        "the page of the viewer has no `{what}`: build it with `make page`, and whipcord again"
+    )]
+    OtherPage {
+        /// What is missing in it.
+        what: &'static str,
+    },
     /// The robot file cannot be used.
     #[error(transparent)]
     File(#[from] FileError),

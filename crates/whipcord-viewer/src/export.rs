@@ -70,15 +70,31 @@ struct Trials {
     greatest: f64,
 }
 
-/// Writes the page of a robot file, with frames of these models, or of the first that takes the robot.
+/// How far an export is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// The model that is solved.
+    pub model: ModelVariant,
+    /// Solves that are done, of all models.
+    pub done: usize,
+    /// Solves that there are to do.
+    pub all: usize,
+}
+
+/// Writes the page of a robot file, with frames of these models, or of the first that takes the robot. `tell` hears of
+/// every solve that is done.
 ///
 /// # Errors
 /// [`ViewError`] for a file that cannot be used, a model that does not take the robot, a robot that is too large for one page, and a
 /// binary without the page.
-pub fn export(path: &Path, models: &[ModelVariant]) -> Result<String, ViewError> {
+pub fn export(
+    path: &Path,
+    models: &[ModelVariant],
+    tell: impl FnMut(Progress),
+) -> Result<String, ViewError> {
     let file = Arc::new(load(path)?);
     let page = page()?;
-    let recording = record(&file, models)?;
+    let recording = record(&file, models, tell)?;
     let data = serde_json::to_string(&recording)?;
     let text = one_page(page, &data)?;
     if text.len() > MOST_BYTES {
@@ -87,10 +103,19 @@ pub fn export(path: &Path, models: &[ModelVariant]) -> Result<String, ViewError>
     Ok(text)
 }
 
-fn record(file: &Arc<CaseFile>, models: &[ModelVariant]) -> Result<Recording, ViewError> {
+fn record(
+    file: &Arc<CaseFile>,
+    models: &[ModelVariant],
+    mut tell: impl FnMut(Progress),
+) -> Result<Recording, ViewError> {
     let mut scene = scene(file);
     if !models.is_empty() {
-        scene.initial.models = models.iter().map(|one| one.name().to_owned()).collect();
+        scene.initial.models.clear();
+    }
+    for name in models.iter().map(|one| one.name().to_owned()) {
+        if !scene.initial.models.contains(&name) {
+            scene.initial.models.push(name);
+        }
     }
     for choice in &mut scene.models {
         if !scene.initial.models.contains(&choice.name) {
@@ -109,13 +134,29 @@ fn record(file: &Arc<CaseFile>, models: &[ModelVariant]) -> Result<Recording, Vi
     let bytes = pieces * STRAIN_BYTES + scene.cables.len() * CABLE_BYTES + 2 + touching;
     let most = (MOST_OF_FRAMES / variants.len() / bytes).min(MOST_FRAMES);
     let grid = Grid::new(&scene.initial.commands, &scene.ranges, most);
-    let recorded = variants.iter().map(|&one| frames(file, &scene, &grid, one)).collect();
+    let each = grid.frames() + TRIALS;
+    let all = each * variants.len();
+    let recorded = variants.iter().enumerate().map(|(k, &model)| {
+        let mut done = k * each;
+        let mut one_more = || {
+            done += 1;
+            tell(Progress { model, done, all });
+        };
+        frames(file, &scene, &grid, model, &mut one_more)
+    });
+    let recorded = recorded.collect();
     let axes = grid.axes.into_iter().map(|axis| axis.values).collect();
     Ok(Recording { scene, axes, models: recorded })
 }
 
 /// Frames in an order in which each is solved from a neighbour: every other row backwards.
-fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, variant: ModelVariant) -> Recorded {
+fn frames(
+    file: &Arc<CaseFile>,
+    scene: &Scene,
+    grid: &Grid,
+    variant: ModelVariant,
+    one_more: &mut impl FnMut(),
+) -> Recorded {
     let mut bench = Bench::new(Arc::clone(file));
     let row = grid.axes.last().map_or(1, |axis| axis.values.len());
     let mut all: Vec<Option<Solution>> = vec![None; grid.frames()];
@@ -125,6 +166,7 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, variant: ModelVarian
         let turned = k < last && line % 2 == 1;
         let frame = line * row + if turned { row - 1 - at } else { at };
         all[frame] = solve(&mut bench, scene, variant, grid.commands(frame));
+        one_more();
     }
     let lengths: Vec<f64> = scene.stations.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let strains: Vec<Option<Vec<Twist>>> =
@@ -177,7 +219,7 @@ fn frames(file: &Arc<CaseFile>, scene: &Scene, grid: &Grid, variant: ModelVarian
         touches: base64(&touches),
         solved: all.iter().flatten().count(),
         greatest_residual: all.iter().flatten().map(|s| s.diagnostics.residual).fold(0.0, f64::max),
-        trials: trials(&mut bench, scene, grid, variant, &rounded, &lengths),
+        trials: trials(&mut bench, scene, grid, variant, &rounded, &lengths, one_more),
     }
 }
 
@@ -223,9 +265,11 @@ fn trials(
     variant: ModelVariant,
     strains: &[Option<Vec<Twist>>],
     lengths: &[f64],
+    one_more: &mut impl FnMut(),
 ) -> Trials {
     let mut errors = Vec::new();
     for n in 1..=TRIALS {
+        one_more();
         let fractions: Vec<f64> = (0..grid.axes.len()).map(|axis| halton(n, axis)).collect();
         let commands = grid.between(&fractions);
         let Some(around) = grid.around(&commands, |frame| strains[frame].is_some()) else {
@@ -280,7 +324,7 @@ fn one_page(page: Page, data: &str) -> Result<String, ViewError> {
     let script = page.script.replace("</script", "<\\/script");
     let data = data.replace('<', "\\u003c");
     let policy = format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\" />");
-    let head = html.find("<head>").ok_or(ViewError::NoPage)? + "<head>".len();
+    let head = html.find("<head>").ok_or(ViewError::OtherPage { what: "<head>" })? + "<head>".len();
     html.insert_str(head, &policy);
     replace_tag(&mut html, "<script", "</script>", "")?;
     replace_tag(
@@ -292,14 +336,20 @@ fn one_page(page: Page, data: &str) -> Result<String, ViewError> {
     let inside = format!(
         "<script type=\"application/json\" id=\"recording\">{data}</script><script type=\"module\">{script}</script></body>"
     );
-    let end = html.rfind("</body>").ok_or(ViewError::NoPage)?;
+    let end = html.rfind("</body>").ok_or(ViewError::OtherPage { what: "</body>" })?;
     html.replace_range(end..end + "</body>".len(), &inside);
     Ok(html)
 }
 
-fn replace_tag(html: &mut String, start: &str, end: &str, by: &str) -> Result<(), ViewError> {
-    let from = html.find(start).ok_or(ViewError::NoPage)?;
-    let to = html[from..].find(end).ok_or(ViewError::NoPage)? + from + end.len();
+fn replace_tag(
+    html: &mut String,
+    start: &'static str,
+    end: &'static str,
+    by: &str,
+) -> Result<(), ViewError> {
+    let from = html.find(start).ok_or(ViewError::OtherPage { what: start })?;
+    let length = html[from..].find(end).ok_or(ViewError::OtherPage { what: end })?;
+    let to = from + length + end.len();
     html.replace_range(from..to, by);
     Ok(())
 }

@@ -27,7 +27,7 @@ use crate::page::{Page, page};
 use crate::server::Server;
 
 pub use error::ViewError;
-pub use export::export;
+pub use export::{Progress, export};
 pub use scene::offered;
 
 /// A robot file that is about to be viewed: it can be used, and the server listens.

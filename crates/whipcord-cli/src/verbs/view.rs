@@ -11,6 +11,7 @@ use crate::chosen::variant_parser;
 use crate::failure::Failure;
 use crate::files;
 use crate::inputs;
+use crate::progress;
 
 /// Move the cables of a robot in the browser
 ///
@@ -38,7 +39,14 @@ pub struct ViewArgs {
 pub fn run(args: &ViewArgs) -> Result<String, Failure> {
     if let Some(out) = &args.export {
         files::keep(out, [args.file.as_path()])?;
-        let page = export(&args.file, &args.model).map_err(|error| failure(&error))?;
+        let bar = progress::bar(0);
+        let page = export(&args.file, &args.model, |progress| {
+            bar.set_length(progress.all as u64);
+            bar.set_position(progress.done as u64);
+            bar.set_message(format!("solves for {}", progress.model));
+        });
+        bar.finish_and_clear();
+        let page = page.map_err(|error| failure(&error))?;
         files::write(out, page.as_bytes())?;
         return Ok(format!("{}\n", out.display()));
     }

@@ -14,11 +14,16 @@ fn example(name: &str) -> Arc<CaseFile> {
 #[test]
 fn frames_say_how_far_what_lies_between_them_is_off() {
     let file = example("table1/case-3.toml");
-    let recording = record(&file, &[]).unwrap();
+    let mut told = Vec::new();
+    let recording = record(&file, &[], |progress| told.push(progress)).unwrap();
     let recorded = &recording.models[0];
     assert_eq!((recorded.model.as_str(), recording.axes.len()), ("cosserat", 1));
     assert_eq!(recorded.solved, recording.axes[0].len() + 1);
     assert_eq!(recorded.trials.count, TRIALS);
+    // Whoever waits for it hears of each solve.
+    let all = recorded.solved + TRIALS;
+    assert_eq!(told.iter().map(|t| t.done).collect::<Vec<_>>(), (1..=all).collect::<Vec<_>>());
+    assert!(told.iter().all(|progress| progress.all == all));
     // One cable, without loads: its strains are smooth in its tension, and there are many frames.
     let length = file.robot.backbone().length;
     assert!(recorded.trials.greatest < 2e-3 * length, "{:?}", recorded.trials);
@@ -30,9 +35,20 @@ fn a_model_that_does_not_take_the_robot_is_refused() {
     let error = record(
         &example("two-segment-arm.toml"),
         &[ModelVariant::usual(ModelKind::ConstantCurvature)],
+        drop,
     )
     .unwrap_err();
     assert!(error.to_string().contains("constant-curvature"), "{error}");
+}
+
+#[test]
+fn a_model_that_is_named_twice_is_exported_once() {
+    let names = [ModelKind::FourBar, ModelKind::Cosserat, ModelKind::FourBar];
+    let file = example("table1/case-3.toml");
+    let recording = record(&file, &names.map(ModelVariant::usual), drop).unwrap();
+    let models: Vec<_> = recording.models.iter().map(|one| one.model.as_str()).collect();
+    assert_eq!(models, ["four-bar", "cosserat"]);
+    assert_eq!(recording.scene.initial.models, models);
 }
 
 #[test]
@@ -47,4 +63,11 @@ fn one_page_has_all_inside_and_nothing_ends_early() {
     assert_eq!(text.matches("</script").count(), 2);
     assert!(text.contains("<style>p { margin: 0 }</style>"));
     assert!(text.contains("\\u003c/script>\\u003cb>"));
+    for (part, what) in
+        [("<head>", "<head>"), ("</body>", "</body>"), ("<link", "<link rel=\"stylesheet\"")]
+    {
+        let html = String::from(page.html).replace(part, "").leak();
+        let error = one_page(Page { html, ..page }, "{}").unwrap_err();
+        assert!(matches!(error, ViewError::OtherPage { what: found } if found == what), "{error}");
+    }
 }
