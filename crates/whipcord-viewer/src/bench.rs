@@ -14,6 +14,10 @@ use crate::protocol::{Answer, CableState, Compliance, Frame, Malformed, Request,
 use crate::scene::{array, model};
 use crate::stations::Places;
 
+/// Tips that are nearer to one another than this, relative to the length, are of one shape: places at which an answer
+/// is asked for change the steps of the integration, and that the answer by less.
+const SAME_SHAPE: f64 = 1e-4;
+
 /// The models of one robot, each with its last answer, from which the next solve starts.
 #[derive(Debug)]
 pub struct Bench {
@@ -62,8 +66,7 @@ impl Bench {
         let answers =
             self.found(&request.variants()?, &case).into_iter().map(|(variant, found)| {
                 let answer = found.and_then(|found| {
-                    let compliance =
-                        request.compliance.then(|| self.compliance(variant, &found.case));
+                    let compliance = request.compliance.then(|| self.compliance(variant, &found));
                     solved(variant, &found, compliance).ok_or_else(|| {
                         "the answer holds a number that is none; please report the robot file"
                             .to_owned()
@@ -160,25 +163,37 @@ impl Bench {
         Ok(&mut self.ready[index])
     }
 
-    /// How the tip yields with the tensions held.
-    fn compliance(&mut self, variant: ModelVariant, case: &Case) -> Compliance {
-        let ready = match self.ready(variant) {
-            Ok(ready) => ready,
-            Err(message) => return Compliance::Unknown { message },
-        };
-        let model = ready.model.clone();
-        let robot = &self.file.robot;
-        match model.solve_at(robot, case, robot.backbone().length) {
-            Ok((_, local)) => match &local.yields {
-                Ok(yields) => {
-                    let axes = principal_axes(&yields.tensions_held.compliance.blocks[0][0]);
-                    let turn = |d: Vec3| array(case.base.rotation.rotate(d));
-                    Compliance::Known { values: axes.values, directions: axes.directions.map(turn) }
-                }
-                Err(error) => Compliance::Unknown { message: error.to_string() },
-            },
-            Err(error) => Compliance::Unknown { message: error.to_string() },
+    /// How the tip yields with the tensions held, in the shape that was found.
+    fn compliance(&mut self, variant: ModelVariant, found: &Found) -> Compliance {
+        match self.axes(variant, found) {
+            Ok((values, directions)) => Compliance::Known { values, directions },
+            Err(message) => Compliance::Unknown { message },
         }
+    }
+
+    /// The principal axes of the tip's compliance, in the world.
+    fn axes(
+        &mut self,
+        variant: ModelVariant,
+        Found { solution, case, .. }: &Found,
+    ) -> Result<([f64; 3], [[f64; 3]; 3]), Refusal> {
+        let model = self.ready(variant)?.model.clone();
+        let robot = &self.file.robot;
+        let length = robot.backbone().length;
+        let (there, local) = model
+            .solve_at_from(robot, case, length, Some(solution))
+            .map_err(|error| error.to_string())?;
+        let apart = (there.disks.tip().position - solution.disks.tip().position).norm();
+        if apart > SAME_SHAPE * length {
+            return Err(format!(
+                "what could be differentiated is another equilibrium, whose tip is {:.1} mm away: move a slider, and ask again",
+                apart * 1e3
+            ));
+        }
+        let yields = local.yields.map_err(|error| error.to_string())?;
+        let axes = principal_axes(&yields.tensions_held.compliance.blocks[0][0]);
+        let turn = |d: Vec3| array(case.base.rotation.rotate(d));
+        Ok((axes.values, axes.directions.map(turn)))
     }
 }
 

@@ -417,21 +417,38 @@ pub trait Differentiable: Statics {
         robot: &Robot,
         case: &Case,
         arc_length: f64,
-    ) -> Result<(Solution, Local), SolveError>;
-}
+    ) -> Result<(Solution, Local), SolveError> {
+        self.solve_at_from(robot, case, arc_length, None)
+    }
 
-impl Differentiable for Model {
-    fn solve_at(
+    /// [`Self::solve_at`], starting from a solution of this case or a neighbouring one when given: of several equilibria
+    /// it is then the one beside that. The steps before the last are those that led to it. A model that has one
+    /// answer to a case starts from nowhere.
+    ///
+    /// # Errors
+    /// As [`Self::solve_at`].
+    fn solve_at_from(
         &self,
         robot: &Robot,
         case: &Case,
         arc_length: f64,
+        warm_start: Option<&Solution>,
+    ) -> Result<(Solution, Local), SolveError>;
+}
+
+impl Differentiable for Model {
+    fn solve_at_from(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        arc_length: f64,
+        warm_start: Option<&Solution>,
     ) -> Result<(Solution, Local), SolveError> {
         check_on_backbone("arc length of the place", arc_length, robot.backbone().length)?;
         let options = match self {
             Self::Cosserat(options) => options,
             Self::CosseratDisks(options) => {
-                return cosserat_disks::solve_at(options, robot, case, arc_length);
+                return cosserat_disks::solve_at(options, robot, case, arc_length, warm_start);
             }
             Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
                 return Err(SolveError::Unsupported {
@@ -457,8 +474,9 @@ impl Differentiable for Model {
             cosserat::Options { stations: Stations::At(vec![arc_length]), ..options.clone() };
         let model = cosserat::Cosserat::new(robot, &case.loads, &options)?;
         let mut workspace = cosserat::Workspace::default();
-        let mut left = None;
-        for step in case.steps().take(case.before.len()) {
+        let mut left = warm_start.cloned();
+        let before = if left.is_some() { 0 } else { case.before.len() };
+        for step in case.steps().take(before) {
             left = Some(model.solve(&step, left.as_ref(), &mut workspace)?);
         }
         let (solution, derivatives) =

@@ -145,6 +145,56 @@ fn the_compliance_of_the_tip_is_how_far_a_small_force_moves_it() {
     assert!((moved / force / values[0] - 1.0).abs() < 1e-3, "{} {}", moved / force, values[0]);
 }
 
+/// A bar under a push along it beyond Euler's load, π²EI/4L² = 0.49 N, leans to where it was pushed aside first; from cold,
+/// to where it is pushed aside now.
+#[test]
+fn the_compliance_is_that_of_the_shape_which_is_shown() {
+    let text = "[backbone]\nlength = \"200 mm\"\nsection = { width = \"2 mm\", height = \"6 mm\" }\nyoung_modulus = \"2 GPa\"\npoisson_ratio = 0.3\n\
+        [disks]\ncount = 11\nhole_circle_radius = \"8 mm\"\nholes = 4\n\
+        [[cables]]\nname = \"a\"\nrouting = { kind = \"straight\", angle = 0, radius = \"8 mm\" }\n";
+    let file = Arc::new(whipcord_io::parse(text, "rod.toml").unwrap());
+    for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks] {
+        let mut bench = Bench::new(Arc::clone(&file));
+        let mut request = Request {
+            models: vec![kind.name().to_owned()],
+            tip_force: [0.05, 0.0, -0.7],
+            ..scene(&file).initial
+        };
+        let mut ask =
+            |request: &Request| only(bench.solve(request, Instant::now()).unwrap().answers);
+        ask(&request);
+        request.tip_force[0] = -0.01;
+        request.compliance = true;
+        let shown = ask(&request);
+        let tip = |solved: &Solved| whipcord::Vec3::from(*solved.positions.last().unwrap());
+        let mut cold = Bench::new(Arc::clone(&file));
+        let other = only(cold.solve(&request, Instant::now()).unwrap().answers);
+        assert!(
+            tip(&shown).x > 0.02 && tip(&other).x < -0.02,
+            "{:?} {:?}",
+            tip(&shown),
+            tip(&other)
+        );
+
+        let Some(Compliance::Known { values, directions }) = shown.compliance else {
+            panic!("{kind}: {:?}", shown.compliance);
+        };
+        let force = 1e-5;
+        for (value, direction) in values.into_iter().zip(directions.map(whipcord::Vec3::from)) {
+            let pushed = |by: f64| {
+                let tip_force = whipcord::Vec3::from(request.tip_force) + direction * (by * force);
+                Request { tip_force: array(tip_force), compliance: false, ..request.clone() }
+            };
+            let moved = tip(&ask(&pushed(1.0))) - tip(&ask(&pushed(-1.0)));
+            let found = moved * (0.5 / force);
+            assert!(
+                (found - direction * value).norm() < 1e-2 * values[0],
+                "{kind}: {found:?} {value}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_variant_is_a_choice_of_its_own() {
     let file = Arc::new(load(example("table1/case-2.toml")).unwrap());

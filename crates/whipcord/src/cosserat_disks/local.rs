@@ -21,7 +21,7 @@ use crate::shape::Solution;
 /// goes with the fourth power, that of the solver with the inverse.
 const STEP: f64 = 1e-2;
 
-/// The answer, and how the place at an arc length in m moves and yields.
+/// The answer, and how the place at an arc length in m moves and yields; from a neighbouring solution when given.
 ///
 /// # Errors
 /// As [`CosseratDisks::solve`]; [`SolveError::Unsupported`] where a cable rubs: pulling and releasing
@@ -31,6 +31,7 @@ pub(crate) fn solve_at(
     robot: &Robot,
     case: &Case,
     arc_length: f64,
+    warm_start: Option<&Solution>,
 ) -> Result<(Solution, Local), SolveError> {
     refuse_friction(robot)?;
     // A load to be changed; its place is then one of the mesh as well.
@@ -40,8 +41,8 @@ pub(crate) fn solve_at(
     case.loads.points.push(PointLoad { at: arc_length, ..PointLoad::default() });
     let options = Options { stations: Stations::At(vec![arc_length]), ..options.clone() };
     let mut workspace = Workspace::default();
-    let answer =
-        CosseratDisks::new(robot, &case.loads, &options)?.solve(&case, None, &mut workspace)?;
+    let model = CosseratDisks::new(robot, &case.loads, &options)?;
+    let answer = model.solve(&case, warm_start, &mut workspace)?;
 
     let near = Options {
         drive: Drive::Tension,
