@@ -1,14 +1,16 @@
 //! A server and its pages.
 
 use std::fs;
+use std::ops::RangeInclusive;
 
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::TestRunner;
 use tokio_tungstenite::tungstenite::Message;
+use whipcord::{ModelKind, Vec3};
 
-use super::{Client, example, serve};
-use crate::protocol::{Answer, Command, Frame, ToPage};
+use super::{Client, example, serve, tip};
+use crate::protocol::{Answer, Command, Frame, Request, ToPage};
 
 fn solved(message: ToPage) -> Frame {
     match message {
@@ -27,26 +29,69 @@ fn broken(message: ToPage) -> String {
     }
 }
 
+const ARM: &str = "two-segment-arm.toml";
+const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
+
+/// The first slider on its way from 14 N, by both models.
+fn moved(initial: &Request, ids: RangeInclusive<u64>) -> Vec<Request> {
+    let at = |id| {
+        let mut commands = initial.commands.clone();
+        commands[0] = Command::Tension(14.0 + id as f64 * 0.01);
+        let models = MODELS.map(|kind| kind.name().to_owned()).to_vec();
+        Request { id, commands, models, ..initial.clone() }
+    };
+    ids.map(at).collect()
+}
+
+/// Whether a frame is what the library says to a request alone.
+fn assert_answers(frame: &Frame, request: &Request) {
+    assert_eq!((frame.id, frame.answers.len()), (request.id, MODELS.len()));
+    for (answer, kind) in frame.answers.iter().zip(MODELS) {
+        let Answer::Solved(solved) = answer else { panic!("{answer:?}") };
+        let found = Vec3::from(*solved.positions.last().unwrap());
+        // Each model from where the slider was before, and at other places along the robot.
+        assert!((found - tip(ARM, kind, request)).norm() < 1e-6, "{kind}: {found:?}");
+    }
+}
+
 #[tokio::test]
 async fn the_latest_request_is_answered_and_none_queue_up() {
-    let port = serve(&example("two-segment-arm.toml")).await;
+    let port = serve(&example(ARM)).await;
     let (mut client, scene) = Client::connect(port).await;
-    let mut request = scene.initial;
     const LAST: u64 = 300;
-    for id in 1..=LAST {
-        request.id = id;
-        request.commands[0] = Command::Tension(14.0 + id as f64 * 0.01);
-        client.ask(&request).await;
+    let requests = moved(&scene.initial, 1..=LAST);
+    client.ask_all(&requests).await;
+    let mut frames = Vec::new();
+    while frames.last().is_none_or(|frame: &Frame| frame.id != LAST) {
+        frames.push(solved(client.hear().await));
     }
-    let mut answered = Vec::new();
-    while answered.last() != Some(&LAST) {
-        answered.push(solved(client.hear().await).id);
-    }
-    assert!(answered.windows(2).all(|w| w[1] > w[0]), "{answered:?}");
+    assert!(frames.windows(2).all(|w| w[1].id > w[0].id));
+    // One that was begun when the others came, the last, and few of those that were read meanwhile.
+    assert!(frames.len() <= 30, "{} of {LAST} were answered", frames.len());
+    assert_answers(frames.last().unwrap(), requests.last().unwrap());
     // Nothing comes after the answer to the last.
-    request.id = LAST + 1;
-    client.ask(&request).await;
-    assert_eq!(solved(client.hear().await).id, LAST + 1);
+    let next = moved(&scene.initial, LAST + 1..=LAST + 1);
+    client.ask_all(&next).await;
+    assert_answers(&solved(client.hear().await), &next[0]);
+}
+
+#[tokio::test]
+async fn sliders_that_are_faster_than_solves_are_followed_to_where_they_end() {
+    let port = serve(&example(ARM)).await;
+    let (mut client, scene) = Client::connect(port).await;
+    let (mut answered, mut asked) = (Vec::new(), 0);
+    // Twenty positions in the time of each answer.
+    for _ in 0..10 {
+        client.ask_all(&moved(&scene.initial, asked + 1..=asked + 20)).await;
+        asked += 20;
+        answered.push(solved(client.hear().await));
+    }
+    while answered.last().is_none_or(|frame| frame.id != asked) {
+        answered.push(solved(client.hear().await));
+    }
+    assert!(answered.windows(2).all(|w| w[1].id > w[0].id));
+    assert!(answered.len() < asked as usize / 2, "{} of {asked} were answered", answered.len());
+    assert_answers(answered.last().unwrap(), &moved(&scene.initial, asked..=asked)[0]);
 }
 
 #[tokio::test]

@@ -16,6 +16,9 @@ use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
 use tokio_tungstenite::tungstenite::http::{HeaderValue, header};
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 
+use whipcord::{Model, ModelKind, Statics as _, Stations, Vec3};
+use whipcord_io::{CaseFile, load};
+
 use crate::opened::Opened;
 use crate::page::Page;
 use crate::protocol::{FromPage, Request, Scene, ToPage};
@@ -33,6 +36,19 @@ pub async fn serve(path: &Path) -> u16 {
     let port = server.port();
     tokio::spawn(server.serve(page, path.to_owned(), opened, watched, std::future::pending()));
     port
+}
+
+fn solve(request: &Request) -> Message {
+    Message::Text(serde_json::to_string(&FromPage::Solve(request.clone())).unwrap().into())
+}
+
+/// The tip that a model finds at these tensions and with this force at the tip, from cold and without a server.
+pub fn tip(name: &str, kind: ModelKind, request: &Request) -> Vec3 {
+    let CaseFile { robot, mut case, .. } = load(example(name)).unwrap();
+    case.commands = request.commands.iter().map(|command| command.command()).collect();
+    case.loads.tip_force = request.tip_force.into();
+    let model = Model::new(kind, Stations::Disks, Default::default());
+    model.solve(&robot, &case).unwrap().shape.tip().position
 }
 
 /// A page that is connected.
@@ -59,8 +75,15 @@ impl Client {
     }
 
     pub async fn ask(&mut self, request: &Request) {
-        let text = serde_json::to_string(&FromPage::Solve(request.clone())).unwrap();
-        self.say(Message::Text(text.into())).await;
+        self.say(solve(request)).await;
+    }
+
+    /// Asks all at once: all are on the way before the first is answered.
+    pub async fn ask_all(&mut self, requests: &[Request]) {
+        for request in requests {
+            self.socket.feed(solve(request)).await.unwrap();
+        }
+        self.socket.flush().await.unwrap();
     }
 
     /// The next message, pings apart.
@@ -73,6 +96,7 @@ impl Client {
             }
         }
     }
+
     /// Waits until the server ends the connection, whatever it says before.
     pub async fn wait_for_the_end(&mut self) {
         while let Some(Ok(message)) = self.socket.next().await {

@@ -3,10 +3,12 @@
 use std::time::{Duration, Instant};
 
 use tokio::time::{MissedTickBehavior, interval};
+use whipcord::{ModelKind, Vec3};
 
-use super::{Client, example, serve};
-use crate::protocol::{Command, ToPage};
+use super::{Client, example, serve, tip};
+use crate::protocol::{Answer, Command, Frame, Request, ToPage};
 
+const ARM: &str = "two-segment-arm.toml";
 const RATE: u64 = 60;
 
 /// Resident memory of this process in MiB, where the system tells.
@@ -16,15 +18,25 @@ fn resident() -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }
 
-/// Moves all sliders, and returns the times in s from request to frame, and the memory after a tenth and at the end.
-async fn move_for(seconds: u64) -> (Vec<f64>, Option<(f64, f64)>) {
-    let port = serve(&example("two-segment-arm.toml")).await;
+/// What became of sliders that were moved.
+struct Moved {
+    /// From request to frame, in s.
+    times: Vec<f64>,
+    /// In MiB, after a tenth and at the end.
+    memory: Option<(f64, f64)>,
+    /// Some requests, and where their frames had the tip.
+    tips: Vec<(Request, Vec3)>,
+}
+
+/// Moves all sliders.
+async fn move_for(seconds: u64) -> Moved {
+    let port = serve(&example(ARM)).await;
     let (mut client, scene) = Client::connect(port).await;
     let mut request = scene.initial;
     let mut ticks = interval(Duration::from_micros(1_000_000 / RATE));
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let last = RATE * seconds;
-    let (mut times, mut early) = (Vec::new(), None);
+    let (mut times, mut early, mut tips) = (Vec::new(), None, Vec::new());
     for id in 1..=last {
         ticks.tick().await;
         request.id = id;
@@ -35,30 +47,42 @@ async fn move_for(seconds: u64) -> (Vec<f64>, Option<(f64, f64)>) {
         request.tip_force[0] = 0.2 * (id as f64 / RATE as f64).cos();
         let begun = Instant::now();
         client.ask(&request).await;
-        match client.hear().await {
-            ToPage::Frame(frame) => assert_eq!(frame.id, id),
-            other => panic!("{other:?}"),
-        }
+        let heard = client.hear().await;
         times.push(begun.elapsed().as_secs_f64());
+        let ToPage::Frame(Frame { id: answered, answers, .. }) = heard else { panic!("{heard:?}") };
+        let [Answer::Solved(solved)] = &answers[..] else { panic!("{answers:?}") };
+        assert_eq!(answered, id);
+        if id % (last / 5) == 0 {
+            tips.push((request.clone(), (*solved.positions.last().unwrap()).into()));
+        }
         if id == last / 10 {
             early = resident();
         }
     }
-    (times, early.zip(resident()))
+    Moved { times, memory: early.zip(resident()), tips }
+}
+
+/// Each tip is that of a solve of its request alone, and none is that of another.
+fn assert_follow(tips: &[(Request, Vec3)]) {
+    assert_eq!(tips.len(), 5);
+    for (k, (request, found)) in tips.iter().enumerate() {
+        let expected = tip(ARM, ModelKind::Cosserat, request);
+        assert!((*found - expected).norm() < 1e-6, "{found:?} {expected:?}");
+        assert!(tips[..k].iter().all(|(_, other)| (*other - expected).norm() > 1e-3));
+    }
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn sliders_that_move_for_a_second_are_followed() {
-    let (times, _) = move_for(1).await;
-    assert_eq!(times.len() as u64, RATE);
+    assert_follow(&move_for(1).await.tips);
 }
 
 /// `cargo test -p whipcord-viewer --release soak -- --ignored --nocapture`
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-#[ignore = "takes a minute"]
+#[ignore = "takes a minute, and is about times: of an optimised build on a machine that does nothing else"]
 async fn sliders_that_move_for_a_minute_are_followed_without_growth_of_memory() {
     let begun = Instant::now();
-    let (mut times, memory) = move_for(60).await;
+    let Moved { mut times, memory, tips } = move_for(60).await;
     let rate = times.len() as f64 / begun.elapsed().as_secs_f64();
     times.sort_by(f64::total_cmp);
     let at = |share: f64| times[(share * (times.len() - 1) as f64) as usize] * 1e3;
@@ -73,4 +97,6 @@ async fn sliders_that_move_for_a_minute_are_followed_without_growth_of_memory() 
         println!("memory {early:.1} MiB after 6 s, {late:.1} MiB at the end");
         assert!(late - early < 4.0, "{early} MiB, then {late} MiB");
     }
+    assert_follow(&tips);
+    assert!(rate >= 55.0 && at(0.5) < 2.0, "{rate} a second, {} ms", at(0.5));
 }
