@@ -176,6 +176,8 @@ pub struct ModelChoice {
     pub name: String,
     /// Whether its cables run straight from disk to disk.
     pub hole_to_hole: bool,
+    /// Whether it bends at joints alone: its strains mean something from disk to disk only.
+    pub jointed: bool,
     /// Why it does not take this robot.
     pub refusal: Option<String>,
 }

@@ -158,6 +158,7 @@ fn choice(file: &CaseFile, variant: ModelVariant) -> ModelChoice {
     ModelChoice {
         name: variant.name().to_owned(),
         hole_to_hole: CableCourse::of(variant.kind) == CableCourse::HoleToHole,
+        jointed: variant.kind == ModelKind::PseudoRigidBody,
         refusal: refusal(file, variant),
     }
 }

@@ -103,6 +103,19 @@ export function spans(scene: Scene, solved: Solved, index: number): [number, num
   ]);
 }
 
+/** The strains between each two stations; of a model that bends at joints alone their means from disk to disk. */
+export function strainsOf(scene: Scene, solved: Solved): Vector[] {
+  if (!scene.models.find((choice) => choice.name === solved.model)?.jointed) return solved.strains;
+  const knots = [...new Set([0, ...scene.disks.map((disk) => disk.station), solved.strains.length])];
+  return knots.slice(1).flatMap((end, k) => {
+    const pieces = solved.strains.slice(knots[k]!, end);
+    const length = (i: number): number => scene.stations[knots[k]! + i + 1]! - scene.stations[knots[k]! + i]!;
+    const whole = scene.stations[end]! - scene.stations[knots[k]!]!;
+    const mean = pieces.reduce<Vector>((sum, strain, i) => add(sum, scale(strain, length(i) / whole)), [0, 0, 0]);
+    return pieces.map(() => mean);
+  });
+}
+
 /** A quantity between stations as one at stations: the mean of both sides. */
 export function atStations(between: readonly number[]): number[] {
   const last = between.length;

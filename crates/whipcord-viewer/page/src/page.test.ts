@@ -2,7 +2,7 @@ import { Color } from "three";
 import { describe, expect, it } from "vitest";
 
 import { linear, parse } from "./colours";
-import { course, place, rotate, spans, tensions, tipFrame } from "./geometry";
+import { course, place, rotate, spans, strainsOf, tensions, tipFrame } from "./geometry";
 import { extent, ticks } from "./plots";
 import { around, move, touches } from "./recorded";
 import { decode, encode, type Pose, type Request, type Scene, type Solved } from "./protocol";
@@ -156,6 +156,17 @@ describe("geometry", () => {
     expect(tensions(rubbing, solved, 0, [0, 1, 2])).toEqual([1.5, 1.5, 1.4]);
     // It steps at the disk between them.
     expect(spans(rubbing, solved, 0)).toEqual([[0, 1.5], [1, 1.5], [1, 1.4], [2, 1.4]]);
+  });
+});
+
+describe("strains", () => {
+  it("are means from disk to disk where a model bends at joints alone", () => {
+    const models = [{ name: "linkage", hole_to_hole: false, jointed: true, refusal: null }];
+    const linkage: Scene = { ...scene, models, stations: [0, 0.1, 0.4, 0.6], disks: [0, 2, 3].map((station) => ({ ...scene.disks[0]!, station })) };
+    const bent: Solved = { ...solved, model: "linkage", strains: [[4, 0, 0], [0, 0, 0.1], [2, 1, 0]] };
+    const means = strainsOf(linkage, bent).map((strain) => strain.map((c) => Number(c.toPrecision(12))));
+    expect(means).toEqual([[1, 0, 0.075], [1, 0, 0.075], [2, 1, 0]]);
+    expect(strainsOf(linkage, { ...bent, model: "cosserat" })).toEqual(bent.strains);
   });
 });
 

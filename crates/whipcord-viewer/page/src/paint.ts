@@ -1,7 +1,7 @@
 // What the robot is coloured by.
 
 import { paletteColour, parse, ramp, type Rgb } from "./colours";
-import { atStations, tensions } from "./geometry";
+import { atStations, strainsOf, tensions } from "./geometry";
 import type { Scene, Solved } from "./protocol";
 import { NEUTRAL, type Legend } from "./legend";
 import { GREY, type Paint } from "./robot";
@@ -36,9 +36,9 @@ export function paints(
       return { paints: values.map(paint), legend: { title: "tension", unit: "N", least: 0, most, unknown: values.flat(2).includes(null) } };
     }
     case "curvature":
-      return onBackbone(all, "curvature", "1/m", ([bend]) => bend, 1);
+      return onBackbone(scene, all, "curvature", "1/m", ([bend]) => bend, 1);
     case "strain":
-      return onBackbone(all, "stretch", "%", ([, , stretch]) => stretch, 100);
+      return onBackbone(scene, all, "stretch", "%", ([, , stretch]) => stretch, 100);
     case "contact":
       return { paints: all.map((solved) => byContact(scene, solved)), legend: contactLegend(scene) };
   }
@@ -60,13 +60,14 @@ export function modelColour(scene: Scene, model: string): string {
 }
 
 function onBackbone(
+  scene: Scene,
   all: readonly Solved[],
   title: string,
   unit: string,
   of: (strains: readonly [number, number, number]) => number,
   factor: number,
 ): { paints: Paint[]; legend: Legend } {
-  const values = all.map((solved) => atStations(solved.strains.map(of)));
+  const values = all.map((solved) => atStations(strainsOf(scene, solved).map(of)));
   const least = Math.min(...values.flat(), 0);
   const most = Math.max(...values.flat(), 0);
   const span = most - least;

@@ -46,6 +46,7 @@ export interface Cable {
 export interface ModelChoice {
   name: string;
   hole_to_hole: boolean;
+  jointed: boolean;
   refusal: string | null;
 }
 

@@ -2,7 +2,7 @@
 
 import { paletteColour } from "./colours";
 import { element } from "./dom";
-import { spans } from "./geometry";
+import { spans, strainsOf } from "./geometry";
 import { keys } from "./legend";
 import { chart, type Line } from "./plots";
 import type { Answer, Scene, Solved } from "./protocol";
@@ -45,6 +45,9 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
   if (answer.touches.length > 0) facts.push(["touches", touches(answer)]);
   if (answer.compliance?.status === "known") {
     facts.push(["compliance", `${answer.compliance.values.map((v) => significant(v * 1e3, 3)).join(", ")} mm/N, tensions held`]);
+    if (answer.compliance.values.every((v) => v > 0)) {
+      facts.push(["stiffness", `${answer.compliance.values.map((v) => significant(1e-3 / v, 3)).join(", ")} N/mm, tensions held`]);
+    }
   } else if (answer.compliance?.status === "unknown") {
     facts.push(["compliance", answer.compliance.message]);
   }
@@ -95,7 +98,7 @@ function charts(scene: Scene, all: readonly Solved[], colourOf: (model: string) 
   const curvature = all.map((solved): Line => ({
     label: solved.model,
     colour: colourOf(solved.model),
-    points: solved.strains.flatMap(([bend], i): [number, number][] => [
+    points: strainsOf(scene, solved).flatMap(([bend], i): [number, number][] => [
       [at[i]!, bend],
       [at[i + 1]!, bend],
     ]),

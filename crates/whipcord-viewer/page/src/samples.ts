@@ -113,11 +113,13 @@ export const toPage: ToPage[] = [
       {
         "name": "cosserat",
         "hole_to_hole": false,
+        "jointed": false,
         "refusal": null
       },
       {
         "name": "four-bar",
         "hole_to_hole": true,
+        "jointed": false,
         "refusal": "why"
       }
     ],
@@ -447,11 +449,13 @@ export const toPage: ToPage[] = [
       {
         "name": "cosserat",
         "hole_to_hole": false,
+        "jointed": false,
         "refusal": null
       },
       {
         "name": "four-bar",
         "hole_to_hole": true,
+        "jointed": false,
         "refusal": "why"
       }
     ],
@@ -791,11 +795,13 @@ export const toPage: ToPage[] = [
       {
         "name": "cosserat",
         "hole_to_hole": false,
+        "jointed": false,
         "refusal": null
       },
       {
         "name": "four-bar",
         "hole_to_hole": true,
+        "jointed": false,
         "refusal": "why"
       }
     ],

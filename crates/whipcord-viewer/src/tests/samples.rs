@@ -58,10 +58,16 @@ fn scenes() -> Vec<Scene> {
         }],
         base: pose,
         models: vec![
-            ModelChoice { name: "cosserat".to_owned(), hole_to_hole: false, refusal: None },
+            ModelChoice {
+                name: "cosserat".to_owned(),
+                hole_to_hole: false,
+                jointed: false,
+                refusal: None,
+            },
             ModelChoice {
                 name: "four-bar".to_owned(),
                 hole_to_hole: true,
+                jointed: false,
                 refusal: Some("why".to_owned()),
             },
         ],
