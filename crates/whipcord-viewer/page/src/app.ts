@@ -26,6 +26,9 @@ interface Shown {
 /** How much nearer a press of + goes. */
 const ZOOM = 1.15;
 
+/** Time in ms between two states of the numbers: faster than that nobody reads. */
+const READABLE = 100;
+
 /** How long an answer may take before the page says that it is waited for, in ms. */
 const PATIENCE = 400;
 
@@ -48,6 +51,8 @@ export class App {
   #outdated = 0;
   #scheduled = false;
   #patience = 0;
+  #reading = 0;
+  #readAt = -Infinity;
   #frame: Frame | undefined;
   #broken: string | undefined;
   #error: string | undefined;
@@ -317,8 +322,16 @@ export class App {
     this.#answers = frame.answers;
     byId("view").dataset["frame"] = String(frame.id);
     this.#dress(scene, state);
-    byId("answers").replaceChildren(...readout(scene, frame.answers, (model) => modelColour(scene, model)));
+    this.#reading ||= window.setTimeout(() => this.#read(), READABLE - (performance.now() - this.#readAt));
     this.#tell();
+  }
+
+  /** Writes the numbers of the latest answers. */
+  #read(): void {
+    this.#reading = 0;
+    this.#readAt = performance.now();
+    const scene = this.#scene;
+    if (scene) byId("answers").replaceChildren(...readout(scene, this.#answers, (model) => modelColour(scene, model)));
   }
 
   /** Robots in the shapes of the answers; one without an answer keeps its last shape, in grey. */

@@ -149,6 +149,16 @@ function times([a, b, c, d]: Quaternion, [w, x, y, z]: Quaternion): Quaternion {
   ];
 }
 
+/** The weighted mean of frames of so many numbers. */
+function mean(from: Int16Array | Float32Array, numbers: number, weights: Weights): Float64Array {
+  const sum = new Float64Array(numbers);
+  for (const [frame, weight] of weights) {
+    const at = frame * numbers;
+    for (let i = 0; i < numbers; i++) sum[i]! += weight * from[at + i]!;
+  }
+  return sum;
+}
+
 export class Recorded implements Source {
   readonly #recording: Recording;
   readonly #frames: Frames[];
@@ -193,14 +203,14 @@ export class Recorded implements Source {
     const { scene } = this.#recording;
     const pieces = scene.stations.length - 1;
     const count = scene.cables.length;
-    const mean = (from: Int16Array | Float32Array, stride: number, at: number): number =>
-      weights.reduce((sum, [frame, weight]) => sum + weight * from[frame * stride + at]!, 0);
+    const strain = mean(strains, 6 * pieces, weights);
+    const cable = mean(cables, 3 * count, weights);
     const [nearest] = weights.reduce((a, b) => (b[1] > a[1] ? b : a));
     const poses: Pose[] = [scene.base];
     const shown: Vector[] = [];
     for (let piece = 0; piece < pieces; piece++) {
       const length = scene.stations[piece + 1]! - scene.stations[piece]!;
-      const e = recorded.scales.map((scale, c) => scale * mean(strains, 6 * pieces, 6 * piece + c)) as [number, number, number, number, number, number];
+      const e = recorded.scales.map((scale, c) => scale * strain[6 * piece + c]!) as [number, number, number, number, number, number];
       const linear: Vector = [e[0] * length, e[1] * length, (1 + e[2]) * length];
       poses.push(move(poses[piece]!, linear, [e[3] * length, e[4] * length, e[5] * length]));
       shown.push([Math.hypot(e[3], e[4]), e[5], e[2]]);
@@ -211,13 +221,13 @@ export class Recorded implements Source {
       orientations: poses.map((pose) => pose.orientation),
       strains: shown,
       cables: scene.cables.map((_, k) => {
-        const tension = mean(cables, 3 * count, 3 * k);
+        const tension = cable[3 * k]!;
         return {
           // Negative in a frame stands for none; a little of it is rounding.
           tension: tension < -0.5 ? null : Math.max(tension, 0),
-          length: mean(cables, 3 * count, 3 * k + 1),
+          length: cable[3 * k + 1]!,
           initial_length: recorded.initial_lengths[k]!,
-          slack: mean(cables, 3 * count, 3 * k + 2) > 0.5,
+          slack: cable[3 * k + 2]! > 0.5,
           span_tensions: [],
         };
       }),

@@ -8,6 +8,7 @@ import {
   Path,
   Quaternion as Turn,
   Shape,
+  Vector2,
   type BufferGeometry,
   type Material,
 } from "three";
@@ -31,6 +32,8 @@ const THIN = 0.006;
 const CABLE = 0.0022;
 const SIDES = 20;
 const CABLE_SIDES = 8;
+const RIM_SIDES = 48;
+const HOLE_SIDES = 12;
 
 export class RobotMesh {
   readonly group = new Group();
@@ -154,15 +157,14 @@ function profile({ section }: Scene): { outline: Outline; inner: number } {
   }
 }
 
+function round([x, y]: readonly [number, number], radius: number, sides: number): Vector2[] {
+  return circle(sides).points.slice(1).map(([a, b]) => new Vector2(x + radius * a, y + radius * b));
+}
+
 function plate(disk: Disk): BufferGeometry {
-  const shape = new Shape();
-  shape.absarc(0, 0, disk.radius, 0, 2 * Math.PI);
-  for (const [x, y] of disk.holes) {
-    const hole = new Path();
-    hole.absarc(x, y, disk.hole_radius, 0, 2 * Math.PI, true);
-    shape.holes.push(hole);
-  }
-  const geometry = new ExtrudeGeometry(shape, { depth: disk.thickness, bevelEnabled: false, curveSegments: 24 });
+  const shape = new Shape(round([0, 0], disk.radius, RIM_SIDES));
+  shape.holes = disk.holes.map((centre) => new Path(round(centre, disk.hole_radius, HOLE_SIDES)));
+  const geometry = new ExtrudeGeometry(shape, { depth: disk.thickness, bevelEnabled: false });
   return geometry.translate(0, 0, -disk.thickness / 2);
 }
 
