@@ -94,9 +94,12 @@ pub fn export(
 ) -> Result<String, ViewError> {
     let file = Arc::new(load(path)?);
     let page = page()?;
-    let recording = record(&file, models, tell)?;
-    let data = serde_json::to_string(&recording)?;
-    let text = one_page(page, &data)?;
+    written(page, &record(&file, models, tell)?)
+}
+
+/// The page with a recording inside.
+fn written(page: Page, recording: &Recording) -> Result<String, ViewError> {
+    let text = one_page(page, &serde_json::to_string(recording)?)?;
     if text.len() > MOST_BYTES {
         return Err(ViewError::TooLarge { bytes: text.len(), most: MOST_BYTES });
     }

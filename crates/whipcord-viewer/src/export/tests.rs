@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::path::PathBuf;
 
@@ -9,6 +9,151 @@ use super::*;
 fn example(name: &str) -> Arc<CaseFile> {
     let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
     Arc::new(load(path).unwrap())
+}
+
+/// A page without anything in it, whose script is as long as that of the viewer is at most.
+fn bare() -> Page {
+    let script: &str = " ".repeat(1_200_000).leak();
+    let html = "<html><head><script></script><link rel=\"stylesheet\"></head><body></body></html>";
+    Page { html, script, style: "" }
+}
+
+fn bytes(base64: &str) -> Vec<u8> {
+    use base64::Engine as _;
+    base64::engine::general_purpose::STANDARD.decode(base64).unwrap()
+}
+
+fn floats(base64: &str) -> Vec<f64> {
+    let all = bytes(base64);
+    all.chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap()).into()).collect()
+}
+
+/// Where a frame has the tip, and the lengths of its cables.
+fn decoded(recording: &Recording, frame: usize) -> (Vec3, Vec<f64>) {
+    let (Recording { scene, models, .. }, recorded) = (recording, &recording.models[0]);
+    let strains = bytes(&models[0].strains);
+    let lengths: Vec<f64> = scene.stations.windows(2).map(|ends| ends[1] - ends[0]).collect();
+    let pieces = (0..lengths.len()).map(|piece| {
+        let at = 12 * (frame * lengths.len() + piece);
+        let [x, y, z, a, b, c]: [f64; 6] = core::array::from_fn(|k| {
+            let two = [strains[at + 2 * k], strains[at + 2 * k + 1]];
+            f64::from(i16::from_le_bytes(two)) * recorded.scales[k]
+        });
+        Twist { linear: Vec3::new(x, y, 1.0 + z), angular: Vec3::new(a, b, c) }
+    });
+    let base = whipcord::Pose { position: scene.base.position.into(), ..Default::default() };
+    let tip = integrate(base, &pieces.collect::<Vec<_>>(), &lengths).pop().unwrap();
+    let count = scene.cables.len();
+    let cables = floats(&recorded.cables)[3 * count * frame..3 * count * (frame + 1)].to_vec();
+    (tip.position, cables.chunks(3).map(|cable| cable[1]).collect())
+}
+
+/// Whether frames are what a model says without the grid.
+fn assert_holds_answers(file: &Arc<CaseFile>, recording: &Recording, variant: ModelVariant) {
+    let Recording { scene, axes, models } = recording;
+    assert_eq!(models[0].model, variant.name());
+    let frames = axes.iter().map(Vec::len).product::<usize>() + 1;
+    let valid = bytes(&models[0].valid);
+    assert_eq!(valid.len(), frames);
+    assert_eq!(valid.iter().filter(|&&valid| valid == 1).count(), models[0].solved);
+    let solved: Vec<usize> = (0..frames).filter(|&frame| valid[frame] == 1).collect();
+    let [first, .., before, last] = solved[..] else { panic!("{solved:?}") };
+    let unsolved = (0..frames).find(|&frame| valid[frame] == 0);
+    for frame in [first, solved[solved.len() / 3], before, last].into_iter().chain(unsolved) {
+        // Where the last cable changes from frame to frame, and the last frame is that of the file.
+        let mut rest = frame;
+        let mut commands = scene.initial.commands.clone();
+        if frame < frames - 1 {
+            for (command, axis) in commands.iter_mut().zip(axes).rev() {
+                let value = axis[rest % axis.len()];
+                rest /= axis.len();
+                *command = match command {
+                    Command::Tension(_) => Command::Tension(value),
+                    Command::Shortening(_) => Command::Shortening(value),
+                };
+            }
+        }
+        let expected = solve(&mut Bench::new(Arc::clone(file)), scene, variant, commands);
+        assert_eq!(expected.is_some(), valid[frame] == 1);
+        let Some(expected) = expected else { continue };
+        let (tip, lengths) = decoded(recording, frame);
+        assert!((tip - expected.shape.tip().position).norm() < 1e-4 * scene.length, "{frame}");
+        for (length, cable) in lengths.iter().zip(&expected.cables) {
+            assert!((length - cable.length).abs() < 1e-6 * scene.length, "{frame}");
+        }
+    }
+}
+
+#[test]
+fn a_robot_with_six_cables_fits_in_a_page() {
+    let cable = |k: usize| {
+        let (angle, radius) = (60 * k, if k % 2 == 0 { 9 } else { 7 });
+        format!(
+            "[[cables]]\nname = \"{k}\"\nshortening = \"0 mm\"\n\
+             routing = {{ kind = \"straight\", angle = \"{angle} deg\", radius = \"{radius} mm\" }}\n"
+        )
+    };
+    let cables: String = (0..6).map(cable).collect();
+    let text = format!("[backbone]\nlength = \"200 mm\"\n[disks]\ncount = 3\n{cables}");
+    let file = Arc::new(whipcord_io::parse(&text, "six.toml").unwrap());
+    // Most lengths that six cables could be told contradict each other.
+    let variant = ModelVariant::usual(ModelKind::FourBar);
+    let recording = record(&file, &[variant], drop).unwrap();
+    assert_eq!(recording.axes.iter().map(Vec::len).collect::<Vec<_>>(), [4; 6]);
+    assert_holds_answers(&file, &recording, variant);
+    assert!(written(bare(), &recording).unwrap().len() < MOST_BYTES);
+}
+
+#[test]
+fn cables_that_are_shortened_are_recorded_so() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/table1/case-3.toml");
+    let text = std::fs::read_to_string(&path).unwrap().replace("\ntension", "\n# tension");
+    let file = Arc::new(whipcord_io::parse(&text, &path).unwrap());
+    assert!(matches!(scene(&file).initial.commands[..], [Command::Shortening(_)]));
+    let variant = ModelVariant::usual(ModelKind::Cosserat);
+    let recording = record(&file, &[], drop).unwrap();
+    let (axis, reach) = (&recording.axes[0], recording.scene.ranges.shortening);
+    assert_eq!((axis[0], axis[axis.len() - 1]), (-reach, reach));
+    assert_holds_answers(&file, &recording, variant);
+}
+
+#[test]
+fn touches_are_those_of_the_frames() {
+    let file = example("contact/rubbing-wall.toml");
+    let scene = scene(&file);
+    let variant: ModelVariant = scene.initial.models[0].parse().unwrap();
+    let touching = solve(&mut Bench::new(file), &scene, variant, scene.initial.commands.clone());
+    let all = [None, touching.clone(), touching];
+    let expected = &all[1].as_ref().unwrap().touches;
+    assert!(!expected.is_empty() && expected.iter().all(|touch| touch.friction.is_some()));
+    assert!(expected.iter().any(|touch| touch.friction.unwrap().norm() > 1e-3));
+    let (counts, packed) = touches(&all);
+    assert_eq!(counts, [0, expected.len() as u8, expected.len() as u8]);
+    assert_eq!(packed.len(), 2 * expected.len() * 13 * 4);
+    let numbers = floats(&base64(&packed));
+    for (numbers, touch) in numbers.chunks(13).zip(expected.iter().chain(expected)) {
+        let vectors = [touch.point, touch.normal].map(Vec3::to_array).concat();
+        let friction = touch.friction.unwrap().to_array();
+        let sticks = if touch.sticks { 1.0 } else { 0.0 };
+        let own =
+            [&[touch.obstacle as f64, touch.arc_length][..], &vectors, &[touch.force.unwrap()]];
+        let own = [&own.concat()[..], &friction, &[sticks]].concat();
+        for (found, own) in numbers.iter().zip(&own) {
+            assert!((found - own).abs() <= 1e-6 * own.abs(), "{numbers:?} {own:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_too_large_for_a_page_is_refused() {
+    let file = example("table1/case-3.toml");
+    let mut recording = record(&file, &[ModelVariant::usual(ModelKind::FourBar)], drop).unwrap();
+    written(bare(), &recording).unwrap();
+    recording.scene.measured = vec![[1.0 / 3.0; 3]; 100_000];
+    match written(bare(), &recording).unwrap_err() {
+        ViewError::TooLarge { bytes, most: 5_000_000 } => assert!(bytes > 5_000_000, "{bytes}"),
+        other => panic!("{other}"),
+    }
 }
 
 #[test]
