@@ -3,9 +3,10 @@ import { describe, expect, it } from "vitest";
 
 import { linear, parse } from "./colours";
 import { course, place, rotate, spans, strainsOf, tensions, tipFrame } from "./geometry";
+import interpolation from "./interpolation.json";
 import { extent, ticks } from "./plots";
 import { around, move, touches } from "./recorded";
-import { decode, encode, type Pose, type Request, type Scene, type Solved } from "./protocol";
+import { decode, encode, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
 import { fromPage, toPage } from "./samples";
 import { Sharpness } from "./sharpness";
 import { fromHash, History, initialState, rebase, toHash, toRequest, viewFromHash, viewToHash } from "./state";
@@ -244,5 +245,35 @@ describe("charts", () => {
     expect(extent([2, 3])).toEqual([0, 3]);
     expect(extent([-0.4, 10.2])).toEqual([-5, 15]);
     expect(extent([-0.9, 0.9])).toEqual([-1, 1]);
+  });
+});
+
+describe("the interpolation of an exported page", () => {
+  it("is that of the server, which tries it against solves", () => {
+    for (const { axes, commands, initial, unsolved, weights } of interpolation.mixes) {
+      const found = around(axes, commands as Command[], initial as Command[], (frame) => !unsolved.includes(frame));
+      const sum = (all: number[][] | undefined): Map<number, number> => {
+        const sums = new Map<number, number>();
+        for (const [frame, weight] of all ?? []) sums.set(frame!, (sums.get(frame!) ?? 0) + weight!);
+        return sums;
+      };
+      expect(found === undefined).toBe(weights === null);
+      const [own, expected] = [sum(found), sum(weights ?? undefined)];
+      expect([...own.keys()].sort()).toEqual([...expected.keys()].sort());
+      for (const [frame, weight] of own) expect(weight).toBeCloseTo(expected.get(frame)!, 12);
+    }
+  });
+
+  it("adds strains up as the server does", () => {
+    for (const { base, strains, lengths, poses } of interpolation.paths) {
+      let pose = base as Pose;
+      strains.forEach((strain, piece) => {
+        const [linear, angular] = strain.map((part) => part.map((x) => x * lengths[piece]!)) as [Vector, Vector];
+        pose = move(pose, linear, angular);
+        const expected = poses[piece + 1]!;
+        pose.position.forEach((x, k) => expect(x).toBeCloseTo(expected.position[k]!, 12));
+        pose.orientation.forEach((x, k) => expect(x).toBeCloseTo(expected.orientation[k]!, 12));
+      });
+    }
   });
 });

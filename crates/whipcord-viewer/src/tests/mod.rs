@@ -2,6 +2,7 @@
 
 mod answers;
 mod guarded;
+mod interpolation;
 mod live;
 mod samples;
 mod scenes;
