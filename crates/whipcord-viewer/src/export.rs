@@ -12,7 +12,7 @@ use crate::error::ViewError;
 use crate::grid::{Grid, integrate};
 use crate::page::{Page, page};
 use crate::protocol::{Command, Request, Scene};
-use crate::scene::scene;
+use crate::scene::{begin_with, scene};
 
 /// Most bytes of an exported page.
 pub const MOST_BYTES: usize = 5_000_000;
@@ -112,19 +112,10 @@ fn record(
     mut tell: impl FnMut(Progress),
 ) -> Result<Recording, ViewError> {
     let mut scene = scene(file);
-    if !models.is_empty() {
-        scene.initial.models.clear();
-    }
-    for name in models.iter().map(|one| one.name().to_owned()) {
-        if !scene.initial.models.contains(&name) {
-            scene.initial.models.push(name);
-        }
-    }
+    begin_with(&mut scene, models)?;
     for choice in &mut scene.models {
         if !scene.initial.models.contains(&choice.name) {
             choice.refusal = Some("not in this page".to_owned());
-        } else if let Some(refusal) = choice.refusal.take() {
-            return Err(ViewError::Refused { message: refusal });
         }
     }
     let variants: Vec<ModelVariant> =

@@ -20,11 +20,12 @@ mod stations;
 #[cfg(test)]
 mod tests;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::opened::{Opened, Watched};
+use whipcord::ModelVariant;
+
 use crate::page::{Page, page};
-use crate::server::Server;
+use crate::server::{Server, Viewed};
 
 pub use error::ViewError;
 pub use export::{Progress, export};
@@ -33,28 +34,28 @@ pub use scene::offered;
 /// A robot file that is about to be viewed: it can be used, and the server listens.
 #[derive(Debug)]
 pub struct View {
-    path: PathBuf,
     page: Page,
-    opened: Opened,
-    watched: Watched,
+    viewed: Viewed,
     server: Server,
     runtime: tokio::runtime::Runtime,
 }
 
 impl View {
-    /// Reads a robot file, and listens on a port of this machine, a free one for 0.
+    /// Reads a robot file, and listens on a port of this machine, a free one for 0. The page begins with these models, or with
+    /// the first that takes the robot.
     ///
     /// # Errors
-    /// [`ViewError`] for a file that cannot be used, a port that is not to be had, and a binary without the page.
-    pub fn open(path: &Path, port: u16) -> Result<Self, ViewError> {
-        let (opened, watched) = Opened::read(path)?;
+    /// [`ViewError`] for a file that cannot be used, a model that does not take the robot, a port that is not to be had, and a
+    /// binary without the page.
+    pub fn open(path: &Path, models: &[ModelVariant], port: u16) -> Result<Self, ViewError> {
+        let viewed = Viewed::read(path, models)?;
         let page = page()?;
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .enable_all()
             .build()
             .map_err(ViewError::Server)?;
         let server = runtime.block_on(Server::listen(port))?;
-        Ok(Self { path: path.to_owned(), page, opened, watched, server, runtime })
+        Ok(Self { page, viewed, server, runtime })
     }
 
     /// Where the page is.
@@ -74,7 +75,7 @@ impl View {
     /// # Errors
     /// [`ViewError::Server`] when the server stops.
     pub fn serve(self) -> Result<(), ViewError> {
-        let Self { path, page, opened, watched, server, runtime } = self;
-        runtime.block_on(server.serve(page, path, opened, watched, std::future::pending()))
+        let Self { page, viewed, server, runtime } = self;
+        runtime.block_on(server.serve(page, viewed, std::future::pending()))
     }
 }

@@ -6,10 +6,12 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use tokio::sync::watch;
+use whipcord::ModelVariant;
 use whipcord_io::{CaseFile, FileError, load, render};
 
+use crate::error::ViewError;
 use crate::protocol::Scene;
-use crate::scene::scene;
+use crate::scene::{begin_with, scene};
 
 /// How often the file is looked at. Editors replace files, write them in pieces, and keep them on disks that tell
 /// of no change: looking is what always works.
@@ -34,13 +36,15 @@ pub struct Usable {
 }
 
 impl Opened {
-    /// Reads the file.
+    /// Reads the file. A page begins with these models, or with the first that takes the robot.
     ///
     /// # Errors
-    /// [`FileError`] with all that is wrong with it.
-    pub fn read(path: &Path) -> Result<(Self, Watched), FileError> {
+    /// [`ViewError::File`] with all that is wrong with it, [`ViewError::Refused`] for a model that does not take the robot.
+    pub fn read(path: &Path, models: &[ModelVariant]) -> Result<(Self, Watched), ViewError> {
         let (read, watched) = read(path, vec![path.to_owned()]);
-        Ok((Self { usable: Arc::new(read?), broken: None }, watched))
+        let mut usable = read?;
+        begin_with(&mut usable.scene, models)?;
+        Ok((Self { usable: Arc::new(usable), broken: None }, watched))
     }
 }
 
@@ -108,7 +112,12 @@ fn stamp(file: &Path) -> Stamp {
 }
 
 /// Reads the file again whenever it changes, and tells.
-pub async fn follow(path: PathBuf, mut watched: Watched, tell: watch::Sender<Opened>) {
+pub async fn follow(
+    path: PathBuf,
+    models: Vec<ModelVariant>,
+    mut watched: Watched,
+    tell: watch::Sender<Opened>,
+) {
     let mut ticks = tokio::time::interval(EVERY);
     ticks.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     loop {
@@ -122,7 +131,11 @@ pub async fn follow(path: PathBuf, mut watched: Watched, tell: watch::Sender<Ope
         let Ok((read, now)) = reading.await else { continue };
         watched = now;
         tell.send_modify(|opened| match read {
-            Ok(usable) => *opened = Opened { usable: Arc::new(usable), broken: None },
+            Ok(mut usable) => {
+                // The robot may have become one that a model does not take: then the page begins with the first that does.
+                let _ = begin_with(&mut usable.scene, &models);
+                *opened = Opened { usable: Arc::new(usable), broken: None };
+            }
             Err(error) => opened.broken = Some(render(&error, false).trim_end().into()),
         });
     }

@@ -10,6 +10,7 @@ use whipcord::{
 use whipcord_io::{CaseFile, Measured};
 use whipcord_plot::{CableCourse, plates_of};
 
+use crate::error::ViewError;
 use crate::obstacles;
 use crate::protocol::{self, Command, Disk, ModelChoice, Pose, Request, Scene};
 use crate::ranges::ranges;
@@ -51,6 +52,27 @@ pub fn scene(file: &CaseFile) -> Scene {
         measured: measured(file, first),
         obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
     }
+}
+
+/// Makes these models, each once, those that the page begins with; without any it is the first that takes the robot.
+///
+/// # Errors
+/// [`ViewError::Refused`] for a model that does not take the robot.
+pub fn begin_with(scene: &mut Scene, models: &[ModelVariant]) -> Result<(), ViewError> {
+    let mut names: Vec<String> = Vec::new();
+    for name in models.iter().map(|one| one.name()) {
+        let refusal = scene.models.iter().find(|choice| choice.name == name);
+        if let Some(message) = refusal.and_then(|choice| choice.refusal.clone()) {
+            return Err(ViewError::Refused { message });
+        }
+        if !names.iter().any(|known| known == name) {
+            names.push(name.to_owned());
+        }
+    }
+    if !names.is_empty() {
+        scene.initial.models = names;
+    }
+    Ok(())
 }
 
 /// The model at the stations of frames, each cable driven by what it is told.

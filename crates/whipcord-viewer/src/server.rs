@@ -5,6 +5,7 @@
 //! the page itself.
 
 use std::net::{Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use axum::Router;
@@ -16,6 +17,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
+use whipcord::ModelVariant;
 
 use crate::connection::{self, Shared};
 use crate::error::ViewError;
@@ -38,6 +40,30 @@ struct Served {
     port: u16,
     shared: Shared,
     pages: Arc<Semaphore>,
+}
+
+/// What is served beside the page.
+#[derive(Debug)]
+pub struct Viewed {
+    /// The robot file.
+    pub path: PathBuf,
+    /// What pages begin with; where none is named, the first that takes the robot.
+    pub models: Vec<ModelVariant>,
+    /// As it was read.
+    pub opened: Opened,
+    /// What tells that it has changed.
+    pub watched: Watched,
+}
+
+impl Viewed {
+    /// Reads a robot file.
+    ///
+    /// # Errors
+    /// As [`Opened::read`].
+    pub fn read(path: &Path, models: &[ModelVariant]) -> Result<Self, ViewError> {
+        let (opened, watched) = Opened::read(path, models)?;
+        Ok(Self { path: path.to_owned(), models: models.to_vec(), opened, watched })
+    }
 }
 
 /// A server that listens.
@@ -72,11 +98,10 @@ impl Server {
     pub async fn serve(
         self,
         page: Page,
-        path: std::path::PathBuf,
-        opened: Opened,
-        watched: Watched,
+        viewed: Viewed,
         stop: impl Future<Output = ()>,
     ) -> Result<(), ViewError> {
+        let Viewed { path, models, opened, watched } = viewed;
         let (tell, opened) = watch::channel(opened);
         let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let shared = Shared { opened, solvers: Arc::new(Semaphore::new(processors)) };
@@ -84,7 +109,7 @@ impl Server {
         let served = Served { page, port: self.port(), shared, pages };
         let server = axum::serve(self.listener, router(served)).into_future();
         tokio::select! {
-            () = follow(path, watched, tell) => Ok(()),
+            () = follow(path, models, watched, tell) => Ok(()),
             () = stop => Ok(()),
             stopped = server => stopped.map_err(ViewError::Server),
         }

@@ -30,8 +30,9 @@ pub struct ViewArgs {
     /// Write one page that needs no server, with frames over the ranges of the cables' sliders
     #[arg(long, value_name = "OUT.html", conflicts_with_all = ["port", "no_open"])]
     export: Option<PathBuf>,
-    /// Model of the exported page; may be given again. By default the first that takes the robot
-    #[arg(long, value_name = "NAME", value_parser = variant_parser(), requires = "export")]
+    /// Model that the page begins with, or that an exported page has; may be given again. By default the first that
+    /// takes the robot
+    #[arg(long, value_name = "NAME", value_parser = variant_parser())]
     model: Vec<ModelVariant>,
 }
 
@@ -50,7 +51,7 @@ pub fn run(args: &ViewArgs) -> Result<String, Failure> {
         files::write(out, page.as_bytes())?;
         return Ok(format!("{}\n", out.display()));
     }
-    let view = View::open(&args.file, args.port).map_err(|error| failure(&error))?;
+    let view = View::open(&args.file, &args.model, args.port).map_err(|error| failure(&error))?;
     // Who waits for the address may read it from a pipe.
     let mut out = io::stdout().lock();
     let _ = writeln!(out, "{}", view.url()).and_then(|()| out.flush());

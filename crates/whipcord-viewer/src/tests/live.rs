@@ -7,10 +7,12 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::TestRunner;
 use tokio_tungstenite::tungstenite::Message;
-use whipcord::{ModelKind, Vec3};
+use whipcord::{ModelKind, ModelVariant, Vec3};
 
-use super::{Client, example, serve, tip};
+use super::{Client, example, serve, serve_with, tip};
+use crate::error::ViewError;
 use crate::protocol::{Answer, Command, Frame, Request, ToPage};
+use crate::server::Viewed;
 
 fn solved(message: ToPage) -> Frame {
     match message {
@@ -92,6 +94,25 @@ async fn sliders_that_are_faster_than_solves_are_followed_to_where_they_end() {
     assert!(answered.windows(2).all(|w| w[1].id > w[0].id));
     assert!(answered.len() < asked as usize / 2, "{} of {asked} were answered", answered.len());
     assert_answers(answered.last().unwrap(), &moved(&scene.initial, asked..=asked)[0]);
+}
+
+#[tokio::test]
+async fn a_page_begins_with_the_models_that_were_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.toml");
+    fs::copy(example(ARM), &path).unwrap();
+    let [rod, disks] = MODELS.map(ModelVariant::usual);
+    let port = serve_with(&path, &[disks, rod, disks]).await;
+    let (mut client, scene) = Client::connect(port).await;
+    assert_eq!(scene.initial.models, ["cosserat-disks", "cosserat"]);
+    fs::write(&path, fs::read_to_string(&path).unwrap() + "\n").unwrap();
+    match client.hear().await {
+        ToPage::Scene(scene) => assert_eq!(scene.initial.models, ["cosserat-disks", "cosserat"]),
+        other => panic!("{other:?}"),
+    }
+    let refused = ModelVariant::usual(ModelKind::ConstantCurvature);
+    let error = Viewed::read(&path, &[rod, refused]).unwrap_err();
+    assert!(matches!(error, ViewError::Refused { .. }), "{error}");
 }
 
 #[tokio::test]

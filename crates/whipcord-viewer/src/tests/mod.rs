@@ -17,13 +17,12 @@ use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
 use tokio_tungstenite::tungstenite::http::{HeaderValue, header};
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 
-use whipcord::{Model, ModelKind, Statics as _, Stations, Vec3};
+use whipcord::{Model, ModelKind, ModelVariant, Statics as _, Stations, Vec3};
 use whipcord_io::{CaseFile, load};
 
-use crate::opened::Opened;
 use crate::page::Page;
 use crate::protocol::{FromPage, Request, Scene, ToPage};
-use crate::server::Server;
+use crate::server::{Server, Viewed};
 
 pub fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name)
@@ -31,11 +30,16 @@ pub fn example(name: &str) -> PathBuf {
 
 /// Serves a file with a page of nothing, and returns the port.
 pub async fn serve(path: &Path) -> u16 {
+    serve_with(path, &[]).await
+}
+
+/// The same, beginning with these models.
+pub async fn serve_with(path: &Path, models: &[ModelVariant]) -> u16 {
     let page = Page { html: "<p>page</p>", script: "script", style: "style" };
-    let (opened, watched) = Opened::read(path).unwrap();
+    let viewed = Viewed::read(path, models).unwrap();
     let server = Server::listen(0).await.unwrap();
     let port = server.port();
-    tokio::spawn(server.serve(page, path.to_owned(), opened, watched, std::future::pending()));
+    tokio::spawn(server.serve(page, viewed, std::future::pending()));
     port
 }
 
