@@ -2,11 +2,68 @@
 
 from __future__ import annotations
 
+import base64
+import json
+import os
+import socket
+import struct
 import urllib.error
+import urllib.parse
 import urllib.request
+from collections.abc import Callable
+from typing import Any
 
+import numpy as np
 import pytest
 import whipcord
+from whipcord.models import CosseratDisks, FourBar
+
+
+class Page:
+    """What a page of the viewer hears and says: as much of a WebSocket (RFC 6455) as that takes."""
+
+    def __init__(self, url: str) -> None:
+        at = urllib.parse.urlsplit(url)
+        assert at.hostname is not None and at.port is not None
+        self._socket = socket.create_connection((at.hostname, at.port), timeout=60)
+        key = base64.b64encode(os.urandom(16)).decode()
+        lines = [
+            "GET /socket HTTP/1.1",
+            f"Host: {at.netloc}",
+            f"Origin: http://{at.netloc}",
+            "Connection: Upgrade",
+            "Upgrade: websocket",
+            "Sec-WebSocket-Version: 13",
+            f"Sec-WebSocket-Key: {key}",
+        ]
+        self._socket.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
+        self._file = self._socket.makefile("rb")
+        assert b" 101 " in self._file.readline()
+        while self._file.readline().strip():
+            pass
+
+    def hear(self) -> dict[str, Any]:
+        """The next message."""
+        kind, length = self._file.read(2)
+        assert kind == 0x81, "a whole text"
+        if length == 126:
+            (length,) = struct.unpack(">H", self._file.read(2))
+        elif length == 127:
+            (length,) = struct.unpack(">Q", self._file.read(8))
+        message: dict[str, Any] = json.loads(self._file.read(length))
+        return message
+
+    def ask(self, request: dict[str, Any]) -> dict[str, Any]:
+        """The answer to a request."""
+        text = json.dumps({"type": "solve", **request}).encode()
+        mask = os.urandom(4)
+        masked = bytes(byte ^ mask[k % 4] for k, byte in enumerate(text))
+        self._socket.sendall(struct.pack(">BBH", 0x81, 0x80 | 126, len(text)) + mask + masked)
+        return self.hear()
+
+    def close(self) -> None:
+        self._file.close()
+        self._socket.close()
 
 
 def page_or_skip(of: whipcord.Case | whipcord.Robot | whipcord.Solution) -> whipcord.Viewer:
@@ -28,3 +85,33 @@ def test_cases_robots_and_solutions_are_viewed() -> None:
             assert "height: 500px" in viewer._repr_html_()
         with pytest.raises(urllib.error.URLError):
             urllib.request.urlopen(viewer.url)
+
+
+SOLVES: list[tuple[str, Callable[[whipcord.Case], whipcord.Solution]]] = [
+    ("two-segment-arm", lambda case: case.solve(tension=[3, 9, 1, 0, 2, 5])),
+    ("two-segment-arm", lambda case: case.solve(model="cosserat-disks", tension=[3, 9, 1, 0, 2, 5])),
+    ("two-segment-arm", lambda case: case.replace(loads=whipcord.Loads(tip_force=[0.1, 0, 0])).solve()),
+    # This file gives tension and shortening.
+    ("table1/case-3", lambda case: case.solve()),
+    ("table1/case-3", lambda case: case.solve(model="four-bar")),
+    ("table1/case-3", lambda case: case.solve(model=CosseratDisks(steps=20), actuation="shortening")),
+    ("table1/case-3", lambda case: case.solve(model=FourBar(length_rule="free", objective="strain-energy"))),
+    ("rubbing-finger", lambda case: case.solve(model="cosserat-disks")),
+]
+
+
+@pytest.mark.parametrize(("name", "solve"), SOLVES)
+def test_a_solution_is_viewed_as_it_is(
+    name: str, solve: Callable[[whipcord.Case], whipcord.Solution]
+) -> None:
+    solution = solve(whipcord.load(f"examples/{name}.toml"))
+    with page_or_skip(solution) as viewer:
+        page = Page(viewer.url)
+        scene = page.hear()
+        assert scene["type"] == "scene" and len(scene["initial"]["models"]) == 1
+        frame = page.ask(scene["initial"])
+        page.close()
+    (answer,) = frame["answers"]
+    assert answer["status"] == "solved" and answer["model"].startswith(solution.model)
+    assert answer["driven_by"] is None
+    np.testing.assert_allclose(answer["positions"][-1], solution.tip, atol=2e-6)

@@ -481,20 +481,7 @@ class Robot:
         write(path, self.to_toml())
 
     def view(self, *, open: bool | None = None, height: int = HEIGHT) -> Viewer:
-        """Shows the robot in the browser, with sliders for its cables and loads; a notebook shows the page itself.
-
-        Parameters
-        ----------
-        open
-            Whether a tab of the browser is opened: by default, except in a notebook.
-        height
-            Height of the page in a notebook, in px.
-
-        Returns
-        -------
-        Viewer
-            The page, served until it is closed.
-        """
+        """Shows the robot in the browser, as :meth:`Case.view` does."""
         return view(self.to_toml(), open=open, height=height)
 
     def __setattr__(self, name: str, value: Any) -> None:

@@ -15,7 +15,7 @@ from . import _core
 from ._files import write
 from ._html import picture
 from .errors import InputError
-from .viewing import HEIGHT, Viewer, view
+from .viewing import HEIGHT, Viewer, offered, view
 
 if TYPE_CHECKING:
     from .case import Case
@@ -325,21 +325,11 @@ class Solution:
         return plot.solution(self, **options)
 
     def view(self, *, open: bool | None = None, height: int = HEIGHT) -> Viewer:
-        """Shows the robot, from the case that was solved on, in the browser, with sliders for its cables and loads; a notebook shows the page itself.
-
-        Parameters
-        ----------
-        open
-            Whether a tab of the browser is opened: by default, except in a notebook.
-        height
-            Height of the page in a notebook, in px.
-
-        Returns
-        -------
-        Viewer
-            The page, served until it is closed.
+        """Shows it in the browser, as :meth:`Case.view` does: the page begins with this model, under the commands and loads
+        that this answers.
         """
-        return view(self.case.to_toml(), open=open, height=height)
+        shown = self.case._of(self._case._setup.as_driven(self._answer, self._model))
+        return view(shown.to_toml(), model=offered(self._model), open=open, height=height)
 
     def svg(self, *, width: float = 980.0, title: str | None = None) -> str:
         """The picture that ``whipcord solve --plot`` draws, as SVG: in space and in three views."""

@@ -10,6 +10,7 @@ import tempfile
 import webbrowser
 from typing import Any
 
+from . import _core
 from .errors import WhipcordError
 
 #: Height of the page in a notebook, in px.
@@ -22,12 +23,14 @@ class Viewer:
     In a notebook it shows the page itself. It is a context manager, which closes it.
     """
 
-    def __init__(self, text: str, *, height: int = HEIGHT) -> None:
+    def __init__(self, text: str, *, model: str | None = None, height: int = HEIGHT) -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="whipcord-")
         path = os.path.join(self._folder.name, "robot.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
         command = [sys.executable, "-m", "whipcord", "view", path, "--no-open"]
+        if model is not None:
+            command += ["--model", model]
         self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self._height = height
         assert self._process.stdout is not None
@@ -68,12 +71,20 @@ class Viewer:
         return f'<iframe src="{self._url}" style="{style}" title="The viewer of whipcord"></iframe>'
 
 
-def view(text: str, *, open: bool | None = None, height: int = HEIGHT) -> Viewer:
-    """Serves the viewer of a robot file's text."""
-    viewer = Viewer(text, height=height)
+def view(text: str, *, model: str | None = None, open: bool | None = None, height: int = HEIGHT) -> Viewer:
+    """Serves the viewer of a robot file's text, as :meth:`whipcord.Case.view` says; the page begins with this model."""
+    viewer = Viewer(text, model=model, height=height)
     if open if open is not None else not in_notebook():
         viewer.show()
     return viewer
+
+
+def offered(model: _core.Model) -> str:
+    """What the viewer calls a model. It knows the options that answer something else; how exactly a rod is solved is its own."""
+    if model.kind == "four-bar" and model.arguments.get("length_rule") == "free":
+        energy = model.arguments.get("objective") == "strain-energy"
+        return "four-bar-strain-energy" if energy else "four-bar-sliding"
+    return model.kind
 
 
 def in_notebook() -> bool:

@@ -148,6 +148,14 @@ impl Model {
     }
 }
 
+impl Model {
+    /// What drives all cables, where that was chosen.
+    pub fn actuation(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let chosen = self.arguments.bind(py).get_item("actuation")?;
+        chosen.map_or(Ok(None), |chosen| chosen.extract())
+    }
+}
+
 pub fn named<T: FromStr<Err: ToString>>(py: Python<'_>, path: &str, name: &str) -> PyResult<T> {
     name.parse().map_err(|error: T::Err| errors::input(py, path, error.to_string()))
 }

@@ -10,8 +10,8 @@ use pyo3::types::{PyDict, PyList};
 use whipcord::cosserat::{BranchOptions, Cosserat, CriticalKind, Workspace};
 use whipcord::kinematics::{DrivenBy, Means, Yield};
 use whipcord::{
-    Case, Differentiable, Drive, ModelKind, Parameter, Prepared, Robot, Shortening, SolveError,
-    Statics,
+    CableCommand, Case, Differentiable, Drive, ModelKind, Parameter, Prepared, Robot, Shortening,
+    SolveError, Statics,
 };
 use whipcord_io::CaseFile;
 
@@ -323,6 +323,31 @@ impl Setup {
     /// The robot with what was asked of it for an answer.
     fn of_answer(&self, solution: &Solution) -> Self {
         Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&solution.case))
+    }
+
+    /// The same, with the command alone of each cable that the model took, lengths in m: what another model, or a viewer, is to
+    /// take as well.
+    fn as_driven(&self, py: Python<'_>, solution: &Solution, model: &Model) -> PyResult<Self> {
+        let answer = &solution.inner;
+        let by_tension = match model.actuation(py)?.as_deref() {
+            Some(named) => named == "tension",
+            None => answer.model.natural_drive() == Drive::Tension,
+        };
+        let mut case = (*solution.case).clone();
+        for commands in case.before.iter_mut().chain([&mut case.commands]) {
+            for (command, cable) in commands.iter_mut().zip(&answer.cables) {
+                let in_metres =
+                    |given: Shortening| Shortening::Length(given.in_metres(cable.initial_length));
+                let shortening = command.shortening.map(in_metres);
+                *command = match command.tension {
+                    tension @ Some(_) if by_tension || shortening.is_none() => {
+                        CableCommand { tension, shortening: None }
+                    }
+                    _ => CableCommand { tension: None, shortening },
+                };
+            }
+        }
+        Ok(Self::new(self.title.clone(), self.robot.clone(), Arc::new(case)))
     }
 
     /// The value of a parameter, by its path.
