@@ -87,7 +87,7 @@ fn assert_holds_answers(file: &Arc<CaseFile>, recording: &Recording, variant: Mo
 #[test]
 fn a_robot_with_six_cables_fits_in_a_page() {
     let cable = |k: usize| {
-        let (angle, radius) = (60 * k, if k % 2 == 0 { 9 } else { 7 });
+        let (angle, radius) = (60 * k, [9, 7][k % 2]);
         format!(
             "[[cables]]\nname = \"{k}\"\nshortening = \"0 mm\"\n\
              routing = {{ kind = \"straight\", angle = \"{angle} deg\", radius = \"{radius} mm\" }}\n"
