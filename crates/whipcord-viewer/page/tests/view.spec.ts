@@ -235,7 +235,7 @@ async function vermillion(page: Page): Promise<number> {
 
 test("colours stand for what they say", async ({ page, viewer }) => {
   void viewer;
-  await expect.poll(() => vermillion(page)).toBeGreaterThan(50);
+  await expect.poll(() => vermillion(page)).toBeGreaterThan(20);
   for (const [colouring, legend] of [["tension", "tension in N"], ["curvature", "curvature in 1/m"], ["strain", "stretch in %"]] as const) {
     await page.getByLabel("Colour by").selectOption(colouring);
     await expect(page.locator("#legend")).toContainText(legend);
