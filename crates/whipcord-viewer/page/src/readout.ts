@@ -31,7 +31,7 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
   made.dataset["tip"] = JSON.stringify(tip);
   const facts: [string, string][] = [
     ["tip", `(${tip.map(mm).join(", ")}) mm`],
-    ["orientation", answer.orientations.at(-1)!.map((c, k) => `${"wxyz"[k]!} ${fixed(c, 4)}`).join(", ")],
+    ["orientation", answer.orientations.at(-1)!.map((c, k) => `${"wxyz"[k]!}\u00a0${fixed(c, 4)}`).join(", ")],
   ];
   if (answer.solve_time > 0) {
     facts.push(["residual", significant(answer.residual, 2)]);
