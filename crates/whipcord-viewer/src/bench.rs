@@ -126,11 +126,12 @@ impl Bench {
     }
 
     /// The answer of a model. It starts from the last one and, where that leads nowhere, from
-    /// cold. Where cables rub, what they did before counts: then each answer is that after the steps of the file.
+    /// cold. Where cables or obstacles rub, what was before counts: then each answer is that after the steps of the file.
     fn one(&mut self, variant: ModelVariant, case: &Case) -> Result<Found, Refusal> {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
         let ready = self.ready(variant)?;
         let rubs = !case.before.is_empty()
+            || case.obstacles.iter().any(|obstacle| obstacle.friction > 0.0)
             || ready.prepared.robot().cables().iter().any(whipcord::Cable::rubs);
         let begun = Instant::now();
         let outcome = match (&ready.last, rubs) {

@@ -32,7 +32,8 @@ class Quantity {
   readonly #box: HTMLInputElement;
   #unit: Unit;
   #bound: readonly [number, number] = [-Infinity, Infinity];
-  #value = 0;
+  /** What is shown. */
+  #value = NaN;
   readonly #symbol: HTMLElement;
 
   constructor(
@@ -62,11 +63,13 @@ class Quantity {
       const given = Math.min(Math.max(fromUnit(value, this.#unit), least), most);
       changes.change((state) => edit(state, given));
       changes.commit();
+      this.#write(this.#value);
     });
     this.range(range, unit, label);
   }
 
   range([least, most]: readonly [number, number], unit: Unit, label: string): void {
+    this.#value = NaN;
     this.#unit = unit;
     this.#slider.min = String(least);
     this.#slider.max = String(most);
@@ -79,6 +82,7 @@ class Quantity {
 
   /** Holds the slider between these ends. */
   bound(least: number, most: number): void {
+    this.#value = NaN;
     this.#bound = [least, most];
     this.#slider.min = String(least);
     this.#slider.max = String(most);
@@ -89,6 +93,7 @@ class Quantity {
   }
 
   show(value: number): void {
+    if (value === this.#value) return;
     // A number typed beyond the slider's end moves the end.
     if (value > Number(this.#slider.max)) this.#slider.max = String(value);
     if (value < Number(this.#slider.min)) this.#slider.min = String(value);

@@ -105,6 +105,23 @@ fn a_geometric_model_is_driven_by_the_lengths_that_steps_and_friction_left() {
 }
 
 #[test]
+fn what_rubs_does_not_depend_on_how_the_sliders_went_there() {
+    let mut file = load(example("contact/rubbing-wall.toml")).unwrap();
+    file.case.before.clear();
+    let file = Arc::new(file);
+    let mut bench = Bench::new(Arc::clone(&file));
+    let mut request = scene(&file).initial;
+    let mut ask = |tension| {
+        request.commands[0] = Command::Tension(tension);
+        only(bench.solve(&request, Instant::now()).unwrap().answers)
+    };
+    let [up, _, down] = [3.0, 3.6, 3.0].map(&mut ask);
+    assert!(up.touches.iter().any(|touch| touch.friction.is_some()), "{:?}", up.touches);
+    assert_eq!(up.positions, down.positions);
+    assert_eq!(up.touches, down.touches);
+}
+
+#[test]
 fn what_has_no_answer_says_why_and_the_next_request_is_answered() {
     let file = Arc::new(load(example("two-segment-arm.toml")).unwrap());
     let initial = scene(&file).initial;
