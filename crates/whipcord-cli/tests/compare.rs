@@ -232,6 +232,30 @@ fn measurements_are_moved_onto_the_model_where_asked() {
 }
 
 #[test]
+fn measurements_are_drawn_where_they_are_moved_to() {
+    let scratch = Scratch::new();
+    let seen = |name: &str, lines: &str, table: &str| {
+        scratch.write(&format!("{name}.csv"), table);
+        let text = format!("tension = \"400 gf\"\n[measured]\ndisks = \"{name}.csv\"\n{lines}");
+        let file = scratch.write(&format!("{name}.toml"), &robot(&text));
+        let svg = scratch.file(&format!("{name}.svg"));
+        let text = succeed(&["solve", &file, "--plot", &svg]);
+        (text, std::fs::read_to_string(svg).unwrap())
+    };
+    let here = "disk,x,y,z\n1,0,0,0\n4,0.01,0.02,0.05\n8,0.02,0.06,0.12\n";
+    let elsewhere = "disk,x,y,z\n1,1,0,0\n4,1.01,0.02,0.05\n8,1.02,0.06,0.12\n";
+    let base = "registration = \"base\"\n";
+    let (_, as_it_is) = seen("here", "", here);
+    assert_eq!(seen("moved", base, elsewhere).1, as_it_is);
+    assert_ne!(seen("elsewhere", "", elsewhere).1, as_it_is);
+    let (text, _) = seen("few", "registration = \"rigid\"\n", "disk,x,y,z\n4,0,0,0.06\n");
+    assert!(
+        text.contains("without what was measured") && text.contains("cannot be moved"),
+        "{text}"
+    );
+}
+
+#[test]
 fn markers_between_disks_are_compared_with() {
     let scratch = Scratch::new();
     let bare = scratch.write("bare.toml", &robot("tension = \"400 gf\""));

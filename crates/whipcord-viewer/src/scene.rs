@@ -1,6 +1,6 @@
 //! A robot file as the page is told of it.
 
-use whipcord::observation::{distances, in_space};
+use whipcord::observation::{in_space, measured_in_world};
 use whipcord::registration::Alignment;
 use whipcord::variant::Variant;
 use whipcord::{
@@ -226,10 +226,9 @@ fn measured(file: &CaseFile, first: Option<ModelVariant>) -> Vec<[f64; 3]> {
         let model = first.model(Stations::Disks, robot.disks().count() - 1);
         let mut prepared = model.prepare(robot, &case.loads).ok()?;
         let solution = prepared.solve_to_the_end(case).ok()?;
-        distances(first.kind, robot, case, &solution, observations, *alignment).ok()?
+        measured_in_world(first.kind, robot, case, &solution, observations, *alignment).ok()
     });
-    let markers = moved.into_iter().flat_map(|distances| distances.markers);
-    markers.map(|marker| array(marker.measured)).collect()
+    moved.into_iter().flatten().map(array).collect()
 }
 
 /// Loads of the file that no slider moves.

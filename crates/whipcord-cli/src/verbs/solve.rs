@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::RangedU64ValueParser;
+use whipcord::observation::measured_in_world;
 use whipcord::{Drive, Model, NoStability, Shape, Solution, Stations};
-use whipcord_io::{Beside, CaseFile, answer_json, shape_csv, steps_csv};
+use whipcord_io::{Beside, CaseFile, Measured, answer_json, shape_csv, steps_csv};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
 use crate::chosen::ChosenModel;
@@ -103,11 +104,13 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         Some(path) => Some(draw(path, &file, &timed, &model)?),
         None => None,
     };
-    let plot = args.plot.as_deref().zip(picture.as_ref().map(|picture| picture.is_smooth));
-    if let Some((_, false)) = plot
+    let plot = args.plot.as_deref().zip(picture.as_ref().map(|picture| picture.lacks.as_slice()));
+    if let Some((_, lacks)) = plot
         && (args.json || args.csv)
     {
-        let _ = writeln!(io::stderr().lock(), "picture: {COARSE}");
+        for lack in lacks {
+            let _ = writeln!(io::stderr().lock(), "picture: {lack}");
+        }
     }
     let branches = if args.branches {
         let stations = args.stations.map_or(Stations::Disks, Stations::Equal);
@@ -147,8 +150,8 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
 /// A picture to be written.
 struct Picture {
     bytes: Vec<u8>,
-    /// Whether it shows all shapes at [`FINE_STATIONS`].
-    is_smooth: bool,
+    /// What it does not show, or not well, in words.
+    lacks: Vec<String>,
 }
 
 /// What is said of a picture that is not smooth.
@@ -191,10 +194,24 @@ fn draw(
         let named = steps.iter().enumerate();
         views.extend(named.map(|(i, (step, _))| view(format!("step {}", i + 1), step)));
     }
-    let measured = file.measured.as_ref();
+    let mut lacks = Vec::new();
+    if !is_smooth {
+        lacks.push(COARSE.to_owned());
+    }
+    let (robot, case) = (&file.robot, &file.case);
+    let measured = file.measured.as_ref().map_or(
+        Ok(Vec::new()),
+        |Measured { observations, alignment, .. }| {
+            measured_in_world(model.kind(), robot, case, solution, observations, *alignment)
+        },
+    );
+    let measured = measured.unwrap_or_else(|error| {
+        lacks.push(format!("without what was measured: {error}"));
+        Vec::new()
+    });
     let options = FigureOptions {
         title: file.title.clone(),
-        measured: measured.map_or_else(Vec::new, |m| m.disks.iter().map(|d| d.position).collect()),
+        measured,
         loads: Acting::on(&file.case, &solution.shape),
         obstacles: file.case.obstacles.clone(),
         touches: solution.touches.clone(),
@@ -202,14 +219,14 @@ fn draw(
     };
     let svg = robot_figure(&file.robot, &views, &options)
         .map_err(|error| files::plot_failure(path, &error))?;
-    Ok(Picture { bytes: files::picture(&svg, path)?, is_smooth })
+    Ok(Picture { bytes: files::picture(&svg, path)?, lacks })
 }
 
 fn summary(
     file: &CaseFile,
     timed: &TimedSolution,
     drive: Drive,
-    plot: Option<(&Path, bool)>,
+    plot: Option<(&Path, &[String])>,
     style: Style,
 ) -> String {
     let TimedSolution { solution, solve, build, steps } = timed;
@@ -261,9 +278,9 @@ fn summary(
         duration(solve.median),
         duration(build.median)
     );
-    if let Some((path, is_smooth)) = plot {
-        let coarse = if is_smooth { String::new() } else { format!(" ({COARSE})") };
-        text += &format!("picture: {}{coarse}\n", path.display());
+    if let Some((path, lacks)) = plot {
+        let lacks: String = lacks.iter().map(|lack| format!(" ({lack})")).collect();
+        text += &format!("picture: {}{lacks}\n", path.display());
     }
     text
 }

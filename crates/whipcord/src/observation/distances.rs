@@ -92,6 +92,27 @@ pub fn in_space<'a>(
     )
 }
 
+/// Where what was measured in space after the last step lies beside an answer, in m in the world: moved onto that as
+/// `alignment` says.
+///
+/// # Errors
+/// As [`distances`], where it has to be moved.
+pub fn measured_in_world(
+    kind: ModelKind,
+    robot: &Robot,
+    case: &Case,
+    solution: &Solution,
+    observations: &[Observation],
+    alignment: Alignment,
+) -> Result<Vec<Vec3>, Incomparable> {
+    if alignment == Alignment::None {
+        return Ok(in_space(case, observations).map(|(_, position)| position).collect());
+    }
+    let moved = distances(kind, robot, case, solution, observations, alignment)?;
+    let markers = moved.into_iter().flat_map(|distances| distances.markers);
+    Ok(markers.map(|marker| marker.measured).collect())
+}
+
 /// Compares an answer at the disks with what was measured in space after the last step, moved onto it as
 /// `alignment` says; `None` where nothing was. What was seen is on the robot.
 ///

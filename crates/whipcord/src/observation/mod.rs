@@ -10,7 +10,7 @@ use whipcord_numerics::Vec3;
 
 use crate::robot::Disks;
 
-pub use self::distances::{Apart, Distances, Incomparable, distances, in_space};
+pub use self::distances::{Apart, Distances, Incomparable, distances, in_space, measured_in_world};
 pub use self::order::is_reversed;
 pub use self::overlaid::{InImage, Overlaid, Rms, in_image, overlay};
 pub use self::places::places;
