@@ -4,7 +4,7 @@
 use whipcord::Robot;
 
 /// About so many stations make a backbone look smooth at any bend.
-const SMOOTH: usize = 40;
+const SMOOTH: usize = 24;
 /// Places nearer to one another than this, relative to the length, are one.
 const ONE_PLACE: f64 = 1e-9;
 

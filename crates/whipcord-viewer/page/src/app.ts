@@ -185,6 +185,7 @@ export class App {
   #commit(): void {
     if (!this.#state || !this.#initial) return;
     this.#history?.commit(this.#state);
+    this.#failure = undefined;
     this.#writeAddress();
     this.#buttons();
   }
@@ -204,7 +205,8 @@ export class App {
 
   #whole(): void {
     if (!this.#scene) return;
-    this.#stage.look(this.#scene);
+    const shapes = [...this.#shown.values()].flatMap(({ solved }) => solved.positions);
+    this.#stage.look(this.#scene, [this.#scene.base.position, ...shapes]);
     this.#looks = false;
     this.#writeAddress();
   }

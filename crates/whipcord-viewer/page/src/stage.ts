@@ -2,6 +2,7 @@
 
 import {
   ArrowHelper,
+  Box3,
   Color,
   DirectionalLight,
   GridHelper,
@@ -25,6 +26,7 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import { axes } from "./axes";
+import { add, rotate } from "./geometry";
 import type { Scene, Touch, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
 import type { Colours } from "./theme";
@@ -73,7 +75,9 @@ export class Stage {
     this.#orbit.keyPanSpeed = 20;
     this.#orbit.keyRotateSpeed = 15;
     this.#orbit.addEventListener("end", () => dragging.looked());
-    canvas.addEventListener("keyup", () => dragging.looked());
+    canvas.addEventListener("keyup", ({ key }) => {
+      if (/^(Arrow.*|[-+=])$/.test(key)) dragging.looked();
+    });
     const sun = new DirectionalLight("#ffffff", 2.2);
     sun.position.set(1, -2, 3);
     this.#camera.add(new DirectionalLight("#ffffff", 0.8));
@@ -111,21 +115,21 @@ export class Stage {
     this.#space.background = new Color(colours.background);
     if (this.#length !== scene.length) {
       this.#length = scene.length;
-      this.look(scene);
+      // Straight, as it is before actuation.
+      const { position, orientation } = scene.base;
+      this.look(scene, [position, add(position, rotate(orientation, [0, 0, scene.length]))]);
     }
     this.#handle.scale.setScalar(0.022 * scene.length);
     this.draw();
   }
 
-  /** Looks at the whole robot from where it is seen well. */
-  look(scene: Scene): void {
-    const [x, y, z] = scene.base.position;
-    const base = new Vector3(x, y, z);
-    const [w, i, j, k] = scene.base.orientation;
-    const along = new Vector3(2 * (i * k + w * j), 2 * (j * k - w * i), 1 - 2 * (i * i + j * j));
-    const middle = base.clone().addScaledVector(along, 0.5 * scene.length);
+  /** Looks at all of these points of a robot from where they are seen well. */
+  look(scene: Scene, points: readonly Vector[]): void {
+    const box = new Box3().setFromPoints(points.map((point) => new Vector3(...point)));
+    const middle = box.getCenter(new Vector3());
+    const size = Math.max(box.getSize(new Vector3()).length(), 0.5 * scene.length);
     this.#orbit.target.copy(middle);
-    this.#camera.position.copy(middle).add(new Vector3(1.7, -1.5, 0.8).multiplyScalar(1.15 * scene.length));
+    this.#camera.position.copy(middle).add(new Vector3(1.7, -1.5, 0.8).multiplyScalar(1.15 * size));
     this.#camera.near = 0.01 * scene.length;
     this.#camera.far = 50 * scene.length;
     this.#camera.updateProjectionMatrix();

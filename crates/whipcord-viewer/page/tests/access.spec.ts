@@ -65,6 +65,8 @@ test("the view is turned, moved and zoomed by the keyboard", async ({ page, view
   const handle = async (): Promise<string | null> => canvas.getAttribute("data-handle");
   await canvas.focus();
   await expect(canvas).toHaveAttribute("data-handle", /\d/);
+  await page.keyboard.press("Home");
+  await page.waitForTimeout(1000);
   const start = await handle();
   for (const key of ["Shift+ArrowLeft", "ArrowUp", "+", "-", "Shift+ArrowDown"]) {
     const before = await handle();

@@ -148,6 +148,7 @@ test("the place that one looks from is in the address", async ({ page, viewer })
   await expect.poll(async () => Math.hypot((await handle())[0]! - x, (await handle())[1]! - y)).toBeLessThan(1);
   await canvas.focus();
   await page.keyboard.press("Home");
+  await page.waitForTimeout(200);
   expect(page.url()).not.toContain("view=");
 });
 
