@@ -305,13 +305,22 @@ impl Plate {
         if self.hole_radius == 0.0 {
             return;
         }
-        for place in places {
+        // A new hole may make all smaller, and a cable that ran in one of them need its own.
+        let mut before = usize::MAX;
+        while before != self.holes.len() {
+            before = self.holes.len();
+            self.pierce_once(&places);
+        }
+    }
+
+    fn pierce_once(&mut self, places: &[[f64; 2]]) {
+        for &place in places {
             let apart = |hole: &[f64; 2]| (hole[0] - place[0]).hypot(hole[1] - place[1]);
             let nearest = self.holes.iter().map(apart).fold(f64::INFINITY, f64::min);
             // A cable that runs in a hole needs no other.
             if nearest > self.hole_radius {
                 self.holes.push(place);
-                let beside = APART * nearest.min(self.radius - from_centre(place));
+                let beside = APART * nearest.min(self.radius - place[0].hypot(place[1]));
                 self.hole_radius = self.hole_radius.min(beside);
             }
         }

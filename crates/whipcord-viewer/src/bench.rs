@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use whipcord::kinematics::principal_axes;
 use whipcord::{
-    Case, Differentiable as _, Drive, Model, ModelKind, ModelVariant, Prepared, Shape, Shortening,
-    Solution, Vec3,
+    Case, Differentiable as _, Drive, Model, ModelKind, ModelVariant, Prepared, Robot, Shape,
+    Shortening, Solution, Vec3,
 };
 use whipcord_io::CaseFile;
 
@@ -67,7 +67,7 @@ impl Bench {
             self.found(&request.variants()?, &case).into_iter().map(|(variant, found)| {
                 let answer = found.and_then(|found| {
                     let compliance = request.compliance.then(|| self.compliance(variant, &found));
-                    solved(variant, &found, compliance).ok_or_else(|| {
+                    solved(&self.file.robot, variant, &found, compliance).ok_or_else(|| {
                         "the answer holds a number that is none; please report the robot file"
                             .to_owned()
                     })
@@ -217,11 +217,17 @@ fn shortened(case: &Case, shares: &[f64]) -> Case {
 }
 
 /// A solution as the page gets it; `None` where a number of it is none.
-fn solved(variant: ModelVariant, found: &Found, compliance: Option<Compliance>) -> Option<Solved> {
+fn solved(
+    robot: &Robot,
+    variant: ModelVariant,
+    found: &Found,
+    compliance: Option<Compliance>,
+) -> Option<Solved> {
     let Found { solution, solve_time, .. } = found;
     let shape = &solution.shape;
     let diagnostics = &solution.diagnostics;
-    let cables = solution.cables.iter().map(|cable| CableState {
+    let cables = solution.cables.iter().zip(robot.cables()).map(|(cable, given)| CableState {
+        shortening: shortening(cable, given),
         tension: cable.tension,
         length: cable.length,
         initial_length: cable.initial_length,
@@ -255,6 +261,14 @@ fn solved(variant: ModelVariant, found: &Found, compliance: Option<Compliance>) 
     solved.is_finite().then_some(solved)
 }
 
+/// The shortening in m that leads to this state of a cable: the path is as long as the cable at rest and its stretch.
+fn shortening(cable: &whipcord::CableState, given: &whipcord::Cable) -> f64 {
+    let stretch = given
+        .axial_stiffness
+        .map_or(0.0, |stiffness| cable.tension.unwrap_or(0.0) * cable.initial_length / stiffness);
+    cable.initial_length - cable.length + stretch
+}
+
 fn strains(shape: &Shape) -> Vec<[f64; 3]> {
     let each = |strain: whipcord::Twist| {
         let bending = strain.angular.x.hypot(strain.angular.y);
@@ -271,7 +285,7 @@ impl Solved {
             && self.orientations.iter().all(|q| finite(q))
             && self.strains.iter().all(|e| finite(e))
             && self.cables.iter().all(|cable| {
-                finite(&[cable.length, cable.initial_length])
+                finite(&[cable.length, cable.initial_length, cable.shortening])
                     && cable.tension.is_none_or(f64::is_finite)
                     && finite(&cable.span_tensions)
             })

@@ -101,6 +101,13 @@ impl Watched {
         self.0.iter().map(|(file, _)| file.clone()).collect()
     }
 
+    /// Takes the files as they are now for those that were read.
+    fn stamp_anew(&mut self) {
+        for (file, before) in &mut self.0 {
+            *before = stamp(file);
+        }
+    }
+
     fn has_changed(&self) -> bool {
         self.0.iter().any(|(file, before)| stamp(file) != *before)
     }
@@ -126,7 +133,8 @@ pub async fn follow(
             continue;
         }
         let (path, known) = (path.clone(), watched.files());
-        // Only a panic ends the task without a result; the file then stays as it was last read.
+        // Only a panic ends the task without a result: this state of the file is passed over.
+        watched.stamp_anew();
         let reading = tokio::task::spawn_blocking(move || read(&path, known));
         let Ok((read, now)) = reading.await else { continue };
         watched = now;

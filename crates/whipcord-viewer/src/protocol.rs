@@ -327,6 +327,8 @@ pub struct CableState {
     pub length: f64,
     /// Length in m of that path before actuation.
     pub initial_length: f64,
+    /// Which shortening in m leads to this shape where it is told: of an elastic cable with what its tension stretches it by.
+    pub shortening: f64,
     /// Whether it hangs loose.
     pub slack: bool,
     /// Tension in N between each two disks, where it rubs.

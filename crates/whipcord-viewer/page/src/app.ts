@@ -58,6 +58,9 @@ export class App {
   #error: string | undefined;
   #failure: string | undefined;
   #legend: Legend | undefined;
+  /** Number of the answer that is shown, and what waits for that to the latest request. */
+  #drawn = 0;
+  #whenShown: (() => void) | undefined;
   /** Whether the user looks from elsewhere than the page did. */
   #looks = false;
   #connected = false;
@@ -115,6 +118,7 @@ export class App {
       },
       error: (message) => {
         this.#error = message;
+        this.#wait(false);
         this.#tell();
       },
     };
@@ -131,9 +135,11 @@ export class App {
   #open(scene: Scene): void {
     this.#broken = undefined;
     // What the user has moved stays as it is when the file is read again, and so does what undo goes back to.
+    const focused = document.activeElement;
     const [before, initial] = [this.#scene, this.#initial];
-    if (before && initial && this.#state && this.#history && before.cables.length === scene.cables.length) {
-      const again = (state: State): State => rebase(state, initial, scene);
+    const fits = initial !== undefined && before?.cables.length === scene.cables.length;
+    const again = fits ? (state: State): State => rebase(state, initial, scene) : undefined;
+    if (again && this.#state && this.#history) {
       this.#state = again(this.#state);
       this.#history.rebase(again);
     } else {
@@ -144,6 +150,8 @@ export class App {
     this.#initial = initialState(scene);
     this.#outdated = this.#asked;
     this.#frame = undefined;
+    this.#whenShown = undefined;
+    this.#stage.robots([]);
     for (const { mesh } of this.#shown.values()) mesh.dispose();
     this.#shown.clear();
     this.#answers = [];
@@ -156,9 +164,9 @@ export class App {
       {
         change: (edit) => this.#change(edit),
         commit: () => this.#commit(),
-        present: (cable) => {
-          const state = this.#first?.cables[cable];
-          return state && { tension: state.tension, shortening: state.initial_length - state.length };
+        whenShown: (cable, act) => {
+          this.#whenShown = () => act(this.#first?.cables[cable]);
+          if (this.#drawn === this.#asked && !this.#scheduled) this.#catchUp();
         },
       },
       (model) => modelColour(scene, model),
@@ -168,8 +176,11 @@ export class App {
       byId("note").textContent = describe(this.#recording);
       byId("note").hidden = false;
     }
-    this.#stage.surround(scene, this.#theme.colours);
+    const looksAnew = this.#stage.surround(scene, this.#theme.colours);
     if (!before) this.#lookFrom(location.hash);
+    else if (looksAnew) this.#looks = false;
+    if (again) this.#writeAddress();
+    refocus(focused);
     const spacing = significant(toUnit(gridSpacing(scene), MILLIMETRE), 3);
     const points = scene.measured.length > 0 ? [key({ colour: MEASURED, label: "measured on the real robot" })] : [];
     byId("scale").replaceChildren(`grid ${spacing} mm`, ...points);
@@ -177,9 +188,12 @@ export class App {
   }
 
   #change(edit: (state: State) => void): void {
-    if (!this.#state) return;
+    if (!this.#state || !this.#scene) return;
+    const { colouring } = this.#state;
     edit(this.#state);
-    this.#show();
+    // A matter of the page alone.
+    if (this.#state.colouring !== colouring) this.#dress(this.#scene, this.#state);
+    else this.#show();
   }
 
   #commit(): void {
@@ -201,6 +215,7 @@ export class App {
     const view = viewFromHash(hash);
     this.#looks = view !== undefined;
     if (view) this.#stage.view = view;
+    else if (this.#scene) this.#stage.lookAtBase(this.#scene);
   }
 
   #whole(): void {
@@ -214,7 +229,7 @@ export class App {
   #set(state: State | undefined): void {
     if (!state) return;
     this.#state = state;
-    this.#show();
+    this.#show(true);
     this.#commit();
   }
 
@@ -280,10 +295,10 @@ export class App {
   }
 
   /** Shows what the state says, and asks for the robot's shape: once for each picture of the display. */
-  #show(): void {
+  #show(anew = false): void {
     const [scene, state] = [this.#scene, this.#state];
     if (!scene || !state) return;
-    this.#controls?.show(state);
+    this.#controls?.show(state, anew);
     this.#buttons();
     if (this.#scheduled) return;
     this.#scheduled = true;
@@ -326,6 +341,14 @@ export class App {
     this.#dress(scene, state);
     this.#reading ||= window.setTimeout(() => this.#read(), READABLE - (performance.now() - this.#readAt));
     this.#tell();
+    this.#drawn = frame.id;
+    if (this.#drawn === this.#asked && !this.#scheduled) this.#catchUp();
+  }
+
+  #catchUp(): void {
+    const act = this.#whenShown;
+    this.#whenShown = undefined;
+    act?.();
   }
 
   /** Writes the numbers of the latest answers. */
@@ -399,4 +422,16 @@ export class App {
     this.#stage.surround(this.#scene, this.#theme.colours);
     this.#dress(this.#scene, this.#state);
   }
+}
+
+/** Gives the keyboard's focus back to the control that had it before all were made anew. */
+function refocus(before: Element | null): void {
+  if (!before || before.isConnected) return;
+  const name = before.getAttribute("data-name");
+  const like =
+    name !== null ? `input[type="${before.getAttribute("type")}"][data-name="${name}"]`
+    : before.id !== "" ? `#${CSS.escape(before.id)}`
+    : before.hasAttribute("data-cable") ? `[data-cable="${before.getAttribute("data-cable")}"]`
+    : undefined;
+  if (like !== undefined) document.querySelector<HTMLElement>(like)?.focus();
 }

@@ -17,7 +17,8 @@ export function axes(scene: Scene, ink: string): Group {
   group.position.set(...scene.base.position);
   const [w, x, y, z] = scene.loads_in_base ? scene.base.orientation : [1, 0, 0, 0];
   group.setRotationFromQuaternion(new Turn(x, y, z, w));
-  const corner = new Vector3(-ASIDE, -ASIDE, 0).multiplyScalar(scene.length);
+  // Not in the grid, whose lines would hide them.
+  const corner = new Vector3(-ASIDE, -ASIDE, 0.01).multiplyScalar(scene.length);
   [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)].forEach((along, k) => {
     const letter = letters("xyz"[k]!, ink);
     letter.scale.setScalar(LETTER * size);

@@ -18,8 +18,8 @@ export interface Changes {
   change(edit: (state: State) => void): void;
   /** When it has been let go: what undo comes back to. */
   commit(): void;
-  /** What became of a cable in the shape that is shown, if that says it. */
-  present(cable: number): { tension: number | null; shortening: number } | undefined;
+  /** Acts once the shape that is shown is the answer to what the sliders say, on what became of a cable in it, if that is known. */
+  whenShown(cable: number, act: (present: { tension: number | null; shortening: number } | undefined) => void): void;
 }
 
 /** Steps of a slider from end to end. */
@@ -92,8 +92,9 @@ class Quantity {
     this.#symbol.toggleAttribute("disabled", true);
   }
 
-  show(value: number): void {
-    if (value === this.#value) return;
+  /** `anew`: over what is being typed, too. */
+  show(value: number, anew = false): void {
+    if (value === this.#value && !anew) return;
     // A number typed beyond the slider's end moves the end.
     if (value > Number(this.#slider.max)) this.#slider.max = String(value);
     if (value < Number(this.#slider.min)) this.#slider.min = String(value);
@@ -101,7 +102,7 @@ class Quantity {
     this.#slider.value = String(value);
     const shown = toUnit(value, this.#unit);
     this.#slider.setAttribute("aria-valuetext", `${Number(shown.toPrecision(4))} ${this.#unit.word}`);
-    if (document.activeElement !== this.#box || Number(this.#box.value) !== shown) this.#write(value);
+    if (anew || document.activeElement !== this.#box || Number(this.#box.value) !== shown) this.#write(value);
   }
 
   #write(value: number): void {
@@ -138,17 +139,16 @@ export class Controls {
         title: "Pull by tension or by length",
         "aria-label": `Cable ${cable.name}: change between tension and shortening`,
         "data-cable": i,
-        onclick: () => {
+        onclick: () => changes.whenShown(i, (present) => {
           changes.change((state) => {
             const { kind } = valueOf(state.commands[i]!);
             // The robot stays as it is, as far as its shape says what takes the place of what was given.
-            const present = changes.present(i);
             const value = kind === "tension" ? present?.shortening : present?.tension;
             const other = kind === "tension" ? "shortening" : "tension";
             state.commands[i] = commandOf(other, Number((value ?? 0).toPrecision(6)));
           });
           changes.commit();
-        },
+        }),
       });
       const edit = (state: State, value: number): void => {
         const { kind } = valueOf(state.commands[i]!);
@@ -203,7 +203,8 @@ export class Controls {
     }
   }
 
-  show(state: State): void {
+  /** `anew`: over what is being typed in a box, too. */
+  show(state: State, anew: boolean): void {
     state.commands.forEach((command, i) => {
       const { kind, value } = valueOf(command);
       const { ranges, cables } = this.#scene;
@@ -214,9 +215,9 @@ export class Controls {
         const axis = this.#axes?.[i];
         if (axis) this.#cables[i]!.bound(axis[0]!, axis.at(-1)!);
       }
-      this.#cables[i]!.show(value);
+      this.#cables[i]!.show(value, anew);
     });
-    for (const { of, each } of this.#vectors) each.forEach((quantity, k) => quantity.show(of(state)[k]!));
+    for (const { of, each } of this.#vectors) each.forEach((quantity, k) => quantity.show(of(state)[k]!, anew));
     for (const [name, box] of this.#models) box.checked = state.models.includes(name);
     this.#colouring.value = state.colouring;
     this.#compliance.checked = state.compliance;

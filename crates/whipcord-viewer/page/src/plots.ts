@@ -15,7 +15,7 @@ const HEIGHT = 132;
 const LEFT = 46;
 const BOTTOM = 30;
 const TOP = 8;
-const RIGHT = 10;
+const RIGHT = 16;
 /** About so many numbers stand at an axis. */
 const TICKS = 4;
 
@@ -44,7 +44,8 @@ export function extent(values: readonly number[]): [number, number] {
 }
 
 export function chart(title: string, unit: string, lines: readonly Line[], length: number): HTMLElement {
-  const [low, high] = extent(lines.flatMap((line) => line.points.map(([, y]) => y)));
+  const values = lines.flatMap((line) => line.points.map(([, y]) => y));
+  const [low, high] = extent(values);
   const x = (s: number): number => LEFT + ((WIDTH - LEFT - RIGHT) * s) / length;
   const y = (v: number): number => HEIGHT - BOTTOM - ((HEIGHT - BOTTOM - TOP) * (v - low)) / (high - low);
   const drawn: SVGElement[] = [];
@@ -62,7 +63,9 @@ export function chart(title: string, unit: string, lines: readonly Line[], lengt
     const points = line.points.map(([s, v]) => `${x(s).toFixed(1)},${y(v).toFixed(1)}`).join(" ");
     drawn.push(svg("polyline", { points, stroke: line.colour, fill: "none", "stroke-width": 1.6 }));
   }
-  const described = `${title} in ${unit} along the robot, from ${significant(low, 3)} to ${significant(high, 3)}`;
+  const [least, most] = [Math.min(...values), Math.max(...values)].map((value) => significant(value, 3));
+  const range = values.length > 0 ? `, from ${least} to ${most}` : "";
+  const described = `${title} in ${unit} along the robot${range}`;
   const figure = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": described }, ...drawn);
   return element("figure", {}, element("figcaption", {}, `${title} in ${unit}`), figure as unknown as Node);
 }

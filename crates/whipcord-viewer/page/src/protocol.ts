@@ -98,6 +98,7 @@ export interface CableState {
   tension: number | null;
   length: number;
   initial_length: number;
+  shortening: number;
   slack: boolean;
   span_tensions: number[];
 }

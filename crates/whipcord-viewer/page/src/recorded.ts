@@ -222,11 +222,14 @@ export class Recorded implements Source {
       strains: shown,
       cables: scene.cables.map((_, k) => {
         const tension = cable[3 * k]!;
+        const length = cable[3 * k + 1]!;
+        const initial = recorded.initial_lengths[k]!;
         return {
           // Negative in a frame stands for none; a little of it is rounding.
           tension: tension < -0.5 ? null : Math.max(tension, 0),
-          length: cable[3 * k + 1]!,
-          initial_length: recorded.initial_lengths[k]!,
+          length,
+          initial_length: initial,
+          shortening: initial - length,
           slack: cable[3 * k + 2]! > 0.5,
           span_tensions: [],
         };

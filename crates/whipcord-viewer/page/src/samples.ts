@@ -1116,6 +1116,7 @@ export const toPage: ToPage[] = [
             "tension": 1.5,
             "length": 0.19,
             "initial_length": 0.2,
+            "shortening": 0.001,
             "slack": false,
             "span_tensions": [
               1.5,
@@ -1219,6 +1220,7 @@ export const toPage: ToPage[] = [
             "tension": null,
             "length": 0.19,
             "initial_length": 0.2,
+            "shortening": 0.001,
             "slack": true,
             "span_tensions": []
           }

@@ -105,7 +105,10 @@ function film(stage: Stage, type: string, name: string): MediaRecorder {
   const parts: Blob[] = [];
   recorder.addEventListener("dataavailable", (event) => parts.push(event.data));
   recorder.addEventListener("stop", () => download(`${name}.webm`, new Blob(parts, { type: "video/webm" })));
-  recorder.addEventListener("stop", () => (stage.filmed = false));
+  recorder.addEventListener("stop", () => {
+    stage.filmed = false;
+    for (const track of recorder.stream.getTracks()) track.stop();
+  });
   stage.filmed = true;
   recorder.start(1000);
   return recorder;

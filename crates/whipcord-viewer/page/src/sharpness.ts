@@ -3,7 +3,7 @@
 
 /** Time in ms after which what has not moved rests. */
 export const REST = 250;
-/** Longest mean time in ms between the pictures of a movement that the eye takes for smooth. */
+/** Longest mean time in ms from the wish for a picture to the picture that the eye takes for smooth. */
 const SMOOTH = 21;
 /** Pictures that a mean is taken over. */
 const COUNTED = 6;
@@ -12,38 +12,47 @@ const COARSEST = 0.4;
 
 /** Pixels of the picture for each of the page, along an edge. */
 export class Sharpness {
-  /** Where nothing moves. */
-  readonly still: number;
-  /** As the display has it: where all is drawn in time, and in films, whose pictures are all of one size. */
-  readonly usual: number;
-  #moving: number;
+  /** Of the display. */
+  display: number;
+  readonly #bySoftware: boolean;
+  /** Of the usual one, while something moves. */
+  #share = 1;
   #last = -Infinity;
-  #sum = 0;
+  #late = 0;
   #count = 0;
 
   /** `bySoftware`: edges are not smoothed while something moves, and smoothed by more pixels when it rests. */
   constructor(display: number, bySoftware: boolean) {
-    this.usual = Math.min(display, 2);
-    this.still = bySoftware ? 2 : this.usual;
-    this.#moving = this.usual;
+    this.display = display;
+    this.#bySoftware = bySoftware;
   }
 
-  /** Of the picture that is drawn at a time in ms, when the last ones took too long a coarser one. */
-  moving(at: number): number {
-    const since = at - this.#last;
-    this.#last = at;
-    if (since > REST) {
+  /** As the display has it: where all is drawn in time, and in films, whose pictures are all of one size. */
+  get usual(): number {
+    return Math.min(this.display, 2);
+  }
+
+  /** Where nothing moves. */
+  get still(): number {
+    return this.#bySoftware ? 2 : this.usual;
+  }
+
+  /** Of a picture that was asked for and is drawn at these times in ms: coarser when the last ones were late. */
+  moving(asked: number, drawn: number): number {
+    if (!this.#bySoftware) return this.usual;
+    const rested = asked - this.#last > REST;
+    this.#last = drawn;
+    if (rested) {
       // What made the last movement slow may be over.
-      this.#moving = Math.min(this.#moving / COARSER, this.usual);
-      [this.#sum, this.#count] = [0, 0];
-      return this.#moving;
+      this.#share = Math.min(this.#share / COARSER, 1);
+      [this.#late, this.#count] = [0, 0];
     }
-    this.#sum += since;
+    this.#late += drawn - asked;
     if (++this.#count === COUNTED) {
-      if (this.#sum > SMOOTH * COUNTED) this.#moving = Math.max(this.#moving * COARSER, COARSEST * this.usual);
-      [this.#sum, this.#count] = [0, 0];
+      if (this.#late > SMOOTH * COUNTED) this.#share = Math.max(this.#share * COARSER, COARSEST);
+      [this.#late, this.#count] = [0, 0];
     }
-    return this.#moving;
+    return this.#share * this.usual;
   }
 }
 

@@ -56,7 +56,8 @@ export class Stage {
   readonly #pushes = new Group();
   readonly #handle = new Mesh(new SphereGeometry(1, 24, 16), new MeshBasicMaterial({ color: "#e69f00", depthTest: false, transparent: true }));
   readonly #arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#e69f00");
-  #length = 1;
+  /** Of the robot that was looked at. */
+  #length = 0;
   #asked = false;
   readonly #sharpness: Sharpness;
   #resting = 0;
@@ -74,7 +75,12 @@ export class Stage {
     this.#orbit.listenToKeyEvents(canvas);
     this.#orbit.keyPanSpeed = 20;
     this.#orbit.keyRotateSpeed = 15;
-    this.#orbit.addEventListener("end", () => dragging.looked());
+    let before = "";
+    this.#orbit.addEventListener("start", () => (before = String(this.view)));
+    // A click moves nothing.
+    this.#orbit.addEventListener("end", () => {
+      if (String(this.view) !== before) dragging.looked();
+    });
     canvas.addEventListener("keyup", ({ key }) => {
       if (/^(Arrow.*|[-+=])$/.test(key)) dragging.looked();
     });
@@ -93,8 +99,9 @@ export class Stage {
     this.#resize();
   }
 
-  /** What stands around the robot of a new file. The camera stays where the user put it, if the robot is of the same size. */
-  surround(scene: Scene, colours: Colours): void {
+  /** What stands around the robot of a new file. The camera stays where the user put it if the robot is of the same
+   * size; else it looks anew, which is returned. */
+  surround(scene: Scene, colours: Colours): boolean {
     this.#space.remove(this.#surroundings);
     discard(this.#surroundings);
     this.#surroundings = obstacles(scene);
@@ -113,14 +120,18 @@ export class Stage {
     }
     this.#space.add(this.#surroundings);
     this.#space.background = new Color(colours.background);
-    if (this.#length !== scene.length) {
-      this.#length = scene.length;
-      // Straight, as it is before actuation.
-      const { position, orientation } = scene.base;
-      this.look(scene, [position, add(position, rotate(orientation, [0, 0, scene.length]))]);
-    }
     this.#handle.scale.setScalar(0.022 * scene.length);
     this.draw();
+    if (this.#length === scene.length) return false;
+    this.#length = scene.length;
+    this.lookAtBase(scene);
+    return true;
+  }
+
+  /** Looks at a robot that stands straight on its base. */
+  lookAtBase(scene: Scene): void {
+    const { position, orientation } = scene.base;
+    this.look(scene, [position, add(position, rotate(orientation, [0, 0, scene.length]))]);
   }
 
   /** Looks at all of these points of a robot from where they are seen well. */
@@ -214,10 +225,11 @@ export class Stage {
   draw(): void {
     if (this.#asked) return;
     this.#asked = true;
-    requestAnimationFrame((at) => {
+    const asked = performance.now();
+    requestAnimationFrame(() => {
       this.#asked = false;
       if (!this.#filmed) {
-        this.#sharpen(this.#sharpness.moving(at));
+        this.#sharpen(this.#sharpness.moving(asked, performance.now()));
         window.clearTimeout(this.#resting);
         this.#resting = window.setTimeout(() => this.drawFinely(), REST);
       }
@@ -261,6 +273,8 @@ export class Stage {
   }
 
   #resize(): void {
+    // Which another zoom of the page changes.
+    this.#sharpness.display = window.devicePixelRatio;
     const box = (this.#canvas.parentElement ?? this.#canvas).getBoundingClientRect();
     const [width, height] = [Math.max(box.width, 1), Math.max(box.height, 1)];
     this.#renderer.setSize(width, height, false);
@@ -284,11 +298,11 @@ export class Stage {
       const centre = this.#handle.position;
       return this.#handle.visible && caster.ray.distanceToPoint(centre) < 2 * this.#handle.scale.x;
     };
-    let held = false;
+    let held: number | undefined;
     this.#canvas.addEventListener("pointerdown", (event) => {
       aim(event);
-      if (!hit()) return;
-      held = true;
+      if (held !== undefined || event.button !== 0 || !hit()) return;
+      held = event.pointerId;
       this.#orbit.enabled = false;
       this.#canvas.setPointerCapture(event.pointerId);
       from.copy(this.#handle.position);
@@ -297,13 +311,14 @@ export class Stage {
     }, { capture: true });
     this.#canvas.addEventListener("pointermove", (event) => {
       aim(event);
-      this.#canvas.style.cursor = held || hit() ? "grab" : "";
-      const to = held ? caster.ray.intersectPlane(plane, new Vector3()) : null;
+      const drags = held === event.pointerId;
+      this.#canvas.style.cursor = drags || hit() ? "grab" : "";
+      const to = drags ? caster.ray.intersectPlane(plane, new Vector3()) : null;
       if (to) dragging.pull([to.x - from.x, to.y - from.y, to.z - from.z]);
     });
-    const release = (): void => {
-      if (!held) return;
-      held = false;
+    const release = (event: PointerEvent): void => {
+      if (held !== event.pointerId) return;
+      held = undefined;
       this.#orbit.enabled = true;
       dragging.release();
     };

@@ -131,7 +131,9 @@ export function viewToHash(view: readonly number[]): string {
 /** What an address says of it. */
 export function viewFromHash(hash: string): number[] | undefined {
   const words = unescaped(hash).match(/(?:^#?|&)view=([^&]*)/)?.[1]?.split(",").map(number);
-  return words?.length === 6 && words.every((word) => word !== undefined) ? words : undefined;
+  if (words?.length !== 6 || !words.every((word) => word !== undefined)) return undefined;
+  const [x, y, z, a, b, c] = words as [number, number, number, number, number, number];
+  return Math.hypot(x - a, y - b, z - c) > 0 ? words : undefined;
 }
 
 /** The state of one file in another version of it: what was moved stays, and all else is as the file now has it. */
@@ -196,9 +198,14 @@ export class History {
 
   /** The same states of another version of the file. */
   rebase(each: (state: State) => State): void {
-    this.#past = this.#past.map(each);
-    this.#future = this.#future.map(each);
     this.#now = each(this.#now);
+    // What has become the same is no step any more; both lists have the nearest last.
+    const steps = (states: State[]): State[] => {
+      const all = [...states.map(each), this.#now];
+      return all.slice(0, -1).filter((state, i) => !same(state, all[i + 1]!));
+    };
+    this.#past = steps(this.#past);
+    this.#future = steps(this.#future);
   }
 
   get canUndo(): boolean {

@@ -10,7 +10,7 @@ interface Held {
   heap: number;
   /** Elements of the page. */
   nodes: number;
-  /** Buffers and programs of WebGL. */
+  /** Objects of WebGL. */
   graphics: number;
 }
 
@@ -48,24 +48,23 @@ for (const example of ["two-segment-arm.toml", "contact/among-bodies.toml"]) {
     test.use({ example });
 
     test("the sliders move for long, and nothing grows", async ({ page, viewer }) => {
-      void viewer;
       test.setTimeout(1e3 * (120 + 3 * SECONDS));
       // What WebGL makes and gives back is counted from the start of the page on.
       await page.addInitScript(() => {
         const counted = window as unknown as { held: number };
         counted.held = 0;
         const context = WebGL2RenderingContext.prototype;
-        const count = (name: "createBuffer" | "createProgram" | "deleteBuffer" | "deleteProgram", by: number): void => {
+        const count = (name: `${"create" | "delete"}${"Buffer" | "Program" | "Texture" | "VertexArray"}`, by: number): void => {
           const own = context[name] as (...given: unknown[]) => unknown;
           (context as unknown as Record<string, unknown>)[name] = function (this: unknown, ...given: unknown[]): unknown {
             counted.held += by;
             return own.apply(this, given);
           };
         };
-        count("createBuffer", 1);
-        count("createProgram", 1);
-        count("deleteBuffer", -1);
-        count("deleteProgram", -1);
+        for (const kind of ["Buffer", "Program", "Texture", "VertexArray"] as const) {
+          count(`create${kind}`, 1);
+          count(`delete${kind}`, -1);
+        }
       });
       await page.reload();
       await expect(page.locator("#canvas")).toHaveAttribute("data-handle", /\d/);
@@ -78,13 +77,19 @@ for (const example of ["two-segment-arm.toml", "contact/among-bodies.toml"]) {
       console.log(
         `${example}: ${(frames / elapsed).toFixed(1)} frames a second for ${elapsed.toFixed(1)} s; ` +
           `heap ${before.heap.toFixed(2)} MiB, then ${after.heap.toFixed(2)}; elements ${before.nodes}, then ${after.nodes}; ` +
-          `buffers and programs ${before.graphics}, then ${after.graphics}`,
+          `objects of WebGL ${before.graphics}, then ${after.graphics}`,
       );
       expect(frames).toBeGreaterThan(0);
       expect(after.heap - before.heap).toBeLessThan(1.5);
       // Elements that were replaced wait to be collected for a while.
       expect(after.nodes).toBeLessThan(1.5 * before.nodes + 500);
       expect(after.graphics).toBeLessThanOrEqual(before.graphics + 12);
+      // Nor when the file is saved again and again.
+      for (let k = 0; k < 6; k++) {
+        viewer.edit((text) => `${text}\n`);
+        await page.waitForTimeout(700);
+      }
+      expect((await held(page, session)).graphics).toBeLessThanOrEqual(before.graphics + 12);
     });
   });
 }
