@@ -166,10 +166,7 @@ impl Bench {
 
     /// How the tip yields with the tensions held, in the shape that was found.
     fn compliance(&mut self, variant: ModelVariant, found: &Found) -> Compliance {
-        match self.axes(variant, found) {
-            Ok((values, directions)) => Compliance::Known { values, directions },
-            Err(message) => Compliance::Unknown { message },
-        }
+        self.axes(variant, found).unwrap_or_else(|message| Compliance::Unknown { message })
     }
 
     /// The principal axes of the tip's compliance, in the world.
@@ -177,7 +174,7 @@ impl Bench {
         &mut self,
         variant: ModelVariant,
         Found { solution, case, .. }: &Found,
-    ) -> Result<([f64; 3], [[f64; 3]; 3]), Refusal> {
+    ) -> Result<Compliance, Refusal> {
         let model = self.ready(variant)?.model.clone();
         let robot = &self.file.robot;
         let length = robot.backbone().length;
@@ -194,7 +191,7 @@ impl Bench {
         let yields = local.yields.map_err(|error| error.to_string())?;
         let axes = principal_axes(&yields.tensions_held.compliance.blocks[0][0]);
         let turn = |d: Vec3| array(case.base.rotation.rotate(d));
-        Ok((axes.values, axes.directions.map(turn)))
+        Ok(Compliance::Known { values: axes.values, directions: axes.directions.map(turn) })
     }
 }
 

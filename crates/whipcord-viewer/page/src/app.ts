@@ -166,7 +166,7 @@ export class App {
         commit: () => this.#commit(),
         whenShown: (cable, act) => {
           this.#whenShown = () => act(this.#first?.cables[cable]);
-          if (this.#drawn === this.#asked && !this.#scheduled) this.#catchUp();
+          this.#catchUp();
         },
       },
       (model) => modelColour(scene, model),
@@ -342,10 +342,12 @@ export class App {
     this.#reading ||= window.setTimeout(() => this.#read(), READABLE - (performance.now() - this.#readAt));
     this.#tell();
     this.#drawn = frame.id;
-    if (this.#drawn === this.#asked && !this.#scheduled) this.#catchUp();
+    this.#catchUp();
   }
 
+  /** Does what waits for the answer to the latest request, if that is what is shown. */
   #catchUp(): void {
+    if (this.#drawn !== this.#asked || this.#scheduled) return;
     const act = this.#whenShown;
     this.#whenShown = undefined;
     act?.();

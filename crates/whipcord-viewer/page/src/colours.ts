@@ -5,6 +5,11 @@ export type Rgb = readonly [number, number, number];
 /** The colours of Okabe and Ito, in the order of the figures that the command line draws. */
 const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#999933"] as const;
 
+/** Of what touches an obstacle, and of how that pushes. */
+export const TOUCHING = PALETTE[1];
+/** Of what the tip is held by, and of the force that pulls at it. */
+export const HANDLE = PALETTE[4];
+
 export function paletteColour(index: number): string {
   return PALETTE[index % PALETTE.length] ?? PALETTE[0];
 }

@@ -1,6 +1,7 @@
 // Sliders and number boxes.
 
 import { element } from "./dom";
+import { swatch } from "./legend";
 import type { Scene, Vector } from "./protocol";
 import { COLOURINGS, commandOf, valueOf, type Colouring, type State } from "./state";
 import {
@@ -235,9 +236,7 @@ export class Controls {
       changes.commit();
     });
     this.#models.set(name, box);
-    const swatch = element("span", { class: "swatch" });
-    swatch.style.background = colour;
-    const row = element("div", { class: "choice" }, box, swatch, element("label", { for: id }, name));
+    const row = element("div", { class: "choice" }, box, swatch(colour), element("label", { for: id }, name));
     if (refusal !== null) {
       const why = `why-${name}`;
       box.setAttribute("aria-describedby", why);

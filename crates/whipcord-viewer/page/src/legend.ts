@@ -19,11 +19,16 @@ export const NEUTRAL = "#8c8c8c";
 
 const UNKNOWN: Key = { colour: NEUTRAL, label: "not known" };
 
+/** A patch of a colour. */
+export function swatch(colour: string): HTMLElement {
+  const made = element("span", { class: "swatch" });
+  made.style.background = colour;
+  return made;
+}
+
 /** A swatch and what it stands for. */
 export function key({ colour, label }: Key): HTMLElement {
-  const swatch = element("span", { class: "swatch" });
-  swatch.style.background = colour;
-  return element("span", { class: "key" }, swatch, label);
+  return element("span", { class: "key" }, swatch(colour), label);
 }
 
 export function keys(all: readonly Key[]): HTMLElement {

@@ -1,13 +1,12 @@
 // What the robot is coloured by.
 
-import { paletteColour, parse, ramp, type Rgb } from "./colours";
+import { paletteColour, parse, ramp, TOUCHING, type Rgb } from "./colours";
 import { atStations, strainsOf, tensions } from "./geometry";
 import type { Scene, Solved } from "./protocol";
 import { NEUTRAL, type Legend } from "./legend";
 import { GREY, type Paint } from "./robot";
 import type { Colouring } from "./state";
 
-const TOUCHING = "#d55e00";
 const DISK: Rgb = [0.72, 0.74, 0.78];
 
 /** The colours of all robots that are shown, on one scale. */

@@ -3,7 +3,7 @@
 import { paletteColour } from "./colours";
 import { element } from "./dom";
 import { spans, strainsOf } from "./geometry";
-import { keys } from "./legend";
+import { keys, swatch } from "./legend";
 import { chart, type Line } from "./plots";
 import type { Answer, Scene, Solved } from "./protocol";
 import { duration, fixed, significant } from "./units";
@@ -19,9 +19,7 @@ export function readout(scene: Scene, answers: readonly Answer[], colourOf: (mod
 }
 
 function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
-  const swatch = element("span", { class: "swatch" });
-  swatch.style.background = colour;
-  const heading = element("h2", {}, swatch, answer.model);
+  const heading = element("h2", {}, swatch(colour), answer.model);
   const made = element("section", { class: "answer", "data-model": answer.model, "data-status": answer.status }, heading);
   if (answer.status === "failed") {
     made.append(element("p", { class: "failure" }, answer.message));

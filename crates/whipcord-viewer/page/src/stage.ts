@@ -26,6 +26,7 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import { axes } from "./axes";
+import { HANDLE, TOUCHING } from "./colours";
 import { add, rotate } from "./geometry";
 import type { Scene, Touch, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
@@ -54,8 +55,8 @@ export class Stage {
   #robots = new Group();
   readonly #marks = new Group();
   readonly #pushes = new Group();
-  readonly #handle = new Mesh(new SphereGeometry(1, 24, 16), new MeshBasicMaterial({ color: "#e69f00", depthTest: false, transparent: true }));
-  readonly #arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#e69f00");
+  readonly #handle = new Mesh(new SphereGeometry(1, 24, 16), new MeshBasicMaterial({ color: HANDLE, depthTest: false, transparent: true }));
+  readonly #arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, HANDLE);
   /** Of the robot that was looked at. */
   #length = 0;
   #asked = false;
@@ -182,7 +183,7 @@ export class Stage {
     const most = Math.max(...pushes.map((push) => push.length()), Number.MIN_VALUE);
     // Arrows are kept from frame to frame: contacts come and go.
     while (this.#pushes.children.length < touches.length) {
-      this.#pushes.add(new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d55e00"));
+      this.#pushes.add(new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, TOUCHING));
     }
     this.#pushes.children.forEach((child, i) => (child.visible = i < touches.length));
     touches.forEach(({ point, normal }, i) => {

@@ -11,7 +11,7 @@ use whipcord::{ModelKind, ModelVariant, Vec3};
 
 use super::{Client, example, serve, serve_with, tip};
 use crate::error::ViewError;
-use crate::protocol::{Answer, Command, Frame, Request, ToPage};
+use crate::protocol::{Answer, Command, Frame, Request, Scene, ToPage};
 use crate::server::Viewed;
 
 fn solved(message: ToPage) -> Frame {
@@ -28,6 +28,13 @@ fn broken(message: ToPage) -> String {
     match message {
         ToPage::Broken { message } => message,
         other => panic!("{other:?} is no mistake in the file"),
+    }
+}
+
+fn opened(message: ToPage) -> Scene {
+    match message {
+        ToPage::Scene(scene) => *scene,
+        other => panic!("{other:?} is no robot"),
     }
 }
 
@@ -106,10 +113,7 @@ async fn a_page_begins_with_the_models_that_were_named() {
     let (mut client, scene) = Client::connect(port).await;
     assert_eq!(scene.initial.models, ["cosserat-disks", "cosserat"]);
     fs::write(&path, fs::read_to_string(&path).unwrap() + "\n").unwrap();
-    match client.hear().await {
-        ToPage::Scene(scene) => assert_eq!(scene.initial.models, ["cosserat-disks", "cosserat"]),
-        other => panic!("{other:?}"),
-    }
+    assert_eq!(opened(client.hear().await).initial.models, ["cosserat-disks", "cosserat"]);
     let refused = ModelVariant::usual(ModelKind::ConstantCurvature);
     let error = Viewed::read(&path, &[rod, refused]).unwrap_err();
     assert!(matches!(error, ViewError::Refused { .. }), "{error}");
@@ -134,10 +138,7 @@ async fn a_file_that_changes_is_told_of() {
     let other = folder.path().join("arm.toml.new");
     fs::write(&other, text.replace("300 mm", "250 mm")).unwrap();
     fs::rename(&other, &path).unwrap();
-    match client.hear().await {
-        ToPage::Scene(scene) => assert_eq!(scene.length, 0.25),
-        other => panic!("{other:?}"),
-    }
+    assert_eq!(opened(client.hear().await).length, 0.25);
 }
 
 #[tokio::test]
@@ -155,10 +156,7 @@ async fn a_named_file_that_was_missing_is_noticed_when_it_comes_back() {
         let why = broken(client.hear().await);
         assert!(why.contains("arm.toml") && why.contains("no such file"), "{why}");
         fs::write(&arm, text.replace("300 mm", length)).unwrap();
-        match client.hear().await {
-            ToPage::Scene(scene) => assert_eq!(format!("{} mm", scene.length * 1e3), length),
-            other => panic!("{other:?}"),
-        }
+        assert_eq!(format!("{} mm", opened(client.hear().await).length * 1e3), length);
     }
 }
 
