@@ -79,7 +79,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ] {
             let shape = solve(&file, kind)?.disks;
             let errors: Vec<f64> = flat(&shape).zip(&seen).map(|(a, b)| distance(a, *b)).collect();
-            let overlaid = overlay(kind, &file.robot, &file.case, &located, &markers, 2)?;
+            let model = Model::new(kind, Stations::Disks, Drive::Natural);
+            let overlaid = overlay(&model, &file.robot, &file.case, &located, &markers, 2)?;
             let beside: Vec<f64> =
                 overlaid.misses.iter().flatten().map(|miss| 1e3 * miss.distance).collect();
             cells.push(format!("{:.2}  {:.2} ({paper:.2})", rms(&errors[1..]), rms(&beside[1..])));

@@ -8,6 +8,9 @@ use thiserror::Error;
 
 use crate::plane::Plane;
 
+/// Memory in bytes that a decoder may take for what a file holds beside its pixels.
+const MOST_BESIDE_PIXELS: u64 = 1 << 26;
+
 /// A photograph. Each pixel is linear light in red, green and blue, 0 black and 1 white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photo {
@@ -32,14 +35,19 @@ pub enum PhotoError {
         reason: String,
     },
     /// More pixels than are worked on.
-    #[error("the picture has {width}×{height} pixels; at most {most} a side are read")]
+    #[error(
+        "the picture has {width}×{height} pixels; at most {side} a side and {most} in all are read: scale it down or cut \
+         out the robot"
+    )]
     TooLarge {
         /// Columns.
         width: u32,
         /// Rows.
         height: u32,
-        /// Greatest number of either.
-        most: u32,
+        /// Greatest number of columns and of rows.
+        side: u32,
+        /// Greatest number of pixels.
+        most: u64,
     },
     /// It could not be written.
     #[error("the picture cannot be encoded: {reason}")]
@@ -52,6 +60,8 @@ pub enum PhotoError {
 impl Photo {
     /// Greatest number of columns and of rows.
     pub const LARGEST_SIDE: u32 = 12_000;
+    /// Greatest number of pixels: those of the largest full-frame cameras. Decoding takes at most 20 bytes for each.
+    pub const MOST_PIXELS: u64 = 64_000_000;
 
     /// A photograph of one colour.
     #[must_use]
@@ -137,18 +147,31 @@ impl Photo {
             Some(ImageFormat::Jpeg) => {}
             _ => return Err(PhotoError::NotAnImage),
         }
-        // The size is looked at below, where the message can name it.
-        reader.limits(Limits::no_limits());
+        // The number of pixels is checked below, where the message can name it. The limit of memory is for all else: a
+        // few bytes can say that a colour profile of gigabytes follows. Profiles are not used, so that one beyond the
+        // limit does not matter.
+        let mut limits = Limits::no_limits();
+        limits.max_alloc = Some(MOST_BESIDE_PIXELS);
+        reader.limits(limits);
         let mut decoder = reader.into_decoder().map_err(broken)?;
         let (width, height) = decoder.dimensions();
         check_size(width, height)?;
         let orientation = decoder.orientation().map_err(broken)?;
         let mut image = DynamicImage::from_decoder(decoder).map_err(broken)?;
         image.apply_orientation(orientation);
-        let rgb = image.to_rgb32f();
-        let pixels = rgb.pixels().map(|pixel| pixel.0.map(linear)).collect();
-        let photo = Self { width: rgb.width() as usize, height: rgb.height() as usize, pixels };
-        Ok((photo, orientation != Orientation::NoTransforms))
+        Ok((Self::of_image(&image), orientation != Orientation::NoTransforms))
+    }
+
+    /// Strip by strip, so that no copy of all pixels is made in between.
+    fn of_image(image: &DynamicImage) -> Self {
+        const ROWS: u32 = 16;
+        let (width, height) = (image.width(), image.height());
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        for top in (0..height).step_by(ROWS as usize) {
+            let strip = image.crop_imm(0, top, width, ROWS.min(height - top)).to_rgb32f();
+            pixels.extend(strip.pixels().map(|pixel| pixel.0.map(linear)));
+        }
+        Self { width: width as usize, height: height as usize, pixels }
     }
 
     /// The photograph as a PNG file of eight bits a channel.
@@ -211,9 +234,9 @@ impl Photo {
 
 /// Refuses what has no pixels, or more than are worked on.
 fn check_size(width: u32, height: u32) -> Result<(), PhotoError> {
-    let most = Photo::LARGEST_SIDE;
-    if width.max(height) > most {
-        Err(PhotoError::TooLarge { width, height, most })
+    let (side, most) = (Photo::LARGEST_SIDE, Photo::MOST_PIXELS);
+    if width.max(height) > side || u64::from(width) * u64::from(height) > most {
+        Err(PhotoError::TooLarge { width, height, side, most })
     } else if width == 0 || height == 0 {
         Err(PhotoError::Broken { reason: "it has no pixels".to_owned() })
     } else {

@@ -1,5 +1,8 @@
 //! What is no photograph, or not of a robot.
 
+use std::io::Cursor;
+
+use image::{DynamicImage, GrayImage, ImageFormat, Luma};
 use whipcord_vision::detect::{DetectError, Kind, Mask, Search, find};
 use whipcord_vision::render::Noise;
 use whipcord_vision::{Photo, PhotoError};
@@ -16,6 +19,52 @@ fn bytes_that_are_no_picture_are_refused() {
         let broken = Photo::decode(half);
         assert!(matches!(broken, Err(PhotoError::Broken { .. })), "{:?}", broken.err());
         assert_eq!(Photo::decode(&bytes).unwrap().width(), 720);
+    }
+}
+
+/// Pixels in any number of bits and channels become the same light.
+#[test]
+fn every_kind_of_pixel_is_read() {
+    let (width, height) = (7, 37);
+    let grey = GrayImage::from_fn(width, height, |x, y| Luma([(20 * x + 3 * y) as u8]));
+    let png = |image: DynamicImage| {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        Photo::decode(&bytes.into_inner()).unwrap()
+    };
+    let image = DynamicImage::ImageLuma8(grey);
+    let expected = png(image.clone());
+    assert_eq!((expected.width(), expected.height()), (7, 37));
+    for (i, pixel) in expected.pixels().iter().enumerate() {
+        // The curve of sRGB above its straight part.
+        let level = (20 * (i % 7) + 3 * (i / 7)) as f64 / 255.0;
+        let light = if level > 0.05 { ((level + 0.055) / 1.055).powf(2.4) } else { level / 12.92 };
+        assert!(
+            pixel.iter().all(|&l| (f64::from(l) - light).abs() < 2e-4),
+            "{i}: {pixel:?} {light}"
+        );
+    }
+    for other in [
+        DynamicImage::ImageRgb8(image.to_rgb8()),
+        DynamicImage::ImageRgba8(image.to_rgba8()),
+        DynamicImage::ImageLuma16(image.to_luma16()),
+        DynamicImage::ImageRgba16(image.to_rgba16()),
+    ] {
+        let photo = png(other);
+        for (a, b) in photo.pixels().iter().flatten().zip(expected.pixels().iter().flatten()) {
+            assert!((a - b).abs() < 1e-6, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn photographs_of_too_many_pixels_are_refused() {
+    let side = Photo::LARGEST_SIDE;
+    for (width, height) in [(side + 1, 1), (1, side + 1), (10_000, 6_401)] {
+        let bytes = vec![0; 3 * width as usize * height as usize];
+        let refused = Photo::of_rgb8(width as usize, height as usize, &bytes);
+        let most = Photo::MOST_PIXELS;
+        assert_eq!(refused, Err(PhotoError::TooLarge { width, height, side, most }));
     }
 }
 
