@@ -19,7 +19,7 @@ HAS_NODE := command -v $(NPM) >/dev/null && node -e 'const [a, b] = process.vers
 # here, and becomes a test of its own.
 export PROPTEST_RNG_SEED ?= 1
 
-.PHONY: test test-rust page page-where-node test-page fmt fmt-check lint doc test-debug test-release bench-build bench wheel installed test-python test-torch docs test-docs bench-python
+.PHONY: test test-long test-rust page page-where-node test-page fmt fmt-check lint doc test-debug test-release bench-build bench wheel installed test-python test-torch docs test-docs bench-python
 
 test: page-where-node test-rust test-page test-python test-torch test-docs
 
@@ -44,6 +44,11 @@ test-debug:
 
 test-release:
 	$(CARGO) test --workspace --locked --release
+
+# Damaged files of every kind, by the tens of thousands: `make test` runs a few hundred of each. FUZZ_SEED=7 takes others,
+# FUZZ_SCALE=3 three times as many. What was not answered is kept in target/fuzz.
+test-long:
+	$(CARGO) test -p whipcord-cli --locked --release --test fuzz -- --ignored --exact damaged_files_of_every_kind_are_answered --nocapture
 
 bench-build:
 	$(CARGO) bench --workspace --locked --no-run

@@ -63,8 +63,13 @@ def test_ten_thousand_rows_of_a_hundred_thousand_fail_and_are_flagged(
     batch = case.solve_batch(rows, stations=2)
     assert np.array_equal(batch.failed, wrong)
     assert batch.ok.sum() == 90_000
-    assert not batch.position[wrong].any()
-    assert np.isfinite(batch.position).all()
+    # A row without an answer holds NaN everywhere, and no other row does.
+    failed = ~batch.ok
+    for array in (batch.position, batch.orientation, batch.tension, batch.length):
+        empty = np.isnan(array).reshape(len(rows), -1)
+        assert np.array_equal(empty.all(axis=1), failed) and np.array_equal(empty.any(axis=1), failed)
+    assert not batch.stable[wrong].any() and not batch.unstable[wrong].any()
+    assert batch.stable[batch.ok].all()
     assert isinstance(batch.error(0), whipcord.errors.SectionFoldsError)
     assert "finite" in str(batch.error(10)) and "negative" in str(batch.error(20))
     assert batch.error(1) is None
@@ -157,9 +162,13 @@ def test_a_batch_is_written_as_csv(segment: whipcord.Case, tmp_path: Path) -> No
         lines = list(csv.DictReader(file))
     frame = batch.to_pandas()
     assert list(lines[0]) == list(frame.columns) and len(lines) == 8
-    for name in frame.columns.drop("ok"):
-        assert [float(line[name]) for line in lines] == frame[name].tolist()
+    for name in frame.columns.drop(["ok", "unstable", "error"]):
+        written = [float(line[name]) for line in lines]
+        assert np.array_equal(written, frame[name].to_numpy(), equal_nan=True), name
     assert [line["ok"] for line in lines] == ["True"] * 4 + ["False"] * 4
+    assert [line["unstable"] for line in lines] == ["False"] * 8
+    assert [line["error"] for line in lines] == frame["error"].tolist()
+    assert [line["x"] for line in lines[4:]] == ["nan"] * 4 and lines[4]["error"] != ""
     with pytest.raises(FileNotFoundError, match="rows"):
         batch.to_csv(tmp_path / "none" / "rows.csv")
 
@@ -172,7 +181,7 @@ def test_batches_and_gradients_are_pickled(case: whipcord.Case) -> None:
     # Of a copy too.
     again = pickle.loads(pickle.dumps(again))
     for name in ("arc_length", "position", "orientation", "tension", "length", "ok", "failed"):
-        assert np.array_equal(getattr(again, name), getattr(batch, name)), name
+        assert np.array_equal(getattr(again, name), getattr(batch, name), equal_nan=True), name
     for name in ("iterations", "residual", "stability", "discretization_error", "steps", "stability_lost_at"):
         assert np.array_equal(again.diagnostic(name), batch.diagnostic(name), equal_nan=True), name
     for thing in (again, batch):
@@ -228,3 +237,38 @@ def test_weights_that_are_no_numbers_are_refused(case: whipcord.Case, name: str,
     with pytest.raises(whipcord.InputError, match=f"{single} must be finite numbers") as error:
         derivatives.pull_back(**{single: weights[1]})
     assert error.value.path == single
+
+
+def test_unstable_rows_are_answers_and_are_marked() -> None:
+    """A bare rod of linkages, pressed on its end by less and by more than it bears."""
+    robot = whipcord.load("examples/table1/case-3.toml").robot.replace(cables=[])
+    rod = whipcord.Case(robot)
+    pressed = [rod.replace(loads=whipcord.Loads(tip_force=[0, 0, -force])) for force in (0.01, 0.5)]
+    held, buckled = (case.solve(model="pseudo-rigid-body") for case in pressed)
+    assert held.stable is True and held.diagnostics.stability_absent is None
+    assert buckled.stable is False and "unstable" in repr(buckled)
+    # Without cables there are no rows: one that is slack makes them.
+    slack = [case.replace(robot=_with_cable(robot)) for case in pressed]
+    stable, unstable = (case.solve_batch([[0.0], [0.0], [-1.0]], model="pseudo-rigid-body") for case in slack)
+    assert stable.ok.tolist() == unstable.ok.tolist() == [True, True, False]
+    assert stable.stable.tolist() == [True, True, False] and not stable.unstable.any()
+    assert unstable.unstable.tolist() == [True, True, False] and not unstable.stable.any()
+    assert "2 unstable" in repr(unstable) and "unstable" not in repr(stable)
+    assert np.array_equal(pickle.loads(pickle.dumps(unstable)).unstable, unstable.unstable)
+    lines = whipcord.export.batch_columns(unstable)
+    assert lines["unstable"].sum() == 2 * len(unstable.arc_length)
+    assert np.isnan(lines["x"][-1]) and "negative" in lines["error"][-1] and lines["error"][0] == ""
+    # Without a verdict there is neither.
+    four_bar = slack[0].replace(loads=None).solve_batch(shortening=[[0.0]], model="four-bar")
+    assert four_bar.ok.all() and not four_bar.stable.any() and not four_bar.unstable.any()
+
+
+def _with_cable(robot: whipcord.Robot) -> whipcord.Robot:
+    return robot.replace(cables=[whipcord.Cable(name="slack", holes=[1] * 10)])
+
+
+def test_one_kind_of_command_drives_a_batch(case: whipcord.Case) -> None:
+    with pytest.raises(whipcord.errors.InputError, match="leave out shortening to drive by tension"):
+        case.solve_batch([[1.0]], shortening=[[0.001]])
+    with pytest.raises(whipcord.errors.InputError, match="give tensions or shortenings"):
+        case.solve_batch()

@@ -107,7 +107,7 @@ def test_wrong_tensions(case: whipcord.Case, tension: Any, words: str) -> None:
         ([["a"]], "must be an array of numbers"),
         (np.ones((2, 1), dtype=complex), "must be an array of numbers"),
         ([[1.0], [1.0, 2.0]], "must be an array of numbers"),
-        (None, "give either tensions or shortenings"),
+        (None, "give tensions or shortenings"),
     ],
 )
 def test_wrong_rows(case: whipcord.Case, rows: Any, words: str) -> None:
@@ -141,6 +141,16 @@ def test_wrong_options(case: whipcord.Case) -> None:
         case.solve_batch([[1.0]], threads=0)
     with pytest.raises(InputError, match=r"there is no parameter `backbone\.colour`"):
         case.differentiate(parameters=["backbone.colour"])
+    for path, near in [
+        ("backbone.diamter", "backbone.diameter"),
+        ("young_modulus", "backbone.young_modulus"),
+        ("cables[0].routing.raduis", r"cables\[0\].routing.radius"),
+        ("loads.tip_force", r"loads.tip_force\[0\]"),
+    ]:
+        with pytest.raises(InputError, match=f": did you mean `{near}`\\?"):
+            case.differentiate(parameters=[path])
+        with pytest.raises(InputError, match=f": did you mean `{near}`\\?"):
+            case.parameter(path)
     with pytest.raises(InputError, match="threads must be a whole number"):
         case.solve_batch([[1.0]], threads=2.5)  # type: ignore[arg-type]
     for call in (case.differentiate, case.pull_back_batch):
@@ -280,3 +290,58 @@ def test_a_package_that_is_not_installed_is_named(
     ):
         with pytest.raises(ModuleNotFoundError, match=f"pip install {name}"):
             call()
+
+
+@pytest.mark.parametrize("how", ["solve", "differentiate", "stiffness"])
+def test_a_cable_is_driven_by_tension_or_by_shortening(case: whipcord.Case, how: str) -> None:
+    with pytest.raises(InputError, match="tension and shortening of cable pull are both given") as caught:
+        getattr(case, how)(tension=[2.0], shortening=[0.001])
+    assert caught.value.path == "shortening" and "leave out shortening" in str(caught.value)
+    # Which of them drives may be said.
+    both = getattr(case, how)(tension=[2.0], shortening=[0.001], actuation="tension")
+    assert both is not None
+
+
+def test_a_cable_is_driven_by_tension_or_by_length(case: whipcord.Case) -> None:
+    with pytest.raises(InputError, match="tension and length of cable pull are both given"):
+        case.solve(tension=[2.0], length=[0.17])
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (
+            lambda: Backbone(length=0.18, young_modulus=0),
+            "`backbone.young_modulus` must be greater than zero",
+        ),
+        (lambda: Backbone(length=0.18, young_modulus=-1e9), "`backbone.young_modulus` must be greater"),
+        (lambda: Backbone(length=0.18, young_modulus=float("nan")), "must be a finite number, but is NaN"),
+        (lambda: Backbone(length=0.18, young_modulus=float("inf")), "must be a finite number, but is inf"),
+        (lambda: Backbone(length=0.18, shear_modulus=0), "`backbone.shear_modulus` must be greater"),
+        (lambda: Backbone(length=0.0), "`backbone.length` must be greater than zero, but is 0"),
+        (lambda: Backbone(length=0.18, diameter=0), "`backbone.diameter` must be greater than zero"),
+        (lambda: Backbone(length=0.18, diameters=[0.003, 0]), "`backbone.diameters` must be greater"),
+        (lambda: Backbone(length=0.18, poisson_ratio=0.6), "`backbone.poisson_ratio` must be at most 0.5"),
+        (lambda: Backbone(length=0.18, poisson_ratio=-1), "`backbone.poisson_ratio` must be greater than -1"),
+        (lambda: Backbone(length=0.18, density=-1), "`backbone.density` must not be negative"),
+        (lambda: Backbone(length=0.18, shear_correction=0), "`backbone.shear_correction` must be greater"),
+        (
+            lambda: Backbone(length=0.18, rest_curvature=[0, float("inf"), 0]),
+            "`rest_curvature` must be a finite number",
+        ),
+        (
+            lambda: Disks(count=10, hole_circle_radius=-0.01),
+            "`disks.hole_circle_radius` must be greater than zero",
+        ),
+        (lambda: Disks(count=10, mass=-1), "`disks.mass` must not be negative"),
+        (lambda: Cable(name="a", holes=[1, 1], friction=-0.1), "`cables.friction` must not be negative"),
+        (
+            lambda: Cable(name="a", holes=[1, 1], axial_stiffness=0),
+            "`cables.axial_stiffness` must be greater",
+        ),
+    ],
+)
+def test_numbers_that_make_no_sense_are_refused_where_they_are_given(make: Any, words: str) -> None:
+    with pytest.raises(InputError) as caught:
+        make()
+    assert words in str(caught.value)

@@ -185,7 +185,7 @@ def test_markers_in_opposite_order_are_spoken_of(cases: list[Case], tmp_path: Pa
     turned = [f"{11 - int(row.split(',')[0])},{row.split(',', 1)[1]}" for row in rows]
     table.write_text("\n".join(["disk,x,y,z", *turned]) + "\n")
     (warning,) = whipcord.fit(cases[0].with_measured(table), [YOUNG]).warnings
-    assert "opposite order" in warning
+    assert "opposite order" in warning.message
     # Where the base is what is sought, the order is not told by the place it has in the file.
     base = [f"base.{of}[{axis}]" for of in ("position", "turn") for axis in range(3)]
     assert whipcord.fit(cases[0], base).warnings == ()

@@ -124,9 +124,17 @@ def test_a_row_without_an_answer_raises_or_is_flagged() -> None:
     flagged = whipcord.jax.Solver(case, on_failure="flag")
     answer, pull_back = jax.vjp(jax.jit(lambda t: flagged(t)[:4]), rows)
     assert flagged(rows).ok.tolist() == [True, False, True]
-    assert (answer[0][1] == 0).all() and (answer[1][1] == 0).all()
+    assert jnp.isnan(answer[0][1]).all() and jnp.isnan(answer[1][1]).all()
     (gradient,) = pull_back(jax.tree.map(jnp.ones_like, answer))
     assert gradient[1, 0] == 0 and gradient[0, 0] != 0 and jnp.isfinite(gradient).all()
+
+    # A mask on the rows leaves the row out of the loss and of its gradient.
+    def loss(tensions: jax.Array) -> jax.Array:
+        answer = flagged(tensions)
+        return jnp.where(answer.ok, (answer.tip**2).sum(axis=-1), 0.0).sum()
+
+    value, gradient = jax.value_and_grad(loss)(rows)
+    assert jnp.isfinite(value) and gradient[1, 0] == 0 and jnp.isfinite(gradient).all()
 
 
 @pytest.mark.parametrize(

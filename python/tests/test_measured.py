@@ -94,3 +94,30 @@ def test_what_is_to_be_fitted_is_kept(case: whipcord.Case, tmp_path: Path) -> No
     copy = pickle.loads(pickle.dumps(known))
     (tmp_path / "disks.csv").unlink()
     assert whipcord.compare(copy)["cosserat"].distance_to_measured == 0.0
+
+
+def test_all_steps_with_measurements_count(case: whipcord.Case, tmp_path: Path) -> None:
+    """Tips in the first and the last of three steps, 7 mm and 1 mm off: the root mean square is 5 mm."""
+    stepped = case.replace(steps=[whipcord.Step(tension=[pull]) for pull in (1.0, 3.0, 2.0)])
+    tips = [solution.tip for solution in stepped.solve_steps()]
+    lines = [
+        f"{step},10,{float(x + off)!r},{float(y)!r},{float(z)!r}"
+        for step, (x, y, z), off in ((1, tips[0], 7e-3), (3, tips[2], 1e-3))
+    ]
+    (tmp_path / "tips.csv").write_text("step,disk,x,y,z\n" + "\n".join(lines) + "\n")
+    for registration, rms in (("none", 5e-3), ("base", None)):
+        table = f'\n[measured]\ndisks = "tips.csv"\nregistration = "{registration}"\n'
+        (tmp_path / "case.toml").write_text(stepped.to_toml() + table)
+        comparison = whipcord.compare(whipcord.load(tmp_path / "case.toml"), by=["cosserat"])
+        run = comparison["cosserat"]
+        if rms is None:
+            assert run.distance_to_measured is None and "cannot be moved" in str(run.why_not_measured)
+            assert "cannot be moved" in repr(comparison)
+            continue
+        assert run.distance_to_measured == pytest.approx(rms, rel=1e-6)
+        assert isinstance(run.measured, whipcord.Distances)
+        assert (run.measured.step, run.measured.steps, run.measured.points) == ((1, 3), 2, 2)
+        assert "5.000 mm from the measurement over 2 points in 2 steps" in repr(comparison)
+        assert run.stable is True and len(run.steps) == 3
+        [row] = [row for row in comparison.benchmark.rows if row.variant == "usual"]
+        assert row.rms == pytest.approx(rms, rel=1e-6) and (row.compared_steps, row.compared_points) == (2, 2)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -306,3 +308,36 @@ def test_a_changed_title_changes_nothing_else(case: whipcord.Case) -> None:
     assert case.solve().case == case
     assert case.with_parameters({"backbone.diameter": 0.003}) == case
     assert case.with_parameters({"backbone.diameter": 0.0031}).reference is None
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Backbone(length=0.18, dimeter=0.003), "did you mean `diameter`"),
+        (lambda: Backbone(length=0.18, radius="1.5 mm"), 'write `diameter = "3 mm"`, twice this value'),
+        (lambda: Disks(n_disks=10), "did you mean `count`"),
+        (lambda: Cable(name="pull", mu=0.1), "did you mean `friction`"),
+        (lambda: Loads(tip_load=(0, 0, 1)), "did you mean `tip_force`"),
+        (
+            lambda: Robot(backbone=Backbone(length=0.18), disks=Disks(count=3), cabels=[]),
+            "did you mean 'cables'",
+        ),
+    ],
+)
+def test_what_is_meant_by_another_name_is_said(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(TypeError, match=re.escape(message)):
+        call()
+
+
+def test_misspelt_arguments_of_functions_are_told_from_the_others(tmp_path: Path) -> None:
+    case = whipcord.load(Path(__file__).resolve().parents[2] / "examples/table1/case-3.toml")
+    with pytest.raises(
+        TypeError, match=r"Case.solve\(\) has no argument 'tensoin'; did you mean 'tension'\?"
+    ):
+        case.solve(tensoin=5)
+    with pytest.raises(TypeError, match=r"Case\(\) has no argument 'load'; did you mean 'loads'\?"):
+        Case(case.robot, load=None)
+    (tmp_path / "disks.csv").write_text("disk,x,y,z\n10,0.05,0.01,0.15\n")
+    measured = case.with_measured(tmp_path / "disks.csv")
+    with pytest.raises(whipcord.InputError, match=r"did you mean backbone\.young_modulus\?"):
+        whipcord.fit(measured, ["backbone.youngs_modulus"])

@@ -96,6 +96,13 @@ def test_a_row_without_an_answer_raises_or_is_flagged() -> None:
     assert answer.ok.tolist() == [True, False, True]
     (answer.tip.sum() + answer.length.sum() + answer.rotation.sum()).backward()
     assert rows.grad[1, 0] == 0 and rows.grad[0, 0] != 0 and torch.isfinite(rows.grad).all()
+    assert torch.isnan(answer.tip[1]).all() and torch.isnan(answer.length[1]).all()
+    # A mask on the rows leaves the row out of the loss and of its gradient.
+    rows.grad = None
+    answer = whipcord.torch.Solver(case, on_failure="flag")(rows)
+    loss = torch.where(answer.ok, (answer.tip**2).sum(dim=-1), 0.0).sum()
+    loss.backward()
+    assert torch.isfinite(loss) and rows.grad[1, 0] == 0 and torch.isfinite(rows.grad).all()
 
 
 def test_what_cannot_be_is_refused() -> None:

@@ -34,7 +34,17 @@ from .errors import (
     SolveError,
     WhipcordError,
 )
-from .fitting import CrossValidation, Estimate, Fit, HeldOut, ModelFit, Unknown, Unresolved, fit
+from .fitting import (
+    CrossValidation,
+    Estimate,
+    Fit,
+    HeldOut,
+    ModelFit,
+    Unknown,
+    Unresolved,
+    UnstableAnswer,
+    fit,
+)
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
 from .obstacles import Obstacle
 from .overlaying import Overlaid, Overlay, overlay
@@ -43,6 +53,7 @@ from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
 from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution, Touch
 from .viewing import Viewer
+from .warning import WhipcordWarning
 
 __all__ = [
     "Along",
@@ -105,8 +116,10 @@ __all__ = [
     "Touch",
     "Unknown",
     "Unresolved",
+    "UnstableAnswer",
     "Viewer",
     "WhipcordError",
+    "WhipcordWarning",
     "__version__",
     "benchmark",
     "compare",

@@ -35,6 +35,29 @@ def listed(values: Commands | None, name: str) -> list[Any] | None:
     return given
 
 
+def commanded(
+    tension: Commands | None,
+    shortening: Commands | None,
+    model: _core.Model,
+    cables: tuple[Cable, ...],
+    name: str = "shortening",
+) -> tuple[list[Any] | None, list[Any] | None]:
+    """The tensions and shortenings in the order of the cables, of which a cable has one. `name` is what the
+    shortenings were given as."""
+    tensions, shortenings = listed(tension, "tension"), listed(shortening, "shortening")
+    if tensions is None or shortenings is None or model.arguments.get("actuation") is not None:
+        return tensions, shortenings
+    for cable, pull, short in zip(cables, tensions, shortenings):
+        if pull is not None and short is not None:
+            message = (
+                f"tension and {name} of cable {cable.name} are both given, and one of them drives it: leave out "
+                f"{name} to drive it by tension, or tension to drive it by {name} (of several cables, None in its "
+                'list); or give actuation="tension" or "shortening"'
+            )
+            raise InputError(message, path=name)
+    return tensions, shortenings
+
+
 def each(values: Commands | None, cables: tuple[Cable, ...], name: str) -> list[Any]:
     """One value for each cable."""
     given = listed(values, name)
@@ -83,6 +106,17 @@ def metres(value: Quantity, name: str) -> float:
     except (TypeError, ValueError):
         message = f"{name} must be a number in m or a text with a unit, but is {value!r}"
         raise InputError(message, path=name) from None
+
+
+def seconds(timeout: float | None) -> float | None:
+    """A time limit in s; None for none."""
+    if timeout is None:
+        return None
+    try:
+        return float(timeout)
+    except (TypeError, ValueError):
+        message = f"timeout must be a number of seconds, but is {timeout!r}"
+        raise InputError(message, path="timeout") from None
 
 
 def paths(parameters: Sequence[str]) -> list[str]:

@@ -9,6 +9,8 @@ import numpy.typing as npt
 from .errors import InputError, SolveError
 
 _Array = npt.NDArray[np.float64]
+# Code, message, help, and path, line and column of a warning.
+_Notice = tuple[str, str, str, tuple[str, int, int] | None]
 
 __all__ = [
     "VERSION",
@@ -56,6 +58,7 @@ def benchmark(
     reference: str,
     suite: str | None = None,
     only: list[str] = ...,
+    timeout: float | None = None,
 ) -> tuple[str, str, str | None]: ...
 def suite(name: str, only: list[str] = ...) -> list[tuple[str, Setup]]: ...
 def svg(
@@ -117,6 +120,7 @@ class Model:
         chord: str | None = None,
         length_rule: str | None = None,
         coefficients: str | None = None,
+        timeout: float | None = None,
     ) -> Model: ...
     @property
     def kind(self) -> str: ...
@@ -178,6 +182,7 @@ def overlay(
     models: list[str],
     title: str,
     width: float,
+    timeout: float | None = None,
 ) -> tuple[
     str | None,
     list[tuple[int | None, float, list[float], list[float]]],
@@ -216,6 +221,9 @@ class Setup:
     def title(self) -> str: ...
     @property
     def measured(self) -> dict[str, Any] | None: ...
+    def warnings(self) -> list[_Notice]: ...
+    def answer_warnings(self, of: Solution) -> list[_Notice]: ...
+    def spacing_warnings(self, model: Model, of: Solution) -> list[_Notice]: ...
     @property
     def reference(self) -> dict[str, Any] | None: ...
     def disks(self) -> list[float]: ...
@@ -290,6 +298,10 @@ class Outcomes:
     def ok(self) -> npt.NDArray[np.bool_]: ...
     @property
     def failed(self) -> npt.NDArray[np.int64]: ...
+    @property
+    def stable(self) -> npt.NDArray[np.bool_]: ...
+    @property
+    def unstable(self) -> npt.NDArray[np.bool_]: ...
     def diagnostic(self, name: str) -> _Array: ...
     def error(self, row: int) -> SolveError | InputError | None: ...
     def __len__(self) -> int: ...
@@ -314,11 +326,11 @@ class Derivatives:
     ) -> dict[str, Any]: ...
 
 def distances(
-    setup: Setup, solution: Solution
+    setup: Setup, answers: list[Solution]
 ) -> (
     tuple[
         float | None,
-        list[tuple[int | None, bool]],
+        list[tuple[int | None, bool, int, float]],
         _Array,
         _Array,
         tuple[list[float], list[float]] | None,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 from . import _core
 from ._commands import Commands, each, paths
 from ._files import write
 from ._html import picture
+from ._suggest import suggests
 from ._tables import Quantity, part, parts, plain
 from .camera import Camera
 from .errors import InputError
@@ -18,6 +19,7 @@ from .loads import Base, Loads, Step
 from .obstacles import Obstacle
 from .published import Measured, Reference, published, still_true
 from .robot import Robot
+from .warning import WhipcordWarning, listed, tell
 
 Self = TypeVar("Self", bound="Description")
 
@@ -27,6 +29,7 @@ class Description:
 
     _setup: _core.Setup
 
+    @partial(suggests, called="Case")
     def __init__(
         self,
         robot: Robot,
@@ -56,6 +59,7 @@ class Description:
             "steps": parts(steps, Step, "steps"),
         }
         self._keep(_core.Setup.of_tables(tables, "Case"))
+        tell(self.warnings)
 
     def _keep(self, setup: _core.Setup) -> None:
         object.__setattr__(self, "_setup", setup)
@@ -69,11 +73,18 @@ class Description:
     @classmethod
     def from_toml(cls: type[Self], text: str, path: str | os.PathLike[str] = "text") -> Self:
         """Reads the text of a robot file; files it names are looked for in the folder of `path`."""
-        return cls._of(_core.Setup.parse(text, os.fspath(path)))
+        self = cls._of(_core.Setup.parse(text, os.fspath(path)))
+        tell(self.warnings)
+        return self
 
     @cached_property
     def _tables(self) -> dict[str, Any]:
         return self._setup.tables()
+
+    @property
+    def warnings(self) -> list[WhipcordWarning]:
+        """Warnings about the robot and the case."""
+        return listed(self._setup.warnings())
 
     @property
     def title(self) -> str:
@@ -148,7 +159,9 @@ class Description:
         if self.steps:
             given["steps"] = self.steps
         else:
-            given.update(tension=self.tension, shortening=self.shortening)
+            # A robot with other cables takes the place of one whose cables are told nothing.
+            for key, values in (("tension", self.tension), ("shortening", self.shortening)):
+                given[key] = values if any(value is not None for value in values) else None
         if changes.get("steps"):
             given.update(tension=None, shortening=None)
         robot = changes.pop("robot", self.robot)

@@ -24,7 +24,7 @@ Flags = npt.NDArray[np.bool_]
 
 
 class Arrays(NamedTuple):
-    """Answers with the leading dimensions of what was asked; zeros where there is none."""
+    """Answers with the leading dimensions of what was asked; NaN where there is none."""
 
     position: Array
     """(..., n, 3) in m."""
@@ -90,9 +90,9 @@ class Problem:
         commands, parameters = np.asarray(commands), np.asarray(parameters)
         lead = self.check(commands.shape, parameters.shape)
         count, stations = int(np.prod(lead)), len(self.arc_length)
-        position = np.zeros((count, stations, 3))
-        turns = np.zeros((count, stations, 3, 3))
-        tension, length = np.zeros((2, count, self.cables))
+        position = np.full((count, stations, 3), np.nan)
+        turns = np.full((count, stations, 3, 3), np.nan)
+        tension, length = np.full((2, count, self.cables), np.nan)
         ok = np.zeros(count, dtype=np.bool_)
         everywhere = np.arange(count)
         for rows, case, given in self._groups(lead, everywhere, commands, parameters):
@@ -101,7 +101,7 @@ class Problem:
                 self._raise(batch, rows, lead)
             ok[rows] = batch.ok
             position[rows], tension[rows], length[rows] = batch.position, batch.tension, batch.length
-            turns[rows] = rotation(batch.orientation) * batch.ok[:, None, None, None]
+            turns[rows] = rotation(batch.orientation)
         return Arrays(
             position.reshape(*lead, stations, 3),
             turns.reshape(*lead, stations, 3, 3),
@@ -124,8 +124,9 @@ class Problem:
         """The gradients of a scalar by the commands (..., c) and parameters (..., p) of each row.
 
         `answered` and `turns` are the flags and rotations of the answers, the others the derivatives of the
-        scalar by what is in them. Rows without an answer have the gradient zero, for what stands in their
-        place is constant; a row with an answer but no derivatives raises.
+        scalar by what is in them. Rows without an answer have the gradient zero, whatever the
+        derivatives of the scalar are there (NaN, where it was computed from NaN): a mask on the rows of a loss then
+        leaves them out of the gradients of what rows share; a row with an answer but no derivatives raises.
         """
         commands, parameters = np.asarray(commands), np.asarray(parameters)
         answered, turns = np.asarray(answered), np.asarray(turns)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
+from functools import partial
 from typing import Any, ClassVar, TypeVar, Union
 
 from . import _core
+from ._suggest import suggests
 from .errors import InputError
 
 Quantity = Union[float, str]
@@ -50,6 +53,11 @@ class Table:
     """Name of the table in the file."""
     _inner: ClassVar[Mapping[str, type[Table]]] = {}
     """Entries that are tables themselves, or lists of them."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "__init__" in vars(cls):
+            type.__setattr__(cls, "__init__", suggests(vars(cls)["__init__"], partial(_advice, cls)))
 
     def _set(self, **given: Any) -> None:
         """Checks what was given and keeps it in SI."""
@@ -95,6 +103,20 @@ class Table:
     def __repr__(self) -> str:
         entries = ", ".join(f"{key}={_shown(value)!r}" for key, value in self._given().items())
         return f"{type(self).__name__}({entries})"
+
+
+def _advice(kind: type[Table], name: str, value: Any) -> str | None:
+    """What a robot file with such an entry in this table is told to write instead."""
+    try:
+        _core.table_in_si(kind._name, {name: plain(value)})
+    except (AttributeError, TypeError, InputError) as error:
+        for problem in getattr(error, "problems", ()):
+            advice = str(problem["help"])
+            meant = re.match(r"did you mean `(\w+)`", advice)
+            of_kind = meant is None or meant[1] in {field.name for field in fields(kind)}
+            if of_kind and f"no key `{name}`" in problem["message"]:
+                return advice
+    return None
 
 
 def _shown(value: Any) -> Any:

@@ -32,9 +32,12 @@ class _Kept:
 
     ok: npt.NDArray[np.bool_]
     failed: npt.NDArray[np.int64]
+    stable: npt.NDArray[np.bool_]
+    unstable: npt.NDArray[np.bool_]
 
     def __init__(self, outcomes: _core.Outcomes | _Kept) -> None:
         self.ok, self.failed = outcomes.ok, outcomes.failed
+        self.stable, self.unstable = outcomes.stable, outcomes.unstable
         self._diagnostics = {name: outcomes.diagnostic(name) for name in DIAGNOSTICS}
         self._errors = {row: outcomes.error(row) for row in outcomes.failed.tolist()}
 
@@ -83,7 +86,8 @@ class _Rows:
 
 
 class Batch(_Rows):
-    """The answers to a batch. A row without an answer holds zeros: look at :attr:`ok`.
+    """The answers to a batch. A row without an answer holds NaN in every array: look at :attr:`ok` and
+    :meth:`error`. A row whose answer is an unstable equilibrium is ``ok``: look at :attr:`unstable`.
 
     Examples
     --------
@@ -96,6 +100,8 @@ class Batch(_Rows):
     'SectionFoldsError'
     >>> batch.position[batch.ok].shape
     (2, 10, 3)
+    >>> bool(np.isnan(batch.position[1]).all()), int(batch.unstable.sum())
+    (True, 0)
     """
 
     case: Case
@@ -105,7 +111,7 @@ class Batch(_Rows):
     arc_length: Array
     """(n,) arc lengths of the stations in m."""
     position: Array
-    """(N, n, 3) positions in m."""
+    """(N, n, 3) positions in m; NaN in rows without an answer, as in all arrays."""
     orientation: Array
     """(N, n, 4) quaternions (w, x, y, z)."""
     tension: Array
@@ -119,6 +125,26 @@ class Batch(_Rows):
         self.case, self.model = case, model.kind
         self.arc_length = case._setup.stations(model)
         self.position, self.orientation, self.tension, self.length, self._outcomes = arrays
+
+    @cached_property
+    def stable(self) -> npt.NDArray[np.bool_]:
+        """(N,) whether a row has an answer that is known to be a stable equilibrium. Rows that are neither
+        ``stable`` nor ``unstable`` have no answer, or a model or load for which stability is not known."""
+        return self._outcomes.stable
+
+    @cached_property
+    def unstable(self) -> npt.NDArray[np.bool_]:
+        """(N,) whether a row has an answer that is known to be an unstable equilibrium, which the robot leaves at
+        the slightest disturbance. Such a row is ``ok``: the solver has converged."""
+        return self._outcomes.unstable
+
+    @property
+    def reasons(self) -> list[str | None]:
+        """For each row why it has no answer, in words; None where it has one."""
+        words: list[str | None] = [None] * len(self)
+        for row in self.failed.tolist():
+            words[row] = str(self.error(row))
+        return words
 
     @property
     def tip(self) -> Array:
@@ -141,7 +167,8 @@ class Batch(_Rows):
         return batch_to_xarray(self)
 
     def to_pandas(self) -> Any:
-        """A ``pandas.DataFrame`` with one line for each station of each row."""
+        """A ``pandas.DataFrame`` with one line for each station of each row: its number, whether it is ``ok`` and
+        ``unstable``, why it has no answer, the frame, tensions and lengths; NaN where there is no answer."""
         from .export import batch_columns, to_pandas
 
         return to_pandas(batch_columns(self))
@@ -166,11 +193,13 @@ class Batch(_Rows):
 
     def __repr__(self) -> str:
         rows, stations, _ = self.position.shape
-        return f"<Batch of {rows} rows by {self.model}: {stations} stations, {len(self.failed)} failed>"
+        unstable = int(self.unstable.sum())
+        left = f", {unstable} unstable" if unstable else ""
+        return f"<Batch of {rows} rows by {self.model}: {stations} stations, {len(self.failed)} failed{left}>"
 
 
 class Gradients(_Rows):
-    """Gradients of one scalar for each row; zero in rows without an answer."""
+    """Gradients of one scalar for each row; zero in rows without an answer, so that a sum over rows leaves them out."""
 
     commands: Array
     """(N, c) by the tension or shortening of each cable."""
@@ -200,8 +229,14 @@ def numbers(values: npt.ArrayLike, name: str, shape: str, dimensions: int) -> Ar
 
 
 def _rows(case: Case, tension: npt.ArrayLike | None, shortening: npt.ArrayLike | None) -> tuple[Array, bool]:
-    if (tension is None) == (shortening is None):
-        raise InputError("give either tensions or shortenings", path="tension")
+    if tension is None and shortening is None:
+        raise InputError("give tensions or shortenings", path="tension")
+    if tension is not None and shortening is not None:
+        message = (
+            "tension and shortening are both given, and a batch is driven by one of them: "
+            "leave out shortening to drive by tension, or tension to drive by shortening"
+        )
+        raise InputError(message, path="shortening")
     name, values = ("tension", tension) if shortening is None else ("shortening", shortening)
     assert values is not None
     cables = len(case.robot.cables)

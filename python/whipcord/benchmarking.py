@@ -9,9 +9,11 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from . import _core, models
+from ._commands import seconds
 from ._files import write_bytes
 from ._html import picture
 from ._packages import needed
+from ._suggest import suggests
 from .case import Case
 from .errors import InputError
 
@@ -47,7 +49,8 @@ class Row:
     driven_by: str
     """What drove it, in words."""
     rms: float | None
-    """RMS distance over the disks, without the base, or over the markers; None where there is no answer."""
+    """RMS distance over the disks, without the base, or over the markers, and over all steps; None where there is no
+    answer."""
     greatest: float | None
     """The greatest distance."""
     tip: float | None
@@ -61,7 +64,15 @@ class Row:
     iterations: int | None
     """Newton iterations."""
     unstable: bool
-    """Whether the robot leaves this shape."""
+    """Whether the robot leaves this shape, or that of one of the steps."""
+    stable: bool | None
+    """Whether it is stable in all steps; None where there is no answer, or that is not known."""
+    stability_absent: str | None
+    """Why that is not known."""
+    compared_steps: int | None
+    """Number of steps that the error is over."""
+    compared_points: int | None
+    """Number of disks or markers that it is over, each counted once in each step."""
     failure: str | None
     """Why there is no answer, or none that can be compared."""
 
@@ -84,6 +95,10 @@ class Row:
             **{key: run[key] for key in ("model", "variant", "commands", "driven_by")},
             **numbers,
             unstable=run.get("unstable", False),
+            stable=run.get("stable"),
+            stability_absent=run.get("stability_absent"),
+            compared_steps=error.get("steps"),
+            compared_points=error.get("points"),
             failure=run.get("failure", run.get("not_compared")),
         )
 
@@ -210,12 +225,14 @@ class Benchmark:
         return None if self.svg is None else picture(self.svg)
 
 
+@suggests
 def benchmark(
     cases: Case | Iterable[Case] | str,
     *,
     by: Sequence[str] = models.NAMES,
     reference: str = "trusted",
     only: Sequence[str] = (),
+    timeout: float | None = None,
 ) -> Benchmark:
     """Tries models, and those of their variants that trade accuracy for time, on cases.
 
@@ -231,17 +248,22 @@ def benchmark(
         cables from hole to hole where the file gives the holes, else the rod, at fine resolution.
     only
         Of a suite, only the cases whose names contain one of these texts.
+    timeout
+        Seconds after which the benchmark is ended; by default as long as it takes. Ctrl-C ends it, too.
 
     Raises
     ------
+    WhipcordTimeout
+        Where the time limit was reached.
     InputError
         For models, references and suites that there are not.
     """
     if isinstance(by, str) or not isinstance(by, Iterable) or not all(isinstance(name, str) for name in by):
         message = f"by must be a list of names of models, whose variants are tried too, but is {by!r}"
         raise InputError(message, path="by")
+    ends = seconds(timeout)
     if isinstance(cases, str):
-        return Benchmark(*_core.benchmark([], list(by), reference, cases, _texts(only)))
+        return Benchmark(*_core.benchmark([], list(by), reference, cases, _texts(only), ends))
     given = [cases] if isinstance(cases, Case) else list(cases)
     for case in given:
         if not isinstance(case, Case):
@@ -250,9 +272,10 @@ def benchmark(
         raise InputError("there is no case to try models on", path="cases")
     if only:
         raise InputError("only picks cases of a suite", path="only")
-    return Benchmark(*_core.benchmark([case._setup for case in given], list(by), reference))
+    return Benchmark(*_core.benchmark([case._setup for case in given], list(by), reference, timeout=ends))
 
 
+@suggests
 def suite(name: str = "routing", *, only: Sequence[str] = ()) -> dict[str, Case]:
     """The cases of a suite that the package brings along, by their names.
 

@@ -8,14 +8,16 @@ from collections.abc import Sequence
 import numpy.typing as npt
 
 from . import _core, models
-from ._commands import Commands, listed, metres, paths, shortening_for
+from ._commands import Commands, commanded, metres, paths, shortening_for
 from ._description import Description
+from ._suggest import suggests
 from ._tables import Quantity
 from .batch import Batch, Gradients, pull_back_batch, solve_batch
 from .derivatives import Derivatives, Place
 from .models import ModelLike, StationsLike
 from .solution import Branches, Solution, begun
 from .viewing import HEIGHT, Viewer, view
+from .warning import distinct, tell
 
 __all__ = ["Case", "load"]
 
@@ -34,7 +36,9 @@ def load(path: str | os.PathLike[str]) -> Case:
     >>> case.title
     'Case III: general'
     """
-    return Case._of(_core.Setup.load(os.fspath(path)))
+    case = Case._of(_core.Setup.load(os.fspath(path)))
+    tell(case.warnings)
+    return case
 
 
 class Case(Description):
@@ -48,7 +52,8 @@ class Case(Description):
         (c,) tension of each cable in N.
     shortening
         (c,) initial minus present length of each cable in m, or texts such as ``"5.7 %"`` of its own
-        initial length.
+        initial length. A cable may have both, as in robot files: each model is driven by the one that it
+        takes, and the `actuation` of :meth:`solve` chooses between them.
     loads
         What acts from outside.
     base
@@ -71,6 +76,7 @@ class Case(Description):
     array([2.])
     """
 
+    @suggests
     def solve(
         self,
         *,
@@ -81,6 +87,7 @@ class Case(Description):
         stations: StationsLike = None,
         actuation: str | None = None,
         start: Solution | None = None,
+        timeout: float | None = None,
     ) -> Solution:
         """The shape that the robot takes.
 
@@ -90,7 +97,8 @@ class Case(Description):
             (c,) tension of each cable in N, instead of what the case says; in a case with steps, instead of
             the last one, after those before it. :meth:`replace` takes out the steps.
         shortening
-            (c,) initial minus present length of each cable in m, likewise.
+            (c,) initial minus present length of each cable in m, likewise. A cable that has both a tension and a
+            shortening is an error, unless `actuation` says which of them drives.
         length
             (c,) present length of each cable inside the robot in m, instead of a shortening.
         model
@@ -104,11 +112,15 @@ class Case(Description):
         start
             A neighbouring solution to start from. Only the iteration starts there: what friction kept of the
             way to it is not carried over; that is for steps.
+        timeout
+            Seconds after which the solve is ended; by default as long as it takes. Ctrl-C ends it, too.
 
         Raises
         ------
         SolveError
             With the reason why there is no answer, and the numbers that it needs.
+        WhipcordTimeout
+            Where the time limit was reached; also a ``TimeoutError``.
         InputError
             For arguments that cannot be.
 
@@ -119,12 +131,21 @@ class Case(Description):
         >>> solution.position.shape
         (37, 3)
         """
-        chosen = models.core(model, stations, actuation)
+        chosen = models.core(model, stations, actuation, timeout)
+        name = "shortening"
         if length is not None:
             initial = self._setup.initial_lengths(chosen)
             shortening = shortening_for(length, shortening, initial, self.robot.cables)
-        given = listed(tension, "tension"), listed(shortening, "shortening")
-        return Solution._of(self, chosen, self._setup.solve(chosen, *given, begun(start)), start)
+            name = "length"
+        given = commanded(tension, shortening, chosen, self.robot.cables, name)
+        solution = Solution._of(self, chosen, self._setup.solve(chosen, *given, begun(start)), start)
+        tell(solution.warnings)
+        return solution
+
+    def _solve(self, model: ModelLike, timeout: float | None = None) -> Solution:
+        """The answer of a model to the case as it is, without a word about it."""
+        chosen = models.core(model, timeout=timeout)
+        return Solution._of(self, chosen, self._setup.solve(chosen), None)
 
     def view(self, *, open: bool | None = None, height: int = HEIGHT) -> Viewer:
         """Shows the robot in the browser, with sliders for its cables and loads; a notebook shows the page itself.
@@ -143,12 +164,14 @@ class Case(Description):
         """
         return view(self.to_toml(), open=open, height=height)
 
+    @suggests
     def solve_steps(
         self,
         *,
         model: ModelLike = "cosserat",
         stations: StationsLike = None,
         actuation: str | None = None,
+        timeout: float | None = None,
     ) -> list[Solution]:
         """The answers to all steps of the case in order, each from where the one before left the robot.
 
@@ -157,10 +180,13 @@ class Case(Description):
         >>> bool(back.bend > out.bend)
         True
         """
-        chosen = models.core(model, stations, actuation)
+        chosen = models.core(model, stations, actuation, timeout)
         answers = self._setup.solve_steps(chosen)
-        return [Solution._of(self, chosen, answer, None) for answer in answers]
+        solutions = [Solution._of(self, chosen, answer, None) for answer in answers]
+        tell(distinct(warning for solution in solutions for warning in solution.warnings))
+        return solutions
 
+    @suggests
     def solve_batch(
         self,
         tension: npt.ArrayLike | None = None,
@@ -171,6 +197,7 @@ class Case(Description):
         threads: int | None = None,
         path: bool = False,
         progress: bool = False,
+        timeout: float | None = None,
     ) -> Batch:
         """Many shapes at once.
 
@@ -189,12 +216,15 @@ class Case(Description):
             of :meth:`solve`, friction keeps nothing of the rows before.
         progress
             Whether to show a bar (needs the package tqdm).
+        timeout
+            Seconds after which the whole batch is ended, with :class:`whipcord.errors.WhipcordTimeout`.
 
         Returns
         -------
         Batch
             With ``position`` of shape (N, n, 3). A row without an answer does not raise: ``ok`` is false
-            there, its numbers are zero, and ``error(row)`` says why.
+            there, its numbers are NaN, and ``error(row)`` says why. ``unstable`` marks the answers that the robot
+            leaves at the slightest disturbance.
 
         Examples
         --------
@@ -206,7 +236,7 @@ class Case(Description):
         >>> bool(batch.ok.all())
         True
         """
-        chosen = models.core(model, stations)
+        chosen = models.core(model, stations, None, timeout)
         return solve_batch(self, chosen, tension, shortening, threads, path, progress)
 
     def pull_back_batch(
@@ -223,6 +253,7 @@ class Case(Description):
         stations: StationsLike = None,
         threads: int | None = None,
         progress: bool = False,
+        timeout: float | None = None,
     ) -> Gradients:
         """Vector–Jacobian products of a whole batch: for each row the gradient of one scalar.
 
@@ -257,12 +288,13 @@ class Case(Description):
         >>> slope.commands.shape, slope.parameters.shape
         ((2, 1), (2, 1))
         """
-        chosen = models.core(model, stations)
+        chosen = models.core(model, stations, None, timeout)
         weights = (position, rotation, cable_tension, cable_length)
         return pull_back_batch(
             self, chosen, tension, shortening, paths(parameters), weights, threads, progress
         )
 
+    @suggests
     def differentiate(
         self,
         *,
@@ -273,6 +305,7 @@ class Case(Description):
         stations: StationsLike = None,
         actuation: str | None = None,
         start: Solution | None = None,
+        timeout: float | None = None,
     ) -> tuple[Solution, Derivatives]:
         """The shape with its exact derivatives, in one pass; other arguments as for :meth:`solve`.
 
@@ -289,12 +322,15 @@ class Case(Description):
         >>> derivatives.position_by_command.shape, derivatives.position_by_parameter.shape
         ((10, 3, 1), (10, 3, 1))
         """
-        chosen = models.core(model, stations, actuation)
-        given = listed(tension, "tension"), listed(shortening, "shortening")
+        chosen = models.core(model, stations, actuation, timeout)
+        given = commanded(tension, shortening, chosen, self.robot.cables)
         asked = paths(parameters)
         answer, inner = _core.derivatives(self._setup, chosen, asked, *given, begun(start))
-        return Solution._of(self, chosen, answer, start), Derivatives(inner, tuple(asked))
+        solution = Solution._of(self, chosen, answer, start)
+        tell(solution.warnings)
+        return solution, Derivatives(inner, tuple(asked))
 
+    @suggests
     def stiffness(
         self,
         at: Quantity | None = None,
@@ -303,6 +339,7 @@ class Case(Description):
         shortening: Commands | None = None,
         model: ModelLike = "cosserat",
         actuation: str | None = None,
+        timeout: float | None = None,
     ) -> Place:
         """How a place moves with the cables and yields to loads.
 
@@ -317,14 +354,23 @@ class Case(Description):
         >>> tip.compliance.shape, tip.jacobian.shape
         ((6, 6), (6, 1))
         """
-        chosen = models.core(model, None, actuation)
+        chosen = models.core(model, None, actuation, timeout)
         place = None if at is None else metres(at, "at")
-        given = listed(tension, "tension"), listed(shortening, "shortening")
+        given = commanded(tension, shortening, chosen, self.robot.cables)
         answer, values = self._setup.local(chosen, place, *given)
-        return Place._of(Solution._of(self, chosen, answer, None), values)
+        solution = Solution._of(self, chosen, answer, None)
+        tell(solution.warnings)
+        return Place._of(solution, values)
 
-    def branches(self, *, tension: Commands | None = None, shortening: Commands | None = None) -> Branches:
+    @suggests
+    def branches(
+        self,
+        *,
+        tension: Commands | None = None,
+        shortening: Commands | None = None,
+        timeout: float | None = None,
+    ) -> Branches:
         """All equilibria under the load that lie on the path from no load and on the branches off it."""
-        chosen = models.core("cosserat")
-        given = listed(tension, "tension"), listed(shortening, "shortening")
+        chosen = models.core("cosserat", timeout=timeout)
+        given = commanded(tension, shortening, chosen, self.robot.cables)
         return Branches._of(self, chosen, self._setup.branches(chosen, *given))

@@ -22,6 +22,7 @@ def solve_cases(
     actuation: str | None = None,
     threads: int | None = None,
     progress: bool = False,
+    timeout: float | None = None,
 ) -> list[Solution | SolveError | InputError]:
     """Solves many cases at once: other robots, other loads.
 
@@ -31,7 +32,7 @@ def solve_cases(
         The cases, each solved from cold. Many commands of one case are faster by :meth:`Case.solve_batch`.
     model, stations, actuation
         As for :meth:`Case.solve`.
-    threads, progress
+    threads, progress, timeout
         As for :meth:`Case.solve_batch`.
 
     Returns
@@ -50,7 +51,7 @@ def solve_cases(
     listed = list(cases) if isinstance(cases, Iterable) else None
     if listed is None or not all(isinstance(case, Case) for case in listed):
         raise InputError(f"cases must be a list of cases, but is {cases!r}", path="cases")
-    chosen = models.core(model, stations, actuation)
+    chosen = models.core(model, stations, actuation, timeout)
     answers = solve_setups([case._setup for case in listed], chosen, threads, progress)
     return [
         Solution._of(case, chosen, answer, None) if isinstance(answer, _core.Solution) else answer

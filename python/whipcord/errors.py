@@ -54,6 +54,7 @@ __all__ = [
     "TooManyFoundError",
     "UnreachableLengthError",
     "WhipcordError",
+    "WhipcordTimeout",
 ]
 
 
@@ -200,6 +201,16 @@ class FitNotConvergedError(FitError):
 
 class SolveError(WhipcordError):
     """A case without an answer."""
+
+
+class WhipcordTimeout(SolveError, TimeoutError):
+    """The time limit (``timeout``) was reached before there was an answer."""
+
+    last_load: float | None
+    """Fraction of what was given up to which there was an answer, from 0 to 1; None where that is not known."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class SectionFoldsError(SolveError):

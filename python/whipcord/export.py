@@ -33,11 +33,14 @@ def solution_columns(solution: Solution) -> Columns:
 
 
 def batch_columns(batch: Batch) -> Columns:
-    """One line for each station of each row, with its number, whether it has an answer, and tensions."""
+    """One line for each station of each row, with its number, whether it has an answer, whether that is unstable, why
+    there is none (an empty text where there is), and tensions."""
     rows, stations, _ = batch.position.shape
     columns: Columns = {
         "row": np.repeat(np.arange(rows), stations),
         "ok": np.repeat(batch.ok, stations),
+        "unstable": np.repeat(batch.unstable, stations),
+        "error": np.repeat(_reasons(batch), stations),
         "arc_length": np.tile(batch.arc_length, rows),
     }
     columns.update(_frames(batch.position, batch.orientation))
@@ -47,6 +50,10 @@ def batch_columns(batch: Batch) -> Columns:
     return columns
 
 
+def _reasons(batch: Batch) -> npt.NDArray[np.object_]:
+    return np.array([reason or "" for reason in batch.reasons], dtype=np.object_)
+
+
 def to_pandas(columns: Columns) -> Any:
     """A ``pandas.DataFrame``."""
     return needed("pandas").DataFrame(columns)
@@ -54,7 +61,9 @@ def to_pandas(columns: Columns) -> Any:
 
 def to_polars(columns: Columns) -> Any:
     """A ``polars.DataFrame``."""
-    return needed("polars").DataFrame(columns)
+    # A column of Python objects would be one of texts only as a list.
+    plain = {name: of.tolist() if of.dtype == np.object_ else of for name, of in columns.items()}
+    return needed("polars").DataFrame(plain)
 
 
 def to_csv(columns: Columns, path: str | os.PathLike[str]) -> None:
@@ -107,6 +116,8 @@ def batch_to_xarray(batch: Batch) -> Any:
             "tension": (("row", "cable"), batch.tension),
             "length": (("row", "cable"), batch.length),
             "ok": ("row", batch.ok),
+            "unstable": ("row", batch.unstable),
+            "error": ("row", _reasons(batch)),
         },
         coords={"arc_length": ("station", batch.arc_length), "cable": cables, **AXES},
         attrs={"model": batch.model, "title": batch.case.title},

@@ -15,11 +15,23 @@ from . import _core, models
 from ._commands import whole
 from ._files import write
 from ._packages import needed
+from ._suggest import suggests
 from .case import Case
 from .errors import InputError
 from .models import ModelLike
+from .warning import WhipcordWarning, tell
 
-__all__ = ["CrossValidation", "Estimate", "Fit", "HeldOut", "ModelFit", "Unknown", "Unresolved", "fit"]
+__all__ = [
+    "CrossValidation",
+    "Estimate",
+    "Fit",
+    "HeldOut",
+    "ModelFit",
+    "Unknown",
+    "Unresolved",
+    "UnstableAnswer",
+    "fit",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -136,6 +148,18 @@ class ModelFit:
     """By how much the Bayesian criterion is."""
 
 
+@dataclass(frozen=True)
+class UnstableAnswer:
+    """An unstable equilibrium that measurements are compared with: the real robot leaves such a shape."""
+
+    case: str
+    """Name of its case."""
+    step: int
+    """Its step, from 1."""
+    stability: float
+    """Least eigenvalue of the tangent stiffness relative to the bare rod's, which is negative."""
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """What was estimated. It has converged: one that has not is an exception."""
@@ -187,8 +211,12 @@ class Fit:
     """What was held out in turn, where that was asked for."""
     models: tuple[ModelFit, ...]
     """The fits of all models, where that was asked for."""
-    warnings: tuple[str, ...]
-    """What to look at, such as markers that fit far better in opposite order."""
+    answers: int
+    """How many answers, one for each step in which something was measured, the measurements are compared with."""
+    unstable: tuple[UnstableAnswer, ...]
+    """Which of these answers are unstable equilibria at the estimates."""
+    warnings: tuple[WhipcordWarning, ...]
+    """What to look at, such as markers that fit far better in opposite order, or unstable equilibria."""
     _fitted: _core.Fitted = field(repr=False)
 
     @property
@@ -248,9 +276,12 @@ class Fit:
                 sure = f"± {estimate.deviation:.2g}"
             lines.append(f"  {estimate.parameter}{of} {estimate.value:.6g} {sure} {estimate.unit}".rstrip())
         lines += [f"  ! {each.what}" for each in self.unresolved]
+        if self.unstable:
+            lines.append(f"  ! {len(self.unstable)} of {self.answers} answers are unstable equilibria")
         return "\n".join(lines) + ">"
 
 
+@suggests
 def fit(
     cases: Case | Sequence[Case],
     parameters: Sequence[Union[str, Unknown]] = (),
@@ -263,6 +294,7 @@ def fit(
     iterations: int = 100,
     cross_validate: bool = False,
     compare_models: bool = False,
+    timeout: float | None = None,
 ) -> Fit:
     """Estimates parameters of a robot from what was measured, with their uncertainty.
 
@@ -288,6 +320,8 @@ def fit(
         Whether to fit again without each case, or each step, in turn.
     compare_models
         Whether to fit by the other models too.
+    timeout
+        Seconds after which all of it is ended, with :class:`whipcord.errors.WhipcordTimeout`.
 
     Raises
     ------
@@ -316,7 +350,7 @@ def fit(
     for i, case in enumerate(listed):
         if not isinstance(case, Case):
             raise InputError(f"cases[{i}] must be a Case, but is {case!r}", path=f"cases[{i}]")
-    chosen = models.core(model, None, actuation)
+    chosen = models.core(model, None, actuation, timeout)
     others = [models.core(name, None, actuation) for name in models.NAMES] if compare_models else []
     fitted = _core.fit(
         [case._setup for case in listed],
@@ -371,6 +405,13 @@ def _told(fitted: _core.Fitted, said: dict[str, Any]) -> Fit:
     ]
     number, step, arc_length, camera = zip(*fitted.places())
     left = said["residuals"]
+    # What is odd about the files themselves was said when they were read.
+    found = [
+        WhipcordWarning(one["code"], one["message"], one["help"])
+        for one in said["warnings"]
+        if one["place"] is None or one["code"] == "yield-strain"
+    ]
+    tell(found)
     return Fit(
         model=said["model"],
         status=said["status"],
@@ -395,6 +436,8 @@ def _told(fitted: _core.Fitted, said: dict[str, Any]) -> Fit:
         cases=tuple(Case._of(setup) for setup in fitted.setups()),
         cross_validation=validation,
         models=tuple(ModelFit(**one) for one in said["models"]),
-        warnings=tuple(said["warnings"]),
+        answers=said["answers"],
+        unstable=tuple(UnstableAnswer(**one) for one in said["unstable"]),
+        warnings=tuple(found),
         _fitted=fitted,
     )

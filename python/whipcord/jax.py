@@ -50,7 +50,7 @@ class Answer(NamedTuple):
     length: jax.Array
     """(..., c) lengths of the cables inside the robot in m."""
     ok: jax.Array
-    """(...) whether there is an answer; the others are zero where there is none."""
+    """(...) whether there is an answer; the others are NaN where there is none."""
 
     @property
     def tip(self) -> jax.Array:
@@ -73,7 +73,7 @@ class Solver(SolverBase):
         As for :meth:`whipcord.Case.solve`.
     on_failure
         ``"raise"`` a :class:`whipcord.SolveError` that names the row, or ``"flag"`` the rows without an answer in
-        ``ok``: their numbers and gradients are zero. Where JAX runs the solve, within ``jit``, ``vmap`` or a
+        ``ok``: their numbers are NaN and their gradients zero. Where JAX runs the solve, within ``jit``, ``vmap`` or a
         gradient, the error comes as a ``jax.errors.JaxRuntimeError`` that quotes it.
 
     Examples

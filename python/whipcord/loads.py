@@ -235,6 +235,7 @@ class Step(Table):
         (c,) in N.
     shortening
         (c,) in m, or texts such as ``"5 %"`` of the cable's own initial length.
+        Beside `tension`, as for a case: each model is driven by the one that it takes.
     """
 
     tension: tuple[float, ...] | None = None

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._commands import seconds
 from .errors import InputError
 
 __all__ = ["NAMES", "Cosserat", "CosseratDisks", "FourBar", "PiecewiseConstantCurvature", "PseudoRigidBody"]
@@ -106,13 +107,18 @@ StationsLike = Union[int, "np.integer[Any]", Sequence[float], "npt.NDArray[np.fl
 """How many equally spaced stations, or their arc lengths in m; None for the disks."""
 
 
-def core(model: ModelLike, stations: StationsLike = None, actuation: str | None = None) -> _core.Model:
-    """The model as the extension knows it."""
+def core(
+    model: ModelLike,
+    stations: StationsLike = None,
+    actuation: str | None = None,
+    timeout: float | None = None,
+) -> _core.Model:
+    """The model as the extension knows it, whose calls end after ``timeout`` seconds."""
     if not isinstance(model, (str, *_CLASSES)):
         message = f"model must be one of {', '.join(NAMES)}, or a class of whipcord.models, but is {model!r}"
         raise InputError(message, path="model")
     try:
-        return _core_model(model, _stations(stations), actuation)
+        return _core_model(model, _stations(stations), actuation, seconds(timeout))
     except TypeError as error:
         raise InputError(
             f"an option of the model {model!r} has a wrong type: {error}", path="model"
@@ -138,8 +144,12 @@ def _stations(stations: StationsLike) -> int | tuple[float, ...] | None:
 
 @lru_cache(maxsize=256)
 def _core_model(
-    model: ModelLike, stations: int | tuple[float, ...] | None, actuation: str | None
+    model: ModelLike,
+    stations: int | tuple[float, ...] | None,
+    actuation: str | None,
+    timeout: float | None,
 ) -> _core.Model:
     if isinstance(model, str):
-        return _core.Model(model, stations=stations, actuation=actuation)
-    return _core.Model(_CLASSES[type(model)], stations=stations, actuation=actuation, **asdict(model))
+        return _core.Model(model, stations=stations, actuation=actuation, timeout=timeout)
+    kind = _CLASSES[type(model)]
+    return _core.Model(kind, stations=stations, actuation=actuation, timeout=timeout, **asdict(model))

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, models
-from ._commands import whole
+from ._commands import seconds, whole
 from ._files import write_bytes
 from ._html import picture as shown
+from ._suggest import suggests
 from .camera import Camera
 from .case import Case
 from .errors import InputError, WhipcordError
@@ -108,6 +109,7 @@ class Overlay:
         return "\n".join(lines) + ">"
 
 
+@suggests
 def overlay(
     photo: PhotoLike,
     case: Case,
@@ -117,6 +119,7 @@ def overlay(
     models: Sequence[str] | None = None,
     step: int | None = None,
     width: float = 980.0,
+    timeout: float | None = None,
 ) -> Overlay:
     """Lays the models over a photograph, and says how far each is from what was seen there.
 
@@ -137,11 +140,15 @@ def overlay(
         Step of actuation that it shows, from 1; by default the last.
     width
         Of the picture, in px.
+    timeout
+        Seconds after which the solves are ended; by default as long as they take. Ctrl-C ends them, too.
 
     Raises
     ------
     SolveError
         Where a model that was asked for by name, or every one, has no answer.
+    WhipcordTimeout
+        Where the time limit was reached.
     """
     if not isinstance(case, Case):
         raise InputError(f"case must be a Case, but is {case!r}", path="case")
@@ -166,6 +173,7 @@ def overlay(
         _names(models),
         case.title,
         float(width),
+        seconds(timeout),
     )
     told = tuple(_told(case, *run) for run in runs)
     failed = [run.error for run in told if run.error is not None]

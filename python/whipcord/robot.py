@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from . import _core
 from ._files import write
 from ._html import picture
+from ._suggest import suggests
 from ._tables import Quantity, Table, part, parts, plain
 from .viewing import HEIGHT, Viewer, view
 
@@ -147,6 +148,9 @@ class Backbone(Table):
         In kg/m³; needed only with gravity.
     linear_density
         Mass per length in kg/m, instead of a density: one value, one for each disk, or :class:`Along`.
+    yield_strain
+        Strain up to which the material springs back. No model computes with it: an answer with more gets a
+        warning; without it, one with more than 10 %.
     rest_curvature
         Curvature in 1/m when nothing pulls: about x, about y, twist; one such vector, one for each disk, or
         :class:`Along`.
@@ -174,6 +178,7 @@ class Backbone(Table):
     stiffness: SectionStiffness | None = None
     density: float | None = None
     linear_density: float | tuple[float, ...] | Along | None = None
+    yield_strain: float | None = None
     rest_curvature: tuple[Any, ...] | Along | None = None
     extensible: bool = True
     shearable: bool = True
@@ -203,6 +208,7 @@ class Backbone(Table):
         stiffness: SectionStiffness | Mapping[str, Any] | None = None,
         density: Quantity | None = None,
         linear_density: Quantity | Sequence[Quantity] | Along | None = None,
+        yield_strain: Quantity | None = None,
         rest_curvature: Sequence[Any] | Along | None = None,
         extensible: bool = True,
         shearable: bool = True,
@@ -220,6 +226,7 @@ class Backbone(Table):
             stiffness=part(stiffness, SectionStiffness, "stiffness"),
             density=density,
             linear_density=linear_density,
+            yield_strain=yield_strain,
             rest_curvature=rest_curvature,
             extensible=extensible,
             shearable=shearable,
@@ -417,6 +424,7 @@ class Robot:
     (0.0035, 0.003)
     """
 
+    @suggests
     def __init__(
         self,
         *,

@@ -16,6 +16,7 @@ from ._files import write
 from ._html import picture
 from .errors import InputError
 from .viewing import HEIGHT, Viewer, offered, view
+from .warning import WhipcordWarning, listed
 
 if TYPE_CHECKING:
     from .case import Case
@@ -128,7 +129,7 @@ class Diagnostics:
     """Least eigenvalue of the tangent stiffness relative to the bare rod's: 1 without load, 0 where the
     robot buckles, negative at an unstable equilibrium; None where `stability_absent` says why."""
     stability_absent: str | None
-    """``"not-asked"``, ``"no-energy"``, ``"followers"``, ``"sliding"``, ``"touching"`` or
+    """``"not-asked"``, ``"no-energy"``, ``"followers"``, ``"dead-moments"``, ``"sliding"``, ``"touching"`` or
     ``"undetermined"``."""
     discretization_error: float | None
     """Estimated error of the positions in m; None where the steps were prescribed."""
@@ -138,6 +139,8 @@ class Diagnostics:
     """Fraction of the loads at which the robot left the shape it had; None where it did not."""
     unstable: bool
     """Whether the robot leaves this shape at the slightest disturbance."""
+    stable: bool | None
+    """Whether it does not; None where that is not known, for the reason in `stability_absent`."""
 
 
 class Solution:
@@ -274,6 +277,18 @@ class Solution:
     def diagnostics(self) -> Diagnostics:
         """How it was obtained."""
         return Diagnostics(**self._answer.diagnostics)
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether it is a stable equilibrium. False: the robot leaves this shape at the slightest disturbance. None:
+        not known, for the reason in ``diagnostics.stability_absent``."""
+        return self.diagnostics.stable
+
+    @property
+    def warnings(self) -> list[WhipcordWarning]:
+        """Warnings about the answer, such as an unstable equilibrium, a shape that passes through itself or
+        a large strain."""
+        return listed(self._case._setup.answer_warnings(self._answer))
 
     def cable_paths(self) -> tuple[Array, ...]:
         """(m, 3) points of each cable in m: at the stations as far as it goes, or in the holes of the disks

@@ -45,7 +45,7 @@ class Answer(NamedTuple):
     length: torch.Tensor
     """(..., c) lengths of the cables inside the robot in m."""
     ok: torch.Tensor
-    """(...) whether there is an answer; the others are zero where there is none."""
+    """(...) whether there is an answer; the others are NaN where there is none."""
 
     @property
     def tip(self) -> torch.Tensor:
@@ -68,7 +68,7 @@ class Solver(SolverBase):
         As for :meth:`whipcord.Case.solve`.
     on_failure
         ``"raise"`` a :class:`whipcord.SolveError` that names the row, or ``"flag"`` the rows without an answer in
-        ``ok``: their numbers and gradients are zero.
+        ``ok``: their numbers are NaN and their gradients zero.
 
     Examples
     --------

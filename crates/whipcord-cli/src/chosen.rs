@@ -5,6 +5,7 @@ use clap::{Args, ValueEnum};
 use whipcord::{Drive, Model, ModelKind, ModelVariant, Stations, four_bar};
 use whipcord_viewer::offered;
 
+use crate::deadline;
 use crate::failure::Failure;
 
 /// A model, what drives it, and what only the four-bar model has to choose.
@@ -13,14 +14,15 @@ pub struct ChosenModel {
     /// Model
     #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
     kind: ModelKind,
-    /// What drives all cables; by default what the model is driven by, where the file gives it
+    /// Quantity that is prescribed for all cables; by default the one that the model prefers, if
+    /// the file gives it
     #[arg(long, value_name = "WHAT")]
     actuation: Option<Actuation>,
-    /// What four-bar minimises in its sections
+    /// Objective that four-bar minimises in each section
     #[arg(long, value_name = "NAME", value_parser = named::<four_bar::Objective>(
         &["coupler-angle", "strain-energy", "as-printed"]))]
     objective: Option<four_bar::Objective>,
-    /// How four-bar shares out what a cable is shortened by between its sections
+    /// How four-bar distributes the shortening of a cable over the sections
     #[arg(long, value_name = "NAME", value_parser = named::<four_bar::LengthRule>(
         &["proportional", "equal", "free"]))]
     length_rule: Option<four_bar::LengthRule>,
@@ -29,9 +31,9 @@ pub struct ChosenModel {
 /// What drives all cables.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Actuation {
-    /// Their tensions
+    /// Cable tensions
     Tension,
-    /// Their shortenings
+    /// Cable shortenings
     Shortening,
 }
 
@@ -74,7 +76,8 @@ impl ChosenModel {
     /// # Errors
     /// [`Failure::Input`] for an option that the model does not have.
     pub fn model(&self) -> Result<Model, Failure> {
-        let mut model = Model::new(self.kind, Stations::Disks, self.drive());
+        let model = Model::new(self.kind, Stations::Disks, self.drive());
+        let mut model = model.cancelled_by(&deadline::cancel());
         if let Model::FourBar(options) = &mut model {
             options.objective = self.objective.unwrap_or(options.objective);
             options.lengths = self.length_rule.unwrap_or(options.lengths);

@@ -1,13 +1,29 @@
 //! Files and folders that are written.
 
 use std::collections::HashSet;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use whipcord_io::{CsvTable, NonFinite, write_atomically};
 use whipcord_plot::{PlotError, png};
 
 use crate::failure::Failure;
+
+/// Takes a path, in any encoding, whose name ends in one of these.
+pub fn path_ending_in(
+    extensions: &'static [&'static str],
+) -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(move |path: PathBuf| {
+        let ends = |extension: &OsStr| extensions.iter().any(|e| extension.eq_ignore_ascii_case(e));
+        if path.extension().is_some_and(ends) {
+            Ok(path)
+        } else {
+            Err(format!("the name must end in .{}", extensions.join(" or .")))
+        }
+    })
+}
 
 /// Pixels of a PNG for each px of its SVG: sharp on dense displays and in print.
 const PNG_SCALE: f64 = 2.0;
@@ -24,6 +40,14 @@ impl Folder {
     /// # Errors
     /// [`Failure::Input`] when it cannot be created.
     pub fn create(path: &Path) -> Result<Self, Failure> {
+        if let (false, Ok(target)) = (path.exists(), fs::read_link(path)) {
+            return Err(Failure::Input(format!(
+                "error: cannot create {}: it is a symbolic link to {}, which does not exist: create that folder, or remove \
+                 the link",
+                path.display(),
+                target.display()
+            )));
+        }
         fs::create_dir_all(path).map_err(|error| Failure::path("create", path, &error))?;
         Ok(Self { path: path.to_owned() })
     }

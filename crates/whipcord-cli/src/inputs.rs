@@ -1,12 +1,33 @@
 //! Robot files, and folders of them.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use whipcord_io::{CaseFile, FileError, load, render};
+use clap::Args;
+use whipcord_io::{CaseFile, FileError, load_with, render};
 
 use crate::failure::Failure;
 use crate::style::Style;
+
+/// Keys of robot files that the command line gives instead of the files.
+#[derive(Debug, Default, Args)]
+pub struct Settings {
+    /// Set a key of the robot file, such as cables.pull.tension="5 N", cables[0].shortening="3 %" or
+    /// backbone.diameter="2 mm"; may be given several times
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    set: Vec<String>,
+}
+
+impl Settings {
+    /// Reads a robot file with these keys.
+    ///
+    /// # Errors
+    /// What is wrong with the file or with a key.
+    pub fn load(&self, path: &Path) -> Result<CaseFile, FileError> {
+        load_with(path, &self.set)
+    }
+}
 
 /// The cases of several files and folders.
 #[derive(Debug, Default)]
@@ -18,28 +39,17 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Reads files, and all `.toml` files of folders in the order of their names. A file of a folder
-    /// that has no cables is there to be extended by the others, and is passed over.
+    /// Reads files, and all `.toml` files of folders in the order of their names: a folder is the list of its
+    /// files. A file without cables that another of these files extends is passed over.
     ///
     /// # Errors
     /// What is wrong with each file that cannot be used; or that there is nothing to solve.
-    pub fn read(paths: &[PathBuf]) -> Result<Self, Failure> {
+    pub fn read(paths: &[PathBuf], settings: &Settings) -> Result<Self, Failure> {
         let mut inputs = Self::default();
         let mut messages = Vec::new();
         for path in paths {
-            if path.is_dir() {
-                for file in robot_files(path)? {
-                    match load(&file) {
-                        Ok(case) if case.robot.cables().is_empty() => inputs.notes.push(format!(
-                            "{} has no cables: it is there to be extended",
-                            file.display()
-                        )),
-                        Ok(case) => inputs.cases.push(case),
-                        Err(error) => messages.push(message(&error)),
-                    }
-                }
-            } else {
-                match load(path) {
+            for file in robot_files(path)? {
+                match settings.load(&file) {
                     Ok(case) => inputs.cases.push(case),
                     Err(error) => messages.push(message(&error)),
                 }
@@ -48,14 +58,34 @@ impl Inputs {
         if !messages.is_empty() {
             return Err(Failure::Input(messages.join("\n")));
         }
+        inputs.pass_over_extended();
         if inputs.cases.is_empty() {
             let places: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
             let places = places.join(", ");
             return Err(Failure::Input(format!(
-                "error: there is no robot file with cables in {places}"
+                "error: there is no robot file (.toml) in {places}"
             )));
         }
         Ok(inputs)
+    }
+
+    /// Passes over what is there to be extended by the others.
+    fn pass_over_extended(&mut self) {
+        let same = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let extended: BTreeSet<PathBuf> =
+            self.cases.iter().flat_map(|case| case.files().skip(1).map(same)).collect();
+        let notes = &mut self.notes;
+        self.cases.retain(|case| {
+            let is_extended =
+                case.robot.cables().is_empty() && extended.contains(&same(&case.path));
+            if is_extended {
+                notes.push(format!(
+                    "{} is not compared: it has no cables, and others of the files extend it",
+                    case.path.display()
+                ));
+            }
+            !is_extended
+        });
     }
 }
 
@@ -63,8 +93,8 @@ impl Inputs {
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn read_one(path: &Path) -> Result<CaseFile, Failure> {
-    load(path).map_err(|error| Failure::Input(message(&error)))
+pub fn read_one(path: &Path, settings: &Settings) -> Result<CaseFile, Failure> {
+    settings.load(path).map_err(|error| Failure::Input(message(&error)))
 }
 
 /// A file's error as standard error shows it.

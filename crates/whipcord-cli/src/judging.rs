@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use clap::ValueEnum as _;
 use serde_json::Value;
-use whipcord::{Case, ModelKind, Robot, RobotError};
+use whipcord::{Cancel, Case, ModelKind, Robot, RobotError};
 use whipcord_io::{Measured, NonFinite};
 use whipcord_plot::PlotError;
 
@@ -42,6 +42,9 @@ pub enum JudgingError {
     /// A suite has no case of these names.
     #[error("no case of the suite has {0} in its name")]
     NoCase(String),
+    /// The trial was ended from outside.
+    #[error("the models were not tried on all cases")]
+    Cancelled,
     /// A case of a suite cannot be.
     #[error(transparent)]
     Case(#[from] RobotError),
@@ -95,15 +98,20 @@ impl Judgement {
     /// what `--reference` takes.
     ///
     /// # Errors
-    /// [`JudgingError::Reference`].
+    /// [`JudgingError::Reference`], and [`JudgingError::Cancelled`] once the flag is set.
     pub fn new(
         cases: &[Tried],
         kinds: &[ModelKind],
         reference: &str,
+        cancel: &Cancel,
     ) -> Result<Self, JudgingError> {
         let choice = Choice::from_str(reference).map_err(JudgingError::Reference)?;
         let subjects: Vec<Subject<'_>> = cases.iter().map(Tried::subject).collect();
-        Ok(Self(Results::of(&subjects, kinds, choice, |_| ())))
+        let results = Results::of(&subjects, kinds, choice, cancel, |_| ());
+        if cancel.is_cancelled() {
+            return Err(JudgingError::Cancelled);
+        }
+        Ok(Self(results))
     }
 
     /// All of it as the JSON object that `whipcord compare --json` prints.

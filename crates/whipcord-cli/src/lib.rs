@@ -6,6 +6,7 @@
 mod benchmark;
 mod chosen;
 mod comparison;
+mod deadline;
 mod failure;
 mod files;
 pub mod fitting;
@@ -24,17 +25,21 @@ mod suite;
 mod superposition;
 mod table;
 mod timing;
+mod tips;
 mod touches;
 mod trial;
 mod verbs;
+mod warnings;
 mod words;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process;
+use std::time::Duration;
 
 use clap::{Parser, Subcommand};
 
+use crate::deadline::{Deadline, Limit};
 use crate::failure::Failure;
 use crate::style::Style;
 use crate::verbs::{
@@ -47,6 +52,10 @@ use crate::verbs::{
 struct Cli {
     #[command(subcommand)]
     verb: Verb,
+    /// Stop after this time, such as 30 s, 500 ms or 2 min (a bare number is in seconds), with exit status 1; 0 or none for
+    /// no limit. By default 60 s for solve, stiffness and check, and no limit for the others
+    #[arg(long, global = true, value_name = "TIME", value_parser = deadline::limit, allow_negative_numbers = true)]
+    timeout: Option<Limit>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -62,6 +71,28 @@ enum Verb {
     Check(check::CheckArgs),
     View(view::ViewArgs),
     Schema(schema::SchemaArgs),
+}
+
+/// What a verb may take whose answer somebody waits for.
+const INTERACTIVE: Limit = Limit::After(Duration::from_secs(60));
+
+impl Verb {
+    /// Its name, and the time that it may take by default.
+    const fn name_and_limit(&self) -> (&'static str, Limit) {
+        match self {
+            Self::Solve(_) => ("solve", INTERACTIVE),
+            Self::Stiffness(_) => ("stiffness", INTERACTIVE),
+            Self::Check(_) => ("check", INTERACTIVE),
+            Self::Compare(_) => ("compare", Limit::None),
+            Self::Fit(_) => ("fit", Limit::None),
+            Self::Measure(_) => ("measure", Limit::None),
+            Self::Camera(_) => ("camera", Limit::None),
+            Self::Overlay(_) => ("overlay", Limit::None),
+            Self::Bench(_) => ("bench", Limit::None),
+            Self::View(_) => ("view", Limit::None),
+            Self::Schema(_) => ("schema", Limit::None),
+        }
+    }
 }
 
 /// Exit status of a process that Ctrl-C has ended, as shells have it.
@@ -81,15 +112,21 @@ where
         whipcord_io::remove_unfinished();
         process::exit(INTERRUPTED);
     });
-    let verb = match Cli::try_parse_from(arguments) {
-        Ok(cli) => cli.verb,
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let Cli { verb, timeout } = match Cli::try_parse_from(&arguments) {
+        Ok(cli) => cli,
         Err(error) => {
             // When standard error is gone too, the exit status still tells.
-            let _ = error.print();
+            let _ = match tips::for_unknown(&error, &arguments) {
+                Some(tip) => writeln!(io::stderr(), "{tip}"),
+                None => error.print(),
+            };
             return u8::try_from(error.exit_code()).unwrap_or(USAGE);
         }
     };
     let style = Style::for_stdout();
+    let (name, limit) = verb.name_and_limit();
+    let deadline = Deadline::start(name, timeout.unwrap_or(limit));
     let outcome = match verb {
         Verb::Solve(args) => solve::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
@@ -103,7 +140,7 @@ where
         Verb::View(args) => view::run(&args),
         Verb::Schema(args) => schema::run(&args),
     };
-    match outcome {
+    match deadline.end(outcome) {
         Ok(text) => print(&text),
         Err(failure) => {
             if let Failure::Partial { text, .. } = &failure {

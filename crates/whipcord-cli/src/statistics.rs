@@ -54,6 +54,12 @@ impl Line {
     }
 }
 
+/// Root mean square; `None` of nothing.
+pub fn root_mean_square(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0_usize), |(sum, n), value| (sum + value * value, n + 1));
+    (count > 0).then(|| (sum / count as f64).sqrt())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

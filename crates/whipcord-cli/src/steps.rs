@@ -1,10 +1,38 @@
 //! The steps of actuation of a case in words.
 
-use whipcord::{Case, Drive, Solution};
+use whipcord::{Case, Drive, NoStability, Solution};
 
 use crate::quantity::{degrees, fixed_millimetres};
 use crate::table::{Align, Table};
 use crate::words::driven_by;
+
+/// Root mean square distance in m over the disks of two models, without the base disk, and over all steps of a case.
+pub fn rms_distance(a: &[Solution], b: &[Solution]) -> f64 {
+    match (a, b) {
+        ([a], [b]) => a.disks.rms_distance(&b.disks),
+        _ => {
+            let squares = a.iter().zip(b).map(|(a, b)| a.disks.rms_distance(&b.disks).powi(2));
+            let (sum, count) =
+                squares.fold((0.0, 0_usize), |(sum, n), square| (sum + square, n + 1));
+            if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
+        }
+    }
+}
+
+/// Whether the answers to all steps are stable: not where one of them is unstable, and `None` where that is not known
+/// of one of them.
+pub fn all_stable(answers: &[Solution]) -> Option<bool> {
+    let verdicts = || answers.iter().map(|answer| answer.diagnostics.is_stable());
+    match verdicts().any(|stable| stable == Some(false)) {
+        true => Some(false),
+        false => verdicts().all(|stable| stable.is_some()).then_some(true),
+    }
+}
+
+/// Why the stability of a step is not known, of the first for which it is not.
+pub fn stability_absent(answers: &[Solution]) -> Option<NoStability> {
+    answers.iter().find_map(|answer| answer.diagnostics.stability_absent)
+}
 
 /// Where each step takes the tip, in mm.
 pub fn table(case: &Case, drive: Drive, steps: &[(Solution, f64)]) -> Table {
@@ -18,7 +46,7 @@ pub fn table(case: &Case, drive: Drive, steps: &[(Solution, f64)]) -> Table {
         ("", Align::Left),
     ]);
     table.group();
-    for (i, ((solution, _), step)) in steps.iter().zip(case.steps()).enumerate() {
+    for (i, ((solution, _), step)) in steps.iter().zip(case.single_steps()).enumerate() {
         let [x, y, z] = solution.disks.tip().position.to_array().map(|c| fixed_millimetres(c, 3));
         let (bend, _) = solution.disks.bend();
         let remark =

@@ -64,6 +64,16 @@ pub fn solve(
     Ok(TimedSolution { solution, solve, build, steps })
 }
 
+impl TimedSolution {
+    /// The answers to all steps in order; one where the case is a single step.
+    pub fn answers(&self) -> Vec<&Solution> {
+        match self.steps.as_slice() {
+            [] => vec![&self.solution],
+            steps => steps.iter().map(|(solution, _)| solution).collect(),
+        }
+    }
+}
+
 /// Shapes that are further apart than this share of the length are two answers.
 const SAME_SHAPE: f64 = 1e-3;
 
@@ -77,17 +87,14 @@ impl TimedSolution {
         robot: &Robot,
         case: &Case,
     ) -> Vec<Option<Shape>> {
-        let answers: Vec<&Solution> = match self.steps.as_slice() {
-            [] => vec![&self.solution],
-            steps => steps.iter().map(|(solution, _)| solution).collect(),
-        };
+        let answers = self.answers();
         let mut found: Vec<Option<Solution>> = Vec::with_capacity(answers.len());
         if let Ok(mut prepared) = model.prepare(robot, &case.loads) {
             if model.kind() == ModelKind::CosseratDisks && answers.len() > 1 {
                 // Where cables rub, an answer is that of all steps before it.
                 let _ = prepared.solve_steps(case, |solution| found.push(Some(solution)));
             } else {
-                let of_steps = case.steps().zip(&answers);
+                let of_steps = case.single_steps().zip(&answers);
                 found.extend(
                     of_steps.map(|(step, answer)| prepared.solve(&step, Some(answer)).ok()),
                 );

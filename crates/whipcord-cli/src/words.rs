@@ -21,11 +21,12 @@ pub fn markers(count: usize) -> String {
 
 /// What is said of markers that fit far better in opposite order.
 pub fn reversed(file: &CaseFile) -> String {
-    format!(
-        "{}: the markers fit far better in opposite order: is the one that comes first at the base?",
-        file.path.display()
-    )
+    format!("{}: the markers fit far better in opposite order", file.path.display())
 }
+
+/// What to do about them.
+pub const REVERSED_HELP: &str =
+    "check in which order the markers were numbered: disk 1 is the one at the base";
 
 /// What a file says of its robot and case: name and description of each part.
 pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
@@ -41,7 +42,7 @@ pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
         lines.push((format!("cable {}", cable.name), cable_words(cable, midway, command)));
     }
     if in_steps {
-        for (i, step) in case.steps().enumerate() {
+        for (i, step) in case.single_steps().enumerate() {
             let commands: Vec<String> = step.commands.iter().map(command_words).collect();
             lines.push((format!("step {}", i + 1), commands.join("; ")));
         }

@@ -6,7 +6,7 @@ mod support;
 
 use std::path::Path;
 
-use support::{Scratch, fail, pushed_rod, robot, settings, succeed};
+use support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
 use whipcord::{Drive, ModelKind};
 
 /// Of a case that all models take: each once, and the geometric ones again with the lengths of another.
@@ -116,11 +116,14 @@ fn what_the_robot_leaves_is_marked() {
     let scratch = Scratch::new();
     let file = scratch.write("rod.toml", &pushed_rod(""));
     let out = scratch.file("report");
-    let text = succeed(&["compare", &file, "--out", &out]);
+    let (text, warnings) = warned(&["compare", &file, "--out", &out]);
+    assert!(warnings.contains("the equilibrium is unstable (stability -0.4"), "{warnings}");
     settings(Some(Path::new(&out))).bind(|| insta::assert_snapshot!("unstable", text));
     let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
-    assert!(html.contains("<li>cosserat: unstable: the robot leaves this shape (stability -0.5"));
-    assert!(html.contains("cosserat †") && html.contains("cosserat, unstable"));
+    assert!(html.contains(
+        "<li>piecewise-constant-curvature: unstable: the robot leaves this shape (stability -0.4"
+    ));
+    assert!(html.contains("piecewise-constant-curvature †"));
     // A robot without cables has no table of them.
     assert!(!html.contains("<h3>Cables"));
     let names: Vec<_> = files(Path::new(&out), "csv")
@@ -231,6 +234,148 @@ fn measurements_are_moved_onto_the_model_where_asked() {
     assert!(none.is_infinite() && text.contains("cannot be moved"), "{text}");
 }
 
+/// A column of `cases.csv` for the first model.
+fn cell(out: &str, name: &str) -> String {
+    let cases = rows(&std::fs::read_to_string(Path::new(out).join("cases.csv")).unwrap());
+    let column = cases[0].iter().position(|column| column == name).unwrap();
+    cases[1][column].clone()
+}
+
+/// Three steps, of which the first and the last were measured at the tip, each moved by a known distance.
+#[test]
+fn all_steps_with_measurements_count() {
+    let scratch = Scratch::new();
+    let steps = "[[steps]]\ntension = [\"1 N\"]\n[[steps]]\ntension = [\"3 N\"]\n[[steps]]\ntension = [\"2 N\"]\n";
+    let bare = scratch.write("bare.toml", &robot(steps));
+    let text = succeed(&["solve", &bare, "--json"]);
+    let object: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let tip = |step: usize| {
+        let tip = &object["steps"][step]["disks"][9]["position"];
+        [0, 1, 2].map(|axis| tip[axis].as_f64().unwrap())
+    };
+    let line = |step: usize, [x, y, z]: [f64; 3]| format!("{},10,{x},{y},{z}\n", step + 1);
+    let shifted = |step: usize, shift: f64| {
+        let [x, y, z] = tip(step);
+        line(step, [x + shift, y, z])
+    };
+    let compare = |table: &str, lines: &str| {
+        scratch.write("tips.csv", &format!("step,disk,x,y,z\n{table}"));
+        let measured = format!("{steps}[measured]\ndisks = \"tips.csv\"\n{lines}");
+        let file = scratch.write("measured.toml", &robot(&measured));
+        let out = scratch.file("report");
+        let text = succeed(&["compare", &file, "--out", &out, "--model", "cosserat"]);
+        let json = succeed(&["compare", &file, "--out", &out, "--model", "cosserat", "--json"]);
+        (text, serde_json::from_str::<serde_json::Value>(&json).unwrap(), out)
+    };
+    // 7 mm and 1 mm: the root mean square is 5 mm.
+    let (text, json, out) = compare(&(shifted(0, 7e-3) + &shifted(2, 1e-3)), "");
+    let header = text.lines().next().unwrap();
+    assert!(header.contains("to measured  steps  points"), "{text}");
+    let row = text.lines().find(|line| line.contains("cosserat")).unwrap();
+    assert!(row.contains("5.00      2       2"), "{text}");
+    assert!((cell(&out, "rms_to_measured").parse::<f64>().unwrap() - 5e-3).abs() < 1e-8);
+    assert_eq!([cell(&out, "measured_steps"), cell(&out, "measured_points")], ["2", "2"]);
+    let run = &json["cases"][0]["runs"][0];
+    assert!((run["error"]["rms"].as_f64().unwrap() - 5e-3).abs() < 1e-8);
+    assert_eq!((&run["error"]["steps"], &run["error"]["points"]), (&2.into(), &2.into()));
+    assert_eq!(run["stable"], true);
+    let markers = std::fs::read_to_string(Path::new(&out).join("measured-measured.csv")).unwrap();
+    assert_eq!(rows(&markers).len(), 3);
+    let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    assert!(html.contains("over those in which the disk was measured"), "{html}");
+    // The last step was not measured at all.
+    let (text, ..) = compare(&shifted(0, 7e-3), "");
+    assert!(text.contains("7.00      1       1"), "{text}");
+    // One marker in each of three steps fixes one motion for all of them.
+    let elsewhere = |step: usize| {
+        let [x, y, z] = tip(step);
+        line(step, [0.3 - y, x - 0.1, z + 1.0])
+    };
+    let all = (0..3).map(elsewhere).collect::<String>();
+    let (text, ..) = compare(&all, "registration = \"rigid\"\n");
+    assert!(
+        text.contains("0.00      3       3") && text.contains("measurement moved by"),
+        "{text}"
+    );
+    // One alone does not, and every cell without a number has its reason.
+    let (text, json, out) = compare(&elsewhere(0), "registration = \"rigid\"\n");
+    let why = "no distance to the measurement: the measurement cannot be moved: a rigid registration needs 2 points";
+    assert!(text.contains(why), "{text}");
+    assert!(cell(&out, "not_measured").contains("cannot be moved"));
+    assert!(json["cases"][0]["runs"][0]["not_compared"].as_str().unwrap().contains("cannot be"));
+    let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
+    assert!(html.contains(why));
+    // Nor do markers on the base alone.
+    let (text, ..) = compare("1,1,0,0,0\n", "");
+    assert!(text.contains("only markers on the base were measured"), "{text}");
+}
+
+/// A geometric model gets the lengths of the Cosserat shape in each step, and models are compared over all of them.
+#[test]
+fn models_are_compared_in_all_steps() {
+    let scratch = Scratch::new();
+    let out = scratch.file("report");
+    let rms = |tensions: &[f64]| {
+        let steps: String =
+            tensions.iter().map(|t| format!("[[steps]]\ntension = [{t}]\n")).collect();
+        let file = scratch.write("steps.toml", &robot(&steps));
+        let of = ["--model", "cosserat", "--model", "four-bar"];
+        let reference = ["--reference", "cosserat:fine", "--json"];
+        let object = json(&[&["compare", &file, "--out", &out][..], &of, &reference].concat());
+        let runs = object["cases"][0]["runs"].as_array().unwrap().clone();
+        let run = runs.into_iter().find(|run| run["model"] == "four-bar").unwrap();
+        let table = rows(&std::fs::read_to_string(Path::new(&out).join("cases.csv")).unwrap());
+        let column = table[0].iter().position(|name| name == "rms_to_first_model").unwrap();
+        let row = table.iter().find(|row| row[4] == "cosserat-shape").unwrap();
+        (run["error"]["rms"].as_f64().unwrap(), row[column].parse::<f64>().unwrap())
+    };
+    let (weak, strong, both) = (rms(&[1.0]), rms(&[4.0]), rms(&[1.0, 4.0]));
+    let mean = |a: f64, b: f64| (0.5 * (a * a + b * b)).sqrt();
+    assert!(strong.0 > 1.5 * weak.0);
+    assert!((both.0 / mean(weak.0, strong.0) - 1.0).abs() < 1e-6, "{weak:?} {strong:?} {both:?}");
+    assert!((both.1 / mean(weak.1, strong.1) - 1.0).abs() < 1e-6, "{weak:?} {strong:?} {both:?}");
+}
+
+/// A folder is the list of its files.
+#[test]
+fn a_folder_and_its_files_are_the_same() {
+    let scratch = Scratch::new();
+    let folder = scratch.path().join("cases");
+    std::fs::create_dir(&folder).unwrap();
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.join(name), text).unwrap();
+        folder.join(name).display().to_string()
+    };
+    let rod = robot("");
+    let rod = rod.split("[[cables]]").next().unwrap();
+    let files = [
+        // Extended by the next, and not compared.
+        write("a.toml", rod),
+        write(
+            "b.toml",
+            "extends = \"a.toml\"\n[[cables]]\nname = \"pull\"\nholes = [4, 4, 4]\nends_at = \"40 mm\"\ntension = 1\n",
+        ),
+        // No cables, and nobody extends it.
+        write("c.toml", &format!("{rod}[loads]\ntip_force = [0.05, 0, 0]\n")),
+    ];
+    let model = ["--model", "cosserat", "--model", "cosserat-disks"];
+    let out = [scratch.file("from-folder"), scratch.file("from-files")];
+    let of_folder = folder.display().to_string();
+    succeed(&[&["compare", &of_folder, "--out", &out[0]][..], &model].concat());
+    let list: Vec<&str> = files.iter().map(String::as_str).collect();
+    let text = succeed(&[&["compare"][..], &list, &["--out", &out[1]], &model].concat());
+    assert!(text.contains("a.toml is not compared: it has no cables, and others"), "{text}");
+    let cases = |out: &str| {
+        let cases = rows(&std::fs::read_to_string(Path::new(out).join("cases.csv")).unwrap());
+        cases.into_iter().map(|row| row[1..8].to_vec()).collect::<Vec<_>>()
+    };
+    assert_eq!(cases(&out[0]), cases(&out[1]));
+    assert_eq!(cases(&out[0]).len(), 5);
+    // A folder of robots without cables alone.
+    std::fs::remove_file(&files[1]).unwrap();
+    succeed(&[&["compare", &of_folder, "--out", &out[0]][..], &model].concat());
+}
+
 #[test]
 fn measurements_are_drawn_where_they_are_moved_to() {
     let scratch = Scratch::new();
@@ -299,7 +444,7 @@ fn bad_input_has_status_2() {
     let empty = scratch.path().join("empty");
     std::fs::create_dir(&empty).unwrap();
     let message = fail(2, &["compare", empty.to_str().unwrap(), "--out", &out]);
-    assert!(message.contains("no robot file with cables"), "{message}");
+    assert!(message.contains("there is no robot file (.toml) in"), "{message}");
     fail(2, &["compare"]);
     let wrong = scratch.write("wrong.toml", "[backbone]\nlength = \"3 N\"\n");
     let message = fail(2, &["compare", &wrong, "missing.toml", "--out", &out]);

@@ -5,7 +5,7 @@
 mod support;
 
 use serde_json::Value;
-use support::{Scratch, fail, robot, settings, succeed};
+use support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
 
 /// A robot file with a comment and units, whose rod is this thick, pulled by this much, with what was
 /// measured in a file beside it.
@@ -62,6 +62,43 @@ fn a_fit_is_printed_written_and_reported() {
     assert!(fitted.contains("disks = \"../a.csv\""), "{fitted}");
     let diameter = fitted.lines().find(|line| line.starts_with("diameter")).unwrap();
     assert!(diameter.starts_with("diameter = \"2.99") || diameter.starts_with("diameter = \"3.0"));
+}
+
+/// A straight rod under more than it bears, measured in that shape: an equilibrium that no robot stays in.
+#[test]
+fn unstable_answers_are_named() {
+    let scratch = Scratch::new();
+    let seen: String = (0..10)
+        .map(|i| format!("{},0.002,{},{}\n", i + 1, 1e-4 * (i % 2) as f64, 0.02 * i as f64))
+        .collect();
+    scratch.write("seen.csv", &format!("disk,x,y,z\n{seen}"));
+    let fitted = |force: &str| {
+        let rod = pushed_rod("[measured]\ndisks = \"seen.csv\"").replace("-0.5", force);
+        let file = scratch.write("rod.toml", &rod);
+        let args =
+            ["fit", &file, "--parameter", "base.position[0]", "--model", "pseudo-rigid-body"];
+        let (json, warnings) = warned(&[&args[..], &["--json"]].concat());
+        (serde_json::from_str::<Value>(&json).unwrap(), warnings, warned(&args).0)
+    };
+    let (json, warnings, text) = fitted("-0.5");
+    let what = "the answer that the measurements are compared with is an unstable equilibrium at the estimates: rod (stability -";
+    let help = "check the loads, the commands and the start values";
+    assert!(warnings.starts_with(&format!("warning: {what}")), "{warnings}");
+    assert!(warnings.ends_with(&format!("may be wrong\n  help: {help}\n")), "{warnings}");
+    assert!(text.contains(what) && text.contains(help), "{text}");
+    // What to do is said once.
+    let warning = &json["warnings"][0];
+    let message = warning["message"].as_str().unwrap();
+    assert!(message.starts_with(what) && !message.contains("check"), "{json}");
+    assert_eq!(warning["help"], help);
+    assert_eq!((&json["answers"], json["unstable"].as_array().unwrap().len()), (&1.into(), 1));
+    let unstable = &json["unstable"][0];
+    assert_eq!((&unstable["case"], &unstable["step"]), (&"rod".into(), &1.into()));
+    assert!(unstable["stability"].as_f64().unwrap() < -0.1);
+    // What the rod bears is nothing to warn of.
+    let (json, warnings, text) = fitted("-0.1");
+    assert!(warnings.is_empty() && !text.contains("unstable"), "{warnings} {text}");
+    assert_eq!((&json["answers"], &json["unstable"]), (&1.into(), &serde_json::json!([])));
 }
 
 #[test]

@@ -11,6 +11,7 @@ use crate::files;
 use crate::node::{Node, Value};
 use crate::read::{self, Fit, Measured, Reference};
 use crate::schema::{DURATION, ROOT};
+use crate::settings;
 use crate::source::Sources;
 use crate::validate::{Parts, assemble, refusal};
 
@@ -43,7 +44,13 @@ impl CaseFile {
 
     /// The files that it was read from: itself, those that it extends, and what they name.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.sources.files().iter().map(|source| source.path.as_path())
+        let files = self.sources.files().iter().enumerate();
+        files.filter(|(i, _)| !self.sources.is_setting(*i)).map(|(_, source)| source.path.as_path())
+    }
+
+    /// The texts that it was read from.
+    pub(crate) fn sources(&self) -> &Sources {
+        &self.sources
     }
 
     /// The text of the file itself.
@@ -71,10 +78,26 @@ impl CaseFile {
 /// # Errors
 /// [`FileError`] with all that is wrong, where, and what to do about it.
 pub fn load(path: impl AsRef<Path>) -> Result<CaseFile, FileError> {
+    load_with(path, &[])
+}
+
+/// The same with keys that are set beside the file: each a path and a value, such as `cables.pull.tension=5 N`. An entry
+/// of a list is told by its name or by its number in brackets, from 0. A value is one of TOML, else a text.
+///
+/// ```no_run
+/// let settings = ["backbone.diameter=2 mm".to_owned(), "cables[0].tension=5 N".to_owned()];
+/// let file = whipcord_io::load_with("examples/table1/case-3.toml", &settings)?;
+/// assert_eq!(file.case.commands[0].tension, Some(5.0));
+/// # Ok::<(), whipcord_io::FileError>(())
+/// ```
+///
+/// # Errors
+/// [`FileError`] with all that is wrong, where, and what to do about it.
+pub fn load_with(path: impl AsRef<Path>, settings: &[String]) -> Result<CaseFile, FileError> {
     let path = path.as_ref();
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
     match files::read_first(path, &mut sources, &mut problems) {
-        Some(text) => parse(&text, path),
+        Some(text) => parse_with(&text, path, settings),
         None => Err(problems.into_error(sources)),
     }
 }
@@ -85,10 +108,15 @@ pub fn load(path: impl AsRef<Path>) -> Result<CaseFile, FileError> {
 /// # Errors
 /// [`FileError`] with all that is wrong, where, and what to do about it.
 pub fn parse(text: &str, name: impl AsRef<Path>) -> Result<CaseFile, FileError> {
-    let path = name.as_ref();
+    parse_with(text, name.as_ref(), &[])
+}
+
+fn parse_with(text: &str, path: &Path, settings: &[String]) -> Result<CaseFile, FileError> {
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
-    let file = files::document(path, text, &mut sources, &mut problems)
-        .and_then(|document| read(document, path, &mut sources, &mut problems));
+    let file = files::document(path, text, &mut sources, &mut problems).and_then(|mut document| {
+        settings::apply(&mut document, settings, &mut sources, &mut problems);
+        read(document, path, &mut sources, &mut problems)
+    });
     match file {
         Some(file) if problems.is_empty() => Ok(CaseFile { sources, ..file }),
         _ => Err(problems.into_error(sources)),
@@ -103,7 +131,15 @@ fn read(
 ) -> Option<CaseFile> {
     let Value::Table(entries) = &document.value else { return None };
     let fields = check::table(entries, document.span, &ROOT, problems);
-    steps(&fields, &document, problems);
+    steps(&fields, &document, sources, problems);
+    // The library refuses them too, but only after all parts have been made.
+    let cables = fields.tables("cables").len();
+    if cables > limits::MOST_CABLES {
+        let span = document.locate(&format!("cables[{}]", limits::MOST_CABLES)).span;
+        let problem = Problem::TooMany { given: cables, most: limits::MOST_CABLES };
+        problems.push(span, || FileProblem::Physical { path: "cables".to_owned(), problem });
+        return None;
+    }
     let mut parts = parts(&fields, &document, problems);
     let obstacles = read::obstacles(fields.tables("obstacles"), &document, sources, problems);
     if let Some(parts) = &mut parts {
@@ -113,6 +149,7 @@ fn read(
         disks: parts.as_ref().map(|parts| parts.disks.count()),
         length: parts.as_ref().map(|parts| parts.backbone.length),
         steps: fields.tables("steps").len(),
+        at_origin: parts.as_ref().is_some_and(|parts| parts.base == Pose::IDENTITY),
     };
     let measured = fields.table("measured").and_then(|table| {
         read::measured(table, document.locate("measured"), robot, sources, problems)
@@ -175,7 +212,7 @@ fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Pa
 
 /// Refuses steps that do not say what each cable does, and cables that have something of their own
 /// to say beside the steps of the same file.
-fn steps(fields: &Fields, document: &Node, problems: &mut Problems) {
+fn steps(fields: &Fields, document: &Node, sources: &Sources, problems: &mut Problems) {
     const COMMANDS: [&str; 2] = ["tension", "shortening"];
     let cables = fields.tables("cables");
     let steps = fields.tables("steps");
@@ -197,7 +234,7 @@ fn steps(fields: &Fields, document: &Node, problems: &mut Problems) {
         for second in COMMANDS.into_iter().filter(|key| cable.quantity(key).is_some()) {
             let own = span(format!("cables[{i}].{second}"));
             // A file that is extended gives way to what is laid over it.
-            if own.file == first.file {
+            if own.file == first.file || sources.is_setting(own.file) {
                 let related = Some((first, "the steps say what each cable does"));
                 problems.push_related(own, related, || FileProblem::Exclusive {
                     first: "steps",

@@ -1,9 +1,11 @@
 //! What can be wrong with a robot file.
 
 use core::fmt;
+use std::borrow::Cow;
 
 use thiserror::Error;
 use whipcord::robot::in_words;
+use whipcord::robot::limits::number;
 use whipcord::{ModelKind, Problem};
 
 use crate::source::{Sources, Span};
@@ -194,7 +196,7 @@ pub enum FileProblem {
         value: f64,
     },
     /// A whole number out of its range.
-    #[error("`{key}` must be {}, but is {value}", bound(*value, *least, *greatest))]
+    #[error("{}", out_of_range(key, *value, *least, *greatest, *numbers))]
     OutOfRange {
         /// The key.
         key: &'static str,
@@ -204,6 +206,8 @@ pub enum FileProblem {
         least: usize,
         /// Greatest value.
         greatest: usize,
+        /// Whether it is the number of a thing, such as a hole, and one of a list.
+        numbers: bool,
     },
     /// A list of the wrong length.
     #[error("`{key}` must have {expected} values, but has {given}")]
@@ -242,6 +246,20 @@ pub enum FileProblem {
         path: String,
         /// What is wrong with it.
         problem: Problem,
+    },
+    /// A cable that is shortened by more than its whole length.
+    #[error(
+        "{} is {} m, but the cable is only {:.4} m long", in_words(path), number(*value), length
+    )]
+    ShorterThanNothing {
+        /// Which shortening, as the library names it; cables count from 0.
+        path: String,
+        /// By how much it is shortened, in m.
+        value: f64,
+        /// Length of its part inside the robot before actuation, in m.
+        length: f64,
+        /// The number, where the file gives it without a unit.
+        without_unit: Option<String>,
     },
     /// A quantity that is not given, and that the model needs.
     #[error("the {model} model needs {}", in_words(path))]
@@ -287,7 +305,7 @@ pub enum FileProblem {
         /// What is wrong.
         message: String,
         /// What to do.
-        help: &'static str,
+        help: Cow<'static, str>,
     },
 }
 
@@ -298,6 +316,14 @@ fn physical(path: &str, problem: &Problem) -> String {
         .iter()
         .any(|verb| said.starts_with(verb));
     format!("{}{} {said}", in_words(path), if predicate { "" } else { ":" })
+}
+
+fn out_of_range(key: &str, value: i64, least: usize, greatest: usize, numbers: bool) -> String {
+    if numbers && value < 1 {
+        format!("there is no hole {value}: `{key}` count from 1")
+    } else {
+        format!("`{key}` must be {}, but is {value}", bound(value, least, greatest))
+    }
 }
 
 fn bound(value: i64, least: usize, greatest: usize) -> String {

@@ -4,7 +4,7 @@ use whipcord::Problem;
 use whipcord::robot::limits::number;
 
 use crate::error::FileProblem;
-use crate::units::{Dimension, QuantityError, listed};
+use crate::units::{Dimension, QuantityError, listed, parse_quantity};
 
 impl FileProblem {
     /// What to do about it.
@@ -45,8 +45,11 @@ impl FileProblem {
             }
             Self::Exclusive { .. } => "remove one of the two".to_owned(),
             Self::Needs { key, example, .. } => format!("add {}, or remove `{key}`", line(example)),
-            Self::Quantity { error, expected, .. } => quantity_help(error, expected),
+            Self::Quantity { key, error, expected } => quantity_help(key, error, expected),
             Self::NotFinite { .. } => "write a finite number".to_owned(),
+            Self::OutOfRange { value: ..=0, numbers: true, .. } => {
+                "hole 1 lies on the x axis and the others follow counter-clockwise; add 1 to each number if yours count from 0".to_owned()
+            }
             Self::OutOfRange { value, least, .. } => {
                 if i64::try_from(*least).is_ok_and(|least| *value < least) {
                     format!("write {least} or more")
@@ -70,9 +73,14 @@ impl FileProblem {
                 "is this the file you meant? If so, export the part anew as binary STL".to_owned()
             }
             Self::Physical { problem, .. } => physical_help(problem),
-            Self::Needed { help, .. } | Self::NotTaken { help, .. } | Self::Measured { help, .. } => {
-                (*help).to_owned()
+            Self::ShorterThanNothing { without_unit: Some(number), .. } => format!(
+                "a number without a unit is in metres: write \"{number} %\" of the cable's length, or \"{number} mm\""
+            ),
+            Self::ShorterThanNothing { length, .. } => {
+                format!("give less than {length:.4} m, or a part of the cable's length such as \"5.7 %\"")
             }
+            Self::Measured { help, .. } => help.to_string(),
+            Self::Needed { help, .. } | Self::NotTaken { help, .. } => (*help).to_owned(),
         }
     }
 }
@@ -86,36 +94,79 @@ fn values(count: usize) -> String {
     if count == 1 { "1 value".to_owned() } else { format!("{count} values") }
 }
 
-fn quantity_help(error: &QuantityError, expected: &[Dimension]) -> String {
+fn quantity_help(key: &str, error: &QuantityError, expected: &[Dimension]) -> String {
     let example = expected.first().map_or("", |dimension| dimension.example());
     let names: Vec<&str> = expected.iter().flat_map(|d| d.units()).map(|unit| unit.name).collect();
     let units = listed(names, "or");
+    let is_ratio = expected == [Dimension::Ratio];
     match error {
         QuantityError::NoNumber(_) => {
             format!("write a number and a unit, for example \"{example}\"; units: {units}")
         }
         QuantityError::DecimalComma(_) => "write a decimal point instead of the comma".to_owned(),
         QuantityError::TooLarge(_) => format!("write for example \"{example}\""),
+        // Without quotes it would be in m, and more than most cables are long.
+        QuantityError::NoUnit(number)
+            if [Dimension::Length, Dimension::Ratio].iter().all(|of| expected.contains(of)) =>
+        {
+            format!("write \"{number} %\" of the cable's length, or \"{number} mm\"")
+        }
         QuantityError::NoUnit(number) => {
             match expected.first().map(|dimension| dimension.si_unit()) {
                 Some("") | None => format!("write {number} without quotes, or with %"),
                 Some(si) => format!("add one of {units}; without quotes, {number} is in {si}"),
             }
         }
-        QuantityError::UnknownUnit { near: Some(near), .. } => format!("did you mean `{near}`?"),
-        QuantityError::UnknownUnit { .. } if expected == [Dimension::Ratio] => {
+        QuantityError::UnknownUnit { near, .. } if !near.is_empty() => {
+            let near: Vec<String> = near.iter().map(|unit| unit.described()).collect();
+            format!("did you mean {}?", listed(near.iter().map(String::as_str), "or"))
+        }
+        QuantityError::WrongUnit { measures, text, .. } => {
+            wrong_unit(key, *measures, text, expected).unwrap_or_else(|| match is_ratio {
+                true => "write a plain number, or one with %".to_owned(),
+                false => format!("use {units}"),
+            })
+        }
+        QuantityError::UnknownUnit { .. } if is_ratio => {
             "write a plain number, or one with %".to_owned()
         }
         QuantityError::UnknownUnit { .. } => format!("use {units}"),
-        QuantityError::WrongUnit { measures: Dimension::Mass, .. }
-            if expected.contains(&Dimension::Force) =>
-        {
-            format!("the weight of a mass is in gf or kgf: \"400 gf\"; units: {units}")
+    }
+}
+
+/// What to write instead of a quantity that measures something else, where that can be told.
+fn wrong_unit(
+    key: &str,
+    measures: Dimension,
+    text: &str,
+    expected: &[Dimension],
+) -> Option<String> {
+    let unit = text.trim_start_matches(|c: char| !c.is_alphabetic() && c != '°').trim();
+    let number = text.strip_suffix(unit)?.trim();
+    let instead = |unit: &str| format!("write \"{number} {unit}\"");
+    match measures {
+        Dimension::Mass if expected.contains(&Dimension::Force) => {
+            let weight = match unit {
+                "kg" => "kgf",
+                "g" => "gf",
+                "lb" => "lbf",
+                "oz" => "ozf",
+                _ => return Some("the weight of a mass is in gf or kgf: \"400 gf\"".to_owned()),
+            };
+            Some(format!("{}, the weight of that mass", instead(weight)))
         }
-        QuantityError::WrongUnit { .. } if expected == [Dimension::Ratio] => {
-            "write a plain number, or one with %".to_owned()
+        Dimension::Mass if expected.contains(&Dimension::Acceleration) && unit == "g" => {
+            Some(format!("{}: `g0` is the standard acceleration of gravity", instead("g0")))
         }
-        QuantityError::WrongUnit { .. } => format!("use {units}"),
+        Dimension::Angle if key == "turns" => {
+            let (angle, _) = parse_quantity(text, &[Dimension::Angle]).ok()?;
+            let turns = (angle / core::f64::consts::TAU * 1e9).round() / 1e9;
+            Some(format!("write {turns}, the number of full turns"))
+        }
+        Dimension::LineForce if key == "axial_stiffness" => Some(
+            "`axial_stiffness` is Young's modulus times cross-section, in N: a stiffness in N/m times the length of the cable".to_owned(),
+        ),
+        _ => None,
     }
 }
 
@@ -125,6 +176,12 @@ fn physical_help(problem: &Problem) -> String {
         Problem::NotPositive { .. } => "give a value greater than zero".to_owned(),
         Problem::Negative { .. } => "give zero or a value greater than zero".to_owned(),
         Problem::OutOfRange { range, .. } => format!("give a value {range}"),
+        Problem::ThickerThanSpacing { .. } => {
+            "make the disks thinner, or place them farther apart".to_owned()
+        }
+        Problem::ThickerThanWide { .. } => {
+            "make the disks thinner, or their `outer_radius` larger".to_owned()
+        }
         Problem::TooClose { least, .. } => {
             format!("put them at least {} m apart", number(least))
         }
@@ -197,6 +254,14 @@ fn physical_help(problem: &Problem) -> String {
         }
         Problem::InsideOut { .. } => {
             "flip the triangles in a program for meshes, such as MeshLab".to_owned()
+        }
+        Problem::NoDirection => "give a vector that is not zero".to_owned(),
+        Problem::StationCount { expected, given } => {
+            if given > expected {
+                format!("leave out {}, or add places to `at`", values(given - expected))
+            } else {
+                format!("add {}, or remove places from `at`", values(expected - given))
+            }
         }
         Problem::CableCount { cables, .. } => format!("give {cables}, one for each cable"),
         // What no file can cause, such as a model built for other loads than it is asked about.

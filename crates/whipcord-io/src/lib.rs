@@ -17,14 +17,16 @@ mod overlay;
 mod read;
 mod render;
 mod schema;
+mod settings;
 mod source;
 mod suggest;
 mod syntax;
 mod units;
 mod validate;
+mod warnings;
 
 pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
-pub use case_file::{CaseFile, load, parse};
+pub use case_file::{CaseFile, load, load_with, parse};
 pub use document::{
     FittedFile, Inexpressible, Item, Table, describe, describe_fit, table_in_si, toml,
 };
@@ -32,13 +34,15 @@ pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
 pub use output::{
     Beside, Cell, CsvTable, NonFinite, answer_json, fit_json, json_number, json_optional,
-    marks_csv, remove_unfinished, shape_csv, solution_json, status_words, steps_csv,
-    stiffness_json, touches_csv, write_atomically,
+    marks_csv, problems_json, remove_unfinished, shape_csv, solution_json, status_words, steps_csv,
+    stiffness_json, touches_csv, warnings_json, write_atomically,
 };
 pub use read::{
     Fit, LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers, quantity,
 };
-pub use render::render;
+pub use render::{render, render_warnings};
 pub use schema::schema;
 pub use source::{Position, Source, Sources, Span};
+pub use suggest::nearest_parameter;
 pub use units::{Dimension, QuantityError, Unit, parse_quantity};
+pub use warnings::{AnswerOf, FileWarning};

@@ -131,6 +131,36 @@ pub(crate) fn parse(file: usize, text: &str, problems: &mut Problems) -> Option<
     None
 }
 
+/// Reads a text of file number `file` that begins at byte `at` of it as one value of TOML, if it is one.
+pub(crate) fn parse_value(file: usize, at: usize, text: &str) -> Option<Node> {
+    const KEY: &str = "v=";
+    let source = format!("{KEY}{text}");
+    if deep_key(file, &source).is_some() {
+        return None;
+    }
+    let mut entries = entries(file, DeTable::parse(&source).ok()?.into_inner());
+    let mut node = entries.remove("v").filter(|_| entries.is_empty())?.node;
+    shift(&mut node, at, KEY.len());
+    Some(node)
+}
+
+/// Moves a value from behind `from` bytes to behind `to` bytes.
+fn shift(node: &mut Node, to: usize, from: usize) {
+    let moved = |offset: usize| (offset + to).saturating_sub(from);
+    node.span = Span::new(node.span.file, moved(node.span.start), moved(node.span.end));
+    match &mut node.value {
+        Value::List(items) => items.iter_mut().for_each(|item| shift(item, to, from)),
+        Value::Table(entries) => {
+            for entry in entries.values_mut() {
+                let span = entry.key_span;
+                entry.key_span = Span::new(span.file, moved(span.start), moved(span.end));
+                shift(&mut entry.node, to, from);
+            }
+        }
+        _ => {}
+    }
+}
+
 /// A key of too many parts, whose tables would lie too deep in one another to be walked.
 fn deep_key(file: usize, text: &str) -> Option<Span> {
     let mut dots = 0;

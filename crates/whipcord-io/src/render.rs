@@ -2,8 +2,10 @@
 
 use core::fmt::Write as _;
 
-use crate::error::{Diagnostic, FileError};
+use crate::case_file::CaseFile;
+use crate::error::FileError;
 use crate::source::{Source, Sources, Span, printable};
+use crate::warnings::FileWarning;
 
 /// Problems that are printed in full.
 const MOST_SHOWN: usize = 10;
@@ -22,7 +24,14 @@ pub fn render(error: &FileError, colour: bool) -> String {
         if i > 0 {
             out.push('\n');
         }
-        problem(&mut out, diagnostic, &error.sources, style);
+        let message = Message {
+            kind: Kind::Error,
+            text: diagnostic.problem.to_string(),
+            help: diagnostic.problem.help(),
+            span: diagnostic.span,
+            related: diagnostic.related,
+        };
+        message.write(&mut out, &error.sources, style);
     }
     let rest = error.more + error.problems.len().saturating_sub(MOST_SHOWN);
     if rest > 0 {
@@ -36,39 +45,107 @@ pub fn render(error: &FileError, colour: bool) -> String {
 struct Style {
     place: &'static str,
     error: &'static str,
+    warning: &'static str,
     note: &'static str,
     help: &'static str,
     end: &'static str,
 }
 
-const PLAIN: Style = Style { place: "", error: "", note: "", help: "", end: "" };
+const PLAIN: Style = Style { place: "", error: "", warning: "", note: "", help: "", end: "" };
 const COLOUR: Style = Style {
     place: "\x1b[1m",
     error: "\x1b[1;31m",
+    warning: "\x1b[1;33m",
     note: "\x1b[1;34m",
     help: "\x1b[1;32m",
     end: "\x1b[0m",
 };
 
-fn problem(out: &mut String, diagnostic: &Diagnostic, sources: &Sources, style: &Style) {
-    let Style { error, note, help, end, .. } = style;
-    let excerpt = |out: &mut String, span: Span, label: &str, mark: char, colour: &str| {
-        let Some(source) = sources.get(span.file) else { return };
-        let position = source.position(span.start);
-        let place: String = source.name().chars().map(printable).collect();
-        let _ = writeln!(
-            out,
-            "{}{place}:{}:{}:{end} {label}",
-            style.place, position.line, position.column
-        );
-        marked_line(out, source, span, position.line, mark, colour, end);
-    };
-    let label = format!("{error}error:{end} {}", diagnostic.problem);
-    excerpt(out, diagnostic.span, &label, '^', error);
-    if let Some((span, what)) = diagnostic.related {
-        excerpt(out, span, &format!("{note}note:{end} {what}"), '-', note);
+/// How much a message matters.
+#[derive(Clone, Copy)]
+enum Kind {
+    Error,
+    Warning,
+}
+
+impl Kind {
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+        }
     }
-    let _ = writeln!(out, "  {help}help:{end} {}", diagnostic.problem.help());
+}
+
+/// A message about a place in a file.
+struct Message {
+    kind: Kind,
+    text: String,
+    help: String,
+    span: Span,
+    related: Option<(Span, &'static str)>,
+}
+
+impl Style {
+    const fn of(&self, kind: Kind) -> &'static str {
+        match kind {
+            Kind::Error => self.error,
+            Kind::Warning => self.warning,
+        }
+    }
+}
+
+impl Message {
+    fn write(&self, out: &mut String, sources: &Sources, style: &Style) {
+        let Style { note, help, end, .. } = style;
+        let excerpt = |out: &mut String, span: Span, label: &str, mark: char, colour: &str| {
+            let Some(source) = sources.get(span.file) else { return };
+            let position = source.position(span.start);
+            let place: String = source.name().chars().map(printable).collect();
+            let _ = writeln!(
+                out,
+                "{}{place}:{}:{}:{end} {label}",
+                style.place, position.line, position.column
+            );
+            marked_line(out, source, span, position.line, mark, colour, end);
+        };
+        let colour = style.of(self.kind);
+        let label = format!("{colour}{}:{end} {}", self.kind.word(), self.text);
+        excerpt(out, self.span, &label, '^', colour);
+        if let Some((span, what)) = self.related {
+            excerpt(out, span, &format!("{note}note:{end} {what}"), '-', note);
+        }
+        let _ = writeln!(out, "  {help}help:{end} {}", self.help);
+    }
+}
+
+/// Warnings about a file as people read them, at most ten in full: as [`render`] shows errors, and without
+/// a place those that no key is at fault for.
+#[must_use]
+pub fn render_warnings(file: &CaseFile, warnings: &[FileWarning], colour: bool) -> String {
+    let style = if colour { &COLOUR } else { &PLAIN };
+    let mut out = String::new();
+    for (i, warning) in warnings.iter().take(MOST_SHOWN).enumerate() {
+        if i > 0 {
+            out.push('\n');
+        }
+        let (text, help) = (warning.message(), warning.warning.help());
+        if let Some(span) = warning.span {
+            let message = Message { kind: Kind::Warning, text, help, span, related: None };
+            message.write(&mut out, file.sources(), style);
+        } else {
+            let Style { warning: colour, help: help_colour, place, end, .. } = style;
+            let path: String = file.path.display().to_string().chars().map(printable).collect();
+            let _ = writeln!(out, "{colour}warning:{end} {place}{path}:{end} {text}");
+            let _ = writeln!(out, "  {help_colour}help:{end} {help}");
+        }
+    }
+    let rest = warnings.len().saturating_sub(MOST_SHOWN);
+    if rest > 0 {
+        let word = if rest == 1 { "warning" } else { "warnings" };
+        let _ = writeln!(out, "\n... and {rest} more {word}");
+    }
+    out
 }
 
 /// The source line, cut to a width that fits a terminal, and the mark beneath.

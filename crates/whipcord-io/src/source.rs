@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+/// What a key that is given beside a file is called in place of a file.
+pub(crate) const SETTING: &str = "--set";
+
 /// A place in one of the files that were read: bytes `start..end` of its text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span {
@@ -87,6 +90,11 @@ impl Sources {
     #[must_use]
     pub fn files(&self) -> &[Source] {
         &self.files
+    }
+
+    /// Whether this is no file, but a key that is given beside one.
+    pub(crate) fn is_setting(&self, file: usize) -> bool {
+        self.get(file).is_some_and(|source| source.path == Path::new(SETTING))
     }
 
     /// A path that a file names, relative to the folder of that file.

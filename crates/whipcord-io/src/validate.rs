@@ -3,9 +3,10 @@
 use whipcord::robot::limits::Range;
 use whipcord::{
     Backbone, Cable, CableCommand, Case, Disks, Loads, Obstacle, Pose, Problem, Robot, RobotError,
-    SolveError,
+    Shortening, SolveError,
 };
 
+use crate::check::given_text;
 use crate::error::{Diagnostic, FileProblem, Problems};
 use crate::node::{Node, Value};
 use crate::schema::ROOT;
@@ -78,7 +79,48 @@ pub(crate) fn assemble(
             return None;
         }
     }
+    shortenings(&robot, &case, &numbers, document, problems);
     Some((robot, case))
+}
+
+/// Refuses cables that are shortened by more than all of their length, as by a number of millimetres or per cent
+/// without its unit.
+fn shortenings(
+    robot: &Robot,
+    case: &Case,
+    numbers: &Numbering,
+    document: &Node,
+    problems: &mut Problems,
+) {
+    for (k, commands) in case.before.iter().chain([&case.commands]).enumerate() {
+        for (i, command) in commands.iter().enumerate() {
+            let Some(Shortening::Length(value)) = command.shortening else { continue };
+            // A cable is at least as long as the part of the backbone that it runs along.
+            let at_least = robot.routes().get(i).map_or(0.0, |route| 0.5 * route.end());
+            if value <= at_least {
+                continue;
+            }
+            let length = robot.cable_length(i);
+            if value <= length {
+                continue;
+            }
+            let path = match numbers.last_step {
+                None => format!("cables[{i}].shortening"),
+                Some(_) => format!("steps[{k}].shortening[{i}]"),
+            };
+            let place = document.locate(&path);
+            let without_unit = match &place.value {
+                Value::Integer(_) | Value::Number(_) => given_text(place),
+                _ => None,
+            };
+            problems.push(place.span, || FileProblem::ShorterThanNothing {
+                path,
+                value,
+                length,
+                without_unit,
+            });
+        }
+    }
 }
 
 /// The number of the cable that an error is about.

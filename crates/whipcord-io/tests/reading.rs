@@ -542,3 +542,71 @@ fn steps_say_what_each_cable_does_in_turn() {
     let laid_over = load(folder.path().join("robot.toml")).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(laid_over.case, file.case);
 }
+
+/// The same rows, as spreadsheets of different countries write them, and with the columns in another order.
+#[test]
+fn tables_of_markers_are_read_by_the_names_of_their_columns() {
+    let read = |table: &str, keys: &str| {
+        let robot = format!(
+            "[backbone]\nlength = \"180 mm\"\n[disks]\ncount = 10\n[measured]\ndisks = \"table.csv\"\n{keys}"
+        );
+        let folder = folder(&[("robot.toml", robot.as_bytes()), ("table.csv", table.as_bytes())]);
+        load(folder.path().join("robot.toml")).unwrap().measured.unwrap().observations
+    };
+    let expected = read("arc_length,x,y,z\n0.09,0.0015,0,0.0895\n0.18,0.003,0,0.1785\n", "");
+    assert_eq!(expected.len(), 2);
+    for (name, table, keys) in [
+        ("order", "z,y,x,arc_length\n0.0895,0,0.0015,0.09\n0.1785,0,0.003,0.18\n", ""),
+        ("capitals", "Arc_Length,X,Y,Z\n0.09,0.0015,0,0.0895\n0.18,0.003,0,0.1785\n", ""),
+        ("semicolons", "arc_length;x;y;z\r\n0.09;0.0015;0;0.0895\r\n0.18;0.003;0;0.1785\r\n", ""),
+        ("decimal commas", "arc_length;x;y;z\n0,09;0,0015;0;0,0895\n0,18;0,003;0;0,1785\n", ""),
+        ("tabs", "arc_length\tx\ty\tz\n0.09\t0.0015\t0\t0.0895\n0.18\t0.003\t0\t0.1785\n", ""),
+        ("units", "arc_length [m],x [mm],y (mm),z [cm]\n0.09,1.5,0,8.95\n0.18,3,0,17.85\n", ""),
+        (
+            "a unit of one column",
+            "arc_length [m],x,y,z\n0.09,1.5,0,89.5\n0.18,3,0,178.5\n",
+            "unit = \"mm\"\n",
+        ),
+    ] {
+        assert_eq!(read(table, keys), expected, "{name}");
+    }
+}
+
+/// Markers next to the base are no mistake, in whatever unit.
+#[test]
+fn markers_near_the_base_are_accepted() {
+    for (table, keys) in [
+        ("arc_length,x,y,z\n0,0,0,0\n1,0,0,1\n", "unit = \"mm\"\n"),
+        ("arc_length,x,y,z\n0,500,0,0\n1,500,0,1\n", "unit = \"mm\"\nregistration = \"rigid\"\n"),
+        ("disk,arc_length,x,y,z\n,1,0,0,1\n10,,0,0,180\n", "unit = \"mm\"\n"),
+        ("arc_length,x,y,z\n0.18,0,0,0.18\n", ""),
+    ] {
+        let robot = format!(
+            "[backbone]\nlength = \"180 mm\"\n[disks]\ncount = 10\n[measured]\ndisks = \"table.csv\"\n{keys}"
+        );
+        let folder = folder(&[("robot.toml", robot.as_bytes()), ("table.csv", table.as_bytes())]);
+        let read = load(folder.path().join("robot.toml"));
+        assert!(read.is_ok(), "{table}: {}", read.unwrap_err());
+    }
+}
+
+/// A helical cable is longer than the backbone, and may be shortened by more than that.
+#[test]
+fn a_shortening_is_refused_only_beyond_the_length_of_the_cable() {
+    let with = |routing: &str, shortening: &str| {
+        parse(
+            &format!(
+                "[backbone]\nlength = 0.1\n[disks]\ncount = 3\n[[cables]]\nrouting = {routing}\nshortening = {shortening}\n"
+            ),
+            "robot.toml",
+        )
+    };
+    // Ten turns on a circle of 10 mm: 636.2 mm.
+    let helix = "{ kind = \"helix\", turns = 10, radius = 0.01 }";
+    assert!(with(helix, "0.63").is_ok());
+    assert!(with(helix, "0.64").is_err());
+    let straight = "{ kind = \"straight\", angle = 0, radius = 0.01 }";
+    assert!(with(straight, "0.0999").is_ok());
+    assert!(with(straight, "0.1001").is_err());
+    assert!(with(straight, "-5").is_ok());
+}

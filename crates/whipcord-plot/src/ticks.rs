@@ -91,15 +91,26 @@ pub(crate) fn linear(low: f64, high: f64, most: usize) -> Linear {
     }
 }
 
-/// Multiples of a round step, at least `least_step`, inside a range.
+/// Multiples of a round step inside a range: of a step of at least `least_step`, or of the largest below it of which the
+/// range has two, since one tick shows no scale.
 pub(crate) fn inside(low: f64, high: f64, least_step: f64) -> Linear {
-    let (digit, exponent) = round_up(least_step);
-    let step = multiple(1.0, digit, exponent);
-    let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
-    let count = if last >= first { (last - first).min(1000.0) as usize + 1 } else { 0 };
-    Linear {
-        values: (0..count).map(|i| multiple(first + i as f64, digit, exponent)).collect(),
-        decimals: usize::try_from(-exponent).unwrap_or(0),
+    // Of any step that is no longer than half of the range there are two multiples inside.
+    let (mut digit, mut exponent) = round_up(least_step);
+    loop {
+        let step = multiple(1.0, digit, exponent);
+        let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
+        let count = if last >= first { (last - first).min(1000.0) as usize + 1 } else { 0 };
+        if count >= 2 || 2.0 * step <= high - low || high <= low {
+            return Linear {
+                values: (0..count).map(|i| multiple(first + i as f64, digit, exponent)).collect(),
+                decimals: usize::try_from(-exponent).unwrap_or(0),
+            };
+        }
+        (digit, exponent) = match digit as u8 {
+            1 => (5.0, exponent - 1),
+            2 => (1.0, exponent),
+            _ => (2.0, exponent),
+        };
     }
 }
 
@@ -294,5 +305,8 @@ mod tests {
         let errors = logarithmic(3e-13, 0.04, 8).values;
         assert!(errors.iter().all(|t| t.digit == 1));
         assert_eq!(inside(-4.0, 4.0, 1.5).values, [-4.0, -2.0, 0.0, 2.0, 4.0]);
+        // Labels are to be 20 apart, of which the range has only 0.
+        assert_eq!(inside(-18.0, 18.0, 20.0).values, [-10.0, 0.0, 10.0]);
+        assert_eq!(inside(3.0, 3.0, 1.0).values, [3.0]);
     }
 }

@@ -52,6 +52,18 @@ impl Outcomes {
         array(py, numbers, [count])
     }
 
+    /// (N,) whether a row has an answer that is known to be stable.
+    #[getter]
+    fn stable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        self.verdict(py, Some(true))
+    }
+
+    /// (N,) whether a row has an answer that is known to be unstable.
+    #[getter]
+    fn unstable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        self.verdict(py, Some(false))
+    }
+
     /// (N,) a diagnostic; NaN where a row has none.
     fn diagnostic<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let of: fn(&Diagnostics) -> Option<f64> = match name {
@@ -83,6 +95,20 @@ impl Outcomes {
     }
 }
 
+impl Outcomes {
+    /// (N,) whether a row has an answer with this verdict of stability.
+    fn verdict<'py>(
+        &self,
+        py: Python<'py>,
+        stable: Option<bool>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let is_it = |row: &Result<Solved, SolveError>| {
+            row.as_ref().is_ok_and(|solved| solved.is_stable() == stable)
+        };
+        array(py, self.rows.iter().map(is_it).collect(), [self.rows.len()])
+    }
+}
+
 /// Solves rows of tensions in N or shortenings in m: (N, n, 3) positions, (N, n, 4) quaternions,
 /// (N, c) tensions and (N, c) lengths, and how each went.
 #[pyfunction]
@@ -98,6 +124,7 @@ pub fn solve_batch<'py>(
     path: bool,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Solutions<'py>> {
+    let (method, limit) = model.begin();
     let count = setup.rows(py, &values)?;
     let cables = setup.robot.cables().len();
     let stations = setup.station_list(py, model)?.len();
@@ -115,9 +142,9 @@ pub fn solve_batch<'py>(
             lengths: length.as_slice_mut()?,
         };
         let rows = asked(setup, values.as_slice()?, by_shortening);
-        supervise(py, progress, |progress| {
+        supervise(py, &limit, progress, |progress| {
             let options = BatchOptions { warm_path: path, ..shared(threads, progress) };
-            solve_batch_into(&model.inner, &setup.robot, rows, &options, arrays)
+            solve_batch_into(&method, &setup.robot, rows, &options, arrays)
         })?
     };
     Ok((position, orientation, tension, length, Outcomes { rows }))
@@ -135,8 +162,9 @@ pub fn solve_cases<'py>(
 ) -> PyResult<Vec<Py<PyAny>>> {
     let cases: Vec<_> =
         setups.iter().map(|setup| (setup.robot.clone(), (*setup.case).clone())).collect();
-    let answers = supervise(py, progress, |progress| {
-        solve_robots(&model.inner, &cases, &shared(threads, progress))
+    let (method, limit) = model.begin();
+    let answers = supervise(py, &limit, progress, |progress| {
+        solve_robots(&method, &cases, &shared(threads, progress))
     })?;
     let answered = answers.into_iter().zip(&setups).map(|(answer, setup)| match answer {
         Ok(solution) => Ok(Py::new(py, Solution::new(solution, &setup.case))?.into_any()),
@@ -168,8 +196,9 @@ pub fn pull_back_batch<'py>(
     lengths: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<Pulled<'py>> {
     let count = setup.rows(py, &values)?;
-    let whipcord::Model::Cosserat(model) = &model.inner else {
-        return Err(errors::not_by(py, model.inner.kind(), "gradients"));
+    let (method, limit) = model.begin();
+    let whipcord::Model::Cosserat(model) = &method else {
+        return Err(errors::not_by(py, method.kind(), "gradients"));
     };
     let parameters: Vec<_> =
         parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;
@@ -186,7 +215,7 @@ pub fn pull_back_batch<'py>(
             lengths: lengths.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
         };
         let rows = asked(setup, values.as_slice()?, by_shortening);
-        supervise(py, progress, |progress| {
+        supervise(py, &limit, progress, |progress| {
             let options = shared(threads, progress);
             let robot = &setup.robot;
             whipcord::batch::pull_back_batch(

@@ -5,14 +5,14 @@ use whipcord::ModelKind;
 use whipcord_cli::judging::{Judgement, JudgingError, Tried};
 
 use crate::errors;
-use crate::model::named;
+use crate::model::{self, named};
 use crate::setup::Setup;
-use crate::wait::interruptible;
+use crate::wait::{Limit, within};
 
 /// JSON, text and, where there is an error to draw, the SVG of a trial of these models: on cases, or on those of a
 /// suite whose names contain one of `only`.
 #[pyfunction]
-#[pyo3(signature = (setups, models, reference, suite = None, only = Vec::new()))]
+#[pyo3(signature = (setups, models, reference, suite = None, only = Vec::new(), timeout = None))]
 pub fn benchmark(
     py: Python<'_>,
     setups: Vec<PyRef<'_, Setup>>,
@@ -20,12 +20,15 @@ pub fn benchmark(
     reference: String,
     suite: Option<&str>,
     only: Vec<String>,
+    timeout: Option<f64>,
 ) -> PyResult<(String, String, Option<String>)> {
+    let timeout = timeout.map(|seconds| model::timeout(py, seconds)).transpose()?;
     let refused = |error: JudgingError| {
         let path = match error {
             JudgingError::Reference(_) => "reference",
             JudgingError::NoSuite(_) => "suite",
             JudgingError::NoCase(_) | JudgingError::Case(_) => "only",
+            JudgingError::Cancelled => return errors::timed_out(py, error.to_string(), None),
         };
         errors::input(py, path, error.to_string())
     };
@@ -36,7 +39,7 @@ pub fn benchmark(
         None => setups
             .iter()
             .map(|setup| {
-                let measured = setup.besides.measured.as_deref().cloned();
+                let measured = setup.file_data.measured.as_deref().cloned();
                 Tried::new(
                     setup.title.clone(),
                     setup.robot.clone(),
@@ -46,8 +49,11 @@ pub fn benchmark(
             })
             .collect(),
     };
+    let limit = Limit::starting_now(timeout);
+    let cancel = limit.cancel.clone();
     let judgement =
-        interruptible(py, move || Judgement::new(&tried, &kinds, &reference))?.map_err(refused)?;
+        within(py, &limit, move || Judgement::new(&tried, &kinds, &reference, &cancel))?;
+    let judgement = judgement.map_err(refused)?;
     let json = judgement.json().map_err(|error| errors::input(py, "cases", error.to_string()))?;
     let svg = judgement.svg().map_err(|error| errors::input(py, "cases", error.to_string()))?;
     Ok((json.to_string(), judgement.text(), svg))

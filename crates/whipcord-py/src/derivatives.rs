@@ -51,7 +51,7 @@ pub fn derivatives(
     let count = parameters.len();
     let start = start.map(|solution| Arc::clone(&solution.inner));
     let of = Arc::clone(&case);
-    let answer = Setup::watched(setup, &model.inner, move |prepared| {
+    let answer = Setup::watched(setup, model, move |prepared| {
         let (model, workspace) = match prepared {
             Prepared::Cosserat(model, workspace) => (model, workspace),
             Prepared::FourBar(model, workspace) if parameters.is_empty() => {
@@ -62,7 +62,7 @@ pub fn derivatives(
         };
         let mut left = None;
         if start.is_none() {
-            for step in of.steps().take(of.before.len()) {
+            for step in of.single_steps().take(of.before.len()) {
                 left = Some(model.solve(&step, left.as_ref(), workspace)?);
             }
         }

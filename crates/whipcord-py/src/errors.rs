@@ -152,8 +152,16 @@ pub fn identify(py: Python<'_>, error: &IdentifyError) -> PyErr {
                 values.set_item("case", experiment)
             })
         }
+        IdentifyError::Cancelled => timed_out(py, error.to_string(), None),
         other => input(py, "parameters", other.to_string()),
     }
+}
+
+/// What was ended by its time limit: nothing else ends a solve whose result is waited for.
+pub fn timed_out(py: Python<'_>, why: String, last_load: Option<f64>) -> PyErr {
+    let message =
+        format!("the time limit was reached (timeout): {why}; give it more time, or ask for less");
+    exception(py, "WhipcordTimeout", message, |values| values.set_item("last_load", last_load))
 }
 
 /// A fit that has not converged.
@@ -310,6 +318,7 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
                 dict.set_item("touching", touching)
             })
         }
+        SolveError::Cancelled { last_load } => timed_out(py, message, *last_load),
         SolveError::TensionsNotFound => raise("TensionsNotFoundError", &[]),
         SolveError::NoDerivatives => raise("NoDerivativesError", &[]),
         SolveError::StepsTooCoarse { error, tolerance, steps } => raise(

@@ -13,17 +13,17 @@ use whipcord::registration::Alignment;
 use whipcord_cli::fitting::{self, moves_unasked, not_converged};
 use whipcord_io::{CaseFile, Fit};
 
-use crate::besides::Besides;
 use crate::errors;
+use crate::file_data::FileData;
 use crate::model::Model;
 use crate::setup::Setup;
-use crate::wait::interruptible;
+use crate::wait::within;
 
 /// What was fitted.
 #[pyclass(frozen, module = "whipcord._core")]
 pub struct Fitted {
     inner: fitting::Fit,
-    besides: Vec<Besides>,
+    file_data: Vec<FileData>,
 }
 
 /// An unknown: its path, where to start, least and greatest value, and what it is known to be within which
@@ -63,7 +63,8 @@ pub fn fit(
         .enumerate()
         .map(|(i, setup)| experiment(py, i, setup))
         .collect::<PyResult<_>>()?;
-    let files: Vec<Option<&Fit>> = setups.iter().map(|setup| setup.besides.fit.as_ref()).collect();
+    let files: Vec<Option<&Fit>> =
+        setups.iter().map(|setup| setup.file_data.fit.as_ref()).collect();
     let unknowns = if parameters.is_empty() && each.is_empty() {
         Fit::together(&files)
     } else {
@@ -77,7 +78,7 @@ pub fn fit(
         return Err(errors::input(py, "parameters", message.to_owned()));
     }
     for (i, setup) in setups.iter().enumerate() {
-        let measured = setup.besides.measured.as_ref();
+        let measured = setup.file_data.measured.as_ref();
         let alignment = measured.map_or(Alignment::None, |measured| measured.alignment);
         if moves_unasked(alignment, i, &unknowns) {
             let path = format!("cases[{i}].measured.registration");
@@ -100,14 +101,15 @@ pub fn fit(
             return Err(errors::input(py, "loss", message));
         }
     };
-    let settings =
-        Settings { robustness, confidence, iterations, ..Settings::new(model.inner.clone()) };
+    let (method, limit) = model.begin();
+    let settings = Settings { robustness, confidence, iterations, ..Settings::new(method) };
     let cases: Vec<CaseFile> =
         setups.iter().enumerate().map(|(i, setup)| file(py, i, setup)).collect::<PyResult<_>>()?;
-    let besides = setups.iter().map(|setup| setup.besides.clone()).collect();
-    let models: Vec<Method> = models.iter().map(|model| model.inner.clone()).collect();
+    let file_data = setups.iter().map(|setup| setup.file_data.clone()).collect();
+    let models: Vec<Method> =
+        models.iter().map(|model| model.inner.cancelled_by(&limit.cancel)).collect();
     let robot = first.robot.clone();
-    let inner = interruptible(py, move || -> Result<fitting::Fit, IdentifyError> {
+    let inner = within(py, &limit, move || -> Result<fitting::Fit, IdentifyError> {
         let found = identify(&robot, &experiments, &unknowns, &settings)?;
         let goes_on = found.status.is_converged();
         let validated = (validate && goes_on)
@@ -115,14 +117,14 @@ pub fn fit(
             .transpose()?;
         let models = if goes_on { models.as_slice() } else { &[] };
         let compared = compare_models(&robot, &experiments, &unknowns, models, &settings);
-        Ok(fitting::Fit::new(cases, experiments, found, validated, compared))
+        Ok(fitting::Fit::new(&settings.model, cases, experiments, found, validated, compared))
     })?;
     let inner = inner.map_err(|error| errors::identify(py, &error))?;
     if !inner.found.status.is_converged() {
         let message = not_converged(&inner.names, &inner.found);
         return Err(errors::fit_not_converged(py, message, &inner.found));
     }
-    Ok(Fitted { inner, besides })
+    Ok(Fitted { inner, file_data })
 }
 
 #[pymethods]
@@ -153,12 +155,12 @@ impl Fitted {
     /// The cases with the estimates.
     fn setups(&self) -> Vec<Setup> {
         let fitting::Fit { cases, found, .. } = &self.inner;
-        let all = cases.iter().zip(&found.cases).zip(&self.besides);
-        all.map(|((file, case), besides)| {
-            let besides = Besides { file: None, reference: None, ..besides.clone() };
+        let all = cases.iter().zip(&found.cases).zip(&self.file_data);
+        all.map(|((file, case), file_data)| {
+            let file_data = FileData { file: None, reference: None, ..file_data.clone() };
             let mut setup =
                 Setup::new(file.title.clone(), found.robot.clone(), Arc::new(case.clone()));
-            setup.besides = besides;
+            setup.file_data = file_data;
             setup
         })
         .collect()
@@ -167,7 +169,7 @@ impl Fitted {
     /// The text of the file of a case with the estimates in their places, for this folder; None where there is no
     /// file, or it has no place for one of them.
     fn text(&self, py: Python<'_>, number: usize, folder: PathBuf) -> PyResult<Option<String>> {
-        let Some(file) = &self.besides[number].file else { return Ok(None) };
+        let Some(file) = &self.file_data[number].file else { return Ok(None) };
         let found = &self.inner.found;
         let text = file.with_numbers_of(&found.robot, &found.cases[number], &folder);
         let text = text.map_err(|error| errors::input(py, "case", error.to_string()))?;
@@ -183,7 +185,7 @@ impl Fitted {
 
 /// What was measured in a case.
 fn experiment(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<Experiment> {
-    let measured = setup.besides.measured.as_ref().filter(|m| !m.observations.is_empty());
+    let measured = setup.file_data.measured.as_ref().filter(|m| !m.observations.is_empty());
     let Some(measured) = measured else {
         let path = format!("cases[{i}]");
         let message = format!(
@@ -221,7 +223,7 @@ fn unknown(
 
 /// The file of a case; one that was made in Python has none, and gets the text that it would be saved as.
 fn file(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<CaseFile> {
-    if let Some(file) = &setup.besides.file {
+    if let Some(file) = &setup.file_data.file {
         return Ok((**file).clone());
     }
     let of_case = |message: String| errors::input(py, &format!("cases[{i}]"), message);
@@ -229,6 +231,6 @@ fn file(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<CaseFile> {
     let text = whipcord_io::toml(&table.map_err(|error| of_case(error.to_string()))?);
     let name = format!("case-{}", i + 1);
     let mut file = whipcord_io::parse(&text, name).map_err(|error| of_case(error.to_string()))?;
-    file.measured = setup.besides.measured.as_deref().cloned();
+    file.measured = setup.file_data.measured.as_deref().cloned();
     Ok(file)
 }

@@ -5,17 +5,20 @@
 
 mod batch;
 mod benchmark;
-mod besides;
 mod calibration;
 mod camera;
 mod convert;
 mod derivatives;
 mod errors;
 mod figure;
+mod file_data;
 mod fit;
+mod measurement;
 mod model;
+mod notice;
 mod overlay;
 mod photo;
+mod prepared;
 mod setup;
 mod solution;
 mod wait;
@@ -37,8 +40,6 @@ mod _core {
     #[pymodule_export]
     use super::benchmark::{benchmark, suite};
     #[pymodule_export]
-    use super::besides::distances;
-    #[pymodule_export]
     use super::calibration::{Board, Seen, calibrate};
     #[pymodule_export]
     use super::camera::{Camera, locate_orthographic};
@@ -52,6 +53,8 @@ mod _core {
     use super::fit::{Fitted, fit};
     #[pymodule_export]
     use super::main;
+    #[pymodule_export]
+    use super::measurement::distances;
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]

@@ -1,6 +1,7 @@
 //! A model with its options.
 
 use core::str::FromStr;
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -8,11 +9,14 @@ use whipcord::cosserat::{self, Accuracy};
 use whipcord::{Drive, ModelKind, Stations, four_bar, linkage, pseudo_rigid_body};
 
 use crate::errors;
+use crate::wait::Limit;
 
 /// A model, its options, and where it gives the shape.
 #[pyclass(frozen, module = "whipcord._core")]
 pub struct Model {
     pub inner: whipcord::Model,
+    /// How long a call may take.
+    timeout: Option<Duration>,
     /// What it was made of.
     arguments: Py<PyDict>,
 }
@@ -22,7 +26,8 @@ impl Model {
     #[new]
     #[pyo3(signature = (
         kind, *, stations = None, actuation = None, tolerance = None, steps = None, stability = true,
-        residual = None, objective = None, chord = None, length_rule = None, coefficients = None
+        residual = None, objective = None, chord = None, length_rule = None, coefficients = None,
+        timeout = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
@@ -38,6 +43,7 @@ impl Model {
         chord: Option<&str>,
         length_rule: Option<&str>,
         coefficients: Option<&str>,
+        timeout: Option<f64>,
     ) -> PyResult<Self> {
         let arguments = PyDict::new(py);
         arguments.set_item("kind", kind)?;
@@ -132,7 +138,8 @@ impl Model {
                 whipcord::Model::PseudoRigidBody(options)
             }
         };
-        Ok(Self { inner, arguments: arguments.unbind() })
+        let timeout = timeout.map(|seconds| self::timeout(py, seconds)).transpose()?;
+        Ok(Self { inner, timeout, arguments: arguments.unbind() })
     }
 
     /// Name of the model.
@@ -149,11 +156,27 @@ impl Model {
 }
 
 impl Model {
+    /// The time of a call begins: the model whose solves end when it is over, or when a signal comes.
+    pub fn begin(&self) -> (whipcord::Model, Limit) {
+        let limit = Limit::starting_now(self.timeout);
+        (self.inner.cancelled_by(&limit.cancel), limit)
+    }
+
     /// What drives all cables, where that was chosen.
     pub fn actuation(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let chosen = self.arguments.bind(py).get_item("actuation")?;
         chosen.map_or(Ok(None), |chosen| chosen.extract())
     }
+}
+
+/// A time limit of a call in seconds.
+pub fn timeout(py: Python<'_>, seconds: f64) -> PyResult<Duration> {
+    let time = Duration::try_from_secs_f64(seconds).ok().filter(|_| seconds > 0.0);
+    time.ok_or_else(|| {
+        let message =
+            format!("timeout must be a number of seconds greater than zero, but is {seconds}");
+        errors::input(py, "timeout", message)
+    })
 }
 
 pub fn named<T: FromStr<Err: ToString>>(py: Python<'_>, path: &str, name: &str) -> PyResult<T> {

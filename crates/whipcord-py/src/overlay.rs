@@ -6,7 +6,9 @@ use std::sync::Arc;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use whipcord::observation::{self, InImage, Overlaid, Rms, in_image};
-use whipcord::{Case, ModelKind, Observation, Place, Seen, SolveError, Vec3};
+use whipcord::{
+    Case, Drive, Model, ModelKind, Observation, Place, Seen, SolveError, Stations, Vec3,
+};
 use whipcord_plot::{
     FINE_STATIONS, OverlayOptions, Photograph, PlotError, RobotView, overlay_figure,
 };
@@ -14,10 +16,11 @@ use whipcord_plot::{
 use crate::camera::Camera;
 use crate::convert::array;
 use crate::errors;
+use crate::model;
 use crate::photo::Photo;
 use crate::setup::Setup;
 use crate::solution::Solution;
-use crate::wait::interruptible;
+use crate::wait::{Limit, within};
 
 /// A marker that was seen: number of its disk from 1, arc length in m, offset in m, and pixel.
 type Marker = (Option<usize>, f64, [f64; 3], [f64; 2]);
@@ -35,7 +38,7 @@ type Run<'py> = (
 /// its number among those of `[measured]`, `marks` what was found in the photograph instead, or a `table` of it. Without an answer,
 /// there is no picture.
 #[pyfunction]
-#[pyo3(signature = (photo, setup, camera, seen_by, marks, table, step, models, title, width))]
+#[pyo3(signature = (photo, setup, camera, seen_by, marks, table, step, models, title, width, timeout = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn overlay<'py>(
     py: Python<'py>,
@@ -49,9 +52,10 @@ pub fn overlay<'py>(
     models: Vec<String>,
     title: String,
     width: f64,
+    timeout: Option<f64>,
 ) -> PyResult<(Option<String>, Vec<Marker>, Vec<Run<'py>>)> {
     let (handle, setup, camera) = (setup.clone().unbind(), setup.get(), camera.inner);
-    let case = setup.case.steps().nth(step).ok_or_else(|| {
+    let case = setup.case.step(step).ok_or_else(|| {
         let (step, count) = (step + 1, setup.case.before.len() + 1);
         errors::input(
             py,
@@ -67,7 +71,7 @@ pub fn overlay<'py>(
         );
         return Err(errors::input(py, "camera", message));
     }
-    let markers: Vec<InImage> = match (marks, table, &setup.besides.measured, seen_by) {
+    let markers: Vec<InImage> = match (marks, table, &setup.file_data.measured, seen_by) {
         (Some(marks), ..) => {
             marks.into_iter().map(|mark| marker(py, setup, mark, step)).collect::<PyResult<_>>()?
         }
@@ -89,11 +93,20 @@ pub fn overlay<'py>(
             },
         )?;
     let (of, seen) = (case.clone(), markers.clone());
-    let runs: Vec<(ModelKind, Result<Overlaid, SolveError>)> = interruptible(py, move || {
+    let timeout = timeout.map(|seconds| model::timeout(py, seconds)).transpose()?;
+    let limit = Limit::starting_now(timeout);
+    let cancel = limit.cancel.clone();
+    let runs: Vec<(ModelKind, Result<Overlaid, SolveError>)> = within(py, &limit, move || {
         let robot = &handle.get().robot;
-        let run = |kind| observation::overlay(kind, robot, &of, &camera, &seen, FINE_STATIONS);
+        let run = |kind| {
+            let model = Model::new(kind, Stations::Disks, Drive::Natural).cancelled_by(&cancel);
+            observation::overlay(&model, robot, &of, &camera, &seen, FINE_STATIONS)
+        };
         kinds.into_iter().map(|kind| (kind, run(kind))).collect()
     })?;
+    if limit.cancel.is_cancelled() {
+        return Err(errors::timed_out(py, "not all models were solved".to_owned(), None));
+    }
     let length = setup.robot.backbone().length;
     let views: Vec<RobotView> = runs
         .iter()

@@ -1,7 +1,7 @@
 //! A robot and what is asked of it.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use numpy::{PyArray1, PyArray2};
@@ -9,18 +9,22 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::cosserat::{BranchOptions, Cosserat, CriticalKind, Workspace};
 use whipcord::kinematics::{DrivenBy, Means, Yield};
+use whipcord::warning::{of_answer, of_case, of_spacing};
 use whipcord::{
     CableCommand, Case, Differentiable, Drive, ModelKind, Parameter, Prepared, Robot, Shortening,
-    SolveError, Statics,
+    SolveError, Statics, Warning,
 };
 use whipcord_io::CaseFile;
 
-use crate::besides::{self, Besides};
 use crate::convert::{self, array, commands};
 use crate::errors;
+use crate::file_data::{self, FileData};
+use crate::measurement;
 use crate::model::Model;
+use crate::notice::Notice;
+use crate::prepared::PreparedModels;
 use crate::solution::Solution;
-use crate::wait::{PERIOD, interruptible};
+use crate::wait::{PERIOD, within};
 
 /// A robot and what is asked of it, as one robot file describes them.
 #[pyclass(frozen, module = "whipcord._core")]
@@ -28,34 +32,23 @@ pub struct Setup {
     pub title: String,
     pub robot: Robot,
     pub case: Arc<Case>,
-    pub besides: Besides,
-    /// Models built for the robot, the last used one last. They hold nothing that an answer depends on.
-    kept: Mutex<Vec<Kept>>,
+    pub file_data: FileData,
+    /// Models built for the robot. They hold nothing that an answer depends on.
+    models: PreparedModels,
     /// Lengths in m of the cables before actuation, by the kinds of models that were asked for them.
     initial_lengths: Mutex<Vec<(ModelKind, Vec<f64>)>>,
 }
 
-/// A model that was built.
-struct Kept {
-    model: whipcord::Model,
-    prepared: Prepared,
-    /// Whether its last answer took less than [`PERIOD`].
-    quick: bool,
-}
-
-/// Models that are kept.
-const MOST_PREPARED: usize = 8;
-
 impl Setup {
     pub fn new(title: String, robot: Robot, case: Arc<Case>) -> Self {
-        let (kept, initial_lengths) = (Mutex::default(), Mutex::default());
-        Self { title, robot, case, besides: Besides::default(), kept, initial_lengths }
+        let (models, initial_lengths) = (PreparedModels::default(), Mutex::default());
+        Self { title, robot, case, file_data: FileData::default(), models, initial_lengths }
     }
 
-    fn of_file(file: CaseFile) -> Self {
-        let besides = Besides::of(&file);
+    fn of_file(file: CaseFile, has_units: bool) -> Self {
+        let file_data = FileData::of(&file, has_units);
         let CaseFile { title, robot, case, .. } = file;
-        Self { besides, ..Self::new(title, robot, Arc::new(case)) }
+        Self { file_data, ..Self::new(title, robot, Arc::new(case)) }
     }
 
     /// Has a model work that was built before, or is built now. Several threads may do this at once.
@@ -64,54 +57,33 @@ impl Setup {
         model: &whipcord::Model,
         work: impl FnOnce(&mut Prepared) -> Result<T, SolveError>,
     ) -> Result<T, SolveError> {
-        let known = {
-            let mut kept = self.kept();
-            kept.iter().rposition(|kept| kept.model == *model).map(|i| kept.remove(i))
-        };
-        let mut used = match known {
-            Some(known) => known,
-            None => {
-                let prepared = model.prepare(&self.robot, &self.case.loads)?;
-                Kept { model: model.clone(), prepared, quick: false }
-            }
-        };
-        let result = work(&mut used.prepared);
-        let mut kept = self.kept();
-        if kept.len() >= MOST_PREPARED {
-            kept.remove(0);
-        }
-        kept.push(used);
-        result
+        self.models.with(model, &self.robot, &self.case.loads, work)
     }
 
-    /// As [`Self::with`], for what may take long: Ctrl-C ends the waiting. A thread costs as much as a few
+    /// As [`Self::with`], for what may take long: Ctrl-C ends it, and so does the time limit of the model. A thread costs as much as a few
     /// easy answers, so what was quick the last time is done without.
     pub fn watched<T: Send + 'static>(
         this: &Bound<'_, Self>,
-        model: &whipcord::Model,
+        model: &Model,
         work: impl FnOnce(&mut Prepared) -> Result<T, SolveError> + Send + 'static,
     ) -> PyResult<T> {
         let (py, setup) = (this.py(), this.get());
-        let quick = setup.kept().iter().any(|kept| kept.quick && kept.model == *model);
+        let (model, limit) = model.begin();
+        let cancel = limit.cancel.clone();
+        let work = move |prepared: &mut Prepared| {
+            prepared.set_cancel(&cancel);
+            work(prepared)
+        };
+        let quick = setup.models.was_quick(&model);
         let begun = Instant::now();
-        let answer = if quick {
-            py.detach(|| setup.with(model, work))
+        let answer = if quick && !limit.is_timed() {
+            py.detach(|| setup.with(&model, work))
         } else {
             let (setup, model) = (this.clone().unbind(), model.clone());
-            interruptible(py, move || setup.get().with(&model, work))?
+            within(py, &limit, move || setup.get().with(&model, work))?
         };
-        let quick = begun.elapsed() < PERIOD;
-        setup
-            .kept()
-            .iter_mut()
-            .filter(|kept| kept.model == *model)
-            .for_each(|kept| kept.quick = quick);
+        setup.models.note_quick(&model, begun.elapsed() < PERIOD);
         answer.map_err(|error| errors::solve(py, &error))
-    }
-
-    fn kept(&self) -> MutexGuard<'_, Vec<Kept>> {
-        // What panics elsewhere leaves the list whole.
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The case with other commands.
@@ -133,13 +105,23 @@ impl Setup {
     }
 
     /// The Cosserat model, for what only it knows.
-    pub fn cosserat(&self, py: Python<'_>, model: &Model, what: &str) -> PyResult<Cosserat> {
-        let whipcord::Model::Cosserat(options) = &model.inner else {
-            return Err(errors::not_by(py, model.inner.kind(), what));
+    pub fn cosserat(
+        &self,
+        py: Python<'_>,
+        model: &whipcord::Model,
+        what: &str,
+    ) -> PyResult<Cosserat> {
+        let whipcord::Model::Cosserat(options) = model else {
+            return Err(errors::not_by(py, model.kind(), what));
         };
         let built = Cosserat::new(&self.robot, &self.case.loads, options);
         built.map_err(|error| errors::solve(py, &error))
     }
+}
+
+fn notices<'py>(py: Python<'py>, found: &[Warning]) -> PyResult<Bound<'py, PyList>> {
+    let notices: Vec<Notice> = found.iter().map(Notice::of).collect();
+    PyList::new(py, notices.iter().map(Notice::row))
 }
 
 #[pymethods]
@@ -149,8 +131,8 @@ impl Setup {
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let file = py.detach(|| whipcord_io::load(&path));
         let kept = |file: CaseFile| {
-            let mut setup = Self::of_file(file.clone());
-            setup.besides.file = Some(Arc::new(file));
+            let mut setup = Self::of_file(file.clone(), true);
+            setup.file_data.file = Some(Arc::new(file));
             setup
         };
         file.map(kept).map_err(|error| errors::file(py, &error, &path.display().to_string()))
@@ -160,7 +142,7 @@ impl Setup {
     #[staticmethod]
     fn parse(py: Python<'_>, text: &str, name: PathBuf) -> PyResult<Self> {
         let file = whipcord_io::parse(text, &name);
-        file.map(Self::of_file)
+        file.map(|file| Self::of_file(file, true))
             .map_err(|error| errors::file(py, &error, &name.display().to_string()))
     }
 
@@ -169,7 +151,8 @@ impl Setup {
     fn of_tables(py: Python<'_>, tables: &Bound<'_, PyDict>, of: &str) -> PyResult<Self> {
         let text = whipcord_io::toml(&convert::to_table(tables, of)?);
         let file = whipcord_io::parse(&text, of);
-        file.map(Self::of_file).map_err(|error| errors::arguments(py, &error, of))
+        file.map(|file| Self::of_file(file, false))
+            .map_err(|error| errors::arguments(py, &error, of))
     }
 
     /// The tables of a robot file that describes it, in SI.
@@ -177,7 +160,7 @@ impl Setup {
         let title = (!self.title.trim().is_empty()).then_some(self.title.as_str());
         let table = whipcord_io::describe(title, &self.robot, &self.case);
         let mut table = table.map_err(|error| errors::input(py, "case", error.to_string()))?;
-        table.insert_some("fit", self.besides.fit.as_ref().map(whipcord_io::describe_fit));
+        table.insert_some("fit", self.file_data.fit.as_ref().map(whipcord_io::describe_fit));
         convert::from_table(py, &table)
     }
 
@@ -186,19 +169,44 @@ impl Setup {
         &self.title
     }
 
+    /// Warnings about it: code, message, help, and path, line and column of each.
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        match &self.file_data.notices {
+            Some(notices) => PyList::new(py, notices.iter().map(Notice::row)),
+            None => notices(py, &of_case(&self.robot, &self.case)),
+        }
+    }
+
+    /// The same about an answer.
+    fn answer_warnings<'py>(&self, py: Python<'py>, of: &Solution) -> PyResult<Bound<'py, PyList>> {
+        let found = py.detach(|| of_answer(&self.robot, &of.inner));
+        notices(py, &found)
+    }
+
+    /// The same about what the spacing of the disks changes, which costs a solve.
+    fn spacing_warnings<'py>(
+        &self,
+        py: Python<'py>,
+        model: &Model,
+        of: &Solution,
+    ) -> PyResult<Bound<'py, PyList>> {
+        let found = py.detach(|| of_spacing(&model.inner, &self.robot, &of.case, &of.inner));
+        notices(py, found.as_slice())
+    }
+
     /// What was measured: numbers of the disks, from 1, their (k, 3) positions in m, and what the table says
     /// beside them.
     #[getter]
     fn measured<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let measured = self.besides.measured.as_deref();
-        measured.map(|measured| besides::measured(py, measured)).transpose()
+        let measured = self.file_data.measured.as_deref();
+        measured.map(|measured| measurement::measured(py, measured)).transpose()
     }
 
     /// What others have published for this case.
     #[getter]
     fn reference<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let reference = self.besides.reference.as_deref();
-        reference.map(|reference| besides::reference(py, reference)).transpose()
+        let reference = self.file_data.reference.as_deref();
+        reference.map(|reference| file_data::reference(py, reference)).transpose()
     }
 
     /// Arc lengths of the disks in m.
@@ -214,23 +222,24 @@ impl Setup {
     /// The same, with what a file says beside robot and case from another: the unknowns, and if asked for what
     /// was measured and published.
     fn beside(&self, other: &Self, measured: bool, reference: bool) -> Self {
-        let of = &other.besides;
-        let besides = Besides {
+        let of = &other.file_data;
+        let file_data = FileData {
             measured: of.measured.clone().filter(|_| measured),
             reference: of.reference.clone().filter(|_| reference),
             fit: of.fit.clone(),
             file: None,
+            notices: self.file_data.notices.clone(),
         };
         let setup = Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&self.case));
-        Self { besides, ..setup }
+        Self { file_data, ..setup }
     }
 
     /// The same, with the measurement of these values, which are those that `measured` has given.
     fn with_measured(&self, measured: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let measured = Some(Arc::new(besides::measured_of(measured)?));
+        let measured = Some(Arc::new(measurement::measured_of(measured)?));
         let setup = Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&self.case));
-        let besides = Besides { measured, file: None, ..self.besides.clone() };
-        Ok(Self { besides, ..setup })
+        let file_data = FileData { measured, file: None, ..self.file_data.clone() };
+        Ok(Self { file_data, ..setup })
     }
 
     /// Arc lengths in m at which a model gives the shape.
@@ -252,7 +261,7 @@ impl Setup {
         let case = slf.get().commanded(tension, shortening)?;
         let start = start.map(|solution| Arc::clone(&solution.inner));
         let of = Arc::clone(&case);
-        let answer = Self::watched(slf, &model.inner, move |prepared| match start {
+        let answer = Self::watched(slf, model, move |prepared| match start {
             None => prepared.solve_to_the_end(&of).map_err(|(_, error)| error),
             Some(start) => prepared.solve(&of, Some(&start)),
         })?;
@@ -269,17 +278,13 @@ impl Setup {
     ) -> PyResult<Vec<Solution>> {
         let case = slf.get().commanded(tension, shortening)?;
         let of = Arc::clone(&case);
-        let answers = Self::watched(slf, &model.inner, move |prepared| {
+        let answers = Self::watched(slf, model, move |prepared| {
             let mut all = Vec::new();
             prepared.solve_steps(&of, |solution| all.push(solution)).map_err(|(_, e)| e)?;
             Ok(all)
         })?;
-        let steps = case.steps().map(Arc::new);
-        Ok(answers
-            .into_iter()
-            .zip(steps)
-            .map(|(answer, step)| Solution::new(answer, &step))
-            .collect())
+        let answers = answers.into_iter().enumerate();
+        Ok(answers.map(|(step, answer)| Solution::of_step(answer, &case, step)).collect())
     }
 
     /// Length in m of each cable inside the robot before anything pulls or loads it.
@@ -322,7 +327,7 @@ impl Setup {
 
     /// The robot with what was asked of it for an answer.
     fn of_answer(&self, solution: &Solution) -> Self {
-        Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&solution.case))
+        Self::new(self.title.clone(), self.robot.clone(), solution.answered())
     }
 
     /// The same, with the command alone of each cable that the model took, lengths in m: what another model, or a viewer, is to
@@ -378,8 +383,9 @@ impl Setup {
     ) -> PyResult<(Solution, Bound<'py, PyDict>)> {
         let case = slf.get().commanded(tension, shortening)?;
         let at = arc_length.unwrap_or(slf.get().robot.backbone().length);
-        let (setup, model, of) = (slf.clone().unbind(), model.inner.clone(), Arc::clone(&case));
-        let answer = interruptible(py, move || model.solve_at(&setup.get().robot, &of, at))?;
+        let (model, limit) = model.begin();
+        let (setup, of) = (slf.clone().unbind(), Arc::clone(&case));
+        let answer = within(py, &limit, move || model.solve_at(&setup.get().robot, &of, at))?;
         let (solution, local) = answer.map_err(|error| errors::solve(py, &error))?;
         let values = PyDict::new(py);
         values.set_item("arc_length", at)?;
@@ -438,9 +444,10 @@ impl Setup {
         bool,
     )> {
         let case = self.commanded(tension, shortening)?;
-        let model = self.cosserat(py, model, "branches")?;
+        let (flagged, limit) = model.begin();
+        let model = self.cosserat(py, &flagged, "branches")?;
         let of = Arc::clone(&case);
-        let found = interruptible(py, move || {
+        let found = within(py, &limit, move || {
             model.branches(&of, &BranchOptions::default(), &mut Workspace::default())
         })?;
         let found = found.map_err(|error| errors::solve(py, &error))?;
@@ -462,6 +469,10 @@ impl Setup {
 /// The parameter of this path.
 pub fn parameter(py: Python<'_>, path: &str) -> PyResult<Parameter> {
     path.parse().map_err(|error: whipcord::UnknownParameter| {
-        errors::input(py, "parameters", error.to_string())
+        let message = match whipcord_io::nearest_parameter(path) {
+            Some(near) => format!("there is no parameter `{path}`: did you mean `{near}`?"),
+            None => error.to_string(),
+        };
+        errors::input(py, "parameters", message)
     })
 }

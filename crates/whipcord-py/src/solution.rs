@@ -20,11 +20,27 @@ pub struct Solution {
     pub inner: Arc<whipcord::Solution>,
     /// What it answers.
     pub case: Arc<Case>,
+    /// Which step of the case, from 0. The step is taken out of the case only where it is needed: many steps, each with
+    /// those before it, would fill the memory.
+    pub step: usize,
 }
 
 impl Solution {
     pub fn new(solution: whipcord::Solution, case: &Arc<Case>) -> Self {
-        Self { inner: Arc::new(solution), case: Arc::clone(case) }
+        Self::of_step(solution, case, case.before.len())
+    }
+
+    /// The answer to one of the steps of a case, counted from 0.
+    pub fn of_step(solution: whipcord::Solution, case: &Arc<Case>, step: usize) -> Self {
+        Self { inner: Arc::new(solution), case: Arc::clone(case), step }
+    }
+
+    /// The case that it answers, with the steps before it.
+    pub fn answered(&self) -> Arc<Case> {
+        match self.case.step(self.step) {
+            Some(step) if self.step < self.case.before.len() => Arc::new(step),
+            _ => Arc::clone(&self.case),
+        }
     }
 }
 
@@ -151,6 +167,7 @@ impl Solution {
         values.set_item("steps", of.steps)?;
         values.set_item("stability_lost_at", of.stability_lost_at)?;
         values.set_item("unstable", of.is_unstable())?;
+        values.set_item("stable", of.is_stable())?;
         Ok(values)
     }
 

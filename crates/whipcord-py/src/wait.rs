@@ -4,10 +4,11 @@
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use whipcord::Cancel;
 use whipcord::batch::{BatchError, Progress};
 
 use crate::errors;
@@ -15,10 +16,56 @@ use crate::errors;
 /// How often signals are looked for, and progress is reported.
 pub const PERIOD: Duration = Duration::from_millis(50);
 
-/// Has a thread of its own do the work and waits for it. A signal ends the waiting at once; the work,
-/// which cannot be broken off, goes on to its end, and nobody asks for its result.
+/// What ends work before it is done: a signal, or a time that is over.
+#[derive(Clone, Debug, Default)]
+pub struct Limit {
+    /// Ends the solves of the work, where these look at it.
+    pub cancel: Cancel,
+    /// When the time is over.
+    until: Option<Instant>,
+}
+
+impl Limit {
+    /// The time begins now.
+    pub fn starting_now(timeout: Option<Duration>) -> Self {
+        let until = timeout.and_then(|timeout| Instant::now().checked_add(timeout));
+        Self { cancel: Cancel::new(), until }
+    }
+
+    /// Whether there is a time limit.
+    pub const fn is_timed(&self) -> bool {
+        self.until.is_some()
+    }
+
+    /// How long to wait until signals and time are looked at again.
+    fn period(&self) -> Duration {
+        let left = self.until.map(|until| until.saturating_duration_since(Instant::now()));
+        // Where the time is over the work has been told so, and ends soon.
+        left.filter(|left| !left.is_zero()).map_or(PERIOD, |left| left.min(PERIOD))
+    }
+
+    /// Ends the work where the time is over.
+    fn look_at_time(&self) {
+        if self.until.is_some_and(|until| until <= Instant::now()) {
+            self.cancel.cancel();
+        }
+    }
+}
+
+/// [`within`], for work without a limit that looks at no flag.
 pub fn interruptible<T: Send + 'static>(
     py: Python<'_>,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    within(py, &Limit::default(), work)
+}
+
+/// Has a thread of its own do the work and waits for it. A signal ends the waiting at once and sets the flag of the limit;
+/// solves that look at it end promptly, and nobody asks for their result. Where the time is over the flag is set, and the
+/// work says so.
+pub fn within<T: Send + 'static>(
+    py: Python<'_>,
+    limit: &Limit,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> PyResult<T> {
     let (give, result) = sync_channel(1);
@@ -28,9 +75,13 @@ pub fn interruptible<T: Send + 'static>(
     })?;
     py.detach(move || {
         loop {
-            match result.recv_timeout(PERIOD) {
+            match result.recv_timeout(limit.period()) {
                 Ok(result) => return Ok(result),
-                Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
+                Err(RecvTimeoutError::Timeout) => {
+                    Python::attach(|py| py.check_signals())
+                        .inspect_err(|_| limit.cancel.cancel())?;
+                    limit.look_at_time();
+                }
                 // PyO3 makes an exception of a panic.
                 Err(RecvTimeoutError::Disconnected) => break,
             }
@@ -46,6 +97,7 @@ pub fn interruptible<T: Send + 'static>(
 /// and reports progress.
 pub fn supervise<T: Send>(
     py: Python<'_>,
+    limit: &Limit,
     report: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(Progress<'_>) -> Result<T, BatchError> + Send,
 ) -> PyResult<T> {
@@ -66,13 +118,16 @@ pub fn supervise<T: Send>(
         });
         let mut interrupted = None;
         while !finished.load(Ordering::Acquire) && !worker.is_finished() {
-            py.detach(|| thread::park_timeout(PERIOD));
+            py.detach(|| thread::park_timeout(limit.period()));
+            limit.look_at_time();
             let told = match report {
                 Some(report) => report.call1((done.load(Ordering::Relaxed),)).map(drop),
                 None => Ok(()),
             };
             if let Err(error) = told.and_then(|()| py.check_signals()) {
                 stopped.store(true, Ordering::Relaxed);
+                // The row that is being solved ends, too.
+                limit.cancel.cancel();
                 interrupted = Some(error);
                 break;
             }
@@ -81,6 +136,9 @@ pub fn supervise<T: Send>(
     });
     match (interrupted, result) {
         (Some(error), _) => Err(error),
+        (None, Ok(Err(error @ BatchError::Stopped { .. }))) if limit.cancel.is_cancelled() => {
+            Err(errors::timed_out(py, error.to_string(), None))
+        }
         (None, Ok(result)) => result.map_err(|error| errors::batch(py, &error)),
         // PyO3 turns it into an exception, as any panic.
         (None, Err(panic)) => std::panic::resume_unwind(panic),

@@ -4,13 +4,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use whipcord::kinematics::principal_axes;
+use whipcord::warning::of_answer;
 use whipcord::{
-    Case, Differentiable as _, Drive, Model, ModelKind, ModelVariant, Prepared, Robot, Shape,
-    Shortening, Solution, Vec3,
+    Cancel, Case, Differentiable as _, Drive, Model, ModelKind, ModelVariant, Prepared, Robot,
+    Shape, Shortening, Solution, Vec3, Warning,
 };
 use whipcord_io::CaseFile;
 
-use crate::protocol::{Answer, CableState, Compliance, Frame, Malformed, Request, Solved, Touch};
+use crate::protocol::{
+    self, Answer, CableState, Compliance, Frame, Malformed, Request, Solved, Touch,
+};
 use crate::scene::{array, model};
 use crate::stations::Places;
 
@@ -24,6 +27,7 @@ pub struct Bench {
     file: Arc<CaseFile>,
     places: Places,
     ready: Vec<Ready>,
+    cancel: Cancel,
 }
 
 #[derive(Debug)]
@@ -54,7 +58,12 @@ impl Bench {
     /// For the robot and the case of a file.
     pub fn new(file: Arc<CaseFile>) -> Self {
         let places = Places::of(&file.robot);
-        Self { file, places, ready: Vec::new() }
+        Self { file, places, ready: Vec::new(), cancel: Cancel::default() }
+    }
+
+    /// Lets this flag end the next solves.
+    pub fn cancelled_by(&mut self, cancel: &Cancel) {
+        self.cancel.clone_from(cancel);
     }
 
     /// The answers to a request that came at `arrival`.
@@ -129,7 +138,9 @@ impl Bench {
     /// cold. Where cables or obstacles rub, what was before counts: then each answer is that after the steps of the file.
     fn one(&mut self, variant: ModelVariant, case: &Case) -> Result<Found, Refusal> {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
+        let cancel = self.cancel.clone();
         let ready = self.ready(variant)?;
+        ready.prepared.set_cancel(&cancel);
         let rubs = !case.before.is_empty()
             || case.obstacles.iter().any(|obstacle| obstacle.friction > 0.0)
             || ready.prepared.robot().cables().iter().any(whipcord::Cable::rubs);
@@ -175,7 +186,8 @@ impl Bench {
         variant: ModelVariant,
         Found { solution, case, .. }: &Found,
     ) -> Result<Compliance, Refusal> {
-        let model = self.ready(variant)?.model.clone();
+        let cancel = self.cancel.clone();
+        let model = self.ready(variant)?.model.cancelled_by(&cancel);
         let robot = &self.file.robot;
         let length = robot.backbone().length;
         let (there, local) = model
@@ -254,8 +266,18 @@ fn solved(
         solve_time: *solve_time,
         driven_by: found.driven_by.map(|model| model.name().to_owned()),
         compliance,
+        warnings: warnings(robot, solution),
     };
     solved.is_finite().then_some(solved)
+}
+
+/// Warnings about an answer, except those that the page has a field for.
+fn warnings(robot: &Robot, solution: &Solution) -> Vec<protocol::Warning> {
+    let others = of_answer(robot, solution).into_iter();
+    others
+        .filter(|warning| !matches!(warning, Warning::Unstable { .. }))
+        .map(|warning| protocol::Warning { message: warning.to_string(), help: warning.help() })
+        .collect()
 }
 
 /// The shortening in m that leads to this state of a cable: the path is as long as the cable at rest and its stretch.

@@ -4,11 +4,12 @@
 //! sliders always solves for where they are, never for where they were.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use axum::extract::ws::{Message, WebSocket};
 use futures_util::{SinkExt as _, StreamExt as _};
 use tokio::sync::{Semaphore, mpsc, watch};
+use whipcord::Cancel;
 
 use crate::bench::Bench;
 use crate::opened::{Opened, Usable};
@@ -24,6 +25,9 @@ pub struct Shared {
     pub opened: watch::Receiver<Opened>,
     /// As many solves at once as there are processors.
     pub solvers: Arc<Semaphore>,
+    /// How long a solve that a newer request has overtaken may go on: while a slider moves, shapes that do not take longer
+    /// are shown.
+    pub patience: Duration,
 }
 
 /// A request and when it came.
@@ -71,13 +75,30 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     }
 }
 
+/// Ends a solve when it is dropped.
+struct Guard(Cancel);
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}
+
+/// Waits until there is a newer request that has waited for `patience`.
+async fn superseded(mut latest: watch::Receiver<Option<Arrived>>, patience: Duration) {
+    // A page that has gone wants no answer either.
+    if latest.changed().await.is_ok() {
+        tokio::time::sleep(patience).await;
+    }
+}
+
 /// Tells the page of the file, and answers the latest of its requests.
 async fn solve(
     shared: Shared,
     mut latest: watch::Receiver<Option<Arrived>>,
     send: mpsc::Sender<ToPage>,
 ) {
-    let Shared { mut opened, solvers } = shared;
+    let Shared { mut opened, solvers, patience } = shared;
     let (mut bench, mut known): (Option<Bench>, Option<Arc<Usable>>) = (None, None);
     opened.mark_changed();
     loop {
@@ -111,14 +132,30 @@ async fn solve(
                 let Some((request, arrival)) = latest.borrow_and_update().clone() else { continue };
                 let Some(mut at_work) = bench.take() else { continue };
                 let Ok(permit) = Arc::clone(&solvers).acquire_owned().await else { return };
-                let solved = tokio::task::spawn_blocking(move || {
+                let cancel = Cancel::new();
+                at_work.cancelled_by(&cancel);
+                // When the page goes, this is dropped, and the solve ends.
+                let guard = Guard(cancel.clone());
+                let mut solved = tokio::task::spawn_blocking(move || {
                     let frame = at_work.solve(&request, arrival);
                     drop(permit);
                     (at_work, frame)
                 });
                 // A solve that panics costs this page its connection, and no other.
-                let Ok((back, frame)) = solved.await else { return };
+                let outcome = tokio::select! {
+                    outcome = &mut solved => outcome,
+                    () = superseded(latest.clone(), patience) => {
+                        cancel.cancel();
+                        solved.await
+                    }
+                };
+                let is_overtaken = cancel.is_cancelled();
+                drop(guard);
+                let Ok((back, frame)) = outcome else { return };
                 bench = Some(back);
+                if is_overtaken {
+                    continue;
+                }
                 let message = match frame {
                     Ok(frame) => ToPage::Frame(frame),
                     Err(error) => ToPage::Error { message: error.to_string() },

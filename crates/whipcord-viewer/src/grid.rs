@@ -3,7 +3,7 @@
 //! Between frames it is the strains that are interpolated, and not the positions: without external loads the strains of a
 //! rod are nearly linear in the tensions, however far it bends. In each slider it is by the cubic through four positions.
 
-use whipcord::{Pose, Twist};
+use whipcord::{Pose, Twist, equally_spaced};
 
 use crate::protocol::{Command, Ranges};
 
@@ -50,7 +50,8 @@ impl Grid {
                 Command::Tension(at) => (true, at, 0.0, ranges.tension),
                 Command::Shortening(at) => (false, at, -ranges.shortening, ranges.shortening),
             };
-            let values = if k < moving { spread(least, end, positions) } else { vec![at] };
+            let values =
+                if k < moving { equally_spaced(least, end, positions).collect() } else { vec![at] };
             Axis { values, tension }
         });
         Self { axes: axes.collect(), initial: initial.to_vec() }
@@ -168,11 +169,6 @@ impl Axis {
         let each = (start..start + nodes).map(|k| (k, share(k)));
         each.filter(|&(_, share)| share != 0.0).collect()
     }
-}
-
-/// Values from end to end, at equal distances.
-fn spread(least: f64, most: f64, count: usize) -> Vec<f64> {
-    (0..count).map(|k| least + (most - least) * k as f64 / (count - 1) as f64).collect()
 }
 
 /// The pose at each end of these strains, from the base on; `lengths` are those of the pieces.

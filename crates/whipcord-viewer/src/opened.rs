@@ -1,6 +1,7 @@
 //! The robot file as it is now on disk.
 
 use std::fs;
+use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -70,10 +71,44 @@ fn read(path: &Path, known: Vec<PathBuf>) -> (Result<Usable, FileError>, Watched
 
 /// Files as they were when they were read.
 #[derive(Debug)]
-pub struct Watched(Vec<(PathBuf, Stamp)>);
+pub struct Watched(Vec<(PathBuf, Option<Stamp>)>);
 
-/// What tells one state of a file from another; none where there is no such file.
-type Stamp = Option<(SystemTime, u64)>;
+/// What tells one state of a file from another.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Stamp {
+    modified: SystemTime,
+    bytes: u64,
+    /// A hash of the contents, where the file was changed so shortly before it was looked at that another change may have
+    /// the same time.
+    contents: Option<u64>,
+}
+
+/// The coarsest clock of a file system: files that are changed twice within it may be of the same time.
+const COARSEST: Duration = Duration::from_secs(2);
+
+impl Stamp {
+    /// The file as it is now, with its contents where it was changed recently or where that is asked for; none where there
+    /// is no such file.
+    fn of(file: &Path, with_contents: bool) -> Option<Self> {
+        let metadata = fs::metadata(file).ok()?;
+        let (modified, bytes) = (metadata.modified().ok()?, metadata.len());
+        let wanted = with_contents || is_recent(modified);
+        let contents = if wanted { hash_of_contents(file) } else { None };
+        Some(Self { modified, bytes, contents })
+    }
+}
+
+/// Whether a change at this time may be followed by another of the same time. A time to come counts as well: clocks are
+/// set back, and those of other machines differ.
+fn is_recent(modified: SystemTime) -> bool {
+    modified.elapsed().map_or(true, |since| since < COARSEST)
+}
+
+fn hash_of_contents(file: &Path) -> Option<u64> {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(&fs::read(file).ok()?);
+    Some(hasher.finish())
+}
 
 impl Watched {
     /// What `read` gives, and the files that it names beside those that are known, as they were before it: what is saved
@@ -83,7 +118,7 @@ impl Watched {
         mut read: impl FnMut() -> (T, Vec<PathBuf>),
     ) -> (T, Self) {
         loop {
-            let before = known.iter().map(|file| stamp(file)).collect::<Vec<_>>();
+            let before = known.iter().map(|file| Stamp::of(file, false)).collect::<Vec<_>>();
             let (found, mut named) = read();
             named.retain(|file| !known.contains(file));
             if named.is_empty() {
@@ -104,18 +139,27 @@ impl Watched {
     /// Takes the files as they are now for those that were read.
     fn stamp_anew(&mut self) {
         for (file, before) in &mut self.0 {
-            *before = stamp(file);
+            *before = Stamp::of(file, false);
         }
     }
 
-    fn has_changed(&self) -> bool {
-        self.0.iter().any(|(file, before)| stamp(file) != *before)
+    /// Whether a file is not as it was. Contents are compared as long as another change may have the same time, and once
+    /// after that.
+    fn has_changed(&mut self) -> bool {
+        self.0.iter_mut().any(|(file, before)| {
+            let compared = before.is_some_and(|before| before.contents.is_some());
+            // Asked before the contents are read: what is written after that has a later time.
+            let is_old = before.is_some_and(|before| !is_recent(before.modified));
+            let now = Stamp::of(file, compared);
+            if now != *before {
+                return true;
+            }
+            if is_old && let Some(before) = before {
+                before.contents = None;
+            }
+            false
+        })
     }
-}
-
-fn stamp(file: &Path) -> Stamp {
-    let metadata = fs::metadata(file).ok()?;
-    Some((metadata.modified().ok()?, metadata.len()))
 }
 
 /// Reads the file again whenever it changes, and tells.
@@ -159,7 +203,7 @@ mod tests {
         let [first, second] = ["a.toml", "b.toml"].map(|name| folder.path().join(name));
         fs::write(&first, "one").unwrap();
         let mut readings = 0;
-        let ((), watched) = Watched::during(vec![first.clone()], || {
+        let ((), mut watched) = Watched::during(vec![first.clone()], || {
             readings += 1;
             ((), vec![first.clone(), second.clone()])
         });
@@ -169,10 +213,55 @@ mod tests {
         fs::write(&second, "").unwrap();
         assert!(watched.has_changed());
 
-        let ((), watched) = Watched::during(watched.files(), || {
+        let ((), mut watched) = Watched::during(watched.files(), || {
             fs::write(&first, "longer").unwrap();
             ((), vec![first.clone()])
         });
         assert!(watched.has_changed());
+    }
+
+    /// Sets the time of a file's change.
+    fn date(file: &Path, modified: SystemTime) {
+        fs::File::options().write(true).open(file).unwrap().set_modified(modified).unwrap();
+    }
+
+    #[test]
+    fn a_change_of_the_same_time_and_length_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("arm.toml");
+        for apart in [Duration::ZERO, Duration::from_secs(1)] {
+            let time = SystemTime::now() - apart;
+            fs::write(&file, "300 mm").unwrap();
+            date(&file, time);
+            let ((), mut watched) = Watched::during(vec![file.clone()], || ((), vec![]));
+            assert!(!watched.has_changed());
+            fs::write(&file, "300 mn").unwrap();
+            date(&file, time);
+            assert!(watched.has_changed());
+            watched.stamp_anew();
+            assert!(!watched.has_changed());
+        }
+    }
+
+    #[test]
+    fn a_file_of_long_ago_is_told_by_its_time_and_length_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("arm.toml");
+        fs::write(&file, "300 mm").unwrap();
+        let time = SystemTime::now() - 2 * COARSEST;
+        date(&file, time);
+        let ((), watched) = Watched::during(vec![file.clone()], || ((), vec![]));
+        assert_eq!(watched.0[0].1.map(|stamp| stamp.contents), Some(None));
+
+        // One that was of now is looked into once more when it has become old.
+        date(&file, SystemTime::now());
+        let ((), mut watched) = Watched::during(vec![file.clone()], || ((), vec![]));
+        assert!(watched.0[0].1.is_some_and(|stamp| stamp.contents.is_some()));
+        date(&file, time);
+        if let Some(stamp) = &mut watched.0[0].1 {
+            stamp.modified = time;
+        }
+        assert!(!watched.has_changed());
+        assert_eq!(watched.0[0].1.map(|stamp| stamp.contents), Some(None));
     }
 }

@@ -110,6 +110,17 @@ pub struct Scene {
     pub measured: Vec<[f64; 3]>,
     /// What stands in the robot's way.
     pub obstacles: Vec<Obstacle>,
+    /// Warnings about the file.
+    pub warnings: Vec<Warning>,
+}
+
+/// A warning: the input is valid but probably a mistake.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Warning {
+    /// What, with the line of the file where there is one.
+    pub message: String,
+    /// What to do about it.
+    pub help: String,
 }
 
 /// A cross-section at each station; lengths in m.
@@ -316,6 +327,8 @@ pub struct Solved {
     pub driven_by: Option<String>,
     /// How the tip yields to a force, with the tensions held, where that was asked for.
     pub compliance: Option<Compliance>,
+    /// Warnings about the shape, except that it is unstable: [`Self::unstable`] says that.
+    pub warnings: Vec<Warning>,
 }
 
 /// What became of a cable.

@@ -7,7 +7,7 @@ use whipcord::{
     Drive, LoadFrame, Model, ModelKind, ModelVariant, Prepared, Robot, Section, SolveError,
     Stations, Vec3,
 };
-use whipcord_io::{CaseFile, Measured};
+use whipcord_io::{CaseFile, FileWarning, Measured};
 use whipcord_plot::{CableCourse, plates_of};
 
 use crate::error::ViewError;
@@ -51,7 +51,18 @@ pub fn scene(file: &CaseFile) -> Scene {
         other_loads: other_loads(file),
         measured: measured(file, first),
         obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
+        warnings: warnings(file),
     }
+}
+
+/// Warnings about the file.
+fn warnings(file: &CaseFile) -> Vec<protocol::Warning> {
+    let told = |warning: FileWarning| {
+        let place = warning.place(file).map(|(_, at)| format!("line {}: ", at.line));
+        let message = format!("{}{}", place.unwrap_or_default(), warning.message());
+        protocol::Warning { message, help: warning.warning.help() }
+    };
+    file.warnings().into_iter().map(told).collect()
 }
 
 /// Makes these models, each once, those that the page begins with; without any it is the first that takes the robot.
@@ -220,13 +231,16 @@ fn measured(file: &CaseFile, first: Option<ModelVariant>) -> Vec<[f64; 3]> {
     let (robot, case) = (&file.robot, &file.case);
     let Some(Measured { observations, alignment, .. }) = &file.measured else { return Vec::new() };
     if *alignment == Alignment::None {
-        return in_space(case, observations).map(|(_, position)| array(position)).collect();
+        let last = case.before.len();
+        let of_last = in_space(observations).filter(|(seen, _)| seen.step == last);
+        return of_last.map(|(_, position)| array(position)).collect();
     }
     let moved = first.and_then(|first| {
         let model = first.model(Stations::Disks, robot.disks().count() - 1);
         let mut prepared = model.prepare(robot, &case.loads).ok()?;
-        let solution = prepared.solve_to_the_end(case).ok()?;
-        measured_in_world(first.kind, robot, case, &solution, observations, *alignment).ok()
+        let answers = prepared.solve_all(case).ok()?;
+        let answers: Vec<_> = answers.iter().collect();
+        measured_in_world(first.kind, robot, case, &answers, observations, *alignment).ok()
     });
     moved.into_iter().flatten().map(array).collect()
 }

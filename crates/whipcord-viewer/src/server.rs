@@ -7,6 +7,7 @@
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
@@ -25,6 +26,10 @@ use crate::opened::{Opened, Watched, follow};
 use crate::page::Page;
 use crate::protocol::MOST_BYTES;
 
+/// So many pages solve at once even where there are fewer processors: a page with a heavy robot does not stop the others.
+const LEAST_SOLVERS: usize = 8;
+/// A solve that a newer request has overtaken may go on for so long.
+const PATIENCE: Duration = Duration::from_secs(1);
 /// Pages that are served at once.
 const MOST_PAGES: usize = 256;
 
@@ -71,6 +76,7 @@ impl Viewed {
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
+    patience: Duration,
 }
 
 impl Server {
@@ -83,7 +89,13 @@ impl Server {
         let failed = |source| ViewError::Port { port, source };
         let listener = bound.map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        Ok(Self { listener, address })
+        Ok(Self { listener, address, patience: PATIENCE })
+    }
+
+    /// The server with another time for which an overtaken solve may go on.
+    #[cfg(test)]
+    pub fn with_patience(self, patience: Duration) -> Self {
+        Self { patience, ..self }
     }
 
     /// The port it listens on.
@@ -104,7 +116,8 @@ impl Server {
         let Viewed { path, models, opened, watched } = viewed;
         let (tell, opened) = watch::channel(opened);
         let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let shared = Shared { opened, solvers: Arc::new(Semaphore::new(processors)) };
+        let solvers = Arc::new(Semaphore::new(processors.max(LEAST_SOLVERS)));
+        let shared = Shared { opened, solvers, patience: self.patience };
         let pages = Arc::new(Semaphore::new(MOST_PAGES));
         let served = Served { page, port: self.port(), shared, pages };
         let server = axum::serve(self.listener, router(served)).into_future();

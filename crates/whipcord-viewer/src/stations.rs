@@ -1,7 +1,7 @@
 //! At which arc lengths a frame gives the shape: at every disk and every end of a cable, and close enough between them
 //! for a smooth picture.
 
-use whipcord::Robot;
+use whipcord::{Robot, equally_spaced};
 
 /// About so many stations make a backbone look smooth at any bend.
 const SMOOTH: usize = 24;
@@ -35,13 +35,7 @@ impl Places {
         for ends in marks.windows(2) {
             let share = SMOOTH as f64 * (ends[1] - ends[0]) / length;
             let pieces = (share.ceil() as usize).max(1);
-            arc_lengths.extend((1..=pieces).map(|k| {
-                if k == pieces {
-                    ends[1]
-                } else {
-                    ends[0] + (ends[1] - ends[0]) * k as f64 / pieces as f64
-                }
-            }));
+            arc_lengths.extend(equally_spaced(ends[0], ends[1], pieces + 1).skip(1));
         }
         let nearest = |s: f64| {
             let distance = |i: &usize| (arc_lengths[*i] - s).abs();

@@ -88,3 +88,29 @@ fn bodies_loaded(bencher: Bencher<'_, '_>) {
 fn bodies_by_length(bencher: Bencher<'_, '_>) {
     measure(bencher, &bodies(Drive::Shortening), &case_3::robot(), &by_length());
 }
+
+/// A length that another cable's keeps out of reach.
+fn out_of_reach(bencher: Bencher<'_, '_>, model: &Model) {
+    let straight = |degrees: f64| Routing::Straight { angle: degrees.to_radians(), radius: 0.008 };
+    let mut cables = Vec::new();
+    for degrees in [0.0, 120.0, 240.0] {
+        let mut cable = case_3::robot().cables()[0].clone();
+        (cable.name, cable.routing) = (format!("at {degrees}"), straight(degrees));
+        cables.push(cable);
+    }
+    let (backbone, disks) = (case_3::robot().backbone().clone(), case_3::robot().disks().clone());
+    let robot = Robot::new(backbone, disks, cables).unwrap();
+    let case = Case::with_shortenings(&[0.6, 0.05, -0.05].map(Shortening::Fraction));
+    let mut prepared = model.prepare(&robot, &case.loads).unwrap();
+    bencher.bench_local(|| prepared.solve(&case, None).unwrap_err());
+}
+
+#[divan::bench]
+fn arcs_out_of_reach(bencher: Bencher<'_, '_>) {
+    out_of_reach(bencher, &arcs(Drive::Shortening));
+}
+
+#[divan::bench]
+fn bodies_out_of_reach(bencher: Bencher<'_, '_>) {
+    out_of_reach(bencher, &bodies(Drive::Shortening));
+}

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use whipcord_numerics::Vec3;
+
 use crate::digits::{Round, millimetres, newtons, share, significant};
 use crate::model::ModelKind;
 use crate::robot::{RobotError, in_words};
@@ -58,7 +60,7 @@ pub enum SolveError {
 
     /// A prescribed cable length that no tension reaches.
     #[error(
-        "cable `{cable}` cannot be shortened by {}: {} is as far as it goes here; prescribe at most that",
+        "cable `{cable}` cannot be shortened by {}: the greatest shortening that can be reached here is {}; prescribe no more than that",
         millimetres(*requested, Round::Nearest), millimetres(*reachable, Round::Down)
     )]
     UnreachableLength {
@@ -158,6 +160,13 @@ pub enum SolveError {
         advice: &'static str,
     },
 
+    /// The solve was ended from outside ([`Cancel`](crate::Cancel)).
+    #[error("the solve was cancelled; {}", how_far(*last_load))]
+    Cancelled {
+        /// Fraction of what was given up to which equilibrium was found, from 0 to 1, where it is known.
+        last_load: Option<f64>,
+    },
+
     /// Tensions that give the prescribed cable lengths were searched for in vain.
     #[error(
         "no tensions were found that give all of the prescribed cable lengths: shorten the cables less, or drive one of them by its tension"
@@ -186,8 +195,8 @@ pub enum SolveError {
 
     /// An obstacle that overlaps the robot before anything acts.
     #[error(
-        "the obstacle `{obstacle}` overlaps {} of the robot at rest by {}: move the obstacle or the robot's base",
-        part_in_words(*part, *arc_length), millimetres(*depth, Round::Nearest)
+        "the obstacle `{obstacle}` overlaps {} of the robot at rest by {}: move the obstacle or the robot's base{}",
+        part_in_words(*part, *arc_length), millimetres(*depth, Round::Nearest), axis_in_words(*axis)
     )]
     ObstacleInTheWay {
         /// Name of the obstacle.
@@ -198,11 +207,14 @@ pub enum SolveError {
         arc_length: f64,
         /// How far they overlap in m.
         depth: f64,
+        /// Direction of the obstacle's axis in the frame of the robot's base, where it is a cylinder or a
+        /// capsule.
+        axis: Option<Vec3>,
     },
 
     /// A robot that its obstacles let get only a part of the way.
     #[error(
-        "{}the robot gets only {} of the way from rest, or from where it was, to the case: {why}",
+        "{}an equilibrium was found only up to {} of the change of actuation and loads: {why}",
         against(touching), share(*reached)
     )]
     Obstructed {
@@ -223,23 +235,52 @@ pub enum Obstruction {
     Model(Box<SolveError>),
     /// The contacts cannot hold: beyond, nothing keeps the robot from slipping off, or with friction from jamming.
     #[error(
-        "beyond, it slips off, for nothing there holds it; pull the cables less, let the obstacle embrace it, or give it the friction that it has"
+        "beyond this point the contact forces cannot hold the robot, and it slides off the obstacle: lower the tensions or the loads, move or extend the obstacle, or set its `friction`"
     )]
     Slips,
     /// However little it goes on, it leaps.
     #[error(
-        "beyond, it leaps to a shape that is not near; pull the cables in other steps, or less"
+        "beyond this point it jumps to a distant shape; pull the cables in other steps, or less"
     )]
     Leaps,
+    /// The search took more iterations than a solve may spend on the whole way.
+    #[error(
+        "there the search was given up after {iterations} iterations, with {contacts} contacts: check the units of length and tension, pull the cables less, or take away obstacles that are not needed"
+    )]
+    BudgetSpent {
+        /// Iterations on the whole way.
+        iterations: usize,
+        /// Contacts and parts close to an obstacle at the end.
+        contacts: usize,
+    },
+    /// More parts of the robot are close to obstacles than can be solved together.
+    #[error(
+        "there {contacts} of its parts are close to obstacles, and at most {most} can be solved together: take away obstacles that are not needed, or give the robot fewer disks"
+    )]
+    TooManyContacts {
+        /// Contacts and parts close to an obstacle.
+        contacts: usize,
+        /// The most of them for this robot.
+        most: usize,
+    },
     /// The iteration stopped before the conditions of contact were met.
     #[error(
-        "beyond, no shape was found that touches without overlapping (residual {}): pull the cables less, or give the obstacle a rounder form",
+        "beyond this point no contact equilibrium without overlap was found (residual {}): pull the cables less, or use an obstacle with a smoother surface",
         significant(*residual, 3, Round::Nearest)
     )]
     NotConverged {
         /// What is left of the conditions, relative to length and forces of the robot.
         residual: f64,
     },
+}
+
+fn how_far(last_load: Option<f64>) -> String {
+    match last_load {
+        Some(load) if load > 0.0 => {
+            format!("the last load that converged is {} of the given one", share(load))
+        }
+        _ => "no load had converged yet".to_owned(),
+    }
 }
 
 fn part_in_words(part: Part, arc_length: f64) -> String {
@@ -251,12 +292,25 @@ fn part_in_words(part: Part, arc_length: f64) -> String {
     }
 }
 
+/// What the axis of an obstacle may have to do with its overlap.
+fn axis_in_words(axis: Option<Vec3>) -> String {
+    const PARALLEL: f64 = 0.9;
+    let Some(axis) = axis else { return String::new() };
+    if axis.z.abs() > PARALLEL {
+        return "; its axis is parallel to z, as the axis of the base is: to put it across the robot, turn it with `rotation = { axis = [0, 1, 0], angle = \"90 deg\" }` along x, or with `axis = [1, 0, 0]` along y".to_owned();
+    }
+    let [x, y, z] = axis.to_array().map(|c| (c * 1e3).round() / 1e3 + 0.0);
+    format!(
+        "; its axis has the direction ({x}, {y}, {z}) in the frame of the base, whose z axis is that of the backbone"
+    )
+}
+
 fn against(touching: &[String]) -> String {
     if touching.is_empty() {
-        return "among the obstacles ".to_owned();
+        return String::new();
     }
     let names: Vec<String> = touching.iter().map(|name| format!("`{name}`")).collect();
-    format!("against {} ", names.join(" and "))
+    format!("in contact with {}, ", names.join(" and "))
 }
 
 impl SolveError {
@@ -347,7 +401,7 @@ mod tests {
         let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
         for (text, words) in texts.iter().zip([
             "at arc length 180 mm folds: under 1000000 N cable `pull` has no length left there; the last load that converged is 0.000068 of",
-            "shortened by 180.859 mm: 19.9999 mm is as far",
+            "shortened by 180.859 mm: the greatest shortening that can be reached here is 19.9999 mm",
             "between disks 3 and 4 cable `pull` cannot be 0 mm long: that section takes lengths from 1.23457 mm to 20 mm;",
             "still 2.5 mm too long",
             "compromise cable `left` is still 2 mm too long, cable `right` 1 mm and cable `top` 0.5 mm;",

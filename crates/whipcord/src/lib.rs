@@ -12,6 +12,7 @@
 
 pub mod batch;
 pub mod camera;
+mod cancel;
 pub mod case;
 pub mod constant_curvature;
 mod contact;
@@ -35,8 +36,10 @@ pub mod robot;
 pub mod shape;
 mod uncertainty;
 pub mod variant;
+pub mod warning;
 
 pub use camera::{Camera, Lens};
+pub use cancel::Cancel;
 pub use case::{
     CableCommand, Case, DistributedLoad, Drive, LoadFrame, Loads, PointLoad, PointMass, Profile,
     Shortening,
@@ -56,9 +59,10 @@ pub use shape::{
     CableState, Contact, Diagnostics, NoStability, Part, Shape, Solution, Touch, Wrench,
 };
 pub use variant::ModelVariant;
-pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
+pub use warning::Warning;
+pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3, equally_spaced};
 
-/// The examples of the project's front page, so that they keep working.
+/// The examples of the page about Rust, so that they keep working.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
+#[doc = include_str!("../../../docs/rust.md")]
+struct Page;

@@ -3,8 +3,9 @@
 use core::fmt;
 use core::str::FromStr;
 
-use whipcord_numerics::Pose;
+use whipcord_numerics::{Pose, equally_spaced};
 
+use crate::cancel::Cancel;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::kinematics::Local;
@@ -144,10 +145,7 @@ impl Stations {
             Self::Disks => robot.disks().arc_lengths.clone(),
             Self::At(arc_lengths) => arc_lengths.clone(),
             Self::Equal(count) => {
-                let (length, last) = (robot.backbone().length, (*count).max(2) - 1);
-                (0..=last)
-                    .map(|i| if i == last { length } else { length * i as f64 / last as f64 })
-                    .collect()
+                equally_spaced(0.0, robot.backbone().length, (*count).max(2)).collect()
             }
         }
     }
@@ -186,9 +184,11 @@ impl Model {
             ModelKind::FourBar => {
                 Self::FourBar(four_bar::Options { stations, drive, ..Default::default() })
             }
-            ModelKind::ConstantCurvature => {
-                Self::ConstantCurvature(constant_curvature::Options { stations, drive })
-            }
+            ModelKind::ConstantCurvature => Self::ConstantCurvature(constant_curvature::Options {
+                stations,
+                drive,
+                ..Default::default()
+            }),
             ModelKind::PiecewiseConstantCurvature => {
                 Self::PiecewiseConstantCurvature(piecewise_constant_curvature::Options {
                     stations,
@@ -216,6 +216,33 @@ impl Model {
             Self::PseudoRigidBody(options) => options.stations = stations,
         }
         model
+    }
+
+    /// The same model, whose solves end when this flag is set.
+    #[must_use]
+    pub fn cancelled_by(&self, cancel: &Cancel) -> Self {
+        let mut model = self.clone();
+        let flag = match &mut model {
+            Self::Cosserat(options) | Self::CosseratDisks(options) => &mut options.cancel,
+            Self::FourBar(options) => &mut options.cancel,
+            Self::ConstantCurvature(options) => &mut options.cancel,
+            Self::PiecewiseConstantCurvature(options) => &mut options.cancel,
+            Self::PseudoRigidBody(options) => &mut options.cancel,
+        };
+        flag.clone_from(cancel);
+        model
+    }
+
+    /// The flag that ends its solves.
+    #[must_use]
+    pub const fn cancel(&self) -> &Cancel {
+        match self {
+            Self::Cosserat(options) | Self::CosseratDisks(options) => &options.cancel,
+            Self::FourBar(options) => &options.cancel,
+            Self::ConstantCurvature(options) => &options.cancel,
+            Self::PiecewiseConstantCurvature(options) => &options.cancel,
+            Self::PseudoRigidBody(options) => &options.cancel,
+        }
     }
 
     /// Which model it is.
@@ -322,6 +349,18 @@ impl Prepared {
         }
     }
 
+    /// Lets this flag end the next solves, instead of the one before.
+    pub fn set_cancel(&mut self, cancel: &Cancel) {
+        let flag = match self {
+            Self::Cosserat(model, _) => model.cancel_mut(),
+            Self::CosseratDisks(model, _) => model.cancel_mut(),
+            Self::FourBar(model, _) => model.cancel_mut(),
+            Self::ConstantCurvature(model, _) => model.cancel_mut(),
+            Self::Linkage(model, _) => model.cancel_mut(),
+        };
+        flag.clone_from(cancel);
+    }
+
     /// Whether it can take loads at the places of these.
     #[must_use]
     pub fn takes_places_of(&self, loads: &Loads) -> bool {
@@ -364,11 +403,25 @@ impl Prepared {
             return model.solve_steps(case, workspace, each);
         }
         let mut last = None;
-        for (n, step) in case.steps().enumerate() {
+        for (n, step) in case.single_steps().enumerate() {
             let solution = self.solve(&step, last.as_ref()).map_err(|error| (n, error))?;
             each(last.insert(solution).clone());
         }
         Ok(())
+    }
+
+    /// The answers to all steps of a case from cold, in order; one for a case without steps.
+    ///
+    /// # Errors
+    /// As [`Self::solve_steps`].
+    pub fn solve_all(&mut self, case: &Case) -> Result<Vec<Solution>, (usize, SolveError)> {
+        if case.before.is_empty() {
+            let solution = self.solve(case, None).map_err(|error| (0, error))?;
+            return Ok(vec![solution]);
+        }
+        let mut all = Vec::with_capacity(case.before.len() + 1);
+        self.solve_steps(case, |solution| all.push(solution))?;
+        Ok(all)
     }
 
     /// The answer to a case from cold, after all its steps.
@@ -445,6 +498,18 @@ impl Differentiable for Model {
         warm_start: Option<&Solution>,
     ) -> Result<(Solution, Local), SolveError> {
         check_on_backbone("arc length of the place", arc_length, robot.backbone().length)?;
+        self.cancel().checked(self.local_at(robot, case, arc_length, warm_start))
+    }
+}
+
+impl Model {
+    fn local_at(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        arc_length: f64,
+        warm_start: Option<&Solution>,
+    ) -> Result<(Solution, Local), SolveError> {
         let options = match self {
             Self::Cosserat(options) => options,
             Self::CosseratDisks(options) => {
@@ -453,7 +518,7 @@ impl Differentiable for Model {
             Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
                 return Err(SolveError::Unsupported {
                     model: self.kind(),
-                    path: "the question how the robot yields".to_owned(),
+                    path: "a request for the compliance".to_owned(),
                     what: "it is a baseline of shapes",
                     advice: "use cosserat or cosserat-disks",
                 });
@@ -464,7 +529,7 @@ impl Differentiable for Model {
             Self::ConstantCurvature(_) => {
                 return Err(SolveError::Unsupported {
                     model: self.kind(),
-                    path: "the question how the robot yields".to_owned(),
+                    path: "a request for the compliance".to_owned(),
                     what: "it takes no loads",
                     advice: "use cosserat or cosserat-disks",
                 });
@@ -476,7 +541,7 @@ impl Differentiable for Model {
         let mut workspace = cosserat::Workspace::default();
         let mut left = warm_start.cloned();
         let before = if left.is_some() { 0 } else { case.before.len() };
-        for step in case.steps().take(before) {
+        for step in case.single_steps().take(before) {
             left = Some(model.solve(&step, left.as_ref(), &mut workspace)?);
         }
         let (solution, derivatives) =

@@ -8,6 +8,8 @@ use crate::digits::{Round, millimetres};
 
 /// Points whose spread across their line is below this part of that along it are on a line.
 const ON_A_LINE: f64 = 1e-6;
+/// Points of the base that are no further apart than this, in m, are one point.
+const SAME_POINT: f64 = 1e-9;
 /// Singular values of the covariance that are below this part of the largest one are rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -81,9 +83,9 @@ pub enum Alignment {
     /// Not at all: it was measured in the frame of the world.
     #[default]
     None,
-    /// By the rigid motion that brings all markers nearest to the answer.
+    /// By the rigid motion that brings all markers, of all steps, nearest to the answers.
     Rigid,
-    /// By that which brings the markers on the base to it; one alone by a shift.
+    /// By that which brings the markers on the base to it; one alone, in however many steps, by a shift.
     Base,
 }
 
@@ -116,9 +118,14 @@ pub fn align(
     let pairs: Vec<[Vec3; 2]> = pairs.map(|(pair, _)| pair).collect();
     match (alignment, pairs.as_slice()) {
         (Alignment::None, _) => Ok(None),
-        // One point on the base says where it is, and nothing of how it is turned.
-        (Alignment::Base, [[measured, target]]) => {
-            Ok(Some(Pose { position: *target - *measured, ..Pose::IDENTITY }))
+        // One point on the base says where the base is, and nothing of how it is turned; the same point measured
+        // in several steps says no more.
+        (Alignment::Base, [[_, first], ..])
+            if pairs.iter().all(|[_, target]| (*target - *first).norm() <= SAME_POINT) =>
+        {
+            let shifts = pairs.iter().map(|[measured, target]| *target - *measured);
+            let sum = shifts.fold(Vec3::ZERO, |sum, shift| sum + shift);
+            Ok(Some(Pose { position: sum / pairs.len() as f64, ..Pose::IDENTITY }))
         }
         (Alignment::Base | Alignment::Rigid, pairs) => {
             Ok(Some(register_by_least_turn(pairs)?.motion))

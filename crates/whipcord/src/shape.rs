@@ -66,9 +66,11 @@ pub enum NoStability {
     NoEnergy,
     /// Loads that turn with the robot have no energy.
     Followers,
+    /// Dead moments have no energy where the sections that bear them can turn.
+    DeadMoments,
     /// A cable that rubs slides, or is about to: which way it goes hangs on the disturbance.
     Sliding,
-    /// The tangent is singular to rounding.
+    /// The tangent is singular to rounding, or its least eigenvalue is beyond any stiffness of the robot.
     Undetermined,
     /// It touches obstacles.
     Touching,
@@ -82,6 +84,7 @@ impl NoStability {
             Self::NotAsked => "not-asked",
             Self::NoEnergy => "no-energy",
             Self::Followers => "followers",
+            Self::DeadMoments => "dead-moments",
             Self::Sliding => "sliding",
             Self::Undetermined => "undetermined",
             Self::Touching => "touching",
@@ -95,6 +98,7 @@ impl NoStability {
             Self::NotAsked,
             Self::NoEnergy,
             Self::Followers,
+            Self::DeadMoments,
             Self::Sliding,
             Self::Undetermined,
             Self::Touching,
@@ -109,6 +113,7 @@ impl NoStability {
             Self::NotAsked => "stability not asked for",
             Self::NoEnergy => "stability not defined by this model",
             Self::Followers => "stability not defined under loads that follow the backbone",
+            Self::DeadMoments => "stability not defined: a dead moment has no potential in space",
             Self::Sliding => "stability not computed with friction: a cable slides, or is about to",
             Self::Undetermined => "stability not determined: the tangent is singular",
             Self::Touching => "stability not computed where obstacles hold it",
@@ -136,7 +141,7 @@ pub struct Diagnostics {
     /// Integration steps, or sections, from base to tip.
     pub steps: usize,
     /// Fraction of the loads, raised from nothing, at which the robot left the shape it had: it
-    /// buckled or snapped through. An answer that is stable all the same lies beyond. `None` where
+    /// buckled or snapped through. Of the tensions where no load acts and the cables buckle spans. An answer that is stable all the same lies beyond. `None` where
     /// it did not come to that, or where a neighbouring answer led here.
     pub stability_lost_at: Option<f64>,
 }
@@ -146,10 +151,17 @@ impl Diagnostics {
     /// around its axis.
     pub const NEUTRAL: f64 = 1e-6;
 
+    /// Whether the equilibrium is stable; `None` where that is not known, for the reason in
+    /// [`Self::stability_absent`].
+    #[must_use]
+    pub fn is_stable(&self) -> Option<bool> {
+        self.stability.map(|least| least >= -Self::NEUTRAL)
+    }
+
     /// Whether the answer is an equilibrium that the robot leaves at the slightest disturbance.
     #[must_use]
     pub fn is_unstable(&self) -> bool {
-        self.stability.is_some_and(|least| least < -Self::NEUTRAL)
+        self.is_stable() == Some(false)
     }
 }
 

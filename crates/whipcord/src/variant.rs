@@ -70,7 +70,15 @@ impl ModelVariant {
     pub fn model(self, stations: Stations, sections: usize) -> Model {
         let sliding = |stations, objective| {
             let lengths = four_bar::LengthRule::Free;
-            Model::FourBar(four_bar::Options { stations, objective, lengths, ..Default::default() })
+            // Variants are compared at the cable lengths of another model.
+            let conflicts = four_bar::Conflicts::Compromise;
+            Model::FourBar(four_bar::Options {
+                stations,
+                objective,
+                lengths,
+                conflicts,
+                ..Default::default()
+            })
         };
         match self.variant {
             Variant::Usual => Model::new(self.kind, stations, Drive::Natural),

@@ -1,9 +1,12 @@
 //! Every number of a comparison, in SI.
 
+use whipcord::observation::Distances;
 use whipcord::{Shape, Vec3};
 use whipcord_io::{Cell, CsvTable};
 
 use super::study::{Commands, Solved, Study};
+use super::tables::not_compared;
+use crate::steps;
 
 /// One row for each run: what drove it, its tip, its distances and its time.
 pub fn summary(studies: &[Study]) -> CsvTable {
@@ -32,6 +35,12 @@ pub fn summary(studies: &[Study]) -> CsvTable {
         "stability",
         "steps",
         "failure",
+        "stable",
+        "stability_absent",
+        "unstable_steps",
+        "measured_steps",
+        "measured_points",
+        "not_measured",
     ]);
     for study in studies {
         for run in &study.runs {
@@ -48,7 +57,7 @@ pub fn summary(studies: &[Study]) -> CsvTable {
                     row.extend(tip.rotation.wxyz().map(Cell::from));
                     row.push(Cell::from(solved.solution.disks.bend().0));
                     row.push(Cell::from(study.distance_to_reference(run, solved)));
-                    row.push(Cell::from(study.distance_to_measured(solved)));
+                    row.push(Cell::from(solved.compared().and_then(Distances::rms)));
                     row.push(Cell::from(solved.solve.median));
                     row.push(Cell::from(solved.solve.repeats));
                     row.push(Cell::from(solved.build.median));
@@ -57,16 +66,88 @@ pub fn summary(studies: &[Study]) -> CsvTable {
                     row.push(Cell::from(diagnostics.residual));
                     row.push(Cell::from(diagnostics.stability));
                     row.push(Cell::from(diagnostics.steps));
+                    row.push(Cell::Empty);
+                    row.extend(verdict(solved));
+                    row.extend(measured(study, solved));
                 }
                 Err(error) => {
                     row.resize(23, Cell::Empty);
                     row.push(Cell::from(error.to_string()));
+                    row.resize(30, Cell::Empty);
                 }
             }
             csv.push(row);
         }
     }
     csv
+}
+
+/// Whether the answers to all steps are stable, why that is not known, and how many are unstable.
+fn verdict(solved: &Solved) -> [Cell; 3] {
+    let stable = steps::all_stable(&solved.answers);
+    let absent = steps::stability_absent(&solved.answers).filter(|_| stable.is_none());
+    let unstable = solved.answers.iter().filter(|answer| answer.diagnostics.is_unstable()).count();
+    [
+        stable.map_or(Cell::Empty, |stable| Cell::from(if stable { "true" } else { "false" })),
+        absent.map_or(Cell::Empty, |why| Cell::from(why.name())),
+        Cell::from(unstable),
+    ]
+}
+
+/// Over how many steps and markers the distance to the measurement is, or why there is none.
+fn measured(study: &Study, solved: &Solved) -> [Cell; 3] {
+    match solved.compared().filter(|compared| compared.rms().is_some()) {
+        Some(compared) => {
+            [Cell::from(compared.steps()), Cell::from(compared.moving().count()), Cell::Empty]
+        }
+        None => {
+            let nothing = || match study.file.measured {
+                Some(_) => String::from("nothing was measured in space"),
+                None => String::from("nothing was measured"),
+            };
+            let why = not_compared(solved).unwrap_or_else(nothing);
+            [Cell::Empty, Cell::Empty, Cell::from(why)]
+        }
+    }
+}
+
+/// Every marker that was measured in space, in every step, beside its place in each model; `None` where no answer is
+/// compared with one.
+pub fn markers(study: &Study) -> Option<CsvTable> {
+    let mut csv = CsvTable::new([
+        "model",
+        "commands",
+        "step",
+        "disk",
+        "arc_length",
+        "at_base",
+        "x_measured",
+        "y_measured",
+        "z_measured",
+        "x",
+        "y",
+        "z",
+        "distance",
+    ]);
+    let mut any = false;
+    for (run, solved) in study.solved() {
+        for marker in solved.compared().into_iter().flat_map(|compared| &compared.markers) {
+            any = true;
+            let mut row = vec![
+                Cell::from(run.model.name()),
+                Cell::from(commands(run.commands)),
+                Cell::from(marker.step + 1),
+                Cell::from(marker.disk.map(|disk| disk as f64)),
+                Cell::from(marker.arc_length),
+                Cell::from(if marker.at_base { "true" } else { "false" }),
+            ];
+            row.extend(marker.measured.to_array().map(Cell::from));
+            row.extend(marker.model.to_array().map(Cell::from));
+            row.push(Cell::from(marker.distance()));
+            csv.push(row);
+        }
+    }
+    any.then_some(csv)
 }
 
 /// What tells a case from others: its title, its file, and what the names of its own result files
@@ -111,7 +192,7 @@ pub fn reference(studies: &[Study]) -> Option<CsvTable> {
     any.then_some(csv)
 }
 
-/// RMS distance over the disks between each two runs of each case; `None` where no case has two.
+/// RMS distance over the disks and all steps between each two runs of each case; `None` where no case has two.
 pub fn distances(studies: &[Study]) -> Option<CsvTable> {
     let columns = ["case", "file", "stem", "a", "a_commands", "b", "b_commands", "rms_distance"];
     let mut csv = CsvTable::new(columns);
@@ -130,7 +211,7 @@ pub fn distances(studies: &[Study]) -> Option<CsvTable> {
                     Cell::from(commands(a.commands)),
                     Cell::from(b.model.name()),
                     Cell::from(commands(b.commands)),
-                    Cell::from(a_solved.solution.disks.rms_distance(&b_solved.solution.disks)),
+                    Cell::from(steps::rms_distance(&a_solved.answers, &b_solved.answers)),
                 ]);
             }
         }
@@ -138,7 +219,7 @@ pub fn distances(studies: &[Study]) -> Option<CsvTable> {
     any.then_some(csv)
 }
 
-/// Poses and distances at the disks of one case.
+/// Poses and distances at the disks of one case, after the last step.
 pub fn disks(study: &Study) -> CsvTable {
     poses(study, "disk", true, |solved| &solved.solution.disks)
 }

@@ -28,7 +28,9 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         style: ViewStyle::Model,
     }));
     // Moved, where that was asked for, onto the first model.
-    let measured = reference.measured.iter().flatten().flat_map(|distances| &distances.markers);
+    let last = study.file.case.before.len();
+    let measured = reference.compared().into_iter().flat_map(|distances| &distances.markers);
+    let measured = measured.filter(|marker| marker.step == last);
     let options = FigureOptions {
         title: study.file.title.clone(),
         measured: measured.map(|marker| marker.measured).collect(),
@@ -50,7 +52,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         figures.push(Figure {
             name: "distances",
             caption: String::from(
-                "Distance at each disk: between models, and to the measurement where there is one.",
+                "Distance at each disk: between models, and to the measurement where there is one; of a case in steps the root mean square over all steps.",
             ),
             svg: distance_chart(&title, &distances).map_err(fail)?,
         });
@@ -66,22 +68,15 @@ fn distances(study: &Study) -> Vec<DistanceSeries> {
         // measurement.
         let (colour, marker) = (Colour::nth(index), Marker::nth(index));
         let pale = if solved.measured.is_some() { colour.tint(0.5) } else { colour };
-        let shape = &solved.solution.disks;
         if study.distance_to_reference(run, solved).is_some() {
             series.push(DistanceSeries {
                 label: format!("{} to {}", run.label(), first.label()),
-                disks: shape
-                    .distances(&reference.solution.disks)
-                    .enumerate()
-                    .map(|(i, distance)| (i + 1, distance))
-                    .collect(),
+                disks: (1..).zip(solved.distances(reference)).collect(),
                 look: Some((pale, marker)),
             });
         }
-        let to_measured: Vec<(usize, f64)> = shape
-            .positions()
-            .enumerate()
-            .filter_map(|(i, p)| Some((i + 1, (p - solved.measured_at(i + 1)?).norm())))
+        let to_measured: Vec<(usize, f64)> = (1..=study.file.robot.disks().count())
+            .filter_map(|disk| Some((disk, solved.compared()?.rms_of_disk(disk)?)))
             .collect();
         if !to_measured.is_empty() {
             let label = format!("{} to measured", run.label());

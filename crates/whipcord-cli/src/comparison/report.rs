@@ -1,7 +1,10 @@
 //! The report: one HTML file that needs no other and no network.
 
+use whipcord::CableState;
+use whipcord::observation::Distances;
+
 use super::study::{Commands, Study};
-use super::tables;
+use super::tables::{self, each_once, not_compared};
 use crate::html::{Figure, escape, footer, list, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
@@ -49,6 +52,9 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
         html += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(&name), escape(&value));
     }
     html += "</dl>\n";
+    let warnings: Vec<String> =
+        study.warnings.iter().map(|of| format!("Warning: {}", of.message())).collect();
+    html += &list(warnings.iter());
     for figure in figures {
         html += &figure.html();
     }
@@ -56,11 +62,18 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
     if !disks.is_empty() {
         html += "<h3>Distances at the disks</h3>\n";
         html += &disks.html();
+        html += &list(&disk_notes(study));
     }
     let cables = cable_table(study);
     if !cables.is_empty() {
         html += "<h3>Cables</h3>\n";
         html += &cables.html();
+        let no_tension = |cable: &CableState| cable.tension.is_none();
+        let lacking = study.solved().filter(|(_, of)| of.solution.cables.iter().any(no_tension));
+        let lacking: Vec<String> = lacking.map(|(run, _)| run.label()).collect();
+        if !lacking.is_empty() {
+            html += &list([&format!("–: {} computes no tensions.", lacking.join("; "))]);
+        }
     }
     for (run, solved) in study.solved() {
         if let Some(touches) = touches::table(&solved.solution, &file.case.obstacles) {
@@ -81,7 +94,8 @@ fn place(study: &Study) -> String {
     }
 }
 
-/// Distance in mm of each run to the reference and to the measurement, disk by disk.
+/// Distance in mm of each run to the reference and to the measurement, disk by disk; the root mean square over all
+/// steps.
 fn disk_table(study: &Study) -> Table {
     let mut columns = vec![(String::from("model"), Align::Left)];
     let count = study.file.robot.disks().count();
@@ -90,23 +104,44 @@ fn disk_table(study: &Study) -> Table {
     let Some((first, reference)) = study.reference() else { return table };
     table.group();
     for (run, solved) in study.solved() {
-        let shape = &solved.solution.disks;
         if run.model != first.model || run.commands != first.commands {
             let mut row = vec![format!("{} to {}, mm", run.label(), first.label())];
-            let distances = shape.distances(&reference.solution.disks);
-            row.extend(distances.map(|d| fixed_millimetres(d, 2)));
+            let distances = solved.distances(reference);
+            row.extend(distances.into_iter().map(|d| fixed_millimetres(d, 2)));
             table.row(row);
         }
-        if solved.measured.is_some() {
+        if let Some(compared) = solved.compared() {
             let mut row = vec![format!("{} to measured, mm", run.label())];
-            row.extend(shape.positions().enumerate().map(|(i, p)| {
-                let measured = solved.measured_at(i + 1);
-                measured.map_or_else(String::new, |m| fixed_millimetres((p - m).norm(), 2))
+            row.extend((1..=count).map(|disk| {
+                let rms = compared.rms_of_disk(disk);
+                rms.map_or_else(|| String::from("–"), |rms| fixed_millimetres(rms, 2))
             }));
             table.row(row);
         }
     }
     table
+}
+
+/// What the table of the disks is over, and why cells of it are empty.
+fn disk_notes(study: &Study) -> Vec<String> {
+    let mut notes = Vec::new();
+    let steps = study.file.case.before.len() + 1;
+    if steps > 1 {
+        notes.push(format!(
+            "Root mean square over all {steps} steps; to measured, over those in which the disk was measured."
+        ));
+    }
+    let of_disks = |compared: &Distances| {
+        (1..=study.file.robot.disks().count()).any(|disk| compared.rms_of_disk(disk).is_none())
+    };
+    if study.solved().filter_map(|(_, solved)| solved.compared()).any(of_disks) {
+        notes.push(String::from("–: the centre of the disk was not measured."));
+    }
+    let reasons =
+        study.solved().filter_map(|(run, solved)| Some((run.label(), not_compared(solved)?)));
+    let reasons = each_once(reasons);
+    notes.extend(reasons.map(|(of, why)| format!("{of}: no distance to the measurement: {why}.")));
+    notes
 }
 
 fn cable_table(study: &Study) -> Table {

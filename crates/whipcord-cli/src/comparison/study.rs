@@ -3,10 +3,13 @@
 use whipcord::observation::{Distances, Incomparable, distances};
 use whipcord::{Case, Drive, Model, ModelKind, Robot, Shape, Solution, SolveError, Stations, Vec3};
 
+use crate::deadline;
+use crate::steps;
 use crate::timing::{self, TimedSolution, Timing};
 use crate::trial::like_for_like;
+use crate::warnings::{Answered, about_file_and_answers};
 use crate::words::driven_by;
-use whipcord_io::{CaseFile, Measured};
+use whipcord_io::{CaseFile, FileWarning, Measured};
 use whipcord_plot::FINE_STATIONS;
 
 /// A case and what the models say of it.
@@ -18,6 +21,8 @@ pub struct Study {
     pub stem: String,
     /// One for each model and way to drive it, the reference model first.
     pub runs: Vec<Run>,
+    /// Warnings about the file and the answers.
+    pub warnings: Vec<FileWarning>,
 }
 
 /// One model on one case.
@@ -46,8 +51,10 @@ pub enum Commands {
 /// An answer.
 #[derive(Clone, Debug)]
 pub struct Solved {
-    /// At the disks.
+    /// At the disks; after the last step where there are several.
     pub solution: Solution,
+    /// The answers to all steps, the last one included.
+    pub answers: Vec<Solution>,
     /// Smooth, for pictures.
     pub fine: Shape,
     /// Whether it is; else it is the shape at the disks, as none was found near it with more stations.
@@ -56,22 +63,42 @@ pub struct Solved {
     pub solve: Timing,
     /// How long building the model takes, once for a robot.
     pub build: Timing,
-    /// What was measured in space beside it, or why they cannot be compared; `None` where nothing was.
+    /// What was measured in space in all steps beside them, or why they cannot be compared; `None` where nothing was.
     pub measured: Option<Result<Distances, Incomparable>>,
 }
 
 impl Solved {
-    /// Where the real robot's disk number `disk`, from 1, was measured, moved onto this answer where that
-    /// was asked for.
+    /// The measurement that the answers to all steps can be compared with.
+    pub fn compared(&self) -> Option<&Distances> {
+        self.measured.as_ref()?.as_ref().ok()
+    }
+
+    /// Where the real robot's disk number `disk`, from 1, was measured in the last step, moved onto this answer
+    /// where that was asked for.
     pub fn measured_at(&self, disk: usize) -> Option<Vec3> {
-        self.measured.as_ref()?.as_ref().ok()?.disk(disk)
+        self.compared()?.disk(self.answers.len().saturating_sub(1), disk)
+    }
+
+    /// RMS distance in m of each disk over all steps to the same disk of another answer.
+    pub fn distances(&self, other: &Self) -> Vec<f64> {
+        let pairs = self.answers.iter().zip(&other.answers);
+        let mut steps: Vec<Vec<f64>> =
+            pairs.map(|(a, b)| a.disks.distances(&b.disks).collect()).collect();
+        let count = steps.len() as f64;
+        if steps.len() <= 1 {
+            return steps.pop().unwrap_or_default();
+        }
+        let disks = steps.iter().map(Vec::len).min().unwrap_or(0);
+        let squares =
+            |disk: usize| -> f64 { steps.iter().map(|apart| apart[disk] * apart[disk]).sum() };
+        (0..disks).map(|disk| (squares(disk) / count).sqrt()).collect()
     }
 }
 
 impl Run {
-    /// Whether the answer is a shape that the robot leaves.
+    /// Whether the answer to one of the steps is a shape that the robot leaves.
     pub fn is_unstable(&self) -> bool {
-        self.outcome.as_ref().is_ok_and(|solved| solved.solution.diagnostics.is_unstable())
+        self.outcome.as_ref().is_ok_and(|solved| steps::all_stable(&solved.answers) == Some(false))
     }
 
     /// Whether the model cannot take the robot or the case, whatever the commands.
@@ -102,13 +129,17 @@ impl Study {
             .filter(|kind| kind.natural_drive() == Drive::Shortening)
             .filter(|kind| !runs.iter().any(|run| run.model == *kind && run.is_refused()));
         let like = geometric
-            .filter_map(|kind| Some((kind, like_for_like(robot, case, cosserat(&runs)?)?)))
+            .filter_map(|kind| {
+                let answers = cosserat(&runs)?;
+                Some((kind, like_for_like(robot, case, answers)?))
+            })
             .map(|(kind, case)| {
                 self::run(kind, robot, &case, Commands::CosseratShape, measured.as_ref())
             })
             .collect::<Vec<_>>();
         runs.extend(like);
-        Self { file, stem, runs }
+        let warnings = about_file_and_answers(&file, &answered(&runs));
+        Self { file, stem, runs, warnings }
     }
 
     /// The runs with an answer.
@@ -121,16 +152,11 @@ impl Study {
         self.solved().next()
     }
 
-    /// RMS distance in m over the disks to the reference; `None` for the reference itself.
+    /// RMS distance in m over the disks and all steps to the reference; `None` for the reference itself.
     pub fn distance_to_reference(&self, run: &Run, solved: &Solved) -> Option<f64> {
         let (first, reference) = self.reference()?;
         let is_first = first.model == run.model && first.commands == run.commands;
-        (!is_first).then(|| solved.solution.disks.rms_distance(&reference.solution.disks))
-    }
-
-    /// RMS distance in m to what was measured, without the base.
-    pub fn distance_to_measured(&self, solved: &Solved) -> Option<f64> {
-        solved.measured.as_ref()?.as_ref().ok()?.rms()
+        (!is_first).then(|| steps::rms_distance(&solved.answers, &reference.answers))
     }
 }
 
@@ -141,24 +167,40 @@ fn run(
     commands: Commands,
     measured: Option<&Measured>,
 ) -> Run {
-    let model = Model::new(kind, Stations::Disks, Drive::Natural);
-    let outcome = timing::solve(&model, robot, case).map(|timed| {
-        let smooth = Model::new(kind, Stations::Equal(FINE_STATIONS), Drive::Natural);
+    let outcome = timing::solve(&model(kind), robot, case).map(|timed| {
+        let smooth = model(kind).at(Stations::Equal(FINE_STATIONS));
         let fine = timed.shapes_at_stations_of(&smooth, robot, case).pop().flatten();
+        let answers = timed.answers();
+        let measured = measured.and_then(|Measured { observations, alignment, .. }| {
+            distances(kind, robot, case, &answers, observations, *alignment).transpose()
+        });
+        let answers = answers.into_iter().cloned().collect();
         let TimedSolution { solution, solve, build, .. } = timed;
         let is_smooth = fine.is_some();
         let fine = fine.unwrap_or_else(|| solution.shape.clone());
-        let measured = measured.and_then(|Measured { observations, alignment, .. }| {
-            distances(kind, robot, case, &solution, observations, *alignment).transpose()
-        });
-        Solved { solution, fine, is_smooth, solve, build, measured }
+        Solved { solution, answers, fine, is_smooth, solve, build, measured }
     });
     let outcome = outcome.map_err(|(_, error)| error);
     Run { model: kind, commands, driven_by: driven_by(kind, Drive::Natural, case), outcome }
 }
 
-/// The Cosserat model's answer.
-fn cosserat(runs: &[Run]) -> Option<&Solution> {
+/// The Cosserat model's answers to all steps.
+fn cosserat(runs: &[Run]) -> Option<&[Solution]> {
     let run = runs.iter().find(|run| run.model == ModelKind::Cosserat)?;
-    Some(&run.outcome.as_ref().ok()?.solution)
+    Some(&run.outcome.as_ref().ok()?.answers)
+}
+
+/// The answers to what the file itself asks.
+fn answered(runs: &[Run]) -> Vec<Answered<'_>> {
+    let own = runs.iter().filter(|run| run.commands == Commands::File);
+    own.filter_map(|run| {
+        let solved = run.outcome.as_ref().ok()?;
+        Some((model(run.model), solved.answers.iter().collect()))
+    })
+    .collect()
+}
+
+/// The model as it is compared, giving the shape at the disks.
+fn model(kind: ModelKind) -> Model {
+    Model::new(kind, Stations::Disks, Drive::Natural).cancelled_by(&deadline::cancel())
 }

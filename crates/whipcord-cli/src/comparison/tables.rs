@@ -4,11 +4,11 @@ use whipcord::observation::Distances;
 use whipcord::{ModelKind, Pose};
 use whipcord_io::Measured;
 
-use super::study::{Commands, Run, Study};
+use super::study::{Commands, Run, Solved, Study};
 use crate::quantity::{degrees, fixed, fixed_millimetres, millimetres};
 use crate::table::{Align, Table};
 use crate::timing::duration;
-use crate::words::reversed;
+use crate::words::{REVERSED_HELP, reversed};
 
 /// Marks an answer that the robot leaves.
 const UNSTABLE: &str = "†";
@@ -31,6 +31,8 @@ pub fn summary(studies: &[Study]) -> Table {
     ];
     if measured {
         columns.push(("to measured", Align::Right));
+        columns.push(("steps", Align::Right));
+        columns.push(("points", Align::Right));
     }
     columns.push(("time", Align::Right));
     if published {
@@ -64,11 +66,8 @@ fn drive_words(run: &Run) -> String {
 
 fn answer_cells(study: &Study, run: &Run, measured: bool) -> Vec<String> {
     let Ok(solved) = &run.outcome else {
-        let mut cells = vec![String::from("–"); 6];
-        if measured {
-            cells.push(String::from("–"));
-        }
-        return cells;
+        let count = if measured { 9 } else { 6 };
+        return vec![String::from("–"); count];
     };
     let tip = solved.solution.disks.tip();
     let mut cells: Vec<String> =
@@ -77,8 +76,14 @@ fn answer_cells(study: &Study, run: &Run, measured: bool) -> Vec<String> {
     let distance = study.distance_to_reference(run, solved);
     cells.push(distance.map_or_else(|| String::from("–"), |d| fixed_millimetres(d, 2)));
     if measured {
-        let distance = study.distance_to_measured(solved);
-        cells.push(distance.map_or_else(String::new, |d| fixed_millimetres(d, 2)));
+        match solved.compared().and_then(|compared| Some((compared, compared.rms()?))) {
+            Some((compared, rms)) => cells.extend([
+                fixed_millimetres(rms, 2),
+                compared.steps().to_string(),
+                compared.moving().count().to_string(),
+            ]),
+            None => cells.resize(cells.len() + 3, String::from("–")),
+        }
     }
     cells.push(duration(solved.solve.median));
     cells
@@ -105,8 +110,18 @@ fn published_cells(study: &Study, run: &Run) -> [String; 2] {
 /// What the columns mean, and what must not be read into them.
 pub fn notes(studies: &[Study]) -> Vec<String> {
     let mut notes = vec![String::from(
-        "Lengths in mm. RMS: distance over the disks, without the base, to the first model of the case. Time: median of repeated cold solves by a model that is built, of a case in steps the last step from the one before; cases.csv has the time of building it.",
+        "Lengths in mm. RMS: distance over the disks, without the base, to the first model of the case that has an answer; \"–\" in its own row. Time: median of repeated cold solves by a model that is built, of a case in steps the last step from the one before; cases.csv has the time of building it.",
     )];
+    if studies.iter().any(|study| !study.file.case.before.is_empty()) {
+        notes.push(String::from(
+            "A case in steps: tip and bend after the last step, RMS over all steps.",
+        ));
+    }
+    if studies.iter().flat_map(Study::solved).any(|(_, solved)| solved.compared().is_some()) {
+        notes.push(String::from(
+            "To measured: RMS distance to the markers that were measured in space, without those on the base, over all steps with measurements; \"steps\" and \"points\" say how many count. <case>-measured.csv has each of them.",
+        ));
+    }
     let like_for_like = |run: &Run| run.commands == Commands::CosseratShape;
     if studies.iter().any(|s| s.runs.iter().any(like_for_like)) {
         notes.push(String::from(
@@ -115,6 +130,18 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
     }
     if studies.iter().flat_map(|study| &study.runs).any(Run::is_unstable) {
         notes.push(format!("{UNSTABLE} unstable: the robot leaves this shape."));
+        for study in studies.iter().filter(|study| !study.file.case.before.is_empty()) {
+            for (run, solved) in study.solved().filter(|(run, _)| run.is_unstable()) {
+                let of = solved.answers.len();
+                let unstable =
+                    solved.answers.iter().filter(|answer| answer.diagnostics.is_unstable()).count();
+                notes.push(format!(
+                    "{}, {}: {unstable} of {of} steps unstable.",
+                    study.file.title,
+                    run.label()
+                ));
+            }
+        }
     }
     let mut sources: Vec<&str> = studies
         .iter()
@@ -128,7 +155,12 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
             "\"paper\": published values, not ours ({}). The RMS errors are against photographs that are not public; they are shown, not reproduced.",
             sources.join("; ")
         ));
+        notes.push(String::from(
+            "Empty under \"paper\": nothing was published for this model or case, or the row is not driven by the file.",
+        ));
     }
+    let any_measured =
+        studies.iter().flat_map(Study::solved).any(|(_, solved)| solved.measured.is_some());
     for study in studies {
         let in_images = |m: &Measured| {
             !m.observations.is_empty()
@@ -142,15 +174,33 @@ pub fn notes(studies: &[Study]) -> Vec<String> {
         }
         let measured = study.solved().filter_map(|(_, s)| s.measured.as_ref()?.as_ref().ok());
         if measured.into_iter().any(Distances::is_reversed) {
-            notes.push(format!("! {}", reversed(&study.file)));
+            notes.push(format!("! {}; {REVERSED_HELP}", reversed(&study.file)));
         }
-        for run in &study.runs {
-            for what in notes_of(run) {
-                notes.push(format!("{}, {}: {what}", study.file.title, run.label()));
-            }
+        if let Some(why) = unmeasured(study).filter(|_| any_measured) {
+            notes.push(format!("{}: {why}", study.file.title));
         }
+        let of_runs = study
+            .runs
+            .iter()
+            .flat_map(|run| notes_of(run).into_iter().map(move |what| (run.label(), what)));
+        let of_runs = each_once(of_runs);
+        notes.extend(of_runs.map(|(of, what)| format!("{}, {of}: {what}", study.file.title)));
     }
     notes
+}
+
+/// What is said of several models in the same words, once: their labels, and what is said.
+pub fn each_once(
+    notes: impl Iterator<Item = (String, String)>,
+) -> impl Iterator<Item = (String, String)> {
+    let mut known: Vec<(String, String)> = Vec::new();
+    for (of, what) in notes {
+        match known.iter_mut().find(|(_, said)| *said == what) {
+            Some((names, _)) => *names += &format!("; {of}"),
+            None => known.push((of, what)),
+        }
+    }
+    known.into_iter()
 }
 
 /// How a measurement was moved onto an answer.
@@ -170,10 +220,31 @@ fn notes_of(run: &Run) -> Vec<String> {
             "drawn through its disks alone, as no answer was found near it with more stations.",
         ));
     }
-    match &solved.measured {
-        Some(Ok(distances)) => notes.extend(distances.motion.as_ref().map(moved)),
-        Some(Err(why)) => notes.push(why.to_string()),
-        None => {}
-    }
+    notes.extend(solved.compared().and_then(|compared| compared.motion.as_ref()).map(moved));
+    notes.extend(not_compared(solved).map(|why| format!("no distance to the measurement: {why}")));
     notes
+}
+
+/// Why an answer has no distance to what was measured in space; `None` where it has one, and where nothing was
+/// measured in space.
+pub fn not_compared(solved: &Solved) -> Option<String> {
+    match solved.measured.as_ref()? {
+        Ok(distances) => distances
+            .rms()
+            .is_none()
+            .then(|| String::from("only markers on the base were measured")),
+        Err(why) => Some(why.to_string()),
+    }
+}
+
+/// Why no answer to a case has a distance to a measurement, where there is none in space; images have a note of their
+/// own.
+fn unmeasured(study: &Study) -> Option<&'static str> {
+    match &study.file.measured {
+        None => Some("no distance to a measurement: nothing was measured."),
+        Some(measured) if measured.observations.is_empty() => {
+            Some("no distance to a measurement: [measured] has no markers.")
+        }
+        Some(_) => None,
+    }
 }

@@ -7,13 +7,31 @@ pub(crate) mod tables;
 
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
-use whipcord::identification::{Compared, Experiment, Identified, Quantity, Unknown, Validated};
+use serde_json::{Value, json};
+use whipcord::identification::{
+    Compared, Experiment, Identified, Quantity, Unknown, Unstable, Validated,
+};
 use whipcord::registration::Alignment;
-use whipcord_io::{CaseFile, NonFinite, fit_json, status_words};
+use whipcord::{Case, Model, Robot, Warning};
+use whipcord_io::{
+    AnswerOf, CaseFile, FileWarning, NonFinite, fit_json, status_words, warnings_json,
+};
 
 use crate::failure::Failure;
 use crate::files::{Folder, no_result, picture, plot_failure, unique_names, write};
+use crate::quantity::number;
+use crate::words::REVERSED_HELP;
+
+/// A warning about a fit as a whole.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remark {
+    /// A name that stays the same from version to version.
+    pub code: &'static str,
+    /// What it says.
+    pub message: String,
+    /// What to do about it.
+    pub help: &'static str,
+}
 
 /// A fit, and what it is of.
 #[derive(Clone, Debug)]
@@ -28,16 +46,19 @@ pub struct Fit {
     pub found: Identified,
     /// How far off it is where it was held out, where that was asked for.
     pub validated: Option<Validated>,
-    /// What is said of cases whose markers fit far better in opposite order.
-    pub reversed: Vec<String>,
+    /// Of each case whose markers fit far better in opposite order, a warning.
+    pub reversed: Vec<Remark>,
     /// The fits of all models, where that was asked for.
     pub compared: Vec<Compared>,
+    /// Of each file, the warnings about it and about the answers with the estimates.
+    pub notices: Vec<Vec<FileWarning>>,
 }
 
 impl Fit {
     /// A fit of these files, which give it their names.
     #[must_use]
     pub fn new(
+        model: &Model,
         cases: Vec<CaseFile>,
         experiments: Vec<Experiment>,
         found: Identified,
@@ -46,8 +67,20 @@ impl Fit {
     ) -> Self {
         let names = unique_names(cases.iter().map(|case| case.path.as_path()));
         let unknowns: Vec<Unknown> = found.estimates.iter().map(|of| of.unknown.clone()).collect();
-        let reversed = order::reversed_cases(found.model, &cases, &unknowns);
-        Self { cases, names, experiments, found, validated, reversed, compared }
+        let reversed = order::reversed_cases(found.model, &cases, &unknowns)
+            .into_iter()
+            .map(|message| Remark { code: "reversed-markers", message, help: REVERSED_HELP })
+            .collect();
+        let warnings = cases
+            .iter()
+            .zip(&found.cases)
+            .map(|(file, case)| warnings(model, file, &found.robot, case));
+        let mut notices: Vec<Vec<FileWarning>> = warnings.collect();
+        // [`Self::instability`] names all unstable answers of all files in one warning.
+        for of in &mut notices {
+            of.retain(|notice| !matches!(notice.warning, Warning::Unstable { .. }));
+        }
+        Self { cases, names, experiments, found, validated, reversed, compared, notices }
     }
 
     /// All of it as the JSON object that `whipcord fit --json` prints.
@@ -55,8 +88,58 @@ impl Fit {
     /// # Errors
     /// [`NonFinite`] with the place of a number that is not finite.
     pub fn json(&self) -> Result<Value, NonFinite> {
-        let Self { found, names, validated, compared, reversed, .. } = self;
-        fit_json(found, names, validated.as_ref(), compared, reversed)
+        let Self { found, names, validated, compared, .. } = self;
+        let mut warnings: Vec<Value> = (self.cases.iter().zip(&self.notices))
+            .flat_map(|(file, list)| match warnings_json(file, list) {
+                Value::Array(objects) => objects,
+                _ => Vec::new(),
+            })
+            .collect();
+        warnings.extend(self.remarks().iter().map(|Remark { code, message, help }| {
+            json!({ "code": code, "message": message, "help": help, "place": null })
+        }));
+        fit_json(found, names, validated.as_ref(), compared, warnings)
+    }
+
+    /// What a reader should know besides the estimates.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<Remark> {
+        self.reversed.iter().cloned().chain(self.instability()).collect()
+    }
+
+    /// The warning where measurements are compared with unstable equilibria: how many, and in which cases and steps.
+    #[must_use]
+    pub fn instability(&self) -> Option<Remark> {
+        const NAMED: usize = 5;
+        let Identified { answers, unstable, .. } = &self.found;
+        let place = |of: &Unstable| {
+            let (name, least) = (&self.names[of.experiment], number(of.stability, 3));
+            match self.cases[of.experiment].case.before.len() {
+                0 => format!("{name} (stability {least})"),
+                _ => format!("{name} step {} (stability {least})", of.step + 1),
+            }
+        };
+        let named: Vec<String> = unstable.iter().take(NAMED).map(place).collect();
+        let more = match unstable.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let count = match (unstable.len(), *answers) {
+            (0, _) => return None,
+            (1, 1) => "the answer".to_owned(),
+            (all, answers) if all == answers => format!("all {answers} answers"),
+            (some, answers) => format!("{some} of the {answers} answers"),
+        };
+        let what = match unstable.len() {
+            1 => "is an unstable equilibrium",
+            _ => "are unstable equilibria",
+        };
+        let message = format!(
+            "{count} that the measurements are compared with {what} at the estimates: {}{more}; the real robot leaves such a \
+             shape, so the estimates may be wrong",
+            named.join(", "),
+        );
+        Some(Remark { code: "unstable", message, help: UNSTABLE_HELP })
     }
 
     /// Writes report, figures and CSV to a folder, and returns the path of the report.
@@ -92,6 +175,25 @@ impl Fit {
         files.push((REPORT.to_owned(), report::html(self, &figures).into_bytes()));
         Ok(files)
     }
+}
+
+const UNSTABLE_HELP: &str = "check the loads, the commands and the start values";
+
+/// Warnings about a file, and about the answers of the robot with the estimates to its case.
+fn warnings(model: &Model, file: &CaseFile, robot: &Robot, case: &Case) -> Vec<FileWarning> {
+    let mut all = file.warnings();
+    let mut answers = Vec::new();
+    if let Ok(mut prepared) = model.prepare(robot, &case.loads) {
+        // Where a step has no answer, those before it are looked at.
+        let _ = prepared.solve_steps(case, |solution| answers.push(solution));
+    }
+    let step = |n: usize| (!case.before.is_empty()).then_some(n + 1);
+    let answers = answers.iter().enumerate();
+    all.extend(file.answer_warnings_for(
+        robot,
+        answers.map(|(n, solution)| (Some(AnswerOf { model: None, step: step(n) }), solution)),
+    ));
+    all
 }
 
 const REPORT: &str = "report.html";

@@ -22,14 +22,14 @@ fn is_any_reversed(kind: ModelKind, file: &CaseFile) -> bool {
     let mut solutions = Vec::new();
     // A step without an answer is spoken of elsewhere.
     let _ = prepared.solve_steps(&file.case, |solution| solutions.push(solution));
-    file.case.steps().zip(&solutions).enumerate().any(|(step, (case, solution))| {
+    file.case.single_steps().zip(&solutions).enumerate().any(|(step, (case, solution))| {
         let seen = measured.observations.iter();
         let seen = seen.filter(|seen| seen.step == step && seen.offset == Vec3::ZERO);
         let seen: Vec<&Observation> = seen.collect();
         if seen.is_empty() {
             return false;
         }
-        let there = places(kind, &file.robot, &case, solution, seen.iter().copied());
+        let there = places(&model, &file.robot, &case, solution, seen.iter().copied());
         let Ok(there) = there else { return false };
         let arc_length = |seen: &Observation| seen.place.arc_length(file.robot.disks());
         let pairs = || seen.iter().zip(&there);

@@ -185,9 +185,9 @@ pub fn held_out(fit: &Fit) -> Table {
 
 /// What a reader must know to read the numbers rightly.
 pub fn notes(fit: &Fit) -> Vec<String> {
-    let reversed = fit.reversed.iter().map(|text| format!("! {text}"));
+    let warnings = fit.remarks().into_iter().map(|of| format!("! {}; {}", of.message, of.help));
     let unresolved = fit.found.unresolved.iter().map(|unresolved| format!("! {unresolved}"));
-    let mut notes: Vec<String> = reversed.chain(unresolved).collect();
+    let mut notes: Vec<String> = warnings.chain(unresolved).collect();
     for each in &fit.compared {
         match &each.fit {
             Err(error) => notes.push(format!("{}: {error}", each.model)),

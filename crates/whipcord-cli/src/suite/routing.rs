@@ -125,7 +125,7 @@ fn case(routing: &'static str, robot: &Robot, degrees: f64, loaded: bool) -> Sui
 
 #[cfg(test)]
 mod tests {
-    use whipcord::{Drive, Model, ModelKind, Statics as _, Stations};
+    use whipcord::{Cancel, Drive, Model, ModelKind, Statics as _, Stations};
 
     use super::*;
     use crate::trial::contender::{Contender, Variant};
@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(subjects.len(), 10);
         let kinds = [ModelKind::Cosserat, ModelKind::FourBar];
         let reference = Choice::Model { kind: ModelKind::CosseratDisks, fine: false };
-        let results = Results::of(&subjects, &kinds, reference, |_| ());
+        let results = Results::of(&subjects, &kinds, reference, &Cancel::default(), |_| ());
         for trial in &results.trials {
             let loaded = trial.tags.unwrap().burden != Burden::None;
             for entry in &trial.entries {

@@ -13,14 +13,16 @@ mod tests;
 pub mod verdict;
 pub mod yardstick;
 
+use whipcord::robot::Route;
 use whipcord::{
-    CableCommand, Case, Drive, Pose, Robot, Shape, Shortening, Solution, SolveError, Stations,
-    at_rest,
+    CableCommand, CableState, Cancel, Case, Drive, Model, NoStability, Pose, Robot, Shape,
+    Shortening, Solution, SolveError, Stations, at_rest,
 };
 use whipcord_io::Measured;
 
 use self::contender::Contender;
 use self::yardstick::{Choice, NoYardstick, Yardstick};
+use crate::steps::{all_stable, stability_absent};
 use crate::timing::{self, Timing};
 use crate::words::driven_by;
 
@@ -146,33 +148,54 @@ pub struct Answer {
     pub iterations: usize,
     /// Steps or sections.
     pub steps: usize,
-    /// Whether the robot leaves this shape.
-    pub unstable: bool,
+    /// Whether it is stable, in all steps where there are several; `None` where that is not known.
+    pub stable: Option<bool>,
+    /// Why that is not known.
+    pub stability_absent: Option<NoStability>,
+}
+
+impl Answer {
+    /// Whether the robot leaves this shape, or that of one of the steps.
+    pub fn is_unstable(&self) -> bool {
+        self.stable == Some(false)
+    }
 }
 
 /// Distances in m from the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Miss {
-    /// Root mean square over the disks without the base, or over the markers.
+    /// Root mean square over the disks without the base, or over the markers, and over all steps.
     pub rms: f64,
     /// The greatest.
     pub greatest: f64,
-    /// Of the tip; `None` where it was not measured.
+    /// Of the tip, the root mean square over the steps; `None` where it was not measured.
     pub tip: Option<f64>,
+    /// Number of steps that they are over.
+    pub steps: usize,
+    /// Number of disks or markers, each counted once in each step.
+    pub points: usize,
 }
 
 impl Trial {
-    /// Tries all contenders on a case.
-    pub fn new(subject: &Subject, contenders: &[Contender], choice: Choice) -> Self {
-        let yardstick = Yardstick::new(subject, choice);
+    /// Tries all contenders on a case; the flag ends their solves.
+    pub fn new(
+        subject: &Subject,
+        contenders: &[Contender],
+        choice: Choice,
+        cancel: &Cancel,
+    ) -> Self {
+        let yardstick = Yardstick::new(subject, choice, cancel);
         let reference = yardstick.as_ref().ok();
-        let like = reference.and_then(|yardstick| {
-            like_for_like(subject.robot, subject.case, yardstick.solution.as_ref()?)
-        });
+        let like = reference
+            .and_then(|yardstick| like_for_like(subject.robot, subject.case, &yardstick.answers));
         let bare = without_material(subject.robot);
         let entries = contenders
             .iter()
-            .map(|&contender| entry(contender, subject, reference, like.as_ref(), bare.as_ref()))
+            .map(|&contender| {
+                let model = contender.model(Stations::Disks, subject.sections());
+                let model = model.cancelled_by(cancel);
+                entry(contender, &model, subject, reference, like.as_ref(), bare.as_ref())
+            })
             .collect();
         Self {
             title: subject.title.to_owned(),
@@ -199,13 +222,14 @@ impl Trial {
 
 fn entry(
     contender: Contender,
+    model: &Model,
     subject: &Subject,
     reference: Option<&Yardstick>,
     like: Option<&Case>,
     bare: Option<&Robot>,
 ) -> Entry {
-    let (robot, model) = (subject.robot, contender.model(Stations::Disks, subject.sections()));
-    let solve = |case: &Case| timing::solve(&model, robot, case).map_err(|(_, error)| error);
+    let robot = subject.robot;
+    let solve = |case: &Case| timing::solve(model, robot, case).map_err(|(_, error)| error);
     let as_given = || (Commands::Case, subject.case, solve(subject.case));
     let as_reference = |case| (Commands::Reference, case, solve(case));
     // A geometric model is given the reference's lengths: its own, where the case has any, were measured or
@@ -218,15 +242,17 @@ fn entry(
         },
     };
     let outcome = outcome.map(|timed| {
+        let answers: Vec<Solution> = timed.answers().into_iter().cloned().collect();
         let diagnostics = &timed.solution.diagnostics;
         let nothing = || Err("there is no reference".to_owned());
         Answer {
-            miss: reference.map_or_else(nothing, |r| r.miss(subject, &timed.solution)),
+            miss: reference.map_or_else(nothing, |r| r.miss(subject, &answers)),
             solve: timed.solve,
             build: timed.build,
             iterations: diagnostics.iterations,
             steps: diagnostics.steps,
-            unstable: diagnostics.is_unstable(),
+            stable: all_stable(&answers),
+            stability_absent: stability_absent(&answers),
         }
     });
     let without_material = bare.is_some_and(|bare| {
@@ -245,9 +271,9 @@ fn without_material(robot: &Robot) -> Option<Robot> {
     Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec()).ok()
 }
 
-/// The case in which every cable has the tension of a solution and loses as much, from hole to hole, as over its
-/// shape; in one step. `None` when there are no cables, or one ends between two disks.
-pub fn like_for_like(robot: &Robot, case: &Case, solution: &Solution) -> Option<Case> {
+/// The case in which, step by step, every cable has the tension of an answer and loses as much, from hole to hole, as
+/// over its shape. The answers are those to all steps. `None` when there are no cables, or one ends between two disks.
+pub fn like_for_like(robot: &Robot, case: &Case, answers: &[Solution]) -> Option<Case> {
     if robot.cables().is_empty() {
         return None;
     }
@@ -256,16 +282,17 @@ pub fn like_for_like(robot: &Robot, case: &Case, solution: &Solution) -> Option<
     } else {
         at_rest(robot, Pose::IDENTITY, &Stations::Disks)?.disks
     };
-    let commands: Option<Vec<CableCommand>> = robot
-        .routes()
-        .iter()
-        .zip(&solution.cables)
-        .map(|(route, cable)| {
+    let commands = |solution: &Solution| -> Option<Vec<CableCommand>> {
+        let cables = robot.routes().iter().zip(&solution.cables);
+        let command = |(route, cable): (&Route, &CableState)| {
             let (initial, now) =
                 (rest.hole_to_hole_length(route)?, solution.disks.hole_to_hole_length(route)?);
             let shortening = Shortening::Fraction(1.0 - now / initial);
             Some(CableCommand { tension: cable.tension, shortening: Some(shortening) })
-        })
-        .collect();
-    Some(Case { commands: commands?, before: Vec::new(), ..case.clone() })
+        };
+        cables.map(command).collect()
+    };
+    let mut steps = answers.iter().map(commands).collect::<Option<Vec<_>>>()?;
+    let commands = steps.pop()?;
+    Some(Case { commands, before: steps, ..case.clone() })
 }

@@ -45,6 +45,10 @@ pub fn csv(results: &Results) -> CsvTable {
         "steps",
         "unstable",
         "failure",
+        "stable",
+        "stability_absent",
+        "compared_steps",
+        "compared_points",
     ]);
     for trial in results.trials.iter().chain(&results.cut) {
         for entry in &trial.entries {
@@ -84,6 +88,7 @@ fn answer_cells(trial: &Trial, entry: &Entry) -> Vec<Cell> {
         Err(error) => {
             let mut cells = vec![Cell::Empty; 10];
             cells.push(Cell::from(error.to_string()));
+            cells.resize(15, Cell::Empty);
             return cells;
         }
     };
@@ -98,8 +103,14 @@ fn answer_cells(trial: &Trial, entry: &Entry) -> Vec<Cell> {
         Cell::from(answer.build.median),
         Cell::from(answer.iterations),
         Cell::from(answer.steps),
-        Cell::from(if answer.unstable { "true" } else { "false" }),
+        Cell::from(if answer.is_unstable() { "true" } else { "false" }),
         answer.miss.as_ref().err().map_or(Cell::Empty, |why| Cell::from(why.as_str())),
+        answer
+            .stable
+            .map_or(Cell::Empty, |stable| Cell::from(if stable { "true" } else { "false" })),
+        answer.stability_absent.map_or(Cell::Empty, |why| Cell::from(why.name())),
+        miss.map_or(Cell::Empty, |miss| Cell::from(miss.steps)),
+        miss.map_or(Cell::Empty, |miss| Cell::from(miss.points)),
     ]
 }
 
@@ -154,13 +165,14 @@ fn run_json(path: &str, trial: &Trial, entry: &Entry) -> Result<Value, NonFinite
         "commands": entry.commands.name(),
         "driven_by": entry.driven_by,
     });
-    let Answer { miss, solve, build, iterations, steps, unstable } = match &entry.outcome {
+    let answer = match &entry.outcome {
         Ok(answer) => answer,
         Err(error) => {
             run["failure"] = json!(error.to_string());
             return Ok(run);
         }
     };
+    let Answer { miss, solve, build, iterations, steps, stable, stability_absent } = answer;
     match miss {
         Ok(miss) => {
             run["error"] = json!({
@@ -169,6 +181,8 @@ fn run_json(path: &str, trial: &Trial, entry: &Entry) -> Result<Value, NonFinite
                 "tip": json_optional(|| format!("{path}.error.tip"), miss.tip)?,
                 "rms_over_length":
                     json_number(|| format!("{path}.error.rms_over_length"), miss.rms / trial.length)?,
+                "steps": miss.steps,
+                "points": miss.points,
             });
         }
         Err(why) => run["not_compared"] = json!(why),
@@ -178,7 +192,11 @@ fn run_json(path: &str, trial: &Trial, entry: &Entry) -> Result<Value, NonFinite
     run["build_time"] = json_number(|| format!("{path}.build_time"), build.median)?;
     run["iterations"] = json!(iterations);
     run["steps"] = json!(steps);
-    run["unstable"] = json!(unstable);
+    run["unstable"] = json!(answer.is_unstable());
+    run["stable"] = json!(stable);
+    if let Some(reason) = stability_absent.filter(|_| stable.is_none()) {
+        run["stability_absent"] = json!(reason.name());
+    }
     Ok(run)
 }
 

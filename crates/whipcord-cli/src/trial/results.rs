@@ -1,6 +1,6 @@
 //! All trials of a comparison, and what follows from them.
 
-use whipcord::ModelKind;
+use whipcord::{Cancel, ModelKind};
 
 use super::contender::{Contender, Variant};
 use super::standing::{Duel, Standing};
@@ -26,19 +26,22 @@ pub struct Results {
 }
 
 impl Results {
-    /// Tries these models and their variants on all cases; `each` is told of every case before it begins.
+    /// Tries these models and their variants on all cases; `each` is told of every case before it begins. Once the flag is set
+    /// solves end and cases are left out, so that what was found says nothing.
     pub fn of(
         subjects: &[Subject],
         kinds: &[ModelKind],
         choice: Choice,
+        cancel: &Cancel,
         mut each: impl FnMut(&str),
     ) -> Self {
         let contenders = Contender::of(kinds);
         let trials: Vec<Trial> = subjects
             .iter()
+            .take_while(|_| !cancel.is_cancelled())
             .map(|subject| {
                 each(subject.title);
-                Trial::new(subject, &contenders, choice)
+                Trial::new(subject, &contenders, choice, cancel)
             })
             .collect();
         let cut = if trials.iter().any(|trial| trial.sections >= MANY_SECTIONS) {
@@ -49,12 +52,14 @@ impl Results {
             let choice = if choice == Choice::Measured { Choice::Trusted } else { choice };
             // Among obstacles it is the contacts that take the time.
             let free = subjects.iter().filter(|subject| subject.case.obstacles.is_empty());
+            let free = free.take_while(|_| !cancel.is_cancelled());
             let cut = free.filter_map(|subject| {
                 let robot = resample(subject.robot, CUT_INTO).ok()?;
                 Some(Trial::new(
                     &Subject { robot: &robot, measured: None, ..*subject },
                     &contenders,
                     choice,
+                    cancel,
                 ))
             });
             cut.filter(|trial| trial.yardstick.is_ok()).take(CUT).collect()

@@ -58,7 +58,7 @@ impl Standing {
             of: trials.len(),
             answered: answers.len(),
             judged: errors.len(),
-            unstable: answers.iter().filter(|answer| answer.unstable).count(),
+            unstable: answers.iter().filter(|answer| answer.is_unstable()).count(),
             within: errors.iter().filter(|(error, _)| *error <= TOLERANCE).count(),
             median_error: some_median(errors.iter().map(|(error, _)| *error).collect()),
             worst_error: worst.map(|(error, _)| *error),
@@ -124,7 +124,7 @@ impl Duel {
 
 #[cfg(test)]
 mod tests {
-    use whipcord::{ModelKind, SolveError};
+    use whipcord::{Cancel, ModelKind, SolveError};
 
     use super::*;
     use crate::timing::Timing;
@@ -153,12 +153,13 @@ mod tests {
             driven_by: String::new(),
             outcome: result
                 .map(|(rms, time)| Answer {
-                    miss: Ok(Miss { rms, greatest: rms, tip: None }),
+                    miss: Ok(Miss { rms, greatest: rms, tip: None, steps: 1, points: 9 }),
                     solve: timing(time),
                     build: timing(0.0),
                     iterations: 3,
                     steps: 1,
-                    unstable: false,
+                    stable: Some(true),
+                    stability_absent: None,
                 })
                 .ok_or(SolveError::NoLever { cable: String::new(), disk: 1 }),
             without_material: contender == A,
@@ -171,7 +172,7 @@ mod tests {
             length: 2.0,
             tags: None,
             among_obstacles: false,
-            yardstick: Yardstick::new(&subject, reference),
+            yardstick: Yardstick::new(&subject, reference, &Cancel::default()),
             entries: [A, B].into_iter().zip(results).map(entry).collect(),
         }
     }

@@ -76,6 +76,8 @@ pub fn entries(trials: &[Trial]) -> Table {
         ("RMS, %", Align::Right),
         ("time", Align::Right),
         ("iterations", Align::Right),
+        ("steps", Align::Right),
+        ("points", Align::Right),
     ]);
     for trial in trials {
         table.group();
@@ -84,7 +86,7 @@ pub fn entries(trials: &[Trial]) -> Table {
             let mut row = vec![title, entry.contender.to_string()];
             match &entry.outcome {
                 Ok(answer) => row.extend(answer_cells(trial, entry, answer)),
-                Err(_) => row.resize(9, NONE.to_owned()),
+                Err(_) => row.resize(11, NONE.to_owned()),
             }
             table.row(row);
         }
@@ -108,6 +110,10 @@ fn answer_cells(trial: &Trial, entry: &Entry, answer: &Answer) -> Vec<String> {
         Err(_) => cells.resize(5, NONE.to_owned()),
     }
     cells.extend([duration(answer.solve.median), answer.iterations.to_string()]);
+    match &answer.miss {
+        Ok(miss) => cells.extend([miss.steps.to_string(), miss.points.to_string()]),
+        Err(_) => cells.resize(9, NONE.to_owned()),
+    }
     cells
 }
 
@@ -152,6 +158,27 @@ pub fn notes(results: &Results) -> Vec<String> {
             None => "no estimate of its own error".to_owned(),
         };
         notes.push(format!("reference: {name} ({cases}), {sure}."));
+    }
+    let misses = results.trials.iter().flat_map(|trial| &trial.entries);
+    let mut misses = misses.filter_map(|entry| entry.outcome.as_ref().ok()?.miss.as_ref().ok());
+    if misses.any(|miss| miss.steps > 1) {
+        notes.push(String::from(
+            "A case in steps is compared in all steps: \"steps\" and \"points\" of each are in accuracy.csv and, with --rows, in the table.",
+        ));
+    }
+    let untold = |trial: &&Trial| {
+        trial.entries.iter().any(|entry| {
+            entry
+                .outcome
+                .as_ref()
+                .is_ok_and(|answer| answer.miss.as_ref().is_ok_and(|m| m.tip.is_none()))
+        })
+    };
+    for trial in results.trials.iter().filter(untold) {
+        notes.push(format!(
+            "{}: no distance of the tip: the centre of the last disk was not measured.",
+            trial.title
+        ));
     }
     for trial in &results.trials {
         if let Err(why) = &trial.yardstick {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use whipcord::{Backbone, Cable, Disks, Material, ModelKind, Routing, Section};
+use whipcord::{Backbone, Cable, Cancel, Disks, Material, ModelKind, Routing, Section};
 
 use super::contender::Variant;
 use super::*;
@@ -64,7 +64,7 @@ fn tried(kinds: &[ModelKind], choice: Choice) -> Trial {
         measured: None,
         tags: None,
     };
-    Trial::new(&subject, &Contender::of(kinds), choice)
+    Trial::new(&subject, &Contender::of(kinds), choice, &Cancel::default())
 }
 
 fn is(trial: &Trial, contender: Contender, expected: [f64; 3], bound: f64) {
@@ -149,12 +149,12 @@ fn holes_ask_for_cables_that_run_straight_between_them() {
     let example = crate::benchmark::paper::table_1().unwrap().remove(2);
     let (robot, case) = (&example.robot, &example.case);
     let subject = Subject { title: "III", stem: "iii", robot, case, measured: None, tags: None };
-    let yardstick = Yardstick::new(&subject, Choice::Trusted).unwrap();
+    let yardstick = Yardstick::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
     assert_eq!(yardstick.kind, Some(ModelKind::CosseratDisks));
     // Cut finely, the difference is none, and the continuous rod is as good.
     let fine = crate::benchmark::resample::resample(robot, 101).unwrap();
     let subject = Subject { robot: &fine, ..subject };
-    let yardstick = Yardstick::new(&subject, Choice::Trusted).unwrap();
+    let yardstick = Yardstick::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
     assert_eq!(yardstick.kind, Some(ModelKind::Cosserat));
 }
 

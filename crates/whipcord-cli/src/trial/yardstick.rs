@@ -3,10 +3,12 @@
 use core::fmt;
 use core::str::FromStr;
 
-use whipcord::observation::distances;
-use whipcord::{Drive, Model, ModelKind, Routing, Solution, SolveError, Stations};
+use whipcord::observation::{Apart, distances, in_space};
+use whipcord::{Cancel, Drive, Model, ModelKind, Routing, Solution, SolveError, Stations};
 
 use super::{Miss, Subject};
+use crate::statistics::root_mean_square;
+use crate::steps::rms_distance;
 use crate::trial::contender::fine;
 
 /// What a user wants errors to be measured against.
@@ -62,8 +64,8 @@ pub struct Yardstick {
     /// Its own estimate of its error in m: of the model how far its answer is from the exact one of its
     /// equations, of a measurement the standard deviation of a coordinate, where it is given.
     pub uncertainty: Option<f64>,
-    /// The model's answer.
-    pub solution: Option<Solution>,
+    /// The model's answers to all steps; none of a measurement.
+    pub answers: Vec<Solution>,
 }
 
 /// Why there is nothing to measure against.
@@ -84,71 +86,76 @@ impl fmt::Display for NoYardstick {
 }
 
 impl Yardstick {
-    /// What a case is measured against.
+    /// What a case is measured against; the flag ends the solve.
     ///
     /// # Errors
     /// [`NoYardstick`] when nothing was measured, or the model has no answer.
-    pub fn new(subject: &Subject, choice: Choice) -> Result<Self, NoYardstick> {
+    pub fn new(subject: &Subject, choice: Choice, cancel: &Cancel) -> Result<Self, NoYardstick> {
         let measured = || measured(subject);
         match choice {
             Choice::Measured => {
                 measured().ok_or_else(|| NoYardstick(vec![("measured".into(), None)]))
             }
-            Choice::Model { kind, fine } => {
-                solved(subject, kind, fine).map_err(|(name, e)| NoYardstick(vec![(name, Some(e))]))
-            }
-            Choice::Trusted => measured().map_or_else(|| trusted(subject), Ok),
+            Choice::Model { kind, fine } => solved(subject, kind, fine, cancel)
+                .map_err(|(name, e)| NoYardstick(vec![(name, Some(e))])),
+            Choice::Trusted => measured().map_or_else(|| trusted(subject, cancel), Ok),
         }
     }
 
-    /// How far an answer is from it.
+    /// How far the answers to all steps are from it.
     ///
     /// # Errors
     /// Why the two cannot be compared, in words.
-    pub fn miss(&self, subject: &Subject, answer: &Solution) -> Result<Miss, String> {
-        if let Some(truth) = &self.solution {
-            let distances: Vec<f64> = answer.disks.distances(&truth.disks).collect();
+    pub fn miss(&self, subject: &Subject, answers: &[Solution]) -> Result<Miss, String> {
+        if !self.answers.is_empty() {
+            let pairs = || answers.iter().zip(&self.answers);
+            let distances =
+                pairs().flat_map(|(answer, truth)| answer.disks.distances(&truth.disks));
+            let tips =
+                pairs().filter_map(|(answer, truth)| answer.disks.distances(&truth.disks).last());
+            let steps = pairs().count();
             return Ok(Miss {
-                rms: answer.disks.rms_distance(&truth.disks),
-                greatest: distances.iter().copied().fold(0.0, f64::max),
-                tip: distances.last().copied(),
+                rms: rms_distance(answers, &self.answers),
+                greatest: distances.fold(0.0, f64::max),
+                tip: root_mean_square(tips),
+                steps,
+                points: steps * subject.sections(),
             });
         }
         let nothing = || "nothing was measured in space".to_owned();
         let measured = subject.measured.ok_or_else(nothing)?;
         let (robot, case) = (subject.robot, subject.case);
         let (seen, alignment) = (&measured.observations, measured.alignment);
-        let apart = distances(answer.model, robot, case, answer, seen, alignment)
+        let answers: Vec<&Solution> = answers.iter().collect();
+        let kind = answers.first().ok_or_else(nothing)?.model;
+        let apart = distances(kind, robot, case, &answers, seen, alignment)
             .map_err(|error| error.to_string())?
             .ok_or_else(nothing)?;
         let rms = apart.rms().ok_or_else(|| "only the base was measured".to_owned())?;
-        let moving = || apart.markers.iter().filter(|marker| !marker.at_base);
-        let far = |marker: &whipcord::observation::Apart| (marker.model - marker.measured).norm();
-        let last = Some(robot.disks().count());
         Ok(Miss {
             rms,
-            greatest: moving().map(far).fold(0.0, f64::max),
-            tip: moving().find(|marker| marker.disk == last).map(far),
+            greatest: apart.moving().map(Apart::distance).fold(0.0, f64::max),
+            tip: apart.rms_of_disk(robot.disks().count()),
+            steps: apart.steps(),
+            points: apart.moving().count(),
         })
     }
 }
 
 fn measured(subject: &Subject) -> Option<Yardstick> {
     let measured = subject.measured?;
-    let last = subject.case.before.len();
-    let counts = |seen: &whipcord::Observation| seen.step == last && !seen.seen.is_in_image();
-    measured.observations.iter().any(counts).then(|| Yardstick {
+    in_space(&measured.observations).next().is_some().then(|| Yardstick {
         name: "what was measured".to_owned(),
         kind: None,
         uncertainty: measured.deviation,
-        solution: None,
+        answers: Vec::new(),
     })
 }
 
 /// The rod whose cables run as the real ones do: straight from hole to hole, where the file gives the holes
 /// and there are few enough sections for it to matter; else the rod with continuous cables. At fine
 /// resolution; where that gives no answer, as it is; and then the other rod.
-fn trusted(subject: &Subject) -> Result<Yardstick, NoYardstick> {
+fn trusted(subject: &Subject, cancel: &Cancel) -> Result<Yardstick, NoYardstick> {
     let robot = subject.robot;
     // Robots of a suite are like real ones, whose files list their holes.
     let through_holes = subject.tags.is_some()
@@ -161,7 +168,7 @@ fn trusted(subject: &Subject) -> Result<Yardstick, NoYardstick> {
     let mut refusals = Vec::new();
     for kind in kinds {
         for fine in [true, false] {
-            match solved(subject, kind, fine) {
+            match solved(subject, kind, fine, cancel) {
                 Ok(yardstick) => return Ok(yardstick),
                 // The same refusal twice says nothing more.
                 Err((name, error)) if !fine => refusals.push((name, Some(error))),
@@ -176,21 +183,25 @@ fn solved(
     subject: &Subject,
     kind: ModelKind,
     is_fine: bool,
+    cancel: &Cancel,
 ) -> Result<Yardstick, (String, SolveError)> {
     let name = if is_fine { format!("{kind} at fine resolution") } else { kind.to_string() };
     let model = fine(kind)
         .filter(|_| is_fine)
-        .unwrap_or_else(|| Model::new(kind, Stations::Disks, Drive::Natural));
+        .unwrap_or_else(|| Model::new(kind, Stations::Disks, Drive::Natural))
+        .cancelled_by(cancel);
     let solved = model
         .prepare(subject.robot, &subject.case.loads)
-        .and_then(|mut model| model.solve_to_the_end(subject.case).map_err(|(_, error)| error));
+        .and_then(|mut model| model.solve_all(subject.case).map_err(|(_, error)| error));
     match solved {
         Err(error) => Err((name, error)),
-        Ok(solution) => {
-            let diagnostics = &solution.diagnostics;
-            let left = diagnostics.residual * subject.robot.backbone().length;
-            let uncertainty = Some(diagnostics.discretization_error.unwrap_or(0.0) + left);
-            Ok(Yardstick { name, kind: Some(kind), uncertainty, solution: Some(solution) })
+        Ok(answers) => {
+            let length = subject.robot.backbone().length;
+            let of = |Solution { diagnostics, .. }: &Solution| {
+                diagnostics.discretization_error.unwrap_or(0.0) + diagnostics.residual * length
+            };
+            let uncertainty = Some(answers.iter().map(of).fold(0.0, f64::max));
+            Ok(Yardstick { name, kind: Some(kind), uncertainty, answers })
         }
     }
 }

@@ -15,23 +15,28 @@ use crate::benchmark::paper::{self, Example};
 use crate::benchmark::tables;
 use crate::failure::Failure;
 use crate::files::Folder;
-use crate::inputs::Inputs;
+use crate::inputs::{Inputs, Settings};
 use crate::progress;
 use crate::style::Style;
+use crate::warnings::Warnings;
 
-/// Measure solve time against number of sections, as in the paper's Fig. 4, and the error of the
+/// Measure solve time against number of sections (Fig. 4 of the paper), and the error of the
 /// Cosserat model against its integration steps
 ///
-/// Every model is timed on every robot, cut into 5, 10, 20, 50, 125 and 320 sections of the same
-/// total length, from cold by a model that is built. The Cosserat model takes one integration step for
-/// each section.
+/// Times every model on every robot, divided into 5, 10, 20, 50, 125 and 320 sections of the same
+/// total length. Times are for solves without a warm start, and exclude the construction of the
+/// model. The Cosserat model takes one integration step for each section.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// Robot files, or folders of them; without any, the four robots of the paper's Table 1
+    /// Robot files, or folders of them; by default the four robots of Table 1 of the paper
     files: Vec<PathBuf>,
-    /// Folder for CSV and pictures
+    #[command(flatten)]
+    settings: Settings,
+    /// Folder for the CSV files and the figures
     #[arg(long, value_name = "DIR", default_value = "whipcord-bench")]
     out: PathBuf,
+    #[command(flatten)]
+    warnings: Warnings,
 }
 
 /// The models whose cost the paper's question is about; those that it does not know `compare` times.
@@ -39,7 +44,7 @@ const TIMED: [ModelKind; 3] = [ModelKind::Cosserat, ModelKind::CosseratDisks, Mo
 
 /// Measures, writes the files, and returns the tables.
 pub fn run(args: &BenchArgs, style: Style) -> Result<String, Failure> {
-    let (examples, mut notes) = examples(&args.files)?;
+    let (examples, mut notes) = examples(&args.files, &args.settings, args.warnings)?;
     let folder = Folder::create(&args.out)?;
 
     let cost_jobs: Vec<(ModelKind, usize, usize)> = TIMED
@@ -111,13 +116,19 @@ pub fn run(args: &BenchArgs, style: Style) -> Result<String, Failure> {
     Ok(text)
 }
 
-fn examples(files: &[PathBuf]) -> Result<(Vec<Example>, Vec<String>), Failure> {
+fn examples(
+    files: &[PathBuf],
+    settings: &Settings,
+    warnings: Warnings,
+) -> Result<(Vec<Example>, Vec<String>), Failure> {
     if files.is_empty() {
         let examples =
             paper::table_1().map_err(|error| Failure::Input(format!("error: {error}")))?;
         return Ok((examples, Vec::new()));
     }
-    let Inputs { cases, notes } = Inputs::read(files)?;
+    let Inputs { cases, notes } = Inputs::read(files, settings)?;
+    let warned: Vec<_> = cases.iter().map(|file| (file, file.warnings())).collect();
+    warnings.tell_all(&warned)?;
     let examples = cases
         .into_iter()
         .map(|file| Example { title: file.title, robot: file.robot, case: file.case })

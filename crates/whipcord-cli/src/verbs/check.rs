@@ -1,105 +1,184 @@
 //! `whipcord check`: validates robot files and says what was understood.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::{Value, json};
 use whipcord::{Drive, Model, ModelKind, Solution, SolveError, Statics, Stations};
-use whipcord_io::{CaseFile, load};
+use whipcord_io::{CaseFile, FileWarning, problems_json, warnings_json};
 
+use crate::deadline;
 use crate::failure::{Failure, refuses};
-use crate::inputs;
+use crate::inputs::{self, Settings};
 use crate::quantity::millimetres;
 use crate::style::Style;
+use crate::warnings::{Answered, Warnings, about_file_and_answers, text as warnings_text};
 use crate::words::{describe, driven_by, instability, markers};
 
-/// Validate robot files and print what was understood
+/// Check robot files and print a description of each robot
 ///
-/// Prints each robot in words, and which models can take it. Every file is checked, also after one
-/// with a mistake: those without are printed, and the exit status is 2.
+/// Describes each robot and lists the models that accept it. All files are checked, even if one of
+/// them has an error; valid files are still described, and the exit status is then 2.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
     /// Robot files, or folders of them
     #[arg(required = true)]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    settings: Settings,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    warnings: Warnings,
 }
 
-/// What was understood of each file.
+/// A file that can be used, and what came of it.
+struct Checked {
+    file: CaseFile,
+    answers: Answers,
+    warnings: Vec<FileWarning>,
+}
+
+/// What each model says of the case.
+type Answers = Vec<(ModelKind, Result<Solution, SolveError>)>;
+
+/// Checks the files and returns what standard output shows.
 pub fn run(args: &CheckArgs, style: Style) -> Result<String, Failure> {
-    let mut texts = Vec::new();
+    let mut checked = Vec::new();
     let mut messages = Vec::new();
+    let mut objects = Vec::new();
     for path in &args.files {
         let files = inputs::robot_files(path)?;
         if files.is_empty() {
             messages.push(format!("error: there is no robot file in {}", path.display()));
         }
-        for file in files {
-            match load(&file) {
-                Ok(file) => texts.push(words(&file, style)),
-                Err(error) => messages.push(inputs::message(&error)),
+        for path in files {
+            match args.settings.load(&path) {
+                Ok(file) => {
+                    let one = Checked::new(file);
+                    objects.push(one.json());
+                    checked.push(one);
+                }
+                Err(error) => {
+                    objects.push(invalid(&path, problems_json(&error), error.more));
+                    messages.push(inputs::message(&error));
+                }
             }
         }
     }
-    let text = texts.join("\n");
-    if messages.is_empty() {
-        Ok(text)
+    let text = if args.json {
+        format!("{:#}\n", json!({ "files": objects }))
     } else {
-        Err(Failure::Partial { text, message: messages.join("\n") })
+        checked.iter().map(|one| one.words(style)).collect::<Vec<_>>().join("\n")
+    };
+    let warned: Vec<_> = checked.iter().map(|one| (&one.file, one.warnings.clone())).collect();
+    if messages.is_empty() {
+        return match args.warnings.tell_all(&warned) {
+            Ok(()) => Ok(text),
+            // What a file asks for is what is checked: its answers count as the file.
+            Err(failure) => Err(Failure::Partial { text, message: failure.to_string() }),
+        };
     }
+    messages.extend(warnings_text(&warned));
+    Err(Failure::Partial { text, message: messages.join("\n") })
 }
 
-fn words(file: &CaseFile, style: Style) -> String {
-    let answers: Vec<(ModelKind, Result<Solution, SolveError>)> = ModelKind::ALL
-        .into_iter()
-        .map(|kind| {
-            let model = Model::new(kind, Stations::Disks, Drive::Natural);
-            (kind, model.solve(&file.robot, &file.case))
-        })
-        .collect();
-    let mut lines = vec![(String::from("title"), file.title.clone())];
-    lines.extend(describe(&file.robot, &file.case));
-    if let Some(solution) = answers.iter().find_map(|(_, answer)| answer.as_ref().ok()) {
-        let lengths: Vec<String> = solution
-            .cables
-            .iter()
-            .map(|cable| format!("{} {}", cable.name, millimetres(cable.initial_length)))
-            .collect();
-        if !lengths.is_empty() {
-            lines.push((
-                String::from("cable lengths"),
-                format!("{} before actuation", lengths.join(", ")),
-            ));
-        }
-    }
-    if let Some(measured) = &file.measured {
-        let seen = &measured.observations;
-        let in_images = seen.iter().filter(|observation| observation.seen.is_in_image()).count();
-        let places = [(seen.len() - in_images, "in space"), (in_images, "in images")];
-        let places = places.into_iter().filter(|(count, _)| *count > 0);
-        let places: Vec<String> =
-            places.map(|(count, place)| format!("{} {place}", markers(count))).collect();
-        let what = format!("{}, from {}", places.join(" and "), measured.path.display());
-        lines.push((String::from("measured"), what));
-    }
-    if let Some(reference) = &file.reference {
-        lines.push((String::from("reference"), reference.source.clone()));
-    }
-    for (kind, answer) in answers {
-        let verdict = match answer {
-            Ok(solution) => {
-                let driver = driven_by(kind, Drive::Natural, &file.case);
-                let unstable = instability(&solution).map(|words| format!("; {words}"));
-                format!("takes it, driven by {driver}{}", unstable.unwrap_or_default())
-            }
-            Err(error) if refuses(&error) => format!("cannot take it: {error}"),
-            Err(error) => format!("takes it, but finds no answer: {error}"),
+/// A file that cannot be used, as JSON.
+fn invalid(path: &Path, problems: Value, more: usize) -> Value {
+    json!({
+        "path": path.display().to_string(),
+        "valid": false,
+        "problems": problems,
+        "more_problems": more,
+    })
+}
+
+impl Checked {
+    /// Solves the case with every model.
+    fn new(file: CaseFile) -> Self {
+        let model = |kind| {
+            Model::new(kind, Stations::Disks, Drive::Natural).cancelled_by(&deadline::cancel())
         };
-        lines.push((kind.to_string(), verdict));
+        let answer = |kind| (kind, model(kind).solve(&file.robot, &file.case));
+        let answers: Answers = ModelKind::ALL.into_iter().map(answer).collect();
+        let solved: Vec<Answered<'_>> = answers
+            .iter()
+            .filter_map(|(kind, answer)| Some((model(*kind), vec![answer.as_ref().ok()?])))
+            .collect();
+        let warnings = about_file_and_answers(&file, &solved);
+        Self { file, answers, warnings }
     }
-    let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    let mut text = format!("{}\n", style.heading(format!("{}: valid", file.path.display())));
-    for (name, value) in lines {
-        let padding = " ".repeat(width - name.chars().count());
-        text += &format!("  {}{padding}  {value}\n", style.faint(name));
+
+    /// What is known of the file as JSON: of each model whether it takes the case, and its stability, or the reason.
+    fn json(&self) -> Value {
+        let model = |(kind, answer): &(ModelKind, Result<Solution, SolveError>)| {
+            let (status, stable, reason) = match answer {
+                Ok(solution) => ("converged", solution.diagnostics.is_stable(), None),
+                Err(error) if refuses(error) => ("refused", None, Some(error.to_string())),
+                Err(error) => ("failed", None, Some(error.to_string())),
+            };
+            json!({ "model": kind.name(), "status": status, "stable": stable, "reason": reason })
+        };
+        json!({
+            "path": self.file.path.display().to_string(),
+            "valid": true,
+            "title": self.file.title,
+            "models": self.answers.iter().map(model).collect::<Vec<_>>(),
+            "warnings": warnings_json(&self.file, &self.warnings),
+        })
     }
-    text
+
+    /// What was understood of the file.
+    fn words(&self, style: Style) -> String {
+        let Self { file, answers, .. } = self;
+        let mut lines = vec![(String::from("title"), file.title.clone())];
+        lines.extend(describe(&file.robot, &file.case));
+        if let Some(solution) = answers.iter().find_map(|(_, answer)| answer.as_ref().ok()) {
+            let lengths: Vec<String> = solution
+                .cables
+                .iter()
+                .map(|cable| format!("{} {}", cable.name, millimetres(cable.initial_length)))
+                .collect();
+            if !lengths.is_empty() {
+                lines.push((
+                    String::from("cable lengths"),
+                    format!("{} before actuation", lengths.join(", ")),
+                ));
+            }
+        }
+        if let Some(measured) = &file.measured {
+            let seen = &measured.observations;
+            let in_images =
+                seen.iter().filter(|observation| observation.seen.is_in_image()).count();
+            let places = [(seen.len() - in_images, "in space"), (in_images, "in images")];
+            let places = places.into_iter().filter(|(count, _)| *count > 0);
+            let places: Vec<String> =
+                places.map(|(count, place)| format!("{} {place}", markers(count))).collect();
+            let what = format!("{}, from {}", places.join(" and "), measured.path.display());
+            lines.push((String::from("measured"), what));
+        }
+        if let Some(reference) = &file.reference {
+            lines.push((String::from("reference"), reference.source.clone()));
+        }
+        for (kind, answer) in answers {
+            let verdict = match answer {
+                Ok(solution) => {
+                    let driver = driven_by(*kind, Drive::Natural, &file.case);
+                    let unstable = instability(solution).map(|words| format!("; {words}"));
+                    format!("takes it, driven by {driver}{}", unstable.unwrap_or_default())
+                }
+                Err(error) if refuses(error) => format!("cannot take it: {error}"),
+                Err(error) => format!("takes it, but finds no answer: {error}"),
+            };
+            lines.push((kind.to_string(), verdict));
+        }
+        let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        let mut text = format!("{}\n", style.heading(format!("{}: valid", file.path.display())));
+        for (name, value) in lines {
+            let padding = " ".repeat(width - name.chars().count());
+            text += &format!("  {}{padding}  {value}\n", style.faint(name));
+        }
+        text
+    }
 }

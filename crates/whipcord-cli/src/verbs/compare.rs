@@ -6,66 +6,73 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use clap::Args;
+use serde_json::Value;
 use whipcord::ModelKind;
-use whipcord_io::touches_csv;
+use whipcord_io::{touches_csv, warnings_json};
 
 use crate::chosen::model_parser;
 use crate::comparison::figures::figures;
 use crate::comparison::study::Study;
 use crate::comparison::{csv, report, tables};
+use crate::deadline;
 use crate::failure::Failure;
 use crate::files::{self, Folder, picture, plot_failure, unique_names, write};
 use crate::html::{Figure, page};
-use crate::inputs::Inputs;
+use crate::inputs::{Inputs, Settings};
 use crate::progress;
 use crate::style::Style;
 use crate::suite::{self, Suite, SuiteCase};
 use crate::trial::results::Results;
 use crate::trial::yardstick::Choice;
 use crate::trial::{self, Subject};
+use crate::warnings::Warnings;
 
-/// Solve every case with every model that can take it, put the answers side by side, and say which model to use
-/// for what
+/// Compare all models on every case, and recommend a model for each purpose
 ///
-/// Prints the answers of the models, how far each is from a reference, how long it takes, and a verdict in words;
-/// and writes a self-contained HTML report, the figures as SVG and PNG, and every number as CSV.
+/// Prints the results of the models, the error of each against a reference, the solve times and a
+/// recommendation. Writes a self-contained HTML report, figures as SVG and PNG, and all numbers as
+/// CSV.
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     /// Robot files, or folders of them
     #[arg(required_unless_present = "suite", conflicts_with = "suite")]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    settings: Settings,
     /// Models; all of them by default
     #[arg(long = "model", value_name = "NAME", value_parser = model_parser())]
     models: Vec<ModelKind>,
-    /// What errors are measured against: a model, NAME or NAME:fine for fine resolution; `measured`, what [measured]
-    /// of the file names; or `trusted`: what was measured, without it cosserat-disks:fine where the file gives the
-    /// holes that cables run through, else cosserat:fine
+    /// Reference for the errors: a model, as NAME or as NAME:fine for fine resolution; `measured`,
+    /// the positions in [measured] of the file; or `trusted`, which is `measured` if the file has
+    /// it, else cosserat-disks:fine if the file gives the holes of the cables, else cosserat:fine
     #[arg(long, value_name = "MODEL[:fine]", default_value = "trusted")]
     reference: Choice,
-    /// Cases that the program brings along instead of files
+    /// Built-in set of cases, instead of files
     #[arg(long, value_enum)]
     suite: Option<Suite>,
-    /// Of the suite, only the cases whose names contain one of these texts
+    /// Use only those cases of the suite whose names contain one of these texts
     #[arg(long, value_name = "TEXT", requires = "suite")]
     only: Vec<String>,
-    /// Print the cases of the suite and solve none
+    /// List the cases of the suite without solving them
     #[arg(long)]
     list: bool,
-    /// Write the cases of the suite as robot files and solve none
+    /// Write the cases of the suite as robot files without solving them
     #[arg(long, value_name = "DIR", conflicts_with = "list")]
     write: Option<PathBuf>,
-    /// Print every model on every case, too
+    /// Also print the result of every model on every case
     #[arg(long)]
     rows: bool,
-    /// Draw error against time to a file, SVG or PNG by its name
+    /// Plot error against solve time; the name ends in .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Folder for report, figures and CSV
+    /// Folder for the report, the figures and the CSV files
     #[arg(long, value_name = "DIR", default_value = "whipcord-report")]
     out: PathBuf,
+    #[command(flatten)]
+    warnings: Warnings,
 }
 
 /// Solves, writes the files, and returns what standard output shows.
@@ -95,16 +102,18 @@ fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, F
     }
     let subjects: Vec<Subject> = cases.iter().map(SuiteCase::subject).collect();
     let progress = progress::bar(subjects.len());
-    let results = Results::of(&subjects, &kinds(args), args.reference, |title| {
-        progress.set_message(title.to_owned());
-        progress.inc(1);
-    });
+    let results =
+        Results::of(&subjects, &kinds(args), args.reference, &deadline::cancel(), |title| {
+            progress.set_message(title.to_owned());
+            progress.inc(1);
+        });
     progress.finish_and_clear();
+    not_ended()?;
     let folder = Folder::create(&args.out)?;
     let (accuracy, text) = accuracy(args, &folder, &results, style)?;
     let body = format!("<h1>Models on trial</h1>\n{accuracy}{}", crate::html::footer());
     folder.write("report.html", &page("Whipcord: models on trial", &body))?;
-    finish(args, &results, text, &folder)
+    finish(args, &results, Vec::new(), text, &folder)
 }
 
 fn write_suite(path: &Path, cases: &[SuiteCase]) -> Result<String, Failure> {
@@ -117,7 +126,7 @@ fn write_suite(path: &Path, cases: &[SuiteCase]) -> Result<String, Failure> {
 }
 
 fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
-    let Inputs { cases, notes: passed_over } = Inputs::read(&args.files)?;
+    let Inputs { cases, notes: passed_over } = Inputs::read(&args.files, &args.settings)?;
     if let Some(path) = &args.plot {
         files::keep(path, cases.iter().flat_map(|case| case.files()))?;
     }
@@ -134,18 +143,24 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
             study
         })
         .collect();
+    not_ended().inspect_err(|_| progress.finish_and_clear())?;
+    let warned: Vec<_> =
+        studies.iter().map(|study| (&study.file, study.warnings.clone())).collect();
+    progress
+        .suspend(|| args.warnings.tell_all(&warned))
+        .inspect_err(|_| progress.finish_and_clear())?;
     let unsolved = unsolved(&studies);
     if studies.iter().all(|study| study.reference().is_none()) {
         progress.finish_and_clear();
         return Err(Failure::Solve(unsolved.trim_end().to_owned()));
     }
     let subjects: Vec<Subject> = studies.iter().map(subject).collect();
-    let results = Results::of(&subjects, &kinds, args.reference, |title| {
+    let results = Results::of(&subjects, &kinds, args.reference, &deadline::cancel(), |title| {
         progress.set_message(title.to_owned());
         progress.inc(1);
     });
     progress.finish_and_clear();
-
+    not_ended()?;
     let folder = Folder::create(&args.out)?;
     let figures = write_figures(&folder, &studies)?;
     write_numbers(&folder, &studies)?;
@@ -163,7 +178,23 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
         text += &format!("{note}\n");
     }
     text += &format!("\n{trials}");
-    finish(args, &results, text, &folder)
+    let warnings = warned.iter().flat_map(|(file, list)| {
+        let mut objects = warnings_json(file, list);
+        let objects = objects.as_array_mut().map(std::mem::take).unwrap_or_default();
+        objects.into_iter().map(|mut object| {
+            object["case"] = file.title.as_str().into();
+            object
+        })
+    });
+    finish(args, &results, warnings.collect(), text, &folder)
+}
+
+/// Refuses to go on once the time is over: solves that were ended have no answers to compare.
+fn not_ended() -> Result<(), Failure> {
+    match deadline::cancel().is_cancelled() {
+        true => Err(Failure::Solve("error: not all cases were solved".to_owned())),
+        false => Ok(()),
+    }
 }
 
 fn subject(study: &Study) -> Subject<'_> {
@@ -213,11 +244,13 @@ fn accuracy(
 fn finish(
     args: &CompareArgs,
     results: &Results,
+    warnings: Vec<Value>,
     text: String,
     folder: &Folder,
 ) -> Result<String, Failure> {
     if args.json {
-        let json = trial::output::json(results).map_err(|error| files::no_result(&error))?;
+        let mut json = trial::output::json(results).map_err(|error| files::no_result(&error))?;
+        json["warnings"] = warnings.into();
         return Ok(format!("{json:#}\n"));
     }
     Ok(format!("{text}Report: {}\n", folder.path().join("report.html").display()))
@@ -231,6 +264,9 @@ fn write_numbers(folder: &Folder, studies: &[Study]) -> Result<(), Failure> {
         folder.write_table(&format!("{stem}-stations.csv"), &csv::stations(study))?;
         if let Some(cables) = csv::cables(study) {
             folder.write_table(&format!("{stem}-cables.csv"), &cables)?;
+        }
+        if let Some(markers) = csv::markers(study) {
+            folder.write_table(&format!("{stem}-measured.csv"), &markers)?;
         }
         for (run, solved) in study.solved().filter(|(_, s)| !s.solution.touches.is_empty()) {
             let touches = touches_csv(&solved.solution, &study.file.case.obstacles);

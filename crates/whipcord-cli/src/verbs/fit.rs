@@ -12,17 +12,19 @@ use whipcord::{Model, ModelKind, Stations};
 use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, quantity};
 
 use crate::chosen::{Actuation, drive, model_parser};
+use crate::deadline;
 use crate::failure::{Failure, refuses};
 use crate::files::{self, Folder};
 use crate::fitting::{Fit, moves_unasked, not_converged, tables};
-use crate::inputs::Inputs;
+use crate::inputs::{self, Inputs};
 use crate::style::Style;
+use crate::warnings::Warnings;
 
 /// Estimate parameters of the robot from what was measured
 ///
-/// The files describe the same robot in different cases, each with [measured]. What is estimated stands in [fit],
-/// or is given by --parameter and --each. Prints the estimates with intervals of confidence and correlations,
-/// and says what the measurements cannot tell apart.
+/// The files describe the same robot in different cases, each with [measured]. The parameters are
+/// listed in [fit], or given by --parameter and --each. Prints the estimates with confidence
+/// intervals and correlations, and lists parameters that the measurements cannot distinguish.
 #[derive(Debug, Args)]
 pub struct FitArgs {
     /// Robot files, or folders of them
@@ -31,44 +33,48 @@ pub struct FitArgs {
     /// Model
     #[arg(long, value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
     model: ModelKind,
-    /// What drives all cables; by default what the model is driven by, where the file gives it
+    /// Quantity that is prescribed for all cables; by default the one that the model prefers, if
+    /// the file gives it
     #[arg(long, value_name = "WHAT")]
     actuation: Option<Actuation>,
-    /// What to estimate, once for all files: a path such as backbone.diameter, counting from 0; instead of [fit]
+    /// Parameter to estimate with one value for all files: a path such as backbone.diameter or
+    /// cables[0].friction (lists count from 0); replaces [fit]
     #[arg(long = "parameter", value_name = "PATH", value_parser = path)]
     parameters: Vec<Quantity>,
-    /// What to estimate for each file by itself, such as base.position[0]; instead of [fit]
+    /// Parameter to estimate for each file separately, such as base.position[0]; replaces [fit]
     #[arg(long, value_name = "PATH", value_parser = path)]
     each: Vec<Quantity>,
-    /// How much measurements count that are far off
+    /// Loss function, which sets the influence of outliers
     #[arg(long, value_name = "LOSS", default_value = "squares")]
     loss: Loss,
-    /// Fit again without each file, or each step, in turn, and say how far off it is
+    /// Leave out each file, or each step, in turn, and report the prediction error for it
     #[arg(long)]
     cross_validate: bool,
-    /// Fit by the other models too
+    /// Also fit the other models
     #[arg(long)]
     compare_models: bool,
-    /// Write the robot file with the estimates; of several files, use --out
+    /// Robot file to write with the estimates; with several input files use --out
     #[arg(short, long, value_name = "FITTED")]
     output: Option<PathBuf>,
-    /// Folder for a report, figures, CSV, and the robot files with the estimates
+    /// Folder for the report, the figures, the CSV files and the robot files with the estimates
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    warnings: Warnings,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Loss {
-    /// By their square
+    /// Least squares
     Squares,
-    /// Linearly beyond the noise
+    /// Huber: linear beyond the noise
     Huber,
-    /// The same, smoothly
+    /// Smooth approximation of Huber
     SoftL1,
-    /// Hardly at all
+    /// Cauchy: logarithmic, outliers have almost no influence
     Cauchy,
 }
 
@@ -83,7 +89,7 @@ fn path(text: &str) -> Result<Quantity, String> {
 
 /// Fits, writes the files, and returns what standard output shows.
 pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
-    let Inputs { cases, .. } = Inputs::read(&args.files)?;
+    let Inputs { cases, .. } = Inputs::read(&args.files, &inputs::Settings::default())?;
     if args.output.is_some() && cases.len() > 1 {
         return Err(Failure::Input(String::from(
             "error: --output is for one file; with several give --out, the folder for all of them",
@@ -98,7 +104,9 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
     for (e, case) in cases.iter().enumerate() {
         refuse_registration(case, e, &unknowns)?;
     }
-    let model = |kind| Model::new(kind, Stations::Disks, drive(args.actuation));
+    let model = |kind| {
+        Model::new(kind, Stations::Disks, drive(args.actuation)).cancelled_by(&deadline::cancel())
+    };
     let settings = Settings {
         robustness: match args.loss {
             Loss::Squares => Robustness::Squares,
@@ -126,7 +134,12 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         }
         false => Vec::new(),
     };
-    let fit = Fit::new(cases, experiments, found, validated, compared);
+    let fit = Fit::new(&settings.model, cases, experiments, found, validated, compared);
+    let warned: Vec<_> = fit.cases.iter().zip(fit.notices.clone()).collect();
+    args.warnings.tell_all(&warned)?;
+    if let Some(unstable) = fit.instability() {
+        args.warnings.tell_of_all(&unstable.message, unstable.help)?;
+    }
     write(args, &fit, &unknowns, style)
 }
 
@@ -293,6 +306,7 @@ fn failure(cases: &[CaseFile], error: &IdentifyError) -> Failure {
                  --cross-validate, or estimate less"
             ))
         }
+        IdentifyError::Cancelled => Failure::Solve(format!("error: {error}")),
         error => Failure::Input(format!("error: {error}")),
     }
 }

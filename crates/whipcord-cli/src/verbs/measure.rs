@@ -9,8 +9,8 @@ use whipcord_vision::detect::{Base, DetectError, Kind, Mark, Mask, Row, Search, 
 use whipcord_vision::{Photo, annotated};
 
 use crate::failure::Failure;
-use crate::files::{self, no_result, write};
-use crate::inputs::{message, read_one};
+use crate::files::{self, no_result, path_ending_in, write};
+use crate::inputs::{Settings, message, read_one};
 use crate::photographs::Photograph;
 use crate::quantity::fixed;
 use crate::style::Style;
@@ -18,40 +18,42 @@ use crate::table::{Align, Table};
 
 /// Find disks or markers in a photograph
 ///
-/// Prints column and row of each in pixels, from base to tip; the centre of the first pixel is (0, 0). With -o
-/// they go to a CSV file as [measured] tables take it, with --annotated into a copy of the photograph. When there are
-/// too few, too many, or no order can be told, standard error says what was found and where, and nothing is
-/// written.
+/// Prints column and row of each disk or marker in pixels, from base to tip; the centre of the
+/// first pixel is (0, 0). -o writes them to a CSV file for [measured], --annotated draws them into
+/// a copy of the photograph. If too few or too many are found, or if their order is unclear,
+/// standard error lists the detections and nothing is written.
 #[derive(Debug, Args)]
 pub struct MeasureArgs {
     /// Photograph, PNG or JPEG
     photo: PathBuf,
-    /// Robot file: it has as many disks as must be found, and their distances
+    /// Robot file, which gives the number of disks and their spacing
     #[arg(long, value_name = "FILE", conflicts_with = "count")]
     robot: Option<PathBuf>,
-    /// How many must be found; without this or a robot, however many lie in an even row
+    /// Number of disks or markers; without this or --robot, all that form an evenly spaced row
     #[arg(long, value_name = "N")]
     count: Option<usize>,
-    /// Numbers of disks that the photograph does not show, as 1,5: the others are found and keep their numbers
+    /// Numbers of disks that are hidden in the photograph, as 1,5; the others keep their numbers
     #[arg(long, value_name = "K,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     hidden: Vec<u32>,
-    /// What to look for: disks from the side, coloured dots, or small circles
+    /// Kind of marker: disks seen from the side, coloured dots, or small circles
     #[arg(long, value_name = "KIND", default_value = "disks", value_parser = kind_parser())]
     kind: Kind,
-    /// Colour of the disks or dots, as "#d02020"; without, disks and circles are found by contrast, and dots by
-    /// the most vivid colour
+    /// Colour of the disks or dots, as "#d02020"; by default disks and circles are found by
+    /// contrast, and dots by the most saturated colour
     #[arg(long, value_name = "COLOUR", value_parser = parse_colour)]
     colour: Option<[u8; 3]>,
-    /// Radius of a disk or marker in pixels, to a third; without, what most have
+    /// Radius of a disk or marker in pixels, within a third; by default the most frequent radius
     #[arg(long, value_name = "PIXELS", value_parser = parse_radius)]
     radius: Option<f64>,
-    /// Picture of the same size, white where to look
+    /// Mask image of the same size, white in the region to search
     #[arg(long, value_name = "FILE")]
     mask: Option<PathBuf>,
-    /// Where the base is: left, right, top, bottom, or a pixel near it, as 512,980
+    /// Side of the photograph at which the base is: left, right, top, bottom, or a pixel near the
+    /// base, as 512,980
     #[arg(long, value_name = "WHERE", value_parser = parse_base, allow_hyphen_values = true)]
     base: Option<Base>,
-    /// Camera file: with a robot, the base is where this camera sees it, unless --base is given
+    /// Camera file, from which the position of the base is computed if --robot is given and --base
+    /// is not
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
     /// Name of the camera in the CSV file; by default that of its file
@@ -63,8 +65,8 @@ pub struct MeasureArgs {
     /// Write a CSV file
     #[arg(short, long, value_name = "OUT.csv")]
     output: Option<PathBuf>,
-    /// Write the photograph with what was found drawn into it
-    #[arg(long, value_name = "OUT.png", value_parser = png_path)]
+    /// Copy of the photograph to write, with the detections drawn into it
+    #[arg(long, value_name = "OUT.png", value_parser = path_ending_in(&["png"]))]
     annotated: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
@@ -110,12 +112,6 @@ fn parse_base(text: &str) -> Result<Base, String> {
     }
 }
 
-fn png_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    if png { Ok(path) } else { Err(String::from("the name must end in .png")) }
-}
-
 /// Finds, writes the files, and returns what standard output shows.
 pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
     for out in [&args.output, &args.annotated].into_iter().flatten() {
@@ -139,7 +135,8 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
             Some(camera)
         }
     };
-    let robot = args.robot.as_deref().map(read_one).transpose()?;
+    let robot =
+        args.robot.as_deref().map(|path| read_one(path, &Settings::default())).transpose()?;
     let seen_base = match (&camera, &robot) {
         (Some(camera), Some(file)) => camera.project(file.case.base.position).ok(),
         _ => None,

@@ -4,56 +4,65 @@ use std::path::PathBuf;
 
 use clap::Args;
 use whipcord::observation::{self, InImage, in_image};
-use whipcord::{Case, ModelKind, SolveError};
-use whipcord_io::{CaseFile, load_markers};
+use whipcord::{Case, Drive, Model, ModelKind, SolveError, Stations};
+use whipcord_io::{AnswerOf, CaseFile, load_markers};
 use whipcord_plot::{
     Colour, DistanceSeries, FINE_STATIONS, Marker as Sign, OverlayOptions, Photograph as Stored,
     RobotView, distance_chart, overlay_figure,
 };
 
 use crate::chosen::model_parser;
+use crate::deadline;
 use crate::failure::Failure;
 use crate::files::{self, Folder};
-use crate::inputs::{message, read_one};
+use crate::inputs::{Settings, message, read_one};
 use crate::photographs::Photograph;
 use crate::quantity::millimetres;
 use crate::style::Style;
 use crate::superposition::seen;
 use crate::superposition::{Run, tables};
-use crate::words::reversed;
+use crate::warnings::Warnings;
+use crate::words::{REVERSED_HELP, reversed};
 
-/// Lay the models over a photograph of the robot
+/// Draw the models over a photograph of the robot
 ///
-/// Draws the backbone, the disks and the cables of each model as the camera would see them. Where --markers or
-/// [measured] says at which pixels disks or markers were found, prints how far each model is from them: in pixels,
-/// and in mm from the line of sight; with the root mean square over all but the base disk, in mm and in % of the length.
-/// Writes the picture and a chart of the distances as SVG and PNG, and the numbers as CSV.
+/// Draws the backbone, the disks and the cables of each model in the view of the camera. If
+/// --markers or [measured] gives the pixels of disks or markers, prints the distance of each model
+/// from them, in pixels and in mm from the line of sight, and the RMS over all disks except the
+/// base disk, in mm and in % of the length. Writes the picture and a chart of the distances as SVG
+/// and PNG, and the numbers as CSV.
 #[derive(Debug, Args)]
 pub struct OverlayArgs {
     /// Photograph, PNG or JPEG
     photograph: PathBuf,
     /// Robot file
     file: PathBuf,
-    /// Camera that took it: a name in [[measured.cameras]], or a camera file; by default the only one there
+    #[command(flatten)]
+    settings: Settings,
+    /// Camera of the photograph: a name from [[measured.cameras]], or a camera file; by default the
+    /// only camera in the robot file
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
-    /// Where disks or markers are in the photograph, as `whipcord measure` writes it; by default what [measured] says
+    /// CSV file with the pixels of disks or markers, as `whipcord measure` writes it; by default
+    /// the table of [measured]
     #[arg(long, value_name = "CSV")]
     markers: Option<PathBuf>,
-    /// Step of actuation that it shows, from 1; by default the last
+    /// Actuation step that the photograph shows, from 1; by default the last
     #[arg(long, value_name = "K")]
     step: Option<usize>,
-    /// Model, several times for several; by default every one that can take the case
+    /// Model; may be given several times; by default all models that accept the case
     #[arg(long, value_name = "NAME", value_parser = model_parser())]
     model: Vec<ModelKind>,
     /// Folder for the pictures and the CSV file
     #[arg(long, value_name = "DIR", default_value = "whipcord-overlay")]
     out: PathBuf,
+    #[command(flatten)]
+    warnings: Warnings,
 }
 
 /// Solves, writes the files, and returns the table.
 pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
-    let file = read_one(&args.file)?;
+    let file = read_one(&args.file, &args.settings)?;
     let photograph = Photograph::read(&args.photograph)?;
     let (camera, number) = seen::camera(&file, args.camera.as_deref())?;
     let called = args.camera.as_deref().unwrap_or("the camera");
@@ -71,8 +80,11 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
         _ => Vec::new(),
     };
     let kinds = if args.model.is_empty() { ModelKind::ALL.to_vec() } else { args.model.clone() };
-    let overlay =
-        |kind| observation::overlay(kind, &file.robot, &case, &camera, &markers, FINE_STATIONS);
+    let overlay = |kind| {
+        let model =
+            Model::new(kind, Stations::Disks, Drive::Natural).cancelled_by(&deadline::cancel());
+        observation::overlay(&model, &file.robot, &case, &camera, &markers, FINE_STATIONS)
+    };
     let runs: Vec<Run> =
         kinds.into_iter().map(|model| Run { model, outcome: overlay(model) }).collect();
     refuse_unsolved(&file, &runs, !args.model.is_empty())?;
@@ -92,6 +104,11 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
     let picture = overlay_figure(&file.robot, &camera, stored, &views, &options).map_err(draw)?;
     let chart = chart(&file, &runs, &markers).transpose().map_err(draw)?;
 
+    let mut warnings = file.warnings();
+    warnings.extend(file.answer_warnings(answered().map(|(run, overlaid)| {
+        (Some(AnswerOf { model: Some(run.model), step: None }), &overlaid.solution)
+    })));
+    args.warnings.tell(&file, &warnings)?;
     let folder = Folder::create(&args.out)?;
     let stem = args.photograph.file_stem().unwrap_or_default().to_string_lossy();
     folder.write_figure(&format!("{stem}-overlay"), &picture)?;
@@ -115,7 +132,7 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
         );
     }
     if answered().any(|(_, superposed)| superposed.is_reversed(&markers)) {
-        text += &format!("! {}\n", reversed(&file));
+        text += &format!("! {}; {REVERSED_HELP}\n", reversed(&file));
     }
     for (run, error) in runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().err()?))) {
         text += &format!("{}: {error}\n", run.model);
@@ -128,7 +145,7 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
 fn step(file: &CaseFile, asked: Option<usize>) -> Result<(usize, Case), Failure> {
     let count = file.case.before.len() + 1;
     let step = asked.unwrap_or(count);
-    let case = step.checked_sub(1).and_then(|step| Some((step, file.case.steps().nth(step)?)));
+    let case = step.checked_sub(1).and_then(|step| Some((step, file.case.step(step)?)));
     case.ok_or_else(|| {
         Failure::Input(format!(
             "error: there is no step {step}: {} has steps 1 to {count}",

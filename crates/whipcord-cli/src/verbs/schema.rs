@@ -7,10 +7,10 @@ use clap::Args;
 use crate::failure::Failure;
 use crate::files;
 
-/// Print the JSON Schema of robot files, with which an editor completes and checks them
+/// Print the JSON Schema of robot files, for completion and checking in editors
 #[derive(Debug, Args)]
 pub struct SchemaArgs {
-    /// Write it to this file instead
+    /// File to write instead of standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

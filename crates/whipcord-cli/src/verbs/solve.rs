@@ -7,13 +7,13 @@ use clap::Args;
 use clap::builder::RangedU64ValueParser;
 use whipcord::observation::measured_in_world;
 use whipcord::{Drive, Model, NoStability, Shape, Solution, Stations};
-use whipcord_io::{Beside, CaseFile, Measured, answer_json, shape_csv, steps_csv};
+use whipcord_io::{Beside, CaseFile, Measured, answer_json, shape_csv, steps_csv, warnings_json};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
 use crate::chosen::ChosenModel;
 use crate::failure::Failure;
-use crate::files;
-use crate::inputs::read_one;
+use crate::files::{self, path_ending_in};
+use crate::inputs::{Settings, read_one};
 use crate::paths;
 use crate::quantity::{degrees, fixed, fixed_millimetres, newtons, number, percent};
 use crate::rubbing;
@@ -22,20 +22,23 @@ use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
 use crate::touches;
+use crate::warnings::{Warnings, about_answers};
 use crate::words::{compromise, driven_by, instability};
 
 /// Solve one case with one model
 ///
-/// Prints a summary for people, or one JSON object or CSV table in SI for programs. When there is no
-/// answer, standard error says why and standard output stays empty.
+/// Prints a summary in mm and degrees, or with --json or --csv all results in SI units. If no
+/// solution is found, standard error gives the reason and standard output stays empty.
 #[derive(Debug, Args)]
 pub struct SolveArgs {
     /// Robot file
     file: PathBuf,
     #[command(flatten)]
+    settings: Settings,
+    #[command(flatten)]
     model: ChosenModel,
-    /// Give the shape at N equally spaced places, 2 to 100000, both ends included; by default at the
-    /// disks
+    /// Number of equally spaced stations of the shape, 2 to 100000, both ends included; by default
+    /// the shape is given at the disks
     #[arg(long, value_name = "N", value_parser = stations_parser())]
     stations: Option<usize>,
     /// Print one JSON object
@@ -45,14 +48,16 @@ pub struct SolveArgs {
     #[arg(long)]
     csv: bool,
     /// Draw the robot before and after actuation; the name ends in .svg or .png
-    #[arg(long, value_name = "OUT", value_parser = picture_path)]
+    #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["svg", "png"]))]
     plot: Option<PathBuf>,
-    /// List all equilibria under the load that hang together with the unloaded shape, stable or not
+    /// List all equilibria connected to the unloaded shape, stable and unstable
     #[arg(long, conflicts_with = "csv")]
     branches: bool,
     /// Show the iterations on standard error
     #[arg(long)]
     trace: bool,
+    #[command(flatten)]
+    warnings: Warnings,
 }
 
 /// Each station ends an integration step, so that many of them take long; this many take seconds.
@@ -65,19 +70,13 @@ fn stations_parser() -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(2..=MOST_STATIONS)
 }
 
-pub fn picture_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    match extension.as_deref() {
-        Some("svg" | "png") => Ok(path),
-        _ => Err(String::from("the name must end in .svg or .png")),
-    }
-}
-
 /// Solves and returns what standard output shows.
 pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
-    let file = read_one(&args.file)?;
+    let file = read_one(&args.file, &args.settings)?;
     let model = args.model.model()?;
+    let mut warnings = file.warnings();
+    // Before the solve: what is wrong with the file may be why there is no answer.
+    args.warnings.tell(&file, &warnings)?;
     let trace = if args.trace { Some(paths::trace(&model, &file)?) } else { None };
     if let Some(events) = &trace {
         let text = paths::trace_text(events, Style::for_stderr());
@@ -86,6 +85,9 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
     }
     let mut timed = timing::solve(&model, &file.robot, &file.case)
         .map_err(|(step, error)| Failure::from_step(&file, &error, step))?;
+    let of_answer = about_answers(&file, &(model.clone(), timed.answers()));
+    args.warnings.tell(&file, &of_answer)?;
+    warnings.extend(of_answer);
     // Stations and picture follow the answer: it is the same whatever is shown of it.
     if let Some(count) = args.stations {
         let stations = model.at(Stations::Equal(count));
@@ -128,7 +130,9 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
             obstacles: &file.case.obstacles,
         };
         let json = answer_json(&file.title, solution, timed.solve.median, &beside);
-        format!("{}\n", json.map_err(|error| files::no_result(&error))?)
+        let mut json = json.map_err(|error| files::no_result(&error))?;
+        json["warnings"] = warnings_json(&file, &warnings);
+        format!("{json}\n")
     } else if args.csv {
         let csv = match timed.steps.as_slice() {
             [] => shape_csv(&solution.shape),
@@ -202,7 +206,8 @@ fn draw(
     let measured = file.measured.as_ref().map_or(
         Ok(Vec::new()),
         |Measured { observations, alignment, .. }| {
-            measured_in_world(model.kind(), robot, case, solution, observations, *alignment)
+            let answers = timed.answers();
+            measured_in_world(model.kind(), robot, case, &answers, observations, *alignment)
         },
     );
     let measured = measured.unwrap_or_else(|error| {
@@ -253,6 +258,9 @@ fn summary(
     line("orientation", format!("({quaternion}) as w, x, y, z"));
     if !solution.cables.is_empty() {
         text += &format!("\n{}", cables(solution).text(style));
+        if solution.cables.iter().any(|cable| cable.tension.is_none()) {
+            text += &format!("–: {} computes no tensions\n", solution.model);
+        }
     }
     let rubbing = if steps.is_empty() {
         rubbing::table(std::iter::once(solution))

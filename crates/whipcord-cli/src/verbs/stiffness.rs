@@ -7,45 +7,50 @@ use whipcord::kinematics::{
     Dexterity, DrivenBy, Local, Matrix6, Means, PrincipalAxes, Yield, principal_axes,
 };
 use whipcord::{Differentiable as _, Model, Solution, Stations, Twist, UnitQuaternion, Vec3};
-use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json};
+use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json, warnings_json};
 use whipcord_plot::{
     Acting, Ellipsoid, FINE_STATIONS, FigureOptions, Quantity, RobotView, label, robot_figure,
 };
 
-use super::solve::picture_path;
 use crate::chosen::ChosenModel;
 use crate::failure::Failure;
-use crate::files;
-use crate::inputs::read_one;
+use crate::files::{self, path_ending_in};
+use crate::inputs::{Settings, read_one};
 use crate::quantity::{fixed_millimetres, millimetres, number};
 use crate::style::Style;
 use crate::table::{Align, Table};
+use crate::warnings::Warnings;
 use crate::words::{driven_by, instability};
 
-/// How a place moves with the cables and yields to loads
+/// Actuation Jacobian, compliance and stiffness at one point of the backbone
 ///
-/// Prints the actuation Jacobian, and compliance and stiffness with the tensions held and with the
-/// taut cables locked, in the base frame, for a wrench that does not turn with the robot: from exact
-/// derivatives with cosserat, from differences of solutions with cosserat-disks. With four-bar the
-/// Jacobian by the shortenings, exact; compliance and stiffness where it knows the strain energy
-/// (--objective strain-energy --length-rule free). Millimetres and degrees for people; with --json one
-/// object in SI for programs.
+/// Prints the actuation Jacobian, and compliance and stiffness both at constant tensions and with
+/// the taut cables locked. All are in the base frame, for a wrench that is fixed in space. cosserat
+/// uses exact derivatives, cosserat-disks uses finite differences. four-bar gives the exact
+/// Jacobian with respect to the shortenings; it gives compliance and stiffness only with
+/// --objective strain-energy --length-rule free. The output is in mm and degrees, with --json in SI
+/// units.
 #[derive(Debug, Args)]
 pub struct StiffnessArgs {
     /// Robot file
     file: PathBuf,
     #[command(flatten)]
+    settings: Settings,
+    #[command(flatten)]
     model: ChosenModel,
-    /// Place: an arc length such as "90 mm" or 0.09 (in m), or `tip`
+    /// Point on the backbone: an arc length such as "90 mm", or `tip`; a number without a unit is
+    /// in metres
     #[arg(long, value_name = "ARC_LENGTH", default_value = "tip", value_parser = place)]
     at: Place,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Draw the robot with the ellipsoids of compliance and manipulability at the place; the name ends
-    /// in .svg or .png
-    #[arg(long, value_name = "OUT", value_parser = picture_path)]
+    /// Draw the robot with the ellipsoids of compliance and manipulability at the point; the name
+    /// ends in .svg or .png
+    #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["svg", "png"]))]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    warnings: Warnings,
 }
 
 /// Where the robot is looked at.
@@ -54,6 +59,8 @@ enum Place {
     Tip,
     /// In m.
     ArcLength(f64),
+    /// The same, given without a unit.
+    Metres(f64),
 }
 
 fn place(text: &str) -> Result<Place, String> {
@@ -61,7 +68,7 @@ fn place(text: &str) -> Result<Place, String> {
         return Ok(Place::Tip);
     }
     if let Ok(metres) = text.parse::<f64>() {
-        return Ok(Place::ArcLength(metres));
+        return Ok(Place::Metres(metres));
     }
     match parse_quantity(text, &[Dimension::Length]) {
         Ok((metres, _)) => Ok(Place::ArcLength(metres)),
@@ -71,11 +78,18 @@ fn place(text: &str) -> Result<Place, String> {
 
 /// Solves, differentiates and returns what standard output shows.
 pub fn run(args: &StiffnessArgs, style: Style) -> Result<String, Failure> {
-    let file = read_one(&args.file)?;
+    let file = read_one(&args.file, &args.settings)?;
     let length = file.robot.backbone().length;
     let at = match args.at {
         Place::Tip => length,
         Place::ArcLength(s) if (0.0..=length).contains(&s) => s,
+        Place::Metres(s) if (0.0..=length).contains(&s) => s,
+        Place::Metres(s) => {
+            return Err(Failure::Input(format!(
+                "error: --at {s} is {s} m, because a number without a unit is in metres, but the backbone is {} long: write --at \"{s} mm\"",
+                millimetres(length)
+            )));
+        }
         Place::ArcLength(s) => {
             return Err(Failure::Input(format!(
                 "error: --at {} is not on the backbone, which is {} long",
@@ -85,16 +99,24 @@ pub fn run(args: &StiffnessArgs, style: Style) -> Result<String, Failure> {
         }
     };
     let model = args.model.model()?;
+    let mut warnings = file.warnings();
+    // Before the solve: what is wrong with the file may be why there is no answer.
+    args.warnings.tell(&file, &warnings)?;
     let (solution, local) = model
         .solve_at(&file.robot, &file.case, at)
         .map_err(|error| Failure::from_solve(&file, &error))?;
+    let of_answer = file.answer_warnings([(None, &solution)]);
+    args.warnings.tell(&file, &of_answer)?;
+    warnings.extend(of_answer);
     let picture = match &args.plot {
         Some(path) => Some((path, draw(path, &file, &model, &solution, &local)?)),
         None => None,
     };
     let text = if args.json {
         let json = stiffness_json(&file.title, &solution, &local);
-        format!("{:#}\n", json.map_err(|error| files::no_result(&error))?)
+        let mut json = json.map_err(|error| files::no_result(&error))?;
+        json["warnings"] = warnings_json(&file, &warnings);
+        format!("{json:#}\n")
     } else {
         let mut text = summary(&file, args, at, &solution, &local, style);
         if let Some(path) = &args.plot {
@@ -197,7 +219,7 @@ fn summary(
     let [x, y, z] = solution.shape.tip().position.to_array().map(|c| fixed_millimetres(c, 3));
     let place = match args.at {
         Place::Tip => "tip".to_owned(),
-        Place::ArcLength(_) => format!("arc length {}", millimetres(at)),
+        Place::ArcLength(_) | Place::Metres(_) => format!("arc length {}", millimetres(at)),
     };
     let mut text = format!("{}\n", style.heading(&file.title));
     text += &format!("{}, driven by {driver}\n\n", solution.model);

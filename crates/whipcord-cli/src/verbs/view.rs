@@ -15,23 +15,25 @@ use crate::progress;
 
 /// Move the cables of a robot in the browser
 ///
-/// Serves a page on this machine alone, with a slider for each cable, and opens it in the browser. The
-/// page follows the file when it changes. Ctrl-C ends it. With --export, writes a page to be sent instead.
+/// Serves a page to this machine only, with a slider for each cable, and opens it in the browser.
+/// The page is updated when the file changes. Ctrl-C stops the server. --export writes a
+/// stand-alone page instead.
 #[derive(Debug, Args)]
 pub struct ViewArgs {
     /// Robot file
     file: PathBuf,
-    /// Port of this machine; by default one that is free
+    /// Local port; by default a free one
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
-    /// Print the address and leave the browser alone
+    /// Print the address without opening the browser
     #[arg(long)]
     no_open: bool,
-    /// Write one page that needs no server, with frames over the ranges of the cables' sliders
+    /// Write a page that needs no server, with precomputed shapes over the ranges of the cable
+    /// sliders
     #[arg(long, value_name = "OUT.html", conflicts_with_all = ["port", "no_open"])]
     export: Option<PathBuf>,
-    /// Model that the page begins with, or that an exported page has; may be given again. By default the first that
-    /// takes the robot
+    /// Model shown first, or the models of an exported page; may be given several times; by default
+    /// the first model that accepts the robot
     #[arg(long, value_name = "NAME", value_parser = variant_parser())]
     model: Vec<ModelVariant>,
 }

@@ -42,6 +42,13 @@ pub fn succeed(args: &[&str]) -> String {
     run.stdout
 }
 
+/// Runs the command, which succeeds and may warn: what it prints, and the warnings.
+pub fn warned(args: &[&str]) -> (String, String) {
+    let run = run(args);
+    assert_eq!(run.status, 0, "whipcord {}: {}", args.join(" "), run.stderr);
+    (run.stdout, run.stderr)
+}
+
 /// Runs the command, which fails with this status and prints no result.
 pub fn fail(status: i32, args: &[&str]) -> String {
     let run = run(args);

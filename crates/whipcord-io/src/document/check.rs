@@ -4,15 +4,15 @@ use std::path::Path;
 
 use super::{Item, Table, toml};
 use crate::check::{self, Data, Fields};
-use crate::error::{FileError, Problems};
-use crate::node::{self, Value};
+use crate::error::{FileError, FileProblem, Problems};
+use crate::node::{self, Node, Value};
 use crate::schema::{Key, Kind, ROOT, Table as Declared};
 use crate::source::Sources;
 use crate::units::{Dimension, percent};
 
 /// A table such as `[backbone]` with all quantities in SI; of `[[cables]]`, `[[steps]]` and the tables
 /// of `[loads]` one entry: `name` is that of the key, with dots between nested ones. It checks names,
-/// types, units and what excludes what; what does not fit the rest of the robot shows when that is read.
+/// types, units, the ranges of single numbers and what excludes what; what does not fit the rest of the robot shows when that is read.
 ///
 /// ```
 /// use whipcord_io::{Item, Table, table_in_si};
@@ -24,7 +24,7 @@ use crate::units::{Dimension, percent};
 /// ```
 ///
 /// # Errors
-/// [`FileError`] with all that is wrong with it.
+/// [`FileError`] with all that is wrong with it, numbers beyond their range included.
 pub fn table_in_si(name: &str, table: &Table) -> Result<Table, FileError> {
     let text = toml(table);
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
@@ -35,15 +35,82 @@ pub fn table_in_si(name: &str, table: &Table) -> Result<Table, FileError> {
     {
         in_si = match kind {
             Declaration::Table(declared) => {
-                plain(&check::table(entries, root.span, declared, &mut problems), declared)
+                let fields = check::table(entries, root.span, declared, &mut problems);
+                let mut ranges = Ranges { name, root: &root, problems: &mut problems };
+                ranges.of_table("", &fields, declared);
+                plain(&fields, declared)
             }
             Declaration::OfKinds { title, tag, variants } => {
                 let of_kind = check::variant(&root, entries, title, tag, variants, &mut problems);
+                if let Some(fields) = &of_kind {
+                    Ranges { name, root: &root, problems: &mut problems }
+                        .of_variant("", fields, variants);
+                }
                 of_kind.map(|fields| variant(&fields, tag, variants)).unwrap_or_default()
             }
         };
     }
     if problems.is_empty() { Ok(in_si) } else { Err(problems.into_error(sources)) }
+}
+
+/// Checks each number against the range that the schema declares for its key, which is that of the library.
+struct Ranges<'a> {
+    /// Name of the table.
+    name: &'a str,
+    root: &'a Node,
+    problems: &'a mut Problems,
+}
+
+impl Ranges<'_> {
+    fn of_table(&mut self, path: &str, fields: &Fields, declared: &Declared) {
+        for key in declared.keys {
+            if let Some(data) = fields.data(key.name) {
+                let dot = if path.is_empty() { "" } else { "." };
+                self.of(&format!("{path}{dot}{}", key.name), data, &key.kind);
+            }
+        }
+    }
+
+    fn of_variant(&mut self, path: &str, fields: &Fields, variants: &[(&'static str, Declared)]) {
+        if let Some((_, declared)) = variants.iter().find(|(word, _)| *word == fields.variant) {
+            self.of_table(path, fields, declared);
+        }
+    }
+
+    fn of(&mut self, path: &str, data: &Data, kind: &Kind) {
+        let at = |i: usize| format!("{path}[{i}]");
+        match (data, kind) {
+            // A share of something that is else a length has a range of its own, which the robot knows.
+            (Data::Number(value, dimension), Kind::Quantity(dimensions, range))
+                if dimensions.first() == Some(dimension) =>
+            {
+                if let Some(problem) = range.problem(*value) {
+                    let (span, name) = (self.root.locate(path).span, self.name);
+                    let path = format!("{name}.{path}");
+                    self.problems.push(span, || FileProblem::Physical { path, problem });
+                }
+            }
+            (_, Kind::Either(kinds)) => {
+                if let Some(kind) = kinds.iter().find(|kind| fits(data, kind)) {
+                    self.of(path, data, kind);
+                }
+            }
+            (Data::List(list), Kind::Vector(each, _) | Kind::List(each, _)) => {
+                list.iter().enumerate().for_each(|(i, data)| self.of(&at(i), data, each));
+            }
+            (Data::Table(fields), Kind::Table(declared)) => self.of_table(path, fields, declared),
+            (Data::Tables(list), Kind::Tables(declared)) => {
+                list.iter().enumerate().for_each(|(i, of)| self.of_table(&at(i), of, declared));
+            }
+            (Data::Table(fields), Kind::Variants { variants, .. }) => {
+                self.of_variant(path, fields, variants);
+            }
+            (Data::Tables(list), Kind::TablesOfKinds { variants, .. }) => {
+                list.iter().enumerate().for_each(|(i, of)| self.of_variant(&at(i), of, variants));
+            }
+            _ => {}
+        }
+    }
 }
 
 /// What a file may say in a table.

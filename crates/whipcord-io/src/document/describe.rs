@@ -149,6 +149,7 @@ fn backbone(backbone: &Backbone) -> Result<Table, Inexpressible> {
         table.insert("stiffness", stiffness(given)?);
     }
     table.insert_some("density", material.density);
+    table.insert_some("yield_strain", material.yield_strain);
     table.insert_some("linear_density", backbone.linear_density.as_ref().map(along));
     if backbone.rest_curvature != RestCurvature::default() {
         table.insert("rest_curvature", along(&backbone.rest_curvature));

@@ -14,7 +14,7 @@ pub fn fit_json(
     names: &[String],
     validated: Option<&Validated>,
     compared: &[Compared],
-    warnings: &[String],
+    warnings: Vec<Value>,
 ) -> Result<Value, NonFinite> {
     let estimates = found.estimates.iter().enumerate().map(|(i, estimate)| {
         let path = |name: &str| format!("estimates[{i}].{name}");
@@ -52,6 +52,13 @@ pub fn fit_json(
             "what": unresolved.to_string(),
             "parameters": unresolved.shares.iter().map(|share| &share.name).collect::<Vec<_>>(),
             "collinearity": optional(|| path, unresolved.collinearity)?,
+        }))
+    });
+    let unstable = found.unstable.iter().enumerate().map(|(i, unstable)| {
+        Ok(json!({
+            "case": names.get(unstable.experiment),
+            "step": unstable.step + 1,
+            "stability": number(|| format!("unstable[{i}].stability"), unstable.stability)?,
         }))
     });
     let folds = |validated: &Validated| -> Result<Value, NonFinite> {
@@ -102,6 +109,8 @@ pub fn fit_json(
         "bic": optional(|| "bic".to_owned(), found.bic)?,
         "unresolved": unresolved.collect::<Result<Vec<_>, NonFinite>>()?,
         "residuals": residuals.collect::<Result<Vec<_>, NonFinite>>()?,
+        "answers": found.answers,
+        "unstable": unstable.collect::<Result<Vec<_>, NonFinite>>()?,
         "cross_validation": validated.map(folds).transpose()?,
         "models": models.collect::<Result<Vec<_>, NonFinite>>()?,
         "warnings": warnings,

@@ -33,6 +33,8 @@ pub fn solution_json(
         "model": solution.model.name(),
         // A model answers with a converged solution or with an error.
         "status": "converged",
+        // Null where it is not known: diagnostics.stability_absent says why.
+        "stable": solution.diagnostics.is_stable(),
         "shape": {
             "arc_length": numbers("shape.arc_length", &stations.arc_length)?,
             "position": position,

@@ -4,6 +4,7 @@ mod atomic;
 mod csv;
 mod fit;
 mod json;
+mod notices;
 mod path;
 mod stiffness;
 
@@ -13,6 +14,7 @@ pub use atomic::{remove_unfinished, write_atomically};
 pub use csv::{Cell, CsvTable, marks_csv, shape_csv, steps_csv, touches_csv};
 pub use fit::{fit_json, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};
+pub use notices::{problems_json, warnings_json};
 pub use path::{Beside, answer_json};
 pub use stiffness::stiffness_json;
 

@@ -2,7 +2,7 @@ use serde_json::{Value, json};
 use whipcord::kinematics::{
     Dexterity, DrivenBy, Local, Matrix6, Means, Yield, Yields, principal_axes,
 };
-use whipcord::{Mat3, Solution, Vec3};
+use whipcord::{Mat3, NoStability, Solution, Vec3};
 
 use super::NonFinite;
 use super::json::{number, numbers, optional, quaternion, vector};
@@ -63,6 +63,7 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
         "title": title,
         "model": solution.model.name(),
         "status": "converged",
+        "stable": solution.diagnostics.is_stable(),
         "place": {
             "arc_length": number(|| place("arc_length"), arc_length)?,
             "position": vector(|| place("position"), pose.position)?,
@@ -85,6 +86,7 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
         "lengths_held": held("lengths_held", |yields| &yields.lengths_held)?,
         "yield_unknown": local.yields.as_ref().err().map(ToString::to_string),
         "stability": optional(|| "stability".to_owned(), stability)?,
+        "stability_absent": solution.diagnostics.stability_absent.map(NoStability::name),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

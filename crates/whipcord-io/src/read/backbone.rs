@@ -13,6 +13,7 @@ pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
             poisson_ratio: fields.number("poisson_ratio"),
             shear_modulus: fields.number("shear_modulus"),
             density: fields.number("density"),
+            yield_strain: fields.number("yield_strain"),
         },
         shear_correction: fields.number("shear_correction").unwrap_or(1.0),
         stiffness: fields.table("stiffness").and_then(stiffness),

@@ -4,6 +4,7 @@ use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 
 use whipcord::Vec3;
+use whipcord::obstacle::Mesh;
 
 use crate::error::{FileProblem, Problems};
 use crate::files;
@@ -65,7 +66,24 @@ fn stl(mut bytes: Vec<u8>) -> Result<Triangles, String> {
     Ok(Triangles { vertices: vertices.collect(), corners: corners.collect::<Result<_, _>>()? })
 }
 
+/// Refuses a text whose faces have more corners than triangles are taken: a list of them all takes many times the memory
+/// of the text.
+fn check_faces(bytes: &[u8]) -> Result<(), String> {
+    let faces = bytes.split(|&byte| byte == b'\n').filter_map(|line| line.strip_prefix(b"f "));
+    let corners =
+        |face: &[u8]| face.split(u8::is_ascii_whitespace).filter(|c| !c.is_empty()).count();
+    let triangles: usize = faces.map(|face| corners(face).saturating_sub(2)).sum();
+    if triangles > Mesh::MOST_TRIANGLES {
+        let most = Mesh::MOST_TRIANGLES;
+        return Err(format!(
+            "it has {triangles} triangles; at most {most} are taken: export it coarser"
+        ));
+    }
+    Ok(())
+}
+
 fn obj(bytes: &[u8]) -> Result<Triangles, String> {
+    check_faces(bytes)?;
     let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
     // Materials do not matter, so that the files with them are not looked for.
     let no_material = |_: &Path| Err(tobj::LoadError::OpenFileFailed);

@@ -81,6 +81,12 @@ pub(super) static BACKBONE: Table = Table {
             "Mass per length, instead of `density`; needed only with gravity or motion. One value, or a list with one for each disk, or a table `{ at = [...], values = [...] }`.",
         ),
         key(
+            "yield_strain",
+            ratio(limits::YIELD_STRAIN),
+            r#""8 %""#,
+            "Strain up to which the material springs back. No model computes with it: where the surface of the backbone is strained more, there is a warning; without it that is so above 10 %.",
+        ),
+        key(
             "rest_curvature",
             Kind::Either(&[
                 CURVATURE_VECTOR,

@@ -9,8 +9,7 @@ use super::{Key, Kind, Rule, Table};
 use crate::read::LENGTH_UNITS;
 use crate::units::Dimension;
 
-/// More disks than any robot has; it keeps a slip of the pen from filling the memory.
-const MOST_DISKS: usize = 100_000;
+/// More holes than any disk has.
 const MOST_HOLES: usize = 100_000;
 
 pub(super) const LENGTH: Kind = Kind::Quantity(&[Dimension::Length], limits::LENGTH);
@@ -78,7 +77,7 @@ static DISKS: Table = Table {
     keys: &[
         key(
             "count",
-            Kind::Count { least: 2, greatest: MOST_DISKS },
+            Kind::Count { least: 2, greatest: limits::MOST_DISKS },
             "10",
             "Number of equally spaced disks, base and tip disk included.",
         ),

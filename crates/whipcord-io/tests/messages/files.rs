@@ -97,8 +97,7 @@ fn files_that_cannot_be_read() {
         ("keys.toml", (0..50_000).map(|i| format!("key{i} = 1\n")).collect::<String>().as_bytes()),
         (
             "cables.toml",
-            format!("{BACKBONE}{DISKS}{}", "[[cables]]\nholes = [13, 1]\n".repeat(30_000))
-                .as_bytes(),
+            format!("{BACKBONE}{DISKS}{}", "[[cables]]\nholes = [13, 1]\n".repeat(100)).as_bytes(),
         ),
         ("folder/x", b""),
     ]);
@@ -164,6 +163,18 @@ fn measured_positions() {
         ("steps", "step,disk,x,y,z\n2,1,0,0,0\n,2,0,0,0.02\n"),
         ("millimetres", "disk,x,y,z\n1,0,0,0\n5,0,3,80\n10,0,20,180\n"),
         ("kilometres", "disk,x,y,z\n1,0,0,0\n5,0,0.000003,0.00008\n10,0,0.00002,0.00018\n"),
+        ("other-names", "s,px,y,z\n0.02,0,0,0.02\n"),
+        ("one-column-short", "z,disk,x\n0,1,0\n"),
+        ("half-an-image", "disk,u\n1,0\n"),
+        ("spaces", "disk x y z\n1 0 0 0\n"),
+        ("decimal-commas", "disk,x,y,z\n1,0,0,0,0,0,0\n"),
+        ("mixed-decimals", "disk;x;y;z\n1;0;0;0\n2;0,001;0.5;0\n"),
+        ("a-word-in-semicolons", "disk;x;y;z\n1;0;0;1,2,3\n"),
+        ("unit-in-the-name", "disk,x_mm,y_mm,z_mm\n1,0,0,0\n"),
+        ("no-such-unit", "disk,x [furlong],y,z\n1,0,0,0\n"),
+        ("a-unit-of-a-number", "disk [mm],x,y,z\n1,0,0,0\n"),
+        ("arc-lengths-in-millimetres", "arc_length,x,y,z\n0,0,0,0\n90,0,0,0.09\n180,0,0,0.18\n"),
+        ("arc-lengths-in-inches", "arc_length,x,y,z\n7,0,0,0.178\n"),
         ("deviation", "disk,x,y,z,deviation\n1,0,0,0,0\n2,0,0,0.02,-1e-3\n"),
     ];
     let folder = tempfile::tempdir().unwrap();
@@ -182,6 +193,36 @@ fn measured_positions() {
     told("none");
     let text = all.join("\n");
     insta::assert_snapshot!(text);
+}
+
+/// A table in millimetres whose arc lengths are in metres, and what else does not go together.
+#[cfg(unix)]
+#[test]
+fn arc_lengths_in_another_unit() {
+    let cases = [
+        ("all", "", "arc_length,x,y,z\n0.06,0,0,60\n0.12,0,0,120\n0.18,0,0,180\n"),
+        ("one", "", "arc_length,x,y,z\n0.18,0,0,180\n"),
+        (
+            "two-moved",
+            "registration = \"rigid\"\n",
+            "arc_length,x,y,z\n0,500,0,0\n0.18,500,0,180\n",
+        ),
+        (
+            "everything-in-metres",
+            "",
+            "arc_length,x,y,z\n0.06,0,0,0.06\n0.12,0,0,0.12\n0.18,0,0,0.18\n",
+        ),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let told = cases.map(|(name, keys, table)| {
+        let robot =
+            format!("{BACKBONE}{DISKS}[measured]\ndisks = \"{name}.csv\"\nunit = \"mm\"\n{keys}");
+        fs::write(folder.path().join(format!("{name}.toml")), robot).unwrap();
+        fs::write(folder.path().join(format!("{name}.csv")), table).unwrap();
+        let text = loaded(folder.path(), &format!("{name}.toml"));
+        format!("{name}\n{}\n{text}", "=".repeat(name.len()))
+    });
+    insta::assert_snapshot!(told.join("\n"));
 }
 
 #[cfg(unix)]

@@ -2,12 +2,14 @@
 //! group of files; read them as a user would.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod aliases;
 mod cameras;
 #[path = "../common/mod.rs"]
 mod common;
 mod files;
 mod models;
 mod obstacles;
+mod warnings;
 
 use whipcord_io::{FileError, parse};
 
@@ -156,9 +158,25 @@ fn units() {
         ("a ratio without quotes to spare", "length = 1\npoisson_ratio = \"0.3\""),
         ("a ratio with a unit", "length = 1\npoisson_ratio = \"0.3 mm\""),
         ("one entry of a list", "length = 1\nrest_curvature = [0, \"4 m\", 0]"),
+        ("a word for a unit", "length = \"0.18 meters\""),
+        ("inches as on a drawing", "length = \"7\\\"\""),
+        ("a unit that could be two", "length = 1\nyoung_modulus = \"1 mpa\""),
     ];
     let mut cases: Vec<_> = lines.map(|(name, lines)| (name, with_backbone(lines))).into();
     cases.push(("a mass for a force", with_cable("holes = [1, 2]\ntension = \"400 g\"")));
+    cases.push(("a mass for a force, in kg", with_cable("holes = [1, 2]\ntension = \"0.4 kg\"")));
+    cases.push(("pounds for a force", with_cable("holes = [1, 2]\ntension = \"2 lb\"")));
+    cases.push(("pounds in the plural", with_cable("holes = [1, 2]\ntension = \"2 lbs\"")));
+    cases.push(("milli or mega", with_cable("holes = [1, 2]\ntension = \"400 mn\"")));
+    cases.push(("grams for gravity", with_loads("gravity = [0, 0, \"-1 g\"]")));
+    cases.push((
+        "degrees for turns",
+        with_cable("routing = { kind = \"helix\", turns = \"270 deg\", radius = 0.008 }"),
+    ));
+    cases.push((
+        "a spring rate for an axial stiffness",
+        with_cable("holes = [1, 2]\naxial_stiffness = \"2 kN/m\""),
+    ));
     cases.push(("length or ratio", with_cable("holes = [1, 2]\nshortening = \"5\"")));
     let text = messages(&cases);
     insta::assert_snapshot!(text);
@@ -182,6 +200,8 @@ fn types_and_counts() {
         ("a hole beyond counting", with_cable("holes = [1, 99999999999999999999]")),
         ("a hexadecimal one", with_cable("holes = [1, 0xffffffffffffffffffff]")),
         ("hole zero", with_cable("holes = [0, 1]")),
+        ("holes that count from zero", with_cable("holes = [0, 0, 0, 1]")),
+        ("a hole below zero", with_cable("holes = [1, -1]")),
         ("half a hole", with_cable("holes = [1, 2.5]")),
         ("holes as a text", with_cable("holes = \"1-2-3\"")),
         ("no holes", with_cable("holes = []")),
@@ -304,6 +324,16 @@ fn what_cannot_be() {
             ),
         ),
         ("a pushing cable", with_cable("holes = [1, 2]\ntension = \"-4 N\"")),
+        ("per cent without their unit", with_cable("holes = [1, 1, 1]\nshortening = 5.7")),
+        ("millimetres without their unit", with_cable("holes = [1, 1, 1]\nshortening = 2")),
+        ("metres for millimetres", with_cable("holes = [1, 1, 1]\nshortening = \"5.7 m\"")),
+        (
+            "a step in millimetres without their unit",
+            format!(
+                "{BACKBONE}{DISKS}{}[[steps]]\nshortening = [\"5 mm\"]\n[[steps]]\nshortening = [5]\n",
+                CABLE.replace("tension = \"4 N\"\n", "")
+            ),
+        ),
         ("shortened by more than all", with_cable("holes = [1, 2]\nshortening = \"120 %\"")),
         ("negative friction", with_cable("holes = [1, 2]\nfriction = -0.1")),
         ("two cables of one name", format!("{BACKBONE}{DISKS}{CABLE}{CABLE}")),

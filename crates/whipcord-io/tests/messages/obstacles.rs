@@ -5,7 +5,7 @@ use std::fs;
 use whipcord_io::load;
 
 use crate::common::folder;
-use crate::{BACKBONE, DISKS, messages, told};
+use crate::{BACKBONE, DISKS, message, messages, told};
 
 fn with_obstacle(lines: &str) -> String {
     format!("{BACKBONE}{DISKS}\n[[obstacles]]\n{lines}\n")
@@ -41,6 +41,28 @@ fn forms_that_cannot_be() {
     let single = format!("{BACKBONE}{DISKS}\n[obstacles]\nkind = \"sphere\"\n");
     all += &messages(&[("single brackets", single)]);
     insta::assert_snapshot!(all);
+}
+
+#[test]
+fn disks_that_are_too_thick() {
+    let thick = |thickness: &str| {
+        let disks = "[disks]\ncount = 10\nhole_circle_radius = \"8 mm\"\nouter_radius = \"9 mm\"\n";
+        message(&format!("{BACKBONE}{disks}thickness = {thickness}\n"))
+    };
+    for (thickness, words) in [
+        (
+            "\"180 mm\"",
+            "`disks.thickness` must be at most 20 mm, the distance from disk 1 to disk 2, but is 180 mm\n",
+        ),
+        ("100000", "help: make the disks thinner, or place them farther apart"),
+        (
+            "\"19 mm\"",
+            "`disks.thickness` must be at most 18 mm, twice the outer radius of disk 1, but is 19 mm\n",
+        ),
+    ] {
+        let text = thick(thickness);
+        assert!(text.contains(words) && text.contains("robot.toml:8:13: error:"), "{text}");
+    }
 }
 
 /// Corners of a tetrahedron, and its triangles seen from outside.

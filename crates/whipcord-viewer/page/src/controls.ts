@@ -202,6 +202,12 @@ export class Controls {
     if (scene.other_loads.length > 0) {
       into.append(element("p", { class: "hint" }, `The file also has: ${scene.other_loads.join("; ")}.`));
     }
+    const told = scene.warnings;
+    if (told.length > 0) {
+      const count = told.length === 1 ? "1 warning" : `${told.length} warnings`;
+      const each = told.map(({ message, help }) => element("li", {}, `${message}. To do: ${help}.`));
+      into.append(element("details", { class: "warnings" }, element("summary", {}, `${count} about the file`), element("ul", {}, ...each)));
+    }
   }
 
   /** `anew`: over what is being typed in a box, too. */

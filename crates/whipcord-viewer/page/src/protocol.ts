@@ -74,6 +74,11 @@ export interface Obstacle {
   form: Form;
 }
 
+export interface Warning {
+  message: string;
+  help: string;
+}
+
 export interface Scene {
   title: string;
   file: string;
@@ -92,6 +97,7 @@ export interface Scene {
   other_loads: string[];
   measured: Vector[];
   obstacles: Obstacle[];
+  warnings: Warning[];
 }
 
 export interface CableState {
@@ -132,6 +138,7 @@ export interface Solved {
   solve_time: number;
   driven_by: string | null;
   compliance: Compliance | null;
+  warnings: Warning[];
 }
 
 export type Answer =

@@ -55,6 +55,9 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
   if (answer.unstable) {
     made.append(element("p", { class: "failure" }, "Unstable: the robot leaves this shape at the slightest disturbance."));
   }
+  for (const { message, help } of answer.warnings) {
+    made.append(element("p", { class: "warning" }, element("strong", {}, "Warning: "), `${message}. To do: ${help}.`));
+  }
   if (scene.cables.length > 0) made.append(cables(scene, answer));
   return made;
 }

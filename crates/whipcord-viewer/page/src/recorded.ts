@@ -243,6 +243,7 @@ export class Recorded implements Source {
       solve_time: 0,
       driven_by: null,
       compliance: null,
+      warnings: [],
     };
   }
 }

@@ -382,6 +382,12 @@ export const toPage: ToPage[] = [
           ]
         }
       }
+    ],
+    "warnings": [
+      {
+        "message": "what",
+        "help": "do"
+      }
     ]
   },
   {
@@ -717,6 +723,12 @@ export const toPage: ToPage[] = [
             ]
           ]
         }
+      }
+    ],
+    "warnings": [
+      {
+        "message": "what",
+        "help": "do"
       }
     ]
   },
@@ -1064,6 +1076,12 @@ export const toPage: ToPage[] = [
           ]
         }
       }
+    ],
+    "warnings": [
+      {
+        "message": "what",
+        "help": "do"
+      }
     ]
   },
   {
@@ -1177,7 +1195,13 @@ export const toPage: ToPage[] = [
               1.0
             ]
           ]
-        }
+        },
+        "warnings": [
+          {
+            "message": "what",
+            "help": "do"
+          }
+        ]
       },
       {
         "status": "solved",
@@ -1235,7 +1259,8 @@ export const toPage: ToPage[] = [
         "compliance": {
           "status": "unknown",
           "message": "why"
-        }
+        },
+        "warnings": []
       },
       {
         "status": "failed",

@@ -54,11 +54,23 @@ test("what has no solution keeps the last shape and says why", async ({ page, vi
   await expect(page.locator("#status")).toBeHidden();
 });
 
+test("warnings about the file and about a shape are shown, and go with their cause", async ({ page, viewer }) => {
+  await expect(page.locator(".warning, .warnings")).toHaveCount(0);
+  viewer.edit((text) => text.replace('diameter = "2 mm"', 'diameter = "2 mm"\nyield_strain = "0.01 %"\nshear_correction = 0.9\nshearable = false'));
+  await expect(page.locator("details.warnings summary")).toHaveText("1 warning about the file");
+  await page.locator("details.warnings summary").click();
+  await expect(page.locator("details.warnings li")).toContainText("has no effect: the backbone is not shearable");
+  await expect(page.locator('.answer[data-model="cosserat"] .warning')).toContainText("above the yield strain of 0.01 %");
+  await page.screenshot({ path: `${ARTEFACTS}/warnings.png` });
+  viewer.edit((text) => text.replace(/yield_strain.*\nshear_correction.*\nshearable.*\n/, ""));
+  await expect(page.locator(".warning, .warnings")).toHaveCount(0);
+});
+
 test("the file is followed as it changes, and its mistakes are shown", async ({ page, viewer }) => {
   viewer.edit((text) => text.replace('length = "300 mm"', 'length = "300 mn"'));
   await expect(page.locator("#status")).toContainText("two-segment-arm.toml:7:");
   await page.screenshot({ path: `${ARTEFACTS}/broken.png` });
-  viewer.edit((text) => text.replace("300 mn", "280 mm"));
+  viewer.edit((text) => text.replace("300 mn", "310 mm"));
   await expect(page.locator("#status")).toBeHidden();
   const expected = tipBySolve(viewer.file, (text) => text);
   await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
@@ -138,7 +150,7 @@ test("a robot of any length is seen, also when the file makes it another", async
     return x > 0 && y > 0 && x < box.width && y < box.height;
   };
   for (const length of ["1000 mm", "40 mm"]) {
-    viewer.edit((text) => text.replace(/length = "\d+ mm"/, `length = "${length}"`).replace('"9.81 m/s^2"', '"0"').replace(/"\d+ N"/g, '"0 N"'));
+    viewer.edit((text) => text.replace(/length = "\d+ mm"/, `length = "${length}"`).replaceAll('ends_at = "150 mm"\n', "").replace('"9.81 m/s^2"', '"0"').replace(/"\d+ N"/g, '"0 N"'));
     const expected = tipBySolve(viewer.file, (text) => text);
     await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
     await expect.poll(seen).toBe(true);

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::ops::RangeInclusive;
+use std::time::Duration;
 
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
@@ -9,10 +10,10 @@ use proptest::test_runner::TestRunner;
 use tokio_tungstenite::tungstenite::Message;
 use whipcord::{ModelKind, ModelVariant, Vec3};
 
-use super::{Client, example, serve, serve_with, tip};
+use super::{Client, example, serve, serve_by, serve_with, tip};
 use crate::error::ViewError;
 use crate::protocol::{Answer, Command, Frame, Request, Scene, ToPage};
-use crate::server::Viewed;
+use crate::server::{Server, Viewed};
 
 fn solved(message: ToPage) -> Frame {
     match message {
@@ -103,6 +104,21 @@ async fn sliders_that_are_faster_than_solves_are_followed_to_where_they_end() {
     assert_answers(answered.last().unwrap(), &moved(&scene.initial, asked..=asked)[0]);
 }
 
+/// Such gravity keeps a solve busy for seconds; a server that waits for no time goes on to the next request at once.
+#[tokio::test]
+async fn a_solve_that_is_overtaken_ends_and_is_not_answered() {
+    let server = Server::listen(0).await.unwrap().with_patience(Duration::ZERO);
+    let port = serve_by(server, Viewed::read(&example(ARM), &[]).unwrap());
+    let (mut client, scene) = Client::connect(port).await;
+    let heavy = Request { id: 1, gravity: [1e6, 0.0, 0.0], ..scene.initial.clone() };
+    client.ask(&heavy).await;
+    // Long enough for the solve to begin, and a small part of what it takes.
+    tokio::time::sleep(Duration::from_millis(30)).await;
+    let next = moved(&scene.initial, 2..=2);
+    client.ask_all(&next).await;
+    assert_answers(&solved(client.hear().await), &next[0]);
+}
+
 #[tokio::test]
 async fn a_page_begins_with_the_models_that_were_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -136,9 +152,9 @@ async fn a_file_that_changes_is_told_of() {
     solved(client.hear().await);
     // Editors write another file and move it there.
     let other = folder.path().join("arm.toml.new");
-    fs::write(&other, text.replace("300 mm", "250 mm")).unwrap();
+    fs::write(&other, text.replace("300 mm", "310 mm")).unwrap();
     fs::rename(&other, &path).unwrap();
-    assert_eq!(opened(client.hear().await).length, 0.25);
+    assert_eq!(opened(client.hear().await).length, 0.31);
 }
 
 #[tokio::test]
@@ -151,7 +167,7 @@ async fn a_named_file_that_was_missing_is_noticed_when_it_comes_back() {
     let port = serve(&own).await;
     let (mut client, scene) = Client::connect(port).await;
     assert_eq!((scene.title.as_str(), scene.length), ("own", 0.3));
-    for length in ["250 mm", "200 mm"] {
+    for length in ["310 mm", "320 mm"] {
         fs::remove_file(&arm).unwrap();
         let why = broken(client.hear().await);
         assert!(why.contains("arm.toml") && why.contains("no such file"), "{why}");

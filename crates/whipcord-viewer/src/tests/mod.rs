@@ -1,4 +1,9 @@
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 mod answers;
 mod guarded;
@@ -9,6 +14,7 @@ mod scenes;
 mod soak;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use futures_util::{SinkExt as _, StreamExt as _};
 use tokio::net::TcpStream;
@@ -35,9 +41,12 @@ pub async fn serve(path: &Path) -> u16 {
 
 /// The same, beginning with these models.
 pub async fn serve_with(path: &Path, models: &[ModelVariant]) -> u16 {
+    serve_by(Server::listen(0).await.unwrap(), Viewed::read(path, models).unwrap())
+}
+
+/// Serves what was read by this server, and returns the port.
+pub fn serve_by(server: Server, viewed: Viewed) -> u16 {
     let page = Page { html: "<p>page</p>", script: "script", style: "style" };
-    let viewed = Viewed::read(path, models).unwrap();
-    let server = Server::listen(0).await.unwrap();
     let port = server.port();
     tokio::spawn(server.serve(page, viewed, std::future::pending()));
     port
@@ -55,6 +64,9 @@ pub fn tip(name: &str, kind: ModelKind, request: &Request) -> Vec3 {
     let model = Model::new(kind, Stations::Disks, Default::default());
     model.solve(&robot, &case).unwrap().shape.tip().position
 }
+
+/// Longer than any message takes on a machine that does much else.
+const LONGEST_SILENCE: Duration = Duration::from_secs(120);
 
 /// A page that is connected.
 pub struct Client {
@@ -91,10 +103,11 @@ impl Client {
         self.socket.flush().await.unwrap();
     }
 
-    /// The next message, pings apart.
+    /// The next message, pings apart; a server that says nothing fails the test.
     pub async fn hear(&mut self) -> ToPage {
         loop {
-            match self.socket.next().await.unwrap().unwrap() {
+            let next = tokio::time::timeout(LONGEST_SILENCE, self.socket.next()).await;
+            match next.expect("the server says nothing").unwrap().unwrap() {
                 Message::Text(text) => return serde_json::from_str(&text).unwrap(),
                 Message::Ping(_) | Message::Pong(_) => {}
                 other => panic!("the server says {other:?}"),

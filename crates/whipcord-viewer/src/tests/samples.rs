@@ -6,7 +6,7 @@ use std::{env, fs};
 
 use crate::protocol::{
     Answer, Cable, CableState, Command, Compliance, Disk, Form, Frame, FromPage, ModelChoice,
-    Obstacle, Pose, Ranges, Request, Scene, Section, Solved, ToPage, Touch, read,
+    Obstacle, Pose, Ranges, Request, Scene, Section, Solved, ToPage, Touch, Warning, read,
 };
 
 fn request() -> Request {
@@ -78,6 +78,7 @@ fn scenes() -> Vec<Scene> {
         other_loads: vec!["a load at a point".to_owned()],
         measured: vec![[0.0, 0.0, 0.2]],
         obstacles: obstacles.collect(),
+        warnings: vec![warning()],
     };
     let bar = Section::Rectangle { width: vec![0.01; 3], height: vec![0.001; 3] };
     vec![
@@ -85,6 +86,10 @@ fn scenes() -> Vec<Scene> {
         Scene { section: Section::Unknown, ..round.clone() },
         round,
     ]
+}
+
+fn warning() -> Warning {
+    Warning { message: "what".to_owned(), help: "do".to_owned() }
 }
 
 fn frame() -> Frame {
@@ -120,6 +125,7 @@ fn frame() -> Frame {
             values: [0.1, 0.01, 0.001],
             directions: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         }),
+        warnings: vec![warning()],
     };
     let geometric = Solved {
         model: "four-bar".to_owned(),
@@ -135,6 +141,7 @@ fn frame() -> Frame {
         stability: None,
         driven_by: Some("cosserat".to_owned()),
         compliance: Some(Compliance::Unknown { message: "why".to_owned() }),
+        warnings: vec![],
         ..solved.clone()
     };
     let failed = Answer::Failed { model: "cosserat-disks".to_owned(), message: "why".to_owned() };

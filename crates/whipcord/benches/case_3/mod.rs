@@ -14,6 +14,7 @@ pub fn robot() -> Robot {
             poisson_ratio: Some(0.3),
             shear_modulus: None,
             density: Some(1040.0),
+            yield_strain: None,
         },
         ..Backbone::new(0.18)
     };

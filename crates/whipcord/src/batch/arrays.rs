@@ -2,7 +2,7 @@ use super::error::BatchError;
 use crate::error::SolveError;
 use crate::shape::{Diagnostics, Solution};
 
-/// Where the numbers of a batch go, each array row after row.
+/// Where the numbers of a batch go, each array row after row. A row without an answer holds NaN, and its error.
 #[derive(Debug)]
 pub struct Arrays<'a> {
     /// Rows × stations × 3: positions in m, in the frame that the pose of the base is given in.
@@ -79,17 +79,17 @@ impl<'a> Arrays<'a> {
         }
     }
 
-    /// A row without an answer holds no numbers that could be taken for one.
+    /// A row without an answer holds no numbers that could be taken for one: zero would be a point at the base.
     pub(super) fn clear(&mut self, row: usize, sizes: (usize, usize)) {
         let Arrays { positions, orientations, tensions, lengths } = self.row(row, sizes);
         for array in [positions, orientations, tensions, lengths] {
-            array.fill(0.0);
+            array.fill(f64::NAN);
         }
     }
 }
 
-/// The answers to a batch, as a structure of arrays.
-#[derive(Clone, Debug, PartialEq)]
+/// The answers to a batch, as a structure of arrays. Two are equal that have the same numbers, NaN at the same places.
+#[derive(Clone, Debug)]
 pub struct Batch {
     arc_lengths: Vec<f64>,
     cables: usize,
@@ -100,6 +100,23 @@ pub struct Batch {
     outcomes: Vec<Result<Solved, SolveError>>,
 }
 
+impl PartialEq for Batch {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
+        self.cables == other.cables
+            && self.outcomes == other.outcomes
+            && [
+                (&self.arc_lengths, &other.arc_lengths),
+                (&self.positions, &other.positions),
+                (&self.orientations, &other.orientations),
+                (&self.tensions, &other.tensions),
+                (&self.lengths, &other.lengths),
+            ]
+            .into_iter()
+            .all(|(mine, others)| mine.len() == others.len() && mine.iter().zip(others).all(same))
+    }
+}
+
 /// How a row was solved.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Solved {
@@ -107,6 +124,20 @@ pub struct Solved {
     pub diagnostics: Diagnostics,
     /// Whether the model knows the tensions.
     pub tensions: bool,
+}
+
+impl Solved {
+    /// Whether the equilibrium is stable; `None` where that is not known ([`Diagnostics::is_stable`]).
+    #[must_use]
+    pub fn is_stable(&self) -> Option<bool> {
+        self.diagnostics.is_stable()
+    }
+
+    /// Whether the answer is an equilibrium that the robot leaves at the slightest disturbance.
+    #[must_use]
+    pub fn is_unstable(&self) -> bool {
+        self.diagnostics.is_unstable()
+    }
 }
 
 /// The answer of one row.
@@ -178,26 +209,26 @@ impl Batch {
         &self.arc_lengths
     }
 
-    /// Rows × stations × 3: positions in m; zeros in a row without an answer.
+    /// Rows × stations × 3: positions in m; NaN in a row without an answer.
     #[must_use]
     pub fn positions(&self) -> &[f64] {
         &self.positions
     }
 
-    /// Rows × stations × 4: orientations (w, x, y, z); zeros in a row without an answer.
+    /// Rows × stations × 4: orientations (w, x, y, z); NaN in a row without an answer.
     #[must_use]
     pub fn orientations(&self) -> &[f64] {
         &self.orientations
     }
 
-    /// Rows × cables: tensions in N; zeros in a row without an answer and where the model knows no
+    /// Rows × cables: tensions in N; NaN in a row without an answer, zeros where the model knows no
     /// forces ([`Solved::tensions`]).
     #[must_use]
     pub fn tensions(&self) -> &[f64] {
         &self.tensions
     }
 
-    /// Rows × cables: lengths in m; zeros in a row without an answer.
+    /// Rows × cables: lengths in m; NaN in a row without an answer.
     #[must_use]
     pub fn lengths(&self) -> &[f64] {
         &self.lengths
@@ -206,6 +237,13 @@ impl Batch {
     /// For each row how it was solved, or why it was not.
     pub fn outcomes(&self) -> &[Result<Solved, SolveError>] {
         &self.outcomes
+    }
+
+    /// Numbers of the rows whose answer is an unstable equilibrium, which the robot leaves at the slightest
+    /// disturbance. They count as answers.
+    pub fn unstable(&self) -> impl Iterator<Item = usize> + '_ {
+        let rows = self.outcomes.iter().enumerate();
+        rows.filter(|(_, row)| row.as_ref().is_ok_and(Solved::is_unstable)).map(|(row, _)| row)
     }
 
     /// The answer of a row, or why there is none; `None` when there is no such row.

@@ -29,7 +29,8 @@ pub struct Sensitivities<'a> {
     pub lengths: &'a [f64],
 }
 
-/// Where the gradients go, row after row. A row without an answer gets zeros.
+/// Where the gradients go, row after row. A row without an answer gets zeros: NaN would spread to every parameter that
+/// rows share when gradients are summed, where a mask on the rows of a loss is to leave that row out.
 #[derive(Debug)]
 pub struct Gradients<'a> {
     /// Rows × cables: by the commands.
@@ -73,6 +74,7 @@ pub fn pull_back_batch(
         jobs,
         count,
         batch,
+        &options.cancel,
         || (model.clone(), Workspace::default(), rows.blank()),
         |(first, by_commands, by_parameters, outcomes), (model, workspace, blank), tally| {
             for (i, outcome) in outcomes.iter_mut().enumerate() {

@@ -2,7 +2,9 @@
 //!
 //! [`solve_batch`] solves the rows of one robot, [`solve_robots`] one case for each of many robots.
 //! Rows come back in the order they were given. A row without an answer is a row with its
-//! [`SolveError`]; its numbers are zero. What a row gives depends on that row alone (and, along a
+//! [`SolveError`]; its numbers are NaN, so that no plot or mean takes them for an answer. The gradients of
+//! such a row are zero instead ([`pull_back_batch`]). A row whose answer is an unstable equilibrium has an answer, and
+//! says so ([`Solved::is_unstable`]). What a row gives depends on that row alone (and, along a
 //! [path](BatchOptions::warm_path), on those just before it), never on how many threads there are
 //! or how wide the processor's vectors: the same input gives the same bits.
 //!
@@ -147,6 +149,7 @@ pub fn solve_robots(
         jobs,
         robots.len(),
         options,
+        model.cancel(),
         || (),
         |(robots, solutions), (), tally| {
             for ((robot, case), solution) in robots.iter().zip(solutions) {

@@ -76,7 +76,7 @@ pub(super) fn solve_rows(
     }
     let batch = Batch { model, prepared, rows, options, sizes, lanes };
     let scratch = || Scratch { prepared: None, case: rows.blank(), solved: Vec::new() };
-    run(pieces, count, options, scratch, |mut piece, scratch, tally| {
+    run(pieces, count, options, model.cancel(), scratch, |mut piece, scratch, tally| {
         scratch.solved.clear();
         scratch.solved.resize(piece.outcomes.len(), false);
         if let Some(lanes) = &batch.lanes {

@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::error::BatchError;
 use super::{BatchOptions, Progress};
+use crate::cancel::Cancel;
 
 /// How far a batch is, and whether it goes on.
 pub(super) struct Tally<'a> {
@@ -12,12 +13,14 @@ pub(super) struct Tally<'a> {
     stopped: AtomicBool,
     rows: usize,
     progress: Option<Progress<'a>>,
+    /// Ends the batch from outside.
+    cancel: &'a Cancel,
 }
 
 impl Tally<'_> {
     /// Whether the batch goes on. A row may take seconds: a job asks before each that it begins.
     pub(super) fn goes_on(&self) -> bool {
-        !self.stopped.load(Ordering::Relaxed)
+        !self.stopped.load(Ordering::Relaxed) && !self.cancel.is_cancelled()
     }
 
     /// So many more rows are done.
@@ -35,6 +38,7 @@ pub(super) fn run<J: Send, W>(
     jobs: Vec<J>,
     rows: usize,
     options: &BatchOptions<'_>,
+    cancel: &Cancel,
     scratch: impl Fn() -> W + Sync + Send,
     work: impl Fn(J, &mut W, &Tally<'_>) + Sync + Send,
 ) -> Result<(), BatchError> {
@@ -43,6 +47,7 @@ pub(super) fn run<J: Send, W>(
         stopped: AtomicBool::new(false),
         rows,
         progress: options.progress,
+        cancel,
     };
     let count = jobs.len();
     let queue = Mutex::new(jobs.into_iter());
@@ -58,8 +63,12 @@ pub(super) fn run<J: Send, W>(
     };
     share(count, options, worker)?;
     let done = tally.done.into_inner();
-    // Who stops the batch after its last row has all of it.
-    if done < rows { Err(BatchError::Stopped { done, rows }) } else { Ok(()) }
+    // Who stops the batch by its progress after its last row has all of it; rows that the flag broke off have no answer.
+    if done < rows || cancel.is_cancelled() {
+        Err(BatchError::Stopped { done, rows })
+    } else {
+        Ok(())
+    }
 }
 
 /// Has so many threads do the work as there are, but no more than there are jobs.

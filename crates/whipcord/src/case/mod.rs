@@ -126,13 +126,35 @@ impl Case {
     /// assert_eq!(tensions, [Some(1.0), Some(3.0), Some(2.0)]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    ///
+    /// All of them together take memory that grows with the square of their number: for many steps use
+    /// [`Self::single_steps`].
     pub fn steps(&self) -> impl ExactSizeIterator<Item = Self> + '_ {
-        let step = |k: usize| Self {
-            commands: self.before.get(k).unwrap_or(&self.commands).clone(),
-            before: self.before[..k].to_vec(),
-            ..self.clone()
-        };
+        let step = |k: usize| Self { before: self.before[..k].to_vec(), ..self.single_step(k) };
         (0..self.before.len() + 1).map(step)
+    }
+
+    /// One of [`Self::steps`], counted from 0; `None` beyond the last.
+    #[must_use]
+    pub fn step(&self, number: usize) -> Option<Self> {
+        let before = self.before.get(..number)?.to_vec();
+        Some(Self { before, ..self.single_step(number) })
+    }
+
+    /// The steps of actuation in order, each without those before it: for solves that start from the answer to the step
+    /// before, where that answer is all that is left of the way.
+    pub fn single_steps(&self) -> impl ExactSizeIterator<Item = Self> + '_ {
+        (0..self.before.len() + 1).map(|number| self.single_step(number))
+    }
+
+    fn single_step(&self, number: usize) -> Self {
+        Self {
+            commands: self.before.get(number).unwrap_or(&self.commands).clone(),
+            loads: self.loads.clone(),
+            base: self.base,
+            before: Vec::new(),
+            obstacles: self.obstacles.clone(),
+        }
     }
 
     /// Checks that the case fits the robot and that every number in it can be.

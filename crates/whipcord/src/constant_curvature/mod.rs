@@ -7,6 +7,7 @@ mod refusal;
 
 use whipcord_numerics::Pose;
 
+use crate::cancel::Cancel;
 use crate::case::{Case, Drive};
 use crate::cosserat::command::Command;
 use crate::cosserat::lengths::{self, Effort, Given, LengthScratch, Responds as _};
@@ -27,6 +28,8 @@ pub struct Options {
     pub stations: Stations,
     /// Which command of each cable counts; by nature the shortening.
     pub drive: Drive,
+    /// Ends a solve from outside.
+    pub cancel: Cancel,
 }
 
 /// The constant-curvature model of one robot: the backbone is an arc of a circle, and the cables
@@ -52,6 +55,7 @@ pub struct Options {
 pub struct ConstantCurvature {
     robot: Robot,
     drive: Drive,
+    cancel: Cancel,
     /// Offsets of the cables from the backbone's axis, `(x, y)` in m.
     offsets: Vec<[f64; 2]>,
     /// What the backbone's stiffness is, or why it is of no use here.
@@ -92,13 +96,26 @@ impl ConstantCurvature {
         let drive = options.drive;
         let rest_lengths = offsets.iter().map(|offset| rest.cable_length(*offset)).collect();
         let stations = options.stations.arc_lengths(robot);
-        Ok(Self { robot: robot.clone(), drive, offsets, elasticity, rest, rest_lengths, stations })
+        Ok(Self {
+            robot: robot.clone(),
+            drive,
+            cancel: options.cancel.clone(),
+            offsets,
+            elasticity,
+            rest,
+            rest_lengths,
+            stations,
+        })
     }
 
     /// The robot this model was built for.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
+        &mut self.cancel
     }
 
     /// Arc lengths of the stations in m.
@@ -131,10 +148,11 @@ impl ConstantCurvature {
             refusal::command(&self.robot, i, command, &self.elasticity)?;
             workspace.commands.push(command);
         }
-        let (arc, effort) = self.bend(workspace).map_err(|failure| {
+        let bent = self.bend(workspace).map_err(|failure| {
             let name = |i: usize| self.robot.cables()[i].name.clone();
             failure.explain(&workspace.commands, &self.rest_lengths, name)
-        })?;
+        });
+        let (arc, effort) = self.cancel.checked(bent)?;
         Ok(self.solution(case.base, &arc, effort, workspace))
     }
 
@@ -158,7 +176,7 @@ impl ConstantCurvature {
         };
         let by_length = commands.iter().any(Command::is_length);
         let effort = if by_length {
-            let given = Given { length, commands, bracket: true };
+            let given = Given { length, commands, bracket: true, cancel: &self.cancel };
             let solved = lengths::solve(&given, tensions, &mut rod, search);
             solved.map_err(|fault| fault.failure(|fault| section_failure(fault, tensions, 0.0)))?
         } else {

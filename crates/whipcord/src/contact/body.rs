@@ -31,7 +31,24 @@ pub(super) struct Nearest {
 /// Places at which the rim is looked at first.
 const RIM: usize = 12;
 
+/// A disk whose flat inside has less than this part of its radius counts as a ball.
+const BALL: f64 = 1e-6;
+
 impl Body {
+    /// A disk of this outer radius, whose rim is rounded with half of its thickness.
+    pub fn disk(outer: f64, half_thickness: f64) -> Self {
+        if half_thickness >= (1.0 - BALL) * outer {
+            Self { flat: 0.0, rounding: outer }
+        } else {
+            Self { flat: outer - half_thickness, rounding: half_thickness }
+        }
+    }
+
+    /// Whether it is nothing but its rounding, so that one place of it is nearest to an obstacle.
+    pub fn is_ball(&self) -> bool {
+        self.flat == 0.0
+    }
+
     /// Radius in m of the ball that it fits in.
     pub fn reach(&self) -> f64 {
         self.flat + self.rounding
@@ -46,7 +63,7 @@ impl Body {
         if centre.distance > self.reach() + within {
             return;
         }
-        if self.flat == 0.0 {
+        if self.is_ball() {
             found.push(self.at(pose, centre, [0.0, 0.0]));
             return;
         }
@@ -76,27 +93,28 @@ impl Body {
         }
     }
 
-    /// The place that is nearer than its neighbours, found by going downhill from one.
+    /// The place that is nearer than its neighbours, found by going downhill from one: Newton's method on the plate, and
+    /// along the rim where it leads out of it, with steps that are shortened until they lead down.
     pub fn track(&self, obstacle: &Obstacle, pose: &Pose, from: [f64; 2]) -> Nearest {
         const STEPS: usize = 60;
+        const HALVINGS: usize = 40;
         let axes = [pose.rotation.rotate(Vec3::X), pose.rotation.rotate(Vec3::Y)];
         let see = |[x, y]: [f64; 2]| {
             let surface = obstacle.surface(pose.position + axes[0] * x + axes[1] * y);
             (surface, axes.map(|axis| surface.normal.dot(axis)))
         };
-        let h = 1e-6 * self.flat;
         let mut local = from;
         let (mut surface, mut slope) = see(local);
-        if self.flat == 0.0 {
+        if self.is_ball() {
             return self.at(pose, surface, [0.0, 0.0]);
         }
         for _ in 0..STEPS {
             let radius = local[0].hypot(local[1]);
             let outward = if radius > 0.0 { local.map(|x| x / radius) } else { [0.0; 2] };
             let falls_outward = slope[0] * outward[0] + slope[1] * outward[1] < 0.0;
-            let next = if radius >= self.flat * (1.0 - 1e-12) && falls_outward {
-                // Along the rim: Newton on the slope by the angle.
-                let phi = local[1].atan2(local[0]);
+            let on_the_rim = radius >= self.flat * (1.0 - 1e-12) && falls_outward;
+            let phi = local[1].atan2(local[0]);
+            let step = if on_the_rim {
                 let along = |phi: f64| {
                     let (sin, cos) = phi.sin_cos();
                     let (_, [x, y]) = see(on_rim(self.flat, phi));
@@ -104,44 +122,27 @@ impl Body {
                 };
                 let (f, d) = (along(phi), (along(phi + 1e-5) - along(phi - 1e-5)) / 2e-5);
                 let step = if d > 0.0 { (-f / d).clamp(-0.4, 0.4) } else { -0.3 * f.signum() };
-                if (self.flat * step).abs() < 1e-14 * self.flat || f == 0.0 {
-                    break;
-                }
-                on_rim(self.flat, phi + step)
+                [if f == 0.0 { 0.0 } else { step }, 0.0]
             } else {
-                let [x, y] = local;
-                let (_, right) = see([x + h, y]);
-                let (_, left) = see([x - h, y]);
-                let (_, up) = see([x, y + h]);
-                let (_, down) = see([x, y - h]);
-                let [a, b, c] = [right[0] - left[0], up[0] - down[0], up[1] - down[1]]
-                    .map(|difference| difference / (2.0 * h));
-                let determinant = a * c - b * b;
-                let least = 1e-9 / (self.flat * self.flat);
-                let step = if a > 0.0 && determinant > least {
-                    [(b * slope[1] - c * slope[0]), (b * slope[0] - a * slope[1])]
-                        .map(|x| x / determinant)
-                } else {
-                    slope.map(|x| -x * self.flat)
-                };
-                let size = step[0].hypot(step[1]);
-                if size < 1e-14 * self.flat {
-                    break;
-                }
-                let part = (0.5 * self.flat / size).min(1.0);
-                self.inside([local[0] + part * step[0], local[1] + part * step[1]])
+                self.downhill(&see, local, slope)
             };
-            let (seen, sloping) = see(next);
+            let size = step[0].hypot(step[1]) * if on_the_rim { self.flat } else { 1.0 };
             // Rounding sets an end to going downhill.
-            if seen.distance > surface.distance + 1e-15 * self.flat {
-                let half = self.inside([0, 1].map(|i| 0.5 * (local[i] + next[i])));
-                let (seen, sloping) = see(half);
-                if seen.distance > surface.distance {
-                    break;
-                }
-                (local, surface, slope) = (half, seen, sloping);
-                continue;
+            if size < 1e-14 * self.flat || size.is_nan() {
+                break;
             }
+            let mut part = 1.0;
+            let lower = (0..HALVINGS).find_map(|_| {
+                let next = match on_the_rim {
+                    true => on_rim(self.flat, phi + part * step[0]),
+                    false => self.inside([local[0] + part * step[0], local[1] + part * step[1]]),
+                };
+                let (seen, sloping) = see(next);
+                part *= 0.5;
+                let level = seen.distance <= surface.distance + 1e-15 * self.flat;
+                level.then_some((next, seen, sloping))
+            });
+            let Some((next, seen, sloping)) = lower else { break };
             let moved = (next[0] - local[0]).hypot(next[1] - local[1]);
             (local, surface, slope) = (next, seen, sloping);
             if moved < 1e-13 * self.flat {
@@ -149,6 +150,38 @@ impl Body {
             }
         }
         self.at(pose, surface, local)
+    }
+
+    /// A step of Newton's method on the plate. Along an axis in which the distance does not bend it leads to the rim,
+    /// as far as it falls at all.
+    fn downhill(
+        &self,
+        see: &impl Fn([f64; 2]) -> (Surface, [f64; 2]),
+        [x, y]: [f64; 2],
+        slope: [f64; 2],
+    ) -> [f64; 2] {
+        // Slopes below are those of rounding.
+        const LEVEL: f64 = 1e-13;
+        let h = 1e-6 * self.flat;
+        let (_, right) = see([x + h, y]);
+        let (_, left) = see([x - h, y]);
+        let (_, up) = see([x, y + h]);
+        let (_, down) = see([x, y - h]);
+        let [a, b, c] =
+            [right[0] - left[0], 0.5 * (right[1] - left[1] + up[0] - down[0]), up[1] - down[1]]
+                .map(|difference| difference / (2.0 * h));
+        let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
+        let root = half.hypot(b);
+        let (sin, cos) = (0.5 * b.atan2(half)).sin_cos();
+        let mut step = [0.0; 2];
+        for (axis, bend) in [([cos, sin], mean + root), ([-sin, cos], mean - root)] {
+            let fall = slope[0] * axis[0] + slope[1] * axis[1];
+            if fall.abs() > LEVEL {
+                let far = -fall / bend.max(fall.abs() / (2.0 * self.flat));
+                (step[0], step[1]) = (step[0] + far * axis[0], step[1] + far * axis[1]);
+            }
+        }
+        step
     }
 
     fn inside(&self, [x, y]: [f64; 2]) -> [f64; 2] {

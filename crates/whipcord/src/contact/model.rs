@@ -2,6 +2,7 @@
 
 use whipcord_numerics::Pose;
 
+use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::{Solution, Wrench};
@@ -26,6 +27,12 @@ pub(crate) trait Yielding {
 
     /// Whether its forces are in N: it knows the robot's stiffness.
     fn knows_forces(&self) -> bool;
+
+    /// What ends the solve from outside.
+    fn cancel(&self) -> &Cancel;
+
+    /// What an iteration without contacts costs, relative to one of a rod that is watched at 100 places.
+    fn effort(&self) -> f64;
 
     /// Makes its equations finer where the answer is not yet as accurate as was asked for; `true` where it then
     /// has to be solved again.

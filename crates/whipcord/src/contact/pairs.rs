@@ -44,6 +44,11 @@ pub(super) struct Pairs {
     pub near: Vec<Pair>,
 }
 
+/// The most pairs that are looked at together: their equations are dense.
+const MOST: usize = 256;
+/// The most pairs times watched places: at each place the motion by each pair is kept.
+const MOST_MOTIONS: usize = 100_000;
+
 /// Pairs are looked at from this distance on, as a part of the length.
 const NEAR: f64 = 2e-3;
 /// Overlap that is not mended, as a part of the length.
@@ -62,8 +67,7 @@ impl Pairs {
         let disk = |k: usize| {
             let arc_length = disks.arc_lengths[k];
             let outer = disks.rim_radius(k).max(radius(arc_length));
-            let rounding = (0.5 * disks.thickness.unwrap_or(THICKNESS * outer)).min(outer);
-            let body = Body { flat: outer - rounding, rounding };
+            let body = Body::disk(outer, 0.5 * disks.thickness.unwrap_or(THICKNESS * outer));
             Member { part: Part::Disk(k), arc_length, body }
         };
         Self {
@@ -73,6 +77,11 @@ impl Pairs {
             length: backbone.length,
             near: Vec::new(),
         }
+    }
+
+    /// The most pairs that memory and time allow.
+    pub fn most(&self) -> usize {
+        MOST.min(MOST_MOTIONS / self.watched.len().max(1)).max(1)
     }
 
     /// Of the backbone, at the watched place that is next.
@@ -106,7 +115,7 @@ impl Pairs {
                 let [dx, dy] = [0, 1].map(|i| pair.nearest.local[i] - of.nearest.local[i]);
                 pair.obstacle == of.obstacle
                     && pair.member.part == of.member.part
-                    && of.member.body.flat > 0.0
+                    && !of.member.body.is_ball()
                     && dx.hypot(dy) < 1e-3 * of.member.body.flat
             };
             let Some(first) = self.near[..k].iter().position(same) else {
@@ -137,7 +146,10 @@ impl Pairs {
                         let [dx, dy] = [0, 1].map(|i| pair.nearest.local[i] - nearest.local[i]);
                         pair.obstacle == k
                             && pair.member.part == member.part
-                            && dx.hypot(dy) < 0.2 * member.body.flat
+                            && (member.body.is_ball()
+                                // One that has been followed to a place that is not the nearest does not count.
+                                || dx.hypot(dy) < 0.2 * member.body.flat
+                                    && pair.nearest.gap < nearest.gap + OVERLAP * self.length)
                     };
                     if !self.near.iter().any(known) {
                         let grip = grip(model, scene, k, member.arc_length);
@@ -207,8 +219,8 @@ impl Pairs {
         elsewhere
     }
 
-    /// Where the backbone is nearer to an obstacle beside a contact that holds it than there: the gap has a slope
-    /// along it.
+    /// Where the backbone overlaps an obstacle beside a contact, or a place that is about to become one: the gap has a
+    /// slope along it there.
     fn beside_contacts(
         &self,
         model: &impl Yielding,
@@ -221,9 +233,11 @@ impl Pairs {
         };
         for pair in &self.near {
             let Pair { member, force, obstacle: at, .. } = pair;
-            if *at != number || member.part != Part::Backbone || *force <= 0.0 {
+            if *at != number || member.part != Part::Backbone {
                 continue;
             }
+            // One that pushes touches, once the iteration has converged.
+            let gap = if *force > 0.0 { 0.0 } else { pair.nearest.gap.max(0.0) };
             let s = member.arc_length;
             let k = self.watched.partition_point(|&there| there < s).max(1);
             let Some(&after) = self.watched.get(k) else { continue };
@@ -231,7 +245,7 @@ impl Pairs {
             let here = slope(s);
             let bend = (slope(after) - slope(before)) / (after - before);
             let aside = -here / bend;
-            let overlap = 0.5 * here * here / bend;
+            let overlap = 0.5 * here * here / bend - gap;
             let there = s + aside;
             if overlap.is_nan()
                 || overlap <= OVERLAP * self.length

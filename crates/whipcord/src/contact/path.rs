@@ -33,6 +33,11 @@ const INSERTED: f64 = 1.02;
 const LONGEST_STEP: f64 = 0.2;
 /// The least step on the way.
 const LEAST_STEP: f64 = 1e-4;
+/// What a solve may spend over the whole way, in iterations of a robot of ordinary size with few contacts. The catheter in a
+/// bent pipe of the examples takes about 700.
+const BUDGET: f64 = 6000.0;
+/// So many contacts double the cost of an iteration.
+const COSTLY: f64 = 16.0;
 
 /// Why the robot does not get on.
 enum Stop {
@@ -40,6 +45,10 @@ enum Stop {
     Model(SolveError),
     NotConverged(f64),
     Slips,
+    /// The solve may spend no more, in iterations or in contacts: no shorter step helps.
+    Spent(Obstruction),
+    /// The solve was ended from outside.
+    Cancelled,
 }
 
 struct Walk<'a, M> {
@@ -50,6 +59,8 @@ struct Walk<'a, M> {
     pushes: Vec<Push>,
     scratch: Scratch,
     iterations: usize,
+    /// Of [`BUDGET`].
+    spent: f64,
     residual: f64,
     /// Whether the contacts change an odd number of directions from stable to unstable or back; `None` until a
     /// step has told.
@@ -71,8 +82,7 @@ pub(crate) fn solve(
     {
         // Friction remembers the steps before the last.
         let mut last = None;
-        for step in case.steps() {
-            let step = Case { before: Vec::new(), ..step };
+        for step in case.single_steps() {
             last = Some(solve(model, robot, &step, last.as_ref())?);
         }
         return last.ok_or(SolveError::NoDerivatives);
@@ -92,6 +102,7 @@ pub(crate) fn solve(
         pushes: Vec::new(),
         scratch: Scratch::default(),
         iterations: 0,
+        spent: 0.0,
         residual: 0.0,
         odd: None,
         nudge: None,
@@ -120,6 +131,10 @@ pub(crate) fn solve(
         if let Err(stop) = walk.touch(&at(1.0), &watched, &here) {
             return Err(walk.obstructed(1.0, Some(stop)));
         }
+    }
+    // Whatever led here: where anything that is watched overlaps, this is no answer.
+    if let Some((.., depth)) = walk.pairs.deepest(walk.model, &walk.scene) {
+        return Err(walk.obstructed(1.0, Some(Stop::NotConverged(depth / walk.length))));
     }
     let mut solution = walk.model.solution(&at(1.0), &walk.pushes)?;
     let forces = walk.model.knows_forces();
@@ -166,6 +181,7 @@ impl<M: Yielding> Walk<'_, M> {
                 part: Part::Backbone,
                 arc_length: 0.0,
                 depth,
+                axis: None,
             })
         });
         if let Some(error) = walled {
@@ -185,6 +201,7 @@ impl<M: Yielding> Walk<'_, M> {
                 part,
                 arc_length,
                 depth,
+                axis: self.scene.axis(obstacle),
             }),
         }
     }
@@ -230,6 +247,9 @@ impl<M: Yielding> Walk<'_, M> {
                     step = (next - way) * part;
                     None
                 }
+                Err(stop @ (Stop::Spent(_) | Stop::Cancelled)) => {
+                    return Err(self.obstructed(way, Some(stop)));
+                }
                 Err(stop) => {
                     step = 0.4 * (next - way);
                     Some(stop)
@@ -260,6 +280,8 @@ impl<M: Yielding> Walk<'_, M> {
             Some(Stop::Model(error)) => Obstruction::Model(Box::new(error)),
             Some(Stop::NotConverged(residual)) => Obstruction::NotConverged { residual },
             Some(Stop::Slips) => Obstruction::Slips,
+            Some(Stop::Spent(why)) => why,
+            Some(Stop::Cancelled) => return SolveError::Cancelled { last_load: Some(way) },
             None => Obstruction::Leaps,
         };
         SolveError::Obstructed { reached: way, touching: names, why }
@@ -280,6 +302,7 @@ impl<M: Yielding> Walk<'_, M> {
             self.pushes.extend(self.nudge);
             self.model.consider(case, &self.pushes).map_err(Stop::Model)?;
             self.iterations += 1;
+            self.charge()?;
             if let Some(part) = self.too_far(watched, before) {
                 return Ok(Some(part));
             }
@@ -301,7 +324,7 @@ impl<M: Yielding> Walk<'_, M> {
                 since += 1;
             }
             if since > PATIENCE {
-                if self.residual < NEARLY_MET {
+                if self.residual < NEARLY_MET && self.is_clear() {
                     return self.arrived();
                 }
                 break;
@@ -320,12 +343,40 @@ impl<M: Yielding> Walk<'_, M> {
         Err(Stop::NotConverged(self.residual))
     }
 
+    /// Counts an iteration with the contacts that there are, and ends the solve where it has spent its budget or its
+    /// contacts are too many.
+    fn charge(&mut self) -> Result<(), Stop> {
+        if self.model.cancel().is_cancelled() {
+            return Err(Stop::Cancelled);
+        }
+        let (contacts, most) = (self.pairs.near.len(), self.pairs.most());
+        if contacts > most {
+            return Err(Stop::Spent(Obstruction::TooManyContacts { contacts, most }));
+        }
+        let share = contacts as f64 / COSTLY;
+        self.spent += self.model.effort() * (1.0 + share * share);
+        if self.spent > BUDGET {
+            let iterations = self.iterations;
+            return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts }));
+        }
+        Ok(())
+    }
+
     /// Whether the contacts hold: eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
         if self.is_touching() && self.odd == Some(self.model.stands_alone()) {
             return Err(Stop::Slips);
         }
         Ok(None)
+    }
+
+    /// Whether no known contact is open or overlaps by more than is claimed of an answer.
+    fn is_clear(&self) -> bool {
+        let clear = |pair: &Pair| {
+            let gap = pair.nearest.gap / self.length;
+            gap >= -OVERLAP && (pair.force <= 0.0 || gap <= OVERLAP)
+        };
+        self.pairs.near.iter().all(clear)
     }
 
     fn is_touching(&self) -> bool {
@@ -336,7 +387,7 @@ impl<M: Yielding> Walk<'_, M> {
     fn rest(&mut self, case: &Case) -> Result<(), SolveError> {
         for _ in 0..STEPS {
             self.model.consider(case, &[])?;
-            if self.model.unsettled() <= MET {
+            if self.model.unsettled() <= MET || self.model.cancel().is_cancelled() {
                 break;
             }
             self.model.advance(&[], 1.0)?;
@@ -350,7 +401,8 @@ impl<M: Yielding> Walk<'_, M> {
         let settled = self.model.unsettled();
         let of = |pair: &Pair| {
             let gap = pair.nearest.gap / self.length;
-            let open = if pair.force > 0.0 { gap.abs() } else { (-gap - OVERLAP).max(0.0) };
+            let overlaps = if gap < -OVERLAP { -gap } else { 0.0 };
+            let open = if pair.force > 0.0 { gap.abs() } else { overlaps };
             let lack = pair.grip.map_or(0.0, |grip| grip.lack(pair.force, scale / self.length));
             let turned = turned(pair);
             let [force, moment] =

@@ -64,6 +64,13 @@ impl Scene {
         &self.obstacles[number]
     }
 
+    /// Direction of the axis of a cylinder or a capsule.
+    pub fn axis(&self, number: usize) -> Option<Vec3> {
+        let obstacle = self.get(number);
+        matches!(obstacle.form, Form::Cylinder { .. } | Form::Capsule { .. })
+            .then(|| obstacle.pose.rotation.rotate(Vec3::Z))
+    }
+
     /// The obstacles that count now, with their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &Obstacle)> {
         let counts = |obstacle: &Obstacle| !self.only_pipes || is_pipe(obstacle);

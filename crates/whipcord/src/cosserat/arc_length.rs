@@ -94,6 +94,9 @@ impl Walk {
     pub fn advance(&mut self, problem: &Problem<'_>, scratch: &mut Scratch) -> Option<(Mark, f64)> {
         let scales = Scales::of(problem.grid, problem.length);
         loop {
+            if problem.cancel.is_cancelled() {
+                return None;
+            }
             let taken = self.step;
             if let Some((mut next, iterations)) = step(problem, scratch, &self.here, taken) {
                 self.iterations += iterations;
@@ -260,8 +263,15 @@ pub(super) fn mark(
     let unstable = if applied.any_follower() {
         usize::from(chain.is_determinant_negative(&task, shot)?)
     } else {
-        let tensions = &chain.state.tensions;
-        stability.unstable_directions(problem.grid, &shot.samples, problem.commands, tensions)
+        let State { tensions, load, .. } = &chain.state;
+        let lengths = &shot.lengths;
+        stability.unstable_directions(&problem.equilibrium(
+            &shot.samples,
+            tensions,
+            lengths,
+            applied,
+            *load,
+        ))
     };
     Some(Mark { state: chain.state.clone(), tangent, unstable })
 }
@@ -389,10 +399,18 @@ pub(super) fn next_stable(
     for _ in 0..MOST_STEPS {
         let Some((before, taken)) = walk.advance(problem, scratch) else { break };
         for event in walk.events(problem, scratch, &before, taken) {
+            let was_stable = before.unstable == 0;
             match event {
-                Event::Limit(mark) | Event::Branching(mark) | Event::Kink(mark) => {
+                Event::Branching(mark) if was_stable => {
+                    beyond.lost_at.get_or_insert(mark.state.load);
+                    if stable.is_none() && !scratch.stays_on_path {
+                        stable = stable_off_path(problem, scratch, &mark, &mut beyond.iterations);
+                    }
+                }
+                Event::Limit(mark) | Event::Kink(mark) if was_stable => {
                     beyond.lost_at.get_or_insert(mark.state.load);
                 }
+                Event::Limit(_) | Event::Branching(_) | Event::Kink(_) => {}
                 Event::FullLoad(mark) => {
                     if mark.unstable == 0 {
                         stable.get_or_insert(mark.state);
@@ -419,4 +437,41 @@ pub(super) fn next_stable(
         }
     }
     beyond
+}
+
+/// The stable equilibrium under all of the load on a branch that parts at a mark: on the side that the null vector
+/// points to, or else on the other.
+fn stable_off_path(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    at: &Mark,
+    iterations: &mut usize,
+) -> Option<State> {
+    for way in other_branch(problem, scratch, at) {
+        if let Some(mark) = way.full_load {
+            if mark.unstable == 0 {
+                return Some(mark.state);
+            }
+            continue;
+        }
+        let Some(mut walk) = Walk::start(problem, scratch, &way.state, &way.along) else {
+            continue;
+        };
+        for _ in 0..MOST_STEPS {
+            let Some((before, taken)) = walk.advance(problem, scratch) else { break };
+            for event in walk.events(problem, scratch, &before, taken) {
+                if let Event::FullLoad(mark) = event
+                    && mark.unstable == 0
+                {
+                    *iterations += walk.iterations;
+                    return Some(mark.state);
+                }
+            }
+            if walk.here.state.load.abs() > BEYOND {
+                break;
+            }
+        }
+        *iterations += walk.iterations;
+    }
+    None
 }

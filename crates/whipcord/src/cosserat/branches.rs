@@ -129,6 +129,15 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
         obstacle::refuse_for("branches", ModelKind::Cosserat, case)?;
+        self.options.cancel.checked(self.follow_branches(case, options, workspace))
+    }
+
+    fn follow_branches(
+        &self,
+        case: &Case,
+        options: &BranchOptions,
+        workspace: &mut Workspace,
+    ) -> Result<Branches, SolveError> {
         // What has no shape without load, or folds, is told with its reason.
         let answer = match self.solve(case, None, workspace) {
             Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. }) => None,
@@ -158,7 +167,7 @@ impl Cosserat {
         // Branches that pass all of the load close to where they part.
         let mut close: Vec<usize> = Vec::new();
         let mut branch = 0;
-        while branch < starts.len() {
+        while branch < starts.len() && !self.options.cancel.is_cancelled() {
             let Start { state, along } = &starts[branch];
             let Some(mut walk) = Walk::start(&problem, scratch, state, along) else {
                 found.complete = false;

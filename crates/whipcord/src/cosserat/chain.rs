@@ -22,6 +22,7 @@ use super::state::{Direction, State};
 use super::statics::Problem;
 use super::trace::Trace;
 use super::unloaded::Fault;
+use crate::cancel::Cancel;
 
 /// The rod as a chain of steps, each with its own start.
 #[derive(Clone, Debug, Default)]
@@ -59,6 +60,7 @@ pub(super) struct Task<'a> {
     /// Greatest gap that counts as closed, relative to 1 rad and the scales of moment, force and
     /// length.
     pub tolerance: f64,
+    pub cancel: &'a Cancel,
 }
 
 /// What is asked of a linear step.
@@ -83,6 +85,7 @@ impl<'a> Task<'a> {
             commands: problem.commands,
             length: problem.length,
             tolerance: problem.tolerance,
+            cancel: problem.cancel,
         }
     }
 }
@@ -116,7 +119,7 @@ impl Chain {
             if gap <= task.tolerance {
                 return Ok((iteration, gap));
             }
-            if shot.steps_left == 0 {
+            if shot.steps_left == 0 || task.cancel.is_cancelled() {
                 break;
             }
             if !self.solve_step(task, by, shot) {

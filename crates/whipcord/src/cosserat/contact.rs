@@ -1,10 +1,11 @@
 //! How the rod yields to what pushes it: the side of contact that this model is asked for.
 
-use whipcord_numerics::Pose;
+use whipcord_numerics::{Pose, equally_spaced};
 
 use super::model::{Cosserat, Workspace};
 use super::options::Options;
 use super::pushed::{Kept, Pushed};
+use crate::cancel::Cancel;
 use crate::case::{Case, PointLoad};
 use crate::contact::{self, Push, Yielding};
 use crate::error::SolveError;
@@ -42,7 +43,7 @@ impl Cosserat {
         let length = self.robot.backbone().length;
         let apart = 1e-3 * length / WATCHED as f64;
         let mut watched = self.robot.disks().arc_lengths.clone();
-        watched.extend((0..=WATCHED).map(|k| length * k as f64 / WATCHED as f64));
+        watched.extend(equally_spaced(0.0, length, WATCHED + 1));
         sorted(&mut watched, apart);
         let mut stations = watched.clone();
         stations.extend_from_slice(self.stations());
@@ -107,6 +108,14 @@ impl Yielding for Touched<'_> {
 
     fn force_scale(&self) -> f64 {
         self.force_scale
+    }
+
+    fn cancel(&self) -> &Cancel {
+        &self.options.cancel
+    }
+
+    fn effort(&self) -> f64 {
+        self.watched.len() as f64 / 100.0
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {

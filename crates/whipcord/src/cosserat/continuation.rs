@@ -72,7 +72,8 @@ pub(super) fn raise_load(
             }
         };
         step *= 0.5;
-        if step < LEAST_OF_FIRST * first || scratch.shot.steps_left == 0 {
+        let ends = scratch.shot.steps_left == 0 || problem.cancel.is_cancelled();
+        if step < LEAST_OF_FIRST * first || ends {
             let failure = match fault {
                 Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
                     section_failure(fault, &here.tensions, here.load)
@@ -132,7 +133,8 @@ pub(super) fn raise_load_at_tensions(
             Err(open) => {
                 iterations += open.iterations;
                 step *= 0.5;
-                if step < LEAST_LOAD_STEP || scratch.shot.steps_left == 0 {
+                let ends = scratch.shot.steps_left == 0 || problem.cancel.is_cancelled();
+                if step < LEAST_LOAD_STEP || ends {
                     return None;
                 }
             }
@@ -172,7 +174,15 @@ pub(super) fn close(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(usi
 /// Whether the equilibrium of the closed chain is stable, as far as that is asked for and known.
 fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     let Scratch { shot, applied, stability, chain, .. } = scratch;
+    let State { tensions, load, .. } = &chain.state;
     !problem.stability
         || applied.any_follower()
-        || stability.is_stable(problem.grid, &shot.samples, problem.commands, &chain.state.tensions)
+        || problem.is_only(applied)
+        || stability.is_stable(&problem.equilibrium(
+            &shot.samples,
+            tensions,
+            &shot.lengths,
+            applied,
+            *load,
+        ))
 }

@@ -120,7 +120,7 @@ impl Layout {
         breakpoints.dedup_by(|b, a| *b - *a <= 1e-10 * length);
         let mut order: Vec<usize> = (0..robot.cables().len()).collect();
         order.sort_by(|&a, &b| robot.routes()[b].end().total_cmp(&robot.routes()[a].end()));
-        let rest_lengths = order.iter().map(|&c| rest_length(robot, c, &breakpoints)).collect();
+        let rest_lengths = order.iter().map(|&c| robot.rest_length(c, &breakpoints)).collect();
         Self { breakpoints, stations, loads: load_places, order, rest_lengths }
     }
 
@@ -196,39 +196,6 @@ impl Grid {
     pub fn len(&self) -> usize {
         self.steps.len()
     }
-}
-
-/// Length in m of a cable on the rod at rest: by Gauss quadrature between the breakpoints, in pieces
-/// that are halved until nothing changes.
-fn rest_length(robot: &Robot, cable: usize, breakpoints: &[f64]) -> f64 {
-    const MAX_HALVINGS: usize = 12;
-    let route = &robot.routes()[cable];
-    let stretch = |s: f64| {
-        let point = route.at(s);
-        let u = robot.backbone().rest_curvature_at(robot.disks(), s);
-        (Vec3::Z + u.cross(point.offset) + point.slope).norm()
-    };
-    let piece = |from: f64, h: f64| {
-        h * (0..3).map(|j| GAUSS_3.weights[j] * stretch(from + GAUSS_3.nodes[j] * h)).sum::<f64>()
-    };
-    let reached = breakpoints.partition_point(|&s| s <= route.end());
-    let total = |pieces: usize| -> f64 {
-        let between = |pair: &[f64]| {
-            let h = (pair[1] - pair[0]) / pieces as f64;
-            (0..pieces).map(|i| piece(pair[0] + i as f64 * h, h)).sum::<f64>()
-        };
-        breakpoints[..reached].windows(2).map(between).sum()
-    };
-    let mut length = total(1);
-    for halvings in 1..=MAX_HALVINGS {
-        let finer = total(1 << halvings);
-        let change = (finer - length).abs();
-        length = finer;
-        if change <= 1e-13 * length {
-            break;
-        }
-    }
-    length
 }
 
 /// Shares `steps` steps out between the breakpoints, at least one to each interval: the next step

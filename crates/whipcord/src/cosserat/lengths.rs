@@ -12,13 +12,12 @@
 //! one another a projected step may climb; then the quadratic model is minimised within `τ ≥ 0`,
 //! damped as far as the model holds.
 
-use whipcord_numerics::{BoundedQuadratic, DenseLu};
-
 use super::command::Command;
 use super::contradiction;
-use super::independent::Independent;
+use super::length_step::{StepScratch, damped_step, newton_step};
 use super::outcome::Failure;
 use super::unloaded::Fault;
+use crate::cancel::Cancel;
 
 /// A rod that answers tensions with the lengths of its cables.
 pub(crate) trait Responds {
@@ -28,8 +27,29 @@ pub(crate) trait Responds {
     fn lengths(&self) -> &[f64];
     /// `∂ℓᵢ/∂τⱼ` by rows in m/N.
     fn length_by_tension(&self) -> &[f64];
+    /// Allows as much effort from now on as this stage of a search deserves.
+    fn allow(&mut self, _stage: Stage) {}
+    /// Whether the effort that was allowed last is used up: the search then ends with what it has found.
+    fn is_spent(&self) -> bool {
+        false
+    }
+    /// How many steps in a row may end before a fold until it is taken for the limit.
+    fn patience(&self) -> usize {
+        20
+    }
     /// Is told of each iteration that led to these tensions.
     fn note(&mut self, note: &Note, tensions: &[f64]);
+}
+
+/// The stages of a search for tensions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Tensions that give the lengths.
+    Tensions,
+    /// Whether the lengths contradict one another.
+    Contradiction,
+    /// Whether the cables get as short as a part of the lengths says, from a neighbouring part.
+    Part,
 }
 
 /// An iteration.
@@ -72,17 +92,10 @@ impl LengthFault {
 /// Scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LengthScratch {
-    free: Vec<usize>,
-    matrix: Vec<f64>,
-    step: Vec<f64>,
-    trial: Vec<f64>,
-    /// Lengths at the last point at which no section had folded.
+    steps: StepScratch,
+    /// Tensions and lengths at the last point at which no section had folded.
+    from: Vec<f64>,
     reached: Vec<f64>,
-    gradient: Vec<f64>,
-    least: Vec<f64>,
-    quadratic: BoundedQuadratic,
-    independent: Independent,
-    lu: DenseLu,
 }
 
 /// What is to be solved.
@@ -93,6 +106,7 @@ pub(crate) struct Given<'a> {
     pub commands: &'a [Command],
     /// Whether it is worth finding out how far cables go that do not go as far as they should.
     pub bracket: bool,
+    pub cancel: &'a Cancel,
 }
 
 /// Effort and quality of an answer.
@@ -108,12 +122,14 @@ const LENGTH_TOLERANCE: f64 = 2e-14;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e3 * LENGTH_TOLERANCE;
 pub(crate) const MAX_ITERATIONS: usize = 100;
-/// Of the largest diagonal entry: keeps the step defined where more straight cables are taut than
-/// lengths are independent, and picks tensions of least change there.
-const REGULARISATION: f64 = 1e-13;
 
 /// How closely the limit of what can be reached is bracketed, relative to it.
 const LIMIT_TOLERANCE: f64 = 1e-4;
+
+/// The first part of the lengths that is tried where they cannot be had at once.
+const FIRST_PART: f64 = 0.25;
+/// How many parts are tried at most.
+const MOST_PARTS: usize = 20;
 
 /// Least damping of the quadratic model, relative to its diagonal, and what it grows and falls by.
 const LEAST_DAMPING: f64 = 1e-10;
@@ -126,40 +142,41 @@ pub(crate) fn solve(
     rod: &mut impl Responds,
     scratch: &mut LengthScratch,
 ) -> Result<Effort, LengthFault> {
+    rod.allow(Stage::Tensions);
     let fault = match attempt(given, tensions, rod, scratch) {
         Err(fault @ LengthFault::Stalled) => fault,
         Err(fault @ LengthFault::Unreachable { .. }) if given.bracket => fault,
         other => return other,
     };
-    if let Some(misses) = contradiction::misses(given, tensions, rod, scratch) {
-        return Err(LengthFault::Contradictory { misses });
+    // One length contradicts no other.
+    if given.commands.iter().filter(|command| command.is_length()).count() > 1 {
+        rod.allow(Stage::Contradiction);
+        if let Some(misses) = contradiction::misses(given, tensions, rod, scratch) {
+            return Err(LengthFault::Contradictory { misses });
+        }
     }
-    Err(match fault {
-        LengthFault::Unreachable { .. } => limit(given, tensions, rod, scratch),
-        other => other,
-    })
+    match fault {
+        LengthFault::Unreachable { .. } => bring_on(given, tensions, rod, scratch),
+        other => Err(other),
+    }
 }
 
-/// How far the cables go when all are shortened in proportion: by bisection between no tension and
-/// what was asked.
-fn limit(
+/// Shortens all cables in proportion, step by step, from no tension on: to the lengths, or as far as they go.
+fn bring_on(
     given: &Given<'_>,
     tensions: &mut [f64],
     rod: &mut impl Responds,
     scratch: &mut LengthScratch,
-) -> LengthFault {
+) -> Result<Effort, LengthFault> {
     let commands = given.commands;
     release(commands, tensions);
-    if let Err(fault) = rod.respond(tensions, false) {
-        return LengthFault::Section(fault);
-    }
+    rod.respond(tensions, false).map_err(LengthFault::Section)?;
     let loose = rod.lengths().to_vec();
     // What each cable driven by length lacks at no tension, in m.
     let lack = |i: usize| match commands[i] {
         Command::Length { target, .. } => (loose[i] - target).max(0.0),
         Command::Tension(_) => 0.0,
     };
-    let by_length = |&i: &usize| matches!(commands[i], Command::Length { .. });
     let scaled = |fraction: f64| -> Vec<Command> {
         let of_cable = |(i, command): (usize, &Command)| match *command {
             Command::Length { compliance, .. } if lack(i) > 0.0 => {
@@ -169,36 +186,55 @@ fn limit(
         };
         commands.iter().enumerate().map(of_cable).collect()
     };
-    // No cable gets shorter than nothing.
-    let mut missed = (0..commands.len())
-        .map(|i| if lack(i) > 0.0 { loose[i] / lack(i) } else { 1.0 })
-        .fold(1.0, f64::min);
-    let mut reached = 0.0;
+    // No cable gets shorter than nothing: from there on there is nothing to try.
+    let least = (0..commands.len())
+        .map(|i| if lack(i) > 0.0 { loose[i] / lack(i) } else { f64::INFINITY })
+        .fold(f64::INFINITY, f64::min);
+    let (mut reached, mut missed) = (0.0, None);
     let mut good = tensions.to_vec();
     // Where nothing can be had, halving what is asked for would not come to an end.
-    while missed - reached > LIMIT_TOLERANCE * missed && missed > LIMIT_TOLERANCE {
-        let middle = 0.5 * (reached + missed);
+    for _ in 0..MOST_PARTS {
+        if given.cancel.is_cancelled() {
+            return Err(LengthFault::Stalled);
+        }
+        let beyond = missed.unwrap_or(f64::min(least, 1.0));
+        let near = beyond - reached <= LIMIT_TOLERANCE * beyond || beyond <= LIMIT_TOLERANCE;
+        if missed.is_some() && near {
+            break;
+        }
+        let next = match missed {
+            None if least > 1.0 => f64::min(2.0 * reached + FIRST_PART, 1.0),
+            _ => 0.5 * (reached + beyond),
+        };
         tensions.copy_from_slice(&good);
-        let part = Given { commands: &scaled(middle), ..*given };
-        match attempt(&part, tensions, rod, scratch) {
+        rod.allow(Stage::Part);
+        let part = match next {
+            1.0 => attempt(given, tensions, rod, scratch),
+            _ => attempt(&Given { commands: &scaled(next), ..*given }, tensions, rod, scratch),
+        };
+        match part {
+            Ok(effort) if next == 1.0 => return Ok(effort),
             Ok(_) => {
-                reached = middle;
+                reached = next;
                 good.copy_from_slice(tensions);
             }
-            Err(_) => missed = middle,
+            Err(_) => missed = Some(next),
+        }
+        if missed.is_none() && least <= 1.0 {
+            missed = Some(least);
         }
     }
     // Where next to nothing can be had, it is no cable's own limit but all of them together.
-    if reached < LIMIT_TOLERANCE && (0..commands.len()).filter(by_length).count() > 1 {
-        return LengthFault::Stalled;
+    let several = commands.iter().filter(|command| command.is_length()).count() > 1;
+    if reached < LIMIT_TOLERANCE && several {
+        return Err(LengthFault::Stalled);
     }
     let relative = |i: usize| lack(i) / loose[i];
-    match (0..commands.len()).max_by(|&a, &b| relative(a).total_cmp(&relative(b))) {
-        Some(cable) => {
-            LengthFault::Unreachable { cable, length: loose[cable] - reached * lack(cable) }
-        }
-        None => LengthFault::Stalled,
-    }
+    let most = (0..commands.len()).max_by(|&a, &b| relative(a).total_cmp(&relative(b)));
+    Err(most.map_or(LengthFault::Stalled, |cable| LengthFault::Unreachable {
+        cable,
+        length: loose[cable] - reached * lack(cable),
+    }))
 }
 
 /// Takes the tension off the cables that are driven by length.
@@ -232,38 +268,57 @@ pub(crate) fn attempt(
     let mut blocked = 0;
     let mut damping = 0.0_f64;
     for iteration in 0..MAX_ITERATIONS {
+        if given.cancel.is_cancelled() {
+            return Err(LengthFault::Stalled);
+        }
         let before = residual;
         residual = residual_of(commands, tensions, rod.lengths()) / length;
         if residual <= LENGTH_TOLERANCE || before <= residual && residual <= ROUNDING {
             return Ok(Effort { iterations: iteration, residual });
+        }
+        if rod.is_spent() {
+            break;
         }
         if let Some(cable) = rigid_and_long(given, tensions, rod) {
             return Err(LengthFault::Unreachable { cable, length: rod.lengths()[cable] });
         }
         let mut descent = 0.0;
         if damping == 0.0 {
-            if !newton_step(commands, tensions, rod, scratch) {
+            if !newton_step(
+                commands,
+                tensions,
+                rod.lengths(),
+                rod.length_by_tension(),
+                &mut scratch.steps,
+            ) {
                 break;
             }
-            descent = slope(commands, tensions, &scratch.trial, tensions, rod.lengths());
+            descent = slope(commands, tensions, &scratch.steps.trial, tensions, rod.lengths());
         }
         if descent >= 0.0 {
             damping = damping.max(LEAST_DAMPING);
-            if !damped_step(commands, tensions, rod, damping, scratch) {
+            if !damped_step(
+                commands,
+                tensions,
+                rod.lengths(),
+                rod.length_by_tension(),
+                damping,
+                &mut scratch.steps,
+            ) {
                 break;
             }
-            descent = slope(commands, tensions, &scratch.trial, tensions, rod.lengths());
+            descent = slope(commands, tensions, &scratch.steps.trial, tensions, rod.lengths());
         }
         let mut fraction = 1.0;
         let before = residual;
         let mut folded = false;
-        scratch.step.clear();
-        scratch.step.extend_from_slice(tensions);
+        scratch.from.clear();
+        scratch.from.extend_from_slice(tensions);
         scratch.reached.clear();
         scratch.reached.extend_from_slice(rod.lengths());
         loop {
             for (i, tension) in tensions.iter_mut().enumerate() {
-                *tension = scratch.step[i] + fraction * (scratch.trial[i] - scratch.step[i]);
+                *tension = scratch.from[i] + fraction * (scratch.steps.trial[i] - scratch.from[i]);
             }
             match rod.respond(tensions, true) {
                 Err(_) => {
@@ -272,8 +327,13 @@ pub(crate) fn attempt(
                 }
                 Ok(()) => {
                     let now = residual_of(commands, tensions, rod.lengths()) / length;
-                    let ahead =
-                        slope(commands, &scratch.step, &scratch.trial, tensions, rod.lengths());
+                    let ahead = slope(
+                        commands,
+                        &scratch.from,
+                        &scratch.steps.trial,
+                        tensions,
+                        rod.lengths(),
+                    );
                     // The objective is convex: as long as it still falls at the new point, or the
                     // residual does, the step was not too long.
                     if ahead <= 0.0 || now < before || fraction < 1e-8 {
@@ -298,8 +358,8 @@ pub(crate) fn attempt(
                 damping = 0.0;
             }
         }
-        // Twenty halvings against a fold: what is left of the way to it does not matter.
-        if folded && (fraction < 1e-3 || blocked > 20) {
+        // After as many halvings against a fold what is left of the way to it does not matter.
+        if folded && (fraction < 1e-3 || blocked > rod.patience()) {
             return Err(unreachable(commands, scratch));
         }
     }
@@ -323,7 +383,7 @@ fn rigid_and_long(given: &Given<'_>, tensions: &[f64], rod: &impl Responds) -> O
 
 /// The cable that lacks most at the last point short of the fold, and how short it is there.
 fn unreachable(commands: &[Command], scratch: &LengthScratch) -> LengthFault {
-    let (tensions, lengths) = (&scratch.step, &scratch.reached);
+    let (tensions, lengths) = (&scratch.from, &scratch.reached);
     let lacking = |i: usize| commands[i].slackness(tensions[i], lengths[i]);
     match (0..commands.len()).min_by(|&a, &b| lacking(a).total_cmp(&lacking(b))) {
         Some(cable) => LengthFault::Unreachable { cable, length: lengths[cable] },
@@ -346,124 +406,4 @@ fn residual_of(commands: &[Command], tensions: &[f64], lengths: &[f64]) -> f64 {
 /// Derivative of the objective at `at` along the way from `from` to `to`.
 fn slope(commands: &[Command], from: &[f64], to: &[f64], at: &[f64], lengths: &[f64]) -> f64 {
     (0..commands.len()).map(|i| commands[i].slackness(at[i], lengths[i]) * (to[i] - from[i])).sum()
-}
-
-/// Writes the end of the projected Newton step into `scratch.trial`; `false` when no cable is free
-/// to move.
-fn newton_step(
-    commands: &[Command],
-    tensions: &[f64],
-    rod: &impl Responds,
-    scratch: &mut LengthScratch,
-) -> bool {
-    let cables = commands.len();
-    let slackness = |i: usize| commands[i].slackness(tensions[i], rod.lengths()[i]);
-    scratch.free.clear();
-    scratch.free.extend((0..cables).filter(|&i| {
-        matches!(commands[i], Command::Length { .. }) && (tensions[i] > 0.0 || slackness(i) < 0.0)
-    }));
-    scratch.trial.clear();
-    scratch.trial.extend_from_slice(tensions);
-    let LengthScratch { free, independent, .. } = &mut *scratch;
-    let effect = |i: usize, j: usize| {
-        rod.length_by_tension()[i * cables + j] + Command::stretch(commands, i, j)
-    };
-    independent.retain(free, REGULARISATION, |j| tensions[j], cables, effect);
-    // A cable without tension whose Newton step would pull it below zero only holds the others
-    // back: it stays slack, and the step is made again without it.
-    loop {
-        let n = scratch.free.len();
-        if n == 0 {
-            return false;
-        }
-        let stiffest = scratch
-            .free
-            .iter()
-            .map(|&i| -rod.length_by_tension()[i * cables + i])
-            .fold(0.0, f64::max);
-        scratch.matrix.clear();
-        scratch.step.clear();
-        for &i in &scratch.free {
-            for &j in &scratch.free {
-                let mut entry = -rod.length_by_tension()[i * cables + j];
-                if i == j {
-                    entry += REGULARISATION * stiffest;
-                    if let Command::Length { compliance, .. } = commands[i] {
-                        entry += compliance;
-                    }
-                }
-                scratch.matrix.push(entry);
-            }
-            scratch.step.push(-slackness(i));
-        }
-        if scratch.lu.factor(n, &scratch.matrix).is_err() {
-            return false;
-        }
-        scratch.lu.solve(&mut scratch.step);
-        let held = (0..n).find(|&k| tensions[scratch.free[k]] == 0.0 && scratch.step[k] < 0.0);
-        match held {
-            Some(k) => {
-                scratch.free.remove(k);
-            }
-            None => break,
-        }
-    }
-    let largest = scratch.step.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
-    let present = tensions.iter().fold(0.0_f64, |m, t| m.max(*t));
-    // Where lengths contradict one another the matrix is all but singular and the step huge: go as
-    // far as the first cable that falls slack.
-    let fraction = if largest > 1e4 * present && present > 0.0 {
-        let to_bound = |(&i, &d): (&usize, &f64)| if d < 0.0 { -tensions[i] / d } else { 1.0 };
-        scratch.free.iter().zip(&scratch.step).map(to_bound).fold(1.0, f64::min)
-    } else {
-        1.0
-    };
-    for (&i, &d) in scratch.free.iter().zip(&scratch.step) {
-        scratch.trial[i] = (tensions[i] + fraction * d).max(0.0);
-    }
-    true
-}
-
-/// Writes into `scratch.trial` where the quadratic model of the objective is least within `τ ≥ 0`, with
-/// `damping` of the diagonal added to it: a way down, always.
-fn damped_step(
-    commands: &[Command],
-    tensions: &[f64],
-    rod: &impl Responds,
-    damping: f64,
-    scratch: &mut LengthScratch,
-) -> bool {
-    let cables = commands.len();
-    let LengthScratch { free, matrix, step, trial, gradient, least, quadratic, .. } = scratch;
-    free.clear();
-    free.extend((0..cables).filter(|&i| matches!(commands[i], Command::Length { .. })));
-    let compliance = |i: usize| match commands[i] {
-        Command::Length { compliance, .. } => compliance,
-        Command::Tension(_) => 0.0,
-    };
-    let curvature = |i: usize, j: usize| {
-        let own = if i == j { compliance(i) } else { 0.0 };
-        own - rod.length_by_tension()[i * cables + j]
-    };
-    let stiffest = free.iter().map(|&i| curvature(i, i)).fold(0.0, f64::max);
-    matrix.clear();
-    for &i in &*free {
-        for &j in &*free {
-            let damped = if i == j { damping * stiffest } else { 0.0 };
-            matrix.push(curvature(i, j) + damped);
-        }
-    }
-    gradient.clear();
-    gradient.extend(free.iter().map(|&i| commands[i].slackness(tensions[i], rod.lengths()[i])));
-    least.clear();
-    least.extend(free.iter().map(|&i| -tensions[i]));
-    if quadratic.minimise(matrix, gradient, least, step).is_err() {
-        return false;
-    }
-    trial.clear();
-    trial.extend_from_slice(tensions);
-    for (&i, &d) in free.iter().zip(&*step) {
-        trial[i] = (tensions[i] + d).max(0.0);
-    }
-    true
 }

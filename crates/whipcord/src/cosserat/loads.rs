@@ -196,6 +196,23 @@ impl AppliedLoads {
         self.any_follower_force
     }
 
+    /// Adds a dead moment, in the base frame, at the end of `k` steps.
+    pub fn add_moment(&mut self, k: usize, moment: Vec3) {
+        self.moments[k] += moment;
+    }
+
+    /// Whether a dead moment acts: it has no energy where the section that bears it can turn.
+    pub fn any_dead_moment(&self) -> bool {
+        let is_moment = |wrench: &Wrench| wrench.moment != Vec3::ZERO;
+        self.moments.iter().any(|&moment| moment != Vec3::ZERO)
+            || self.lines.iter().any(|line| line.dead.iter().any(is_moment))
+    }
+
+    /// Whether nothing but dead moments acts.
+    pub fn only_dead_moments(&self) -> bool {
+        !self.any_follower && self.forces.iter().all(|&force| force == Vec3::ZERO)
+    }
+
     /// Whether a force or moment turns with the body: then there is no energy.
     pub fn any_follower(&self) -> bool {
         self.any_follower

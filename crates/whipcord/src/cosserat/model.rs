@@ -9,17 +9,20 @@ use super::lanes::{Setting, UnloadedLanes};
 use super::loads;
 use super::options::{Accuracy, Options};
 use super::outcome::{Failure, Found};
-use super::refinement::{COARSE_STEPS, Coarse, FINER_GRIDS, FOLD_LEVEL, READY_GRIDS};
+use super::refinement::{
+    COARSE_STEPS, Coarse, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, READY_GRIDS,
+};
 use super::statics::{self, Scratch, Start};
-use super::strength::Strength;
+use super::strength::{Strength, steps_for_twist};
 use super::without_load::section_failure;
+use crate::cancel::Cancel;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
 use crate::model::ModelKind;
 use crate::obstacle;
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Problem, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
+use crate::shape::{CableState, Diagnostics, Shape, Solution};
 
 /// The Cosserat model of one robot: all that does not change from case to case.
 ///
@@ -55,6 +58,8 @@ pub struct Cosserat {
     pub(super) options: Options,
     /// Whether some of its cables pull against one another to no effect.
     antagonists: bool,
+    /// How often the steps of the first grid are halved to follow the twist of the unloaded rod.
+    pub(super) twist_level: usize,
     /// The only grid, or the first of a sequence in which the steps are halved.
     pub(super) grids: Vec<Grid>,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
@@ -94,6 +99,9 @@ impl Cosserat {
         Ok(Self {
             robot: robot.clone(),
             options: options.clone(),
+            twist_level: (0..MAX_REFINEMENTS)
+                .find(|&level| steps_for_twist(robot) <= COARSE_STEPS << level)
+                .unwrap_or(MAX_REFINEMENTS),
             antagonists: antagonists::any(robot, &grids[0], &layout.order),
             layout,
             grids,
@@ -105,6 +113,10 @@ impl Cosserat {
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
+        &mut self.options.cancel
     }
 
     /// Arc lengths of the stations in m.
@@ -144,10 +156,12 @@ impl Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
-        if !case.obstacles.is_empty() {
-            return self.solve_in_contact(case, warm_start);
-        }
-        self.solve_keeping_grid(case, warm_start, workspace).map(|(solution, _)| solution)
+        let outcome = if case.obstacles.is_empty() {
+            self.solve_keeping_grid(case, warm_start, workspace).map(|(solution, _)| solution)
+        } else {
+            self.solve_in_contact(case, warm_start)
+        };
+        self.options.cancel.checked(outcome)
     }
 
     /// [`Self::solve`], with the derivatives of the answer: by tensions or lengths, by loads at any
@@ -164,7 +178,8 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
         obstacle::refuse_for("derivatives", ModelKind::Cosserat, case)?;
-        let (solution, grid) = self.solve_keeping_grid(case, warm_start, workspace)?;
+        let solved = self.solve_keeping_grid(case, warm_start, workspace);
+        let (solution, grid) = self.options.cancel.checked(solved)?;
         let Workspace { scratch, commands, .. } = workspace;
         let starts = scratch.chain_starts();
         let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
@@ -219,7 +234,20 @@ impl Cosserat {
                 let solution = self.solution(grid, case, workspace, found, None)?;
                 Ok((solution, Cow::Borrowed(grid)))
             }
-            Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, case, start, workspace),
+            Accuracy::Tolerance(tolerance) => {
+                workspace.scratch.stays_on_path = false;
+                let from = start.clone();
+                match self.solve_to(tolerance, case, start, workspace) {
+                    // Close above a critical load the shape on a branch hangs on rounding: that on the path does not.
+                    Err(SolveError::StepsTooCoarse { .. }) if !case.loads.is_none() => {
+                        workspace.scratch.stays_on_path = true;
+                        let on_path = self.solve_to(tolerance, case, from, workspace);
+                        workspace.scratch.stays_on_path = false;
+                        on_path
+                    }
+                    answer => answer,
+                }
+            }
         }
     }
 
@@ -235,7 +263,7 @@ impl Cosserat {
     }
 
     pub(super) fn problem<'a>(
-        &self,
+        &'a self,
         grid: &'a Grid,
         case: &'a Case,
         commands: &'a [Command],
@@ -244,6 +272,7 @@ impl Cosserat {
             grid,
             length: self.robot.backbone().length,
             commands,
+            asked: commands,
             loads: &case.loads,
             base: case.base.rotation,
             stability: self.options.stability,
@@ -251,6 +280,7 @@ impl Cosserat {
             bracket: true,
             antagonists: self.antagonists,
             tolerance: self.options.residual,
+            cancel: &self.options.cancel,
         }
     }
 
@@ -284,13 +314,9 @@ impl Cosserat {
         found: Found,
         discretization_error: Option<f64>,
     ) -> Result<Solution, SolveError> {
-        let stability = if self.options.stability {
-            let problem = self.problem(grid, case, &workspace.commands);
-            let least = statics::least_eigenvalue(&problem, &mut workspace.scratch);
-            least.map_err(|failure| self.explain(failure, &workspace.commands))?
-        } else {
-            None
-        };
+        let problem = self.problem(grid, case, &workspace.commands);
+        let stability = statics::verdict(&problem, &mut workspace.scratch)
+            .map_err(|failure| self.explain(failure, &workspace.commands))?;
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| {
             let poses = places.iter().map(|&k| scratch.poses[k]).collect();
@@ -315,12 +341,8 @@ impl Cosserat {
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,
-                stability,
-                stability_absent: match stability {
-                    Some(_) => None,
-                    None if !self.options.stability => Some(NoStability::NotAsked),
-                    None => Some(NoStability::Followers),
-                },
+                stability: stability.ok(),
+                stability_absent: stability.err(),
                 discretization_error,
                 steps: grid.len(),
                 stability_lost_at: found.lost_at,

@@ -1,5 +1,6 @@
 //! How the two Cosserat models are discretised and driven.
 
+use crate::cancel::Cancel;
 use crate::case::Drive;
 use crate::model::Stations;
 
@@ -21,6 +22,8 @@ pub struct Options {
     /// and what acts there), force (EI/L²), turn (1 rad) and length. It is about the relative error of
     /// the shape that the iteration leaves.
     pub residual: f64,
+    /// Ends a solve from outside.
+    pub cancel: Cancel,
 }
 
 impl Default for Options {
@@ -31,6 +34,7 @@ impl Default for Options {
             accuracy: Accuracy::default(),
             stability: true,
             residual: 2e-11,
+            cancel: Cancel::default(),
         }
     }
 }

@@ -151,6 +151,7 @@ impl Pushed {
             commands,
             length: robot.backbone().length,
             tolerance: options.residual,
+            cancel: &options.cancel,
         };
         for (tension, command) in self.chain.state.tensions.iter_mut().zip(&*commands) {
             if let Command::Tension(given) = command {
@@ -298,6 +299,7 @@ impl Pushed {
             commands,
             length: site.model.robot.backbone().length,
             tolerance: site.model.options.residual,
+            cancel: &site.model.options.cancel,
         };
         let negative = self.chain.is_determinant_negative(&task, &mut self.shot);
         !negative.unwrap_or(false)

@@ -116,15 +116,21 @@ impl Cosserat {
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
         let strength = self.strength(case, workspace);
-        let first = strength.first_level();
+        let twist_level = if case.loads.is_none() { 0 } else { self.twist_level };
+        let first = strength.first_level().max(twist_level);
         workspace.scratch.shot.steps_left = strength.allowance(self.grid(first)?.as_ref());
         for level in first..=MAX_REFINEMENTS {
+            if self.options.cancel.is_cancelled() {
+                return Err(SolveError::Cancelled { last_load: None });
+            }
             let grid = self.grid(level)?;
             let mut found = match self.solve_on(&grid, case, &start, level, workspace) {
                 // Steps that are too coarse for a strong bend can keep Newton's method away, and near a
                 // buckling load one grid may lose the stability that a coarser one still had.
                 Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. })
-                    if level < GIVE_UP_LEVEL && workspace.scratch.shot.steps_left > 0 =>
+                    if level < GIVE_UP_LEVEL
+                        && workspace.scratch.shot.steps_left > 0
+                        && !self.options.cancel.is_cancelled() =>
                 {
                     coarser = None;
                     start = cold.clone();
@@ -132,7 +138,9 @@ impl Cosserat {
                 }
                 // A section folds between the nodes of a coarse grid before it does at them: only
                 // with fine steps is it known how far a cable goes.
-                Err(SolveError::UnreachableLength { .. }) if level < FOLD_LEVEL => {
+                Err(SolveError::UnreachableLength { .. })
+                    if level < FOLD_LEVEL && !self.options.cancel.is_cancelled() =>
+                {
                     coarser = None;
                     start = cold.clone();
                     continue;

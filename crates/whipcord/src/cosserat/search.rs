@@ -33,6 +33,9 @@ pub(super) fn stable_equilibrium(problem: &Problem<'_>, scratch: &mut Scratch) -
         return None;
     }
     for n in 1..=STARTS {
+        if problem.cancel.is_cancelled() {
+            return None;
+        }
         let along = |i: usize| 2.0 * (f64::from(n) * SPREAD[i]).fract() - 1.0;
         let moment = Vec3::new(along(0), along(1), along(2));
         scratch.newton.point.base_moment = unit / moment.norm().max(1.0) * moment;

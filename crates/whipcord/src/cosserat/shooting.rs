@@ -55,7 +55,7 @@ pub(super) fn shoot(
         if effort.residual <= problem.tolerance {
             return Ok(effort);
         }
-        if shot.steps_left == 0 {
+        if shot.steps_left == 0 || problem.cancel.is_cancelled() {
             break;
         }
         effort.iterations += 1;

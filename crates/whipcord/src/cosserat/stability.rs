@@ -12,7 +12,7 @@
 //! with the blocks `A`, `B`, `S` of [`super::section`]. Reported is the least value of
 //! `E″ / ∫ δuᵀ K_bt δu ds`, with the reduced stiffness of the bare section for `K_bt` where bending
 //! is coupled with shear or extension: 1 for the bare rod without load, 0 at the buckling load,
-//! negative beyond it. The fields `η` are piecewise quadratic on the steps of the grid.
+//! negative beyond it. The fields `R η` are piecewise quadratic on the steps of the grid.
 //!
 //! A cable that is held at its length admits only such fields as leave it that long, or, where it
 //! is elastic, adds its stiffness. With `bᵢ = ∂ℓᵢ/∂η`, `Dᵢⱼ = ∂ℓᵢ/∂τⱼ` at fixed rotations and `C`
@@ -23,14 +23,23 @@
 //! ```
 //!
 //! by Haynsworth's formula, taken twice on the matrix bordered by `b`.
+//!
+//! A cable at its commanded length without tension is *idle*. It admits only fields that do not make it
+//! longer. Where the cables that are taut or idle have a state of self-stress in which every tension of
+//! an idle cable is positive, such a field cannot make it shorter either ([`implied`]): that idle cable is
+//! held like a taut one. Any other idle cable is taken as slack.
+//!
+//! A dead moment `m` has no potential: its tangent has the skew part `½ m·(η₁ × η₂)`, which (8) leaves out.
+//! Bounded by `±½|m||η|²` across `m`, it decides whether there is a verdict ([`Stability::verdict`]).
 
-use whipcord_numerics::{Mat3, Vec3, symmetric_eigenvalues};
+use whipcord_numerics::{BoundedQuadratic, Mat3, Vec3, symmetric_eigenvalues};
 
 use super::command::Command;
 use super::grid::Grid;
 use super::loaded::{SAMPLED_NODES, Sample};
+use super::loads::AppliedLoads;
 use super::sensitivity::work;
-use crate::shape::Diagnostics;
+use crate::shape::{Diagnostics, NoStability};
 
 /// Quadratic forms of one step on (start, middle, end): energy and metric, as 3×3 blocks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,17 +58,36 @@ pub(super) struct Stability {
     /// `D − C` by rows.
     corner: Vec<f64>,
     schur: Vec<f64>,
+    quadratic: BoundedQuadratic,
     beyond: Vec<Vec3>,
     next: Vec<Vec3>,
 }
 
-/// A taut cable held at its length.
+/// A cable held at its length.
 #[derive(Clone, Copy, Debug)]
 struct Locked {
     /// Its place in the order of the grid.
     cable: usize,
     /// Its own, in m/N.
     compliance: f64,
+    /// Whether it is at its length without tension.
+    idle: bool,
+}
+
+/// The equilibrium whose stability is asked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Equilibrium<'a> {
+    pub grid: &'a Grid,
+    /// Three to each step of the grid.
+    pub samples: &'a [Sample],
+    /// In the order of the grid, as tensions and lengths.
+    pub commands: &'a [Command],
+    pub tensions: &'a [f64],
+    /// In m.
+    pub lengths: &'a [f64],
+    pub applied: &'a AppliedLoads,
+    /// Factor on all loads.
+    pub load: f64,
 }
 
 /// An eigenvalue this close to zero counts as zero.
@@ -69,61 +97,77 @@ const TOLERANCE: f64 = 1e-8;
 /// Compliance added to each locked cable, relative to what the rod gives: it decides what counts as
 /// zero where more cables are taut than lengths are independent.
 const REGULARISATION: f64 = 1e-9;
+/// Of the backbone's length: a cable without tension that is no looser than this is at its length.
+const IDLE: f64 = 1e-6;
+/// An idle cable is held where the others leave no more than this part of the square of its effect.
+const IMPLIED: f64 = 1e-6;
+/// A taut cable may take this much less tension in a state of self-stress, each in units of its effect.
+const RELEASED: f64 = -1e6;
+/// Eigenvalues beyond this are not looked for.
+pub(crate) const FAR: f64 = 1e12;
+/// What dead moments may do to the least eigenvalue where they count as held.
+pub(crate) const INSENSITIVE: f64 = 1e-6;
+/// An eigenvalue greater than the greatest stiffness of the robot, relative to its metric, by this factor is
+/// an artefact of rounding.
+const IMPLAUSIBLE: f64 = 1e3;
 
 impl Stability {
-    /// The least eigenvalue, from three samples to each step of the grid, with the cables that
-    /// `commands` hold at their lengths and that are taut.
-    pub fn least_eigenvalue(
-        &mut self,
-        grid: &Grid,
-        samples: &[Sample],
-        commands: &[Command],
-        tensions: &[f64],
-    ) -> f64 {
-        self.assemble(grid, samples);
-        let free = falling_zero(0.0, 1.0, |shift| self.least_of_tip(shift));
-        self.lock(grid, samples, commands, tensions);
-        if self.locked.is_empty() {
-            return free;
+    /// The least eigenvalue with the cables that are held at their lengths, or why there is none.
+    ///
+    /// Under dead moments it is that of the symmetric part of the tangent. It counts where the skew part
+    /// cannot matter: where the equilibrium stays stable with `½|m||η|²` taken off, or where adding or taking
+    /// off as much changes nothing, because the section that bears the moment cannot turn.
+    pub fn verdict(&mut self, at: &Equilibrium<'_>) -> Result<f64, NoStability> {
+        self.assemble(at);
+        self.lock(at);
+        let least = self.least()?;
+        if !at.applied.any_dead_moment() {
+            return Ok(least);
         }
-        // Constraints only raise it.
-        let margin = TOLERANCE * (1.0 + free.abs());
-        bisect(free - margin, free + 1.0, |shift| self.negative_directions(shift) > 0)
+        self.add_moments(at, -0.5);
+        if least > 0.0 && self.negative_directions(-Diagnostics::NEUTRAL) == 0 {
+            return Ok(least);
+        }
+        let with_less = self.least()?;
+        self.add_moments(at, 1.0);
+        let spread = self.least()? - with_less;
+        if spread <= INSENSITIVE * (1.0 + least.abs()) {
+            Ok(least)
+        } else {
+            Err(NoStability::DeadMoments)
+        }
     }
 
     /// Whether it is not negative.
-    pub fn is_stable(
-        &mut self,
-        grid: &Grid,
-        samples: &[Sample],
-        commands: &[Command],
-        tensions: &[f64],
-    ) -> bool {
-        self.assemble(grid, samples);
-        if !self.is_indefinite(-NEUTRAL) {
-            return true;
-        }
-        self.lock(grid, samples, commands, tensions);
-        !self.locked.is_empty() && self.negative_directions(-NEUTRAL) == 0
+    pub fn is_stable(&mut self, at: &Equilibrium<'_>) -> bool {
+        self.unstable_directions(at) == 0
     }
 
     /// The number of directions in which the robot leaves the equilibrium.
-    pub fn unstable_directions(
-        &mut self,
-        grid: &Grid,
-        samples: &[Sample],
-        commands: &[Command],
-        tensions: &[f64],
-    ) -> usize {
-        self.assemble(grid, samples);
+    pub fn unstable_directions(&mut self, at: &Equilibrium<'_>) -> usize {
+        self.assemble(at);
         if !self.is_indefinite(-NEUTRAL) {
             return 0;
         }
-        self.lock(grid, samples, commands, tensions);
+        self.lock(at);
         self.negative_directions(-NEUTRAL)
     }
 
-    fn assemble(&mut self, grid: &Grid, samples: &[Sample]) {
+    /// The least eigenvalue with the cables that are locked.
+    fn least(&mut self) -> Result<f64, NoStability> {
+        let free = falling_zero(0.0, 1.0, |shift| self.least_of_tip(shift));
+        let least = if self.locked.is_empty() || !free.is_finite() {
+            free
+        } else {
+            // Constraints only raise it.
+            let margin = TOLERANCE * (1.0 + free.abs());
+            bisect(free - margin, free + 1.0, |shift| self.negative_directions(shift) > 0)
+        };
+        plausible(least, self.elements.iter())
+    }
+
+    fn assemble(&mut self, at: &Equilibrium<'_>) {
+        let Equilibrium { grid, samples, .. } = *at;
         self.elements.clear();
         for (k, triple) in samples.chunks_exact(3).enumerate() {
             let bending =
@@ -132,16 +176,59 @@ impl Stability {
         }
     }
 
-    /// Finds the locked cables, and `b` and `D − C` of eq. (11).
-    fn lock(&mut self, grid: &Grid, samples: &[Sample], commands: &[Command], tensions: &[f64]) {
-        self.locked.clear();
-        for (cable, (command, &tension)) in commands.iter().zip(tensions).enumerate() {
-            if let Command::Length { compliance, .. } = *command
-                && tension > 0.0
-            {
-                self.locked.push(Locked { cable, compliance });
+    /// Adds `f |m||η|²` across the dead moments `m` to the energy.
+    fn add_moments(&mut self, at: &Equilibrium<'_>, f: f64) {
+        for (k, element) in self.elements.iter_mut().enumerate() {
+            let mut add = |q: usize, moment: Vec3| {
+                element.energy[q][q] += across(at.load * moment) * f;
+            };
+            add(2, at.applied.moment(k + 1));
+            if let Some(line) = at.applied.line(k) {
+                for (q, weight) in WEIGHTS.into_iter().enumerate() {
+                    add(q, weight * at.grid.steps[k].length * line.moment(0.5 * q as f64));
+                }
             }
         }
+    }
+
+    /// Finds the locked cables, and `b` and `D − C` of eq. (11).
+    fn lock(&mut self, at: &Equilibrium<'_>) {
+        self.locked.clear();
+        let end = at.grid.steps.last().map_or(0.0, |step| step.start + step.length);
+        let cables = at.commands.iter().zip(at.tensions).zip(at.lengths).enumerate();
+        for (cable, ((command, &tension), &length)) in cables {
+            if let Command::Length { compliance, .. } = *command {
+                let slack = command.slackness(tension, length);
+                if tension > 0.0 {
+                    self.locked.push(Locked { cable, compliance, idle: false });
+                } else if is_idle(compliance, slack, end) {
+                    self.locked.push(Locked { cable, compliance, idle: true });
+                }
+            }
+        }
+        if !self.locked.iter().any(|locked| locked.idle) {
+            self.border(at);
+            return;
+        }
+        self.border(at);
+        let mut shift = -1.0;
+        while self.is_indefinite(shift) && shift > -FAR {
+            shift *= 4.0;
+        }
+        self.eliminate(shift);
+        let Self { locked, schur, quadratic, .. } = self;
+        let idle: Vec<bool> = locked.iter().map(|locked| locked.idle).collect();
+        let held = implied(schur, &idle, quadratic);
+        if !held.iter().all(|&held| held) {
+            let mut held = held.into_iter();
+            locked.retain(|_| held.next().unwrap_or(false));
+            self.border(at);
+        }
+    }
+
+    /// `b` and `D − C` of eq. (11) of the locked cables.
+    fn border(&mut self, at: &Equilibrium<'_>) {
+        let Equilibrium { grid, samples, .. } = *at;
         let p = self.locked.len();
         self.borders.clear();
         self.corner.clear();
@@ -154,7 +241,7 @@ impl Stability {
                 let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
                 let weight = WEIGHTS[q] * step.length;
                 let (compliance, coupling) = sample.tangent.force_compliance();
-                let turn = Mat3::skew(sample.strain.angular);
+                let frame = sample.rotation.to_matrix();
                 let push = Mat3::skew(sample.wrench.linear);
                 for (i, locked) in self.locked.iter().enumerate() {
                     let Some(crossing) = crossings.get(locked.cable) else { continue };
@@ -164,10 +251,9 @@ impl Stability {
                     let relaxed = compliance * pull.linear;
                     let border = &mut self.borders[first + i];
                     for (j, border) in border.iter_mut().enumerate() {
-                        *border += by_strain * (weight * SLOPES[q][j] / step.length);
+                        *border += frame * by_strain * (weight * SLOPES[q][j] / step.length);
                     }
-                    border[q] += turn.transpose_mul(by_strain) * weight;
-                    border[q] += push.transpose_mul(relaxed) * weight;
+                    border[q] += frame * push.transpose_mul(relaxed) * weight;
                     for (j, other) in self.locked.iter().enumerate() {
                         if let Some(other) = crossings.get(other.cable) {
                             let along = other.pull(&sample.strain).0.linear;
@@ -239,6 +325,15 @@ impl Stability {
     /// locked cables admit, eq. (11): by elimination from the tip to the base through negative pivots,
     /// with the borders carried along.
     fn negative_directions(&mut self, shift: f64) -> usize {
+        let negative = self.eliminate(shift);
+        let p = self.locked.len();
+        let of_locks = symmetric_eigenvalues(p, &mut self.schur);
+        (negative + of_locks.iter().filter(|&&x| x < 0.0).count()).saturating_sub(p)
+    }
+
+    /// The elimination of [`Self::negative_directions`]: how many pivots are negative; the Schur complement
+    /// of the locked cables is left behind.
+    fn eliminate(&mut self, shift: f64) -> usize {
         let p = self.locked.len();
         let Self { elements, borders, corner, schur, beyond: far, next, .. } = self;
         schur.clone_from(corner);
@@ -275,9 +370,80 @@ impl Stability {
             }
             core::mem::swap(far, next);
         }
-        let in_schur = symmetric_eigenvalues(p, schur).iter().filter(|&&x| x < 0.0).count();
-        (negative + in_schur).saturating_sub(p)
+        negative
     }
+}
+
+/// Whether a cable without tension, this slack in m, is at its length; a cable that stretches gives way.
+pub(crate) fn is_idle(compliance: f64, slack: f64, length: f64) -> bool {
+    compliance == 0.0 && slack <= IDLE * length
+}
+
+/// Which cables are held at their lengths: those that are not idle, and the idle ones of which some state of
+/// self-stress, with tension in idle cables only and of either sign in the others, has tension. `schur` is the Schur
+/// complement of the locked cables where the form is positive: minus the products of their effects.
+pub(crate) fn implied(schur: &[f64], idle: &[bool], quadratic: &mut BoundedQuadratic) -> Vec<bool> {
+    let p = idle.len();
+    let size = |i: usize| (-schur[i * p + i]).max(f64::MIN_POSITIVE).sqrt();
+    let product = |i: usize, j: usize| -schur[i * p + j] / (size(i) * size(j));
+    let (mut others, mut stress) = (Vec::new(), Vec::new());
+    let (mut matrix, mut gradient, mut least) = (Vec::new(), Vec::new(), Vec::new());
+    let mut is_held = |i: usize| {
+        if !idle[i] {
+            return true;
+        }
+        others.clear();
+        others.extend((0..p).filter(|&j| j != i));
+        matrix.clear();
+        for &j in &others {
+            let ridge = |k: usize| if j == k { 1e-3 * IMPLIED } else { 0.0 };
+            matrix.extend(others.iter().map(|&k| product(j, k) + ridge(k)));
+        }
+        gradient.clear();
+        gradient.extend(others.iter().map(|&j| product(i, j)));
+        least.clear();
+        least.extend(others.iter().map(|&j| if idle[j] { 0.0 } else { RELEASED }));
+        if quadratic.minimise(&matrix, &gradient, &least, &mut stress).is_err() {
+            return false;
+        }
+        let mut left = product(i, i);
+        for (&j, &a) in others.iter().zip(&stress) {
+            left += 2.0 * a * product(i, j);
+            for (&k, &b) in others.iter().zip(&stress) {
+                left += a * b * product(j, k);
+            }
+        }
+        left <= IMPLIED
+    };
+    (0..p).map(&mut is_held).collect()
+}
+
+/// An eigenvalue that the stiffness of the elements allows, or the reason why there is none. The least
+/// eigenvalue cannot exceed the greatest one of fields that are zero but in the middle of one element.
+pub(crate) fn plausible<'a>(
+    value: f64,
+    elements: impl Iterator<Item = &'a Element>,
+) -> Result<f64, NoStability> {
+    if value.abs() <= IMPLAUSIBLE {
+        return Ok(value);
+    }
+    let ratio = |element: &Element| {
+        let of_middle = symmetric(element.energy[1][1]);
+        let [.., greatest] = of_middle.eigenvalues_relative_to(&symmetric(element.metric[1][1]))?;
+        Some(greatest.abs())
+    };
+    let greatest = elements.filter_map(ratio).fold(1.0, f64::max);
+    let is_possible = value.is_finite() && value <= IMPLAUSIBLE * greatest;
+    if is_possible { Ok(value) } else { Err(NoStability::Undetermined) }
+}
+
+/// `|m||η|²` of the part of `η` across `m`.
+pub(crate) fn across(m: Vec3) -> Mat3 {
+    let size = m.norm();
+    if size == 0.0 {
+        return Mat3::ZERO;
+    }
+    Mat3::IDENTITY * size - Mat3::outer(m, m) * (1.0 / size)
 }
 
 /// Bisection on whether there is an eigenvalue below a shift: monotone, so it cannot miss.
@@ -287,15 +453,15 @@ pub(crate) fn bisect(low: f64, high: f64, mut is_below: impl FnMut(f64) -> bool)
     while is_below(low) {
         (high, reach) = (low, 4.0 * reach);
         low -= reach;
-        if low < -1e12 {
-            return low;
+        if low < -FAR {
+            return f64::NEG_INFINITY;
         }
     }
     while !is_below(high) {
         (low, reach) = (high, 4.0 * reach);
         high += reach;
-        if high > 1e12 {
-            return high;
+        if high > FAR {
+            return f64::INFINITY;
         }
     }
     while high - low > TOLERANCE * (1.0 + low.abs().max(high.abs())) {
@@ -319,8 +485,8 @@ pub(crate) fn falling_zero(low: f64, high: f64, mut f: impl FnMut(f64) -> Option
     while at_low.is_none_or(|value| value < 0.0) {
         (high, reach) = (low, 4.0 * reach);
         low -= reach;
-        if low < -1e12 {
-            return low;
+        if low < -FAR {
+            return f64::NEG_INFINITY;
         }
         at_low = f(low);
     }
@@ -328,8 +494,8 @@ pub(crate) fn falling_zero(low: f64, high: f64, mut f: impl FnMut(f64) -> Option
     while at_high.is_some_and(|value| value >= 0.0) {
         (low, at_low, reach) = (high, at_high, 4.0 * reach);
         high += reach;
-        if high > 1e12 {
-            return high;
+        if high > FAR {
+            return f64::INFINITY;
         }
         at_high = f(high);
     }
@@ -406,36 +572,31 @@ pub(crate) const WEIGHTS: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
 /// Simpson's rule on the quadratic shape functions of a step.
 ///
 /// Each shape function is 1 at one sample and 0 at the two others: at sample `q` the energy is a form of
-/// `η′ = Σ σᵢ ηᵢ`, with `σᵢ` their slopes, and of `η = η_q`, with `δu = η′ + û η` and `δN = N̂ η`.
+/// `ζ′ = Σ σᵢ ζᵢ`, with `σᵢ` their slopes, and of `ζ = ζ_q`. The unknowns `ζ = R η` are rotations in the frame that the
+/// rotations of the samples are given in: there `δu = Rᵀ ζ′` exactly, however much the rod turns within a step.
 pub(crate) fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Mat3) -> Element {
     let mut out = Element::default();
     for (q, sample) in samples.iter().enumerate() {
         let weight = WEIGHTS[q] * h;
-        let turn = Mat3::skew(sample.strain.angular);
+        let frame = sample.rotation.to_matrix();
+        let fixed = |of_body: Mat3| frame * of_body * frame.transpose();
         let push = Mat3::skew(sample.wrench.linear);
         let moment = Mat3::skew(sample.wrench.angular);
         let (compliance, coupling) = sample.tangent.force_compliance();
-        let bends = sample.tangent.reduced;
         // −M·(η × δu) = ηᵀ M̂ δu with M̂ δu = M × δu, made symmetric.
-        let yields = coupling.transpose() * push;
-        let slope_turn = bends * turn - yields + moment.transpose() * 0.5;
-        let sheared = turn.transpose() * yields;
-        let twisted = moment * turn;
-        let turn_turn = turn.transpose() * (bends * turn)
-            - sheared
-            - sheared.transpose()
-            - push.transpose() * (compliance * push)
-            + symmetric(twisted)
-            + tilt(sample.strain.linear, sample.wrench.linear);
-        let energy = Turning { slope_slope: bends, slope_turn, turn_turn };
-        let metric = bending(q);
-        let bent = metric * turn;
-        let metric =
-            Turning { slope_slope: metric, slope_turn: bent, turn_turn: turn.transpose() * bent };
+        let slope_turn = moment.transpose() * 0.5 - coupling.transpose() * push;
+        let turn_turn = tilt(sample.strain.linear, sample.wrench.linear)
+            - push.transpose() * (compliance * push);
+        let energy = Turning {
+            slope_slope: fixed(sample.tangent.reduced),
+            slope_turn: fixed(slope_turn),
+            turn_turn: fixed(turn_turn),
+        };
+        let metric = fixed(bending(q));
         for i in 0..3 {
             for j in 0..3 {
                 out.energy[i][j] += energy.block(q, i, j, h) * weight;
-                out.metric[i][j] += metric.block(q, i, j, h) * weight;
+                out.metric[i][j] += metric * (SLOPES[q][i] * SLOPES[q][j] * weight / (h * h));
             }
         }
     }
@@ -470,4 +631,54 @@ impl Turning {
 /// The symmetric matrix of `−v·(η × (η × N)) = (v·N)|η|² − (v·η)(N·η)`.
 fn tilt(v: Vec3, force: Vec3) -> Mat3 {
     Mat3::IDENTITY * v.dot(force) - symmetric(Mat3::outer(v, force))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn element() -> Element {
+        let mut element = Element::default();
+        (element.energy[1][1], element.metric[1][1]) = (Mat3::IDENTITY * 3.0, Mat3::IDENTITY);
+        element
+    }
+
+    /// Where no pivot ever turns negative the search for an eigenvalue ends beyond all of them.
+    #[test]
+    fn a_value_beyond_any_stiffness_is_none() {
+        let elements = [element()];
+        let of = |value: f64| plausible(value, elements.iter());
+        assert_eq!(of(-2e5), Ok(-2e5));
+        assert_eq!(of(2.5), Ok(2.5));
+        assert_eq!(of(1.47e12), Err(NoStability::Undetermined));
+        assert_eq!(of(bisect(0.0, 1.0, |_| false)), Err(NoStability::Undetermined));
+        assert_eq!(of(falling_zero(0.0, 1.0, |_| Some(1.0))), Err(NoStability::Undetermined));
+        assert_eq!(of(falling_zero(0.0, 1.0, |_| None)), Err(NoStability::Undetermined));
+    }
+
+    /// Four cables around an axis: bending about two axes and compression leave one state of self-stress, in which
+    /// opposite cables pull alike and their neighbours push.
+    #[test]
+    fn idle_cables_are_held_where_a_state_of_self_stress_pulls_them() {
+        let effects = [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [-1.0, 0.0, 1.0], [0.0, -1.0, 1.0]];
+        let held = |axial: f64, cables: &[(usize, bool)]| {
+            let product = |i: usize, j: usize| {
+                let [a, b, c] = effects[i];
+                let [d, e, f] = effects[j];
+                -(a * d + b * e + axial * c * f)
+            };
+            let pairs = cables.iter().flat_map(|&(i, _)| cables.iter().map(move |&(j, _)| (i, j)));
+            let schur: Vec<f64> = pairs.map(|(i, j)| product(i, j)).collect();
+            let idle: Vec<bool> = cables.iter().map(|&(_, idle)| idle).collect();
+            implied(&schur, &idle, &mut BoundedQuadratic::default())
+        };
+        let (taut, idle) = (false, true);
+        // The backbone stretches: two idle cables are held by two taut ones, but not by neighbours.
+        assert_eq!(held(1.0, &[(0, taut), (1, idle), (2, taut), (3, idle)]), [true; 4]);
+        assert_eq!(held(1.0, &[(0, taut), (1, idle), (2, taut)]), [true, false, true]);
+        assert_eq!(held(1.0, &[(0, idle), (1, idle), (2, idle), (3, idle)]), [false; 4]);
+        // It does not: opposite cables hold one another.
+        assert_eq!(held(0.0, &[(0, idle), (1, idle), (2, idle), (3, idle)]), [true; 4]);
+        assert_eq!(held(0.0, &[(0, idle), (1, idle), (2, idle)]), [true, false, true]);
+    }
 }

@@ -21,19 +21,20 @@ use super::continuation::{Ended, close, raise_load, raise_load_at_tensions, refi
 use super::grid::Grid;
 use super::guess::{Guess, guess};
 use super::lengths::{self, Effort, LengthScratch};
-use super::loaded::Shot;
+use super::loaded::{Sample, Shot};
 use super::loads::AppliedLoads;
 use super::newton::{Newton, Point, Scales};
 use super::outcome::{Failure, Found};
 use super::search;
 use super::shooting::{finish, finish_chain, sample, shoot};
-use super::stability::Stability;
+use super::stability::{Equilibrium, Stability};
 use super::state::{Node, State};
 use super::trace::{Stage, Trace};
 use super::unloaded::Unloaded;
 use super::without_load::{section_failure, set_tensions, start_without_load, without_load};
+use crate::cancel::Cancel;
 use crate::case::Loads;
-use crate::shape::Wrench;
+use crate::shape::{NoStability, Wrench};
 
 /// What is to be solved.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +44,8 @@ pub(super) struct Problem<'a> {
     pub length: f64,
     /// In the order of the grid.
     pub commands: &'a [Command],
+    /// The commands of the case: cables that were let go for the solution are held for its stability.
+    pub asked: &'a [Command],
     pub loads: &'a Loads,
     /// How the base is turned in the frame that loads may be given in.
     pub base: UnitQuaternion,
@@ -57,6 +60,28 @@ pub(super) struct Problem<'a> {
     pub antagonists: bool,
     /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
     pub tolerance: f64,
+    pub cancel: &'a Cancel,
+}
+
+impl<'a> Problem<'a> {
+    /// Whether there is one equilibrium at most: no force acts, so that the strains of a section follow
+    /// from its rotation, and the shape from its base.
+    pub fn is_only(&self, applied: &AppliedLoads) -> bool {
+        applied.only_dead_moments() && !self.commands.iter().any(Command::is_length)
+    }
+
+    /// An equilibrium of it whose stability is asked for.
+    pub fn equilibrium(
+        &self,
+        samples: &'a [Sample],
+        tensions: &'a [f64],
+        lengths: &'a [f64],
+        applied: &'a AppliedLoads,
+        load: f64,
+    ) -> Equilibrium<'a> {
+        let Self { grid, asked: commands, .. } = *self;
+        Equilibrium { grid, samples, commands, tensions, lengths, applied, load }
+    }
 }
 
 /// Where the iteration starts.
@@ -103,6 +128,8 @@ pub(super) struct Scratch {
     pub(super) sampled: bool,
     /// Whether the answer is stable, as far as that was asked for.
     pub(super) stable: bool,
+    /// Whether branches off the path are left alone.
+    pub(super) stays_on_path: bool,
 }
 
 impl Scratch {
@@ -333,29 +360,33 @@ fn from_loose_cables(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Fou
 
 /// Whether the answer in `scratch` is stable, where that is asked for and defined.
 pub(super) fn is_trusted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
-    if !problem.stability || scratch.applied.any_follower() {
+    if !problem.stability || scratch.applied.any_follower() || problem.is_only(&scratch.applied) {
         return true;
     }
     let sampled = sample(problem, scratch).is_ok();
-    let Scratch { stability, shot, tensions, .. } = scratch;
-    sampled && stability.is_stable(problem.grid, &shot.samples, problem.commands, tensions)
+    let Scratch { stability, shot, tensions, lengths, applied, .. } = scratch;
+    let at = problem.equilibrium(&shot.samples, tensions, lengths, applied, 1.0);
+    sampled && stability.is_stable(&at)
 }
 
-/// Stability of the answer in `scratch`, see [`super::stability`]; `None` under follower loads, which
-/// have no energy.
-pub(super) fn least_eigenvalue(
+/// Stability of the answer in `scratch`, see [`super::stability`], or why there is none.
+pub(super) fn verdict(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-) -> Result<Option<f64>, Failure> {
+) -> Result<Result<f64, NoStability>, Failure> {
+    if !problem.stability {
+        return Ok(Err(NoStability::NotAsked));
+    }
     if !scratch.applied.any() {
         let Scratch { unloaded, tensions, .. } = scratch;
         let least = unloaded.stability(problem.grid, tensions);
-        return least.map(Some).map_err(|fault| section_failure(fault, tensions, 0.0));
+        return least.map(Ok).map_err(|fault| section_failure(fault, tensions, 0.0));
     }
     if scratch.applied.any_follower() {
-        return Ok(None);
+        return Ok(Err(NoStability::Followers));
     }
     sample(problem, scratch).map_err(|fault| section_failure(fault, &scratch.tensions, 1.0))?;
-    let Scratch { stability, shot, tensions, .. } = scratch;
-    Ok(Some(stability.least_eigenvalue(problem.grid, &shot.samples, problem.commands, tensions)))
+    let Scratch { stability, shot, tensions, lengths, applied, .. } = scratch;
+    let at = problem.equilibrium(&shot.samples, tensions, lengths, applied, 1.0);
+    Ok(stability.verdict(&at))
 }

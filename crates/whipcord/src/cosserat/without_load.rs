@@ -41,7 +41,12 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
         return Err(section_failure(fault, &scratch.tensions, borne));
     }
     let Scratch { unloaded, tensions, length_scratch, trace, .. } = &mut *scratch;
-    let given = Given { length: problem.length, commands, bracket: problem.bracket };
+    let given = Given {
+        length: problem.length,
+        commands,
+        bracket: problem.bracket,
+        cancel: problem.cancel,
+    };
     let mut rod = Sections { grid: problem.grid, unloaded, trace };
     lengths::solve(&given, tensions, &mut rod, length_scratch)
         .map_err(|fault| fault.failure(|fault| section_failure(fault, &scratch.tensions, 0.0)))

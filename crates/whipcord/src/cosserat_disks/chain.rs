@@ -20,6 +20,7 @@ use super::joint::{self, Chord, Vanished};
 use super::layout::{Frame, Mesh, Span};
 use super::link::{Gap, Link, Push, Taut};
 use super::rod::{self, InSpan, Sample};
+use crate::cancel::Cancel;
 use crate::cosserat::command::Command;
 use crate::cosserat::elimination::{Change, Elimination, Size};
 use crate::cosserat::loads::AppliedLoads;
@@ -59,6 +60,7 @@ pub(super) struct Task<'a> {
     pub derivatives: bool,
     /// Greatest gap that counts as closed.
     pub tolerance: f64,
+    pub cancel: &'a Cancel,
 }
 
 /// The chain, and memory.

@@ -30,7 +30,7 @@ impl Chain {
         let mut linearised = linearised && self.links.len() == task.frame.spans.len();
         let mut iteration = 0;
         let mut trust: Option<Trust> = None;
-        while iteration < MAX_ITERATIONS {
+        while iteration < MAX_ITERATIONS && !task.cancel.is_cancelled() {
             if gap <= task.tolerance {
                 return self.finish(task, iteration, gap);
             }

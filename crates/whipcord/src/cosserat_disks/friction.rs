@@ -136,7 +136,7 @@ pub(super) fn step(
             Ok(Found { iterations: found.iterations + next.iterations, ..next })
         });
         match gone {
-            Err(_) if parts < MOST_PARTS => parts *= 4,
+            Err(_) if parts < MOST_PARTS && !rod.is_cancelled() => parts *= 4,
             Ok(found) => {
                 history.compare(&before, SLIDES * rod.length());
                 return Ok(found);
@@ -194,7 +194,7 @@ fn newton(
             // one that it did. Under loads each attempt costs a path of loads, and smaller steps of
             // actuation cost less.
             fraction *= 0.5;
-            if iteration == 0 || fraction < LEAST_STEP || rod.is_loaded() {
+            if iteration == 0 || fraction < LEAST_STEP || rod.is_loaded() || rod.is_cancelled() {
                 return Err(rod.failure(fault, &tensions));
             }
             advance(&mut tensions, &kept, &change, fraction);

@@ -17,11 +17,23 @@ use crate::cosserat::outcome::{Failure, Found, Open};
 use crate::cosserat::section::SectionFault;
 use crate::cosserat::trace::Stage;
 use crate::cosserat::unloaded::Fault;
+use crate::shape::Diagnostics;
 
 /// Shapes that are tried where the load leads to none that is stable: bent by so much in all, in rad,
 /// in so many directions.
 const FAR_BENDS: [f64; 3] = [1.0, 2.5, 5.0];
 const FAR_WAYS: usize = 8;
+
+/// Dead moments that lead a robot off a path that is not stable, in all in units of EI/L, and the parts of them
+/// that are left as they are taken away.
+const PERTURBATIONS: [f64; 2] = [0.05, 0.4];
+const TAKEN_AWAY: [f64; 7] = [0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4, 0.0];
+/// Their direction: none that a robot is built along.
+const SIDEWAYS: Vec3 = Vec3::new(0.48, 0.64, 0.6);
+/// Multiples of it are spread evenly over the unit interval.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Halvings that locate the loss of stability.
+const LOSS_HALVINGS: usize = 12;
 
 /// The load on its way up, from a chain that is closed without it.
 pub(super) struct Raise<'a> {
@@ -50,18 +62,19 @@ pub(super) fn solve(
     let commands = if problem.by_length() { problem.commands } else { &[] };
     let raise = Raise { problem, commands, derivatives: false };
     let near = match start {
-        Start::Coarser => Some(true),
-        Start::From { disks, base: Some(base), .. } if disks.len() == problem.disks() => {
+        Start::Coarser => Some((true, false)),
+        Start::From { disks, base: Some(base), stable, .. } if disks.len() == problem.disks() => {
             let Scratch { chain, groups, tensions, applied, .. } = &mut *scratch;
             chain.pull(groups, tensions);
             chain.start_from(&raise.task(groups, applied, 1.0), disks, *base);
-            Some(false)
+            Some((false, *stable && problem.stability))
         }
         _ => None,
     };
     scratch.chain.trace.stage = Stage::Warm;
-    if let Some(linearised) = near
+    if let Some((linearised, stable)) = near
         && let Ok(effort) = raise.close(scratch, 1.0, linearised)
+        && (!stable || raise.stays(scratch, 1.0))
     {
         return Ok(finish(problem, scratch, effort));
     }
@@ -70,31 +83,29 @@ pub(super) fn solve(
     let mut ended = None;
     let mut unstable = None;
     match raise.load(scratch) {
-        Ok(effort) if raise.stays(scratch) => return Ok(finish(problem, scratch, effort)),
+        Ok(effort) if raise.stays(scratch, 1.0) => return Ok(finish(problem, scratch, effort)),
         Ok(effort) => unstable = Some((Place::of(&scratch.chain), effort)),
         Err(end) => ended = Some(end),
     }
-    let (mut lost_at, mut parts) = (None, false);
+    let mut lost_at = None;
     if unstable.is_some() {
         rest.restore(scratch);
         match raise.steadily(scratch) {
             Ok(effort) => return Ok(finish(problem, scratch, effort)),
-            Err(end) => {
-                lost_at = Some(end.load);
-                // The path goes on past the place, as that of a straight column does: it is the answer,
-                // and which way the robot leaves it nothing says.
-                parts = end.residual <= problem.tolerance;
-            }
+            Err(end) => lost_at = raise.lost_at(scratch, end.load),
         }
     }
     let with = |found: Found| Found { lost_at, ..found };
-    if let Some(first) = unstable.as_ref().filter(|_| parts)
-        && let Ok(effort) = raise.back_to(scratch, first)
+    if unstable.is_some()
+        && problem.stability
+        && let Some(effort) = raise.perturbed(scratch, &rest)
     {
         return Ok(with(finish(problem, scratch, effort)));
     }
-    match raise.all(scratch) {
-        Ok(effort) if raise.stays(scratch) => return Ok(with(finish(problem, scratch, effort))),
+    match raise.all(scratch, false) {
+        Ok(effort) if raise.stays(scratch, 1.0) => {
+            return Ok(with(finish(problem, scratch, effort)));
+        }
         Ok(effort) => unstable = unstable.or_else(|| Some((Place::of(&scratch.chain), effort))),
         Err(Some(end)) if ended.is_none_or(|before| end.load > before.load) => ended = Some(end),
         Err(_) => {}
@@ -105,6 +116,7 @@ pub(super) fn solve(
     if let Some(first) = &unstable
         && let Ok(effort) = raise.back_to(scratch, first)
     {
+        scratch.unstable = true;
         return Ok(with(finish(problem, scratch, effort)));
     }
     without?;
@@ -134,6 +146,33 @@ fn start_without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<()
     settled.map(|_| ())
 }
 
+/// The fraction of the tensions at which a robot without load loses its stability because its cables buckle
+/// spans, by bisection; `None` where it does not. `scratch` holds the answer at all of the tensions.
+pub(super) fn tensions_lost_at(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<f64> {
+    let Problem { frame, mesh, .. } = *problem;
+    if stays::is_above_without_load(problem, -Diagnostics::NEUTRAL, scratch) != Some(false) {
+        return None;
+    }
+    let all = scratch.tensions.clone();
+    let kept = (scratch.unloaded.clone(), scratch.pulled.clone());
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..LOSS_HALVINGS + 8 {
+        let middle = 0.5 * (low + high);
+        let Scratch { unloaded, pulled, groups, .. } = &mut *scratch;
+        pulled.clear();
+        pulled.extend(groups.iter().map(|&cable| middle * all[cable]));
+        let swept = unloaded.sweep(frame, mesh, pulled, unloaded::From::Nothing, false);
+        let bound = -Diagnostics::NEUTRAL;
+        if swept.is_ok() && stays::is_above_without_load(problem, bound, scratch) == Some(true) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (scratch.unloaded, scratch.pulled) = kept;
+    (low > 0.0).then_some(low)
+}
+
 fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
     scratch.tensions.clone_from(&scratch.chain.tensions);
     scratch.lengths.clone_from(&scratch.chain.lengths);
@@ -149,9 +188,9 @@ impl Raise<'_> {
         loads: &'a crate::cosserat::loads::AppliedLoads,
         load: f64,
     ) -> Task<'a> {
-        let Problem { frame, mesh, tolerance, .. } = *self.problem;
+        let Problem { frame, mesh, tolerance, cancel, .. } = *self.problem;
         let Self { commands, derivatives, .. } = *self;
-        Task { frame, mesh, loads, load, groups, commands, derivatives, tolerance }
+        Task { frame, mesh, loads, load, groups, commands, derivatives, tolerance, cancel }
     }
 
     /// Closes the chain from where it stands, at a fraction of the load.
@@ -173,9 +212,9 @@ impl Raise<'_> {
         self.path(scratch, |scratch, load| self.close(scratch, load, false))
     }
 
-    /// Raises the load and the commands to all of them from the robot at rest; `None` where that is
-    /// not to be had.
-    pub fn all(&self, scratch: &mut Scratch) -> Result<Effort, Option<Ended>> {
+    /// Raises the load and the commands to all of them from the robot at rest, through stable equilibria only
+    /// or through any; `None` where the robot has no shape at rest.
+    pub fn all(&self, scratch: &mut Scratch, steadily: bool) -> Result<Effort, Option<Ended>> {
         let Problem { frame, mesh, commands, .. } = *self.problem;
         let Scratch { chain, groups, unloaded, .. } = &mut *scratch;
         chain.pull(groups, &vec![0.0; commands.len()]);
@@ -203,22 +242,84 @@ impl Raise<'_> {
             }
             chain.pull(groups, &tensions);
             let held = if self.commands.is_empty() { &[][..] } else { &commands };
-            Raise { commands: held, ..*self }.close(scratch, load, false)
+            let raise = Raise { commands: held, ..*self };
+            let effort = raise.close(scratch, load, false)?;
+            if steadily { raise.if_stable(scratch, load, effort) } else { Ok(effort) }
         });
         raised.map_err(Some)
     }
 
-    /// Raises the load from one stable equilibrium to the next.
+    /// Raises the load from one stable equilibrium to the next. Where it ends the chain holds the last one.
     fn steadily(&self, scratch: &mut Scratch) -> Result<Effort, Ended> {
         self.path(scratch, |scratch, load| {
             let effort = self.close(scratch, load, false)?;
-            if self.stays(scratch) {
-                Ok(effort)
-            } else {
-                let Effort { iterations, residual: gap } = effort;
-                Err(Open { iterations, gap, fault: None })
-            }
+            self.if_stable(scratch, load, effort)
         })
+    }
+
+    fn if_stable(&self, scratch: &mut Scratch, load: f64, effort: Effort) -> Result<Effort, Open> {
+        if self.stays(scratch, load) {
+            return Ok(effort);
+        }
+        let Effort { iterations, residual: gap } = effort;
+        Err(Open { iterations, gap, fault: None })
+    }
+
+    /// Where on the way up stability is lost, from the last stable equilibrium that was found on it, which the
+    /// chain holds: by bisection. `None` where the robot was not stable without load.
+    fn lost_at(&self, scratch: &mut Scratch, from: f64) -> Option<f64> {
+        let mut here = Place::of(&scratch.chain);
+        let (mut low, mut high) = (from, f64::min(from + LEAST_LOAD_STEP, 1.0));
+        for _ in 0..LOSS_HALVINGS {
+            let middle = 0.5 * (low + high);
+            here.restore(scratch);
+            if self.close(scratch, middle, false).is_ok() && self.stays(scratch, middle) {
+                here = Place::of(&scratch.chain);
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (low > 0.0).then_some(low)
+    }
+
+    /// A stable equilibrium on a branch off the path: the load is raised once more together with small dead
+    /// moments on the disks, which are then taken away. They point in no direction that a robot is built along and
+    /// differ from disk to disk, so that they work on every mode.
+    fn perturbed(&self, scratch: &mut Scratch, rest: &Place) -> Option<Effort> {
+        let Problem { frame, mesh, .. } = *self.problem;
+        let kept = scratch.applied.clone();
+        let spans = mesh.spans.len() as f64;
+        let total = Scales::of(frame, mesh).moment;
+        let disturb = |scratch: &mut Scratch, part: f64| {
+            scratch.applied.clone_from(&kept);
+            for (k, steps) in mesh.spans.iter().enumerate() {
+                let share = part * total * (0.5 + (k as f64 * GOLDEN).fract()) / spans;
+                scratch.applied.add_moment(steps.end, share * SIDEWAYS);
+            }
+        };
+        let mut found = None;
+        for size in PERTURBATIONS {
+            disturb(scratch, size);
+            rest.restore(scratch);
+            let raised = self.steadily(scratch).ok();
+            let Some(effort) = raised.or_else(|| self.all(scratch, true).ok()) else { continue };
+            let mut iterations = effort.iterations;
+            let taken_away = TAKEN_AWAY.into_iter().try_fold(effort, |_, part| {
+                disturb(scratch, size * part);
+                let effort = self.close(scratch, 1.0, false).ok()?;
+                iterations += effort.iterations;
+                Some(Effort { iterations, ..effort })
+            });
+            scratch.applied.clone_from(&kept);
+            found =
+                taken_away.filter(|_| stays::is_nearly_stable(self.problem, scratch) == Some(true));
+            if found.is_some() {
+                break;
+            }
+        }
+        scratch.applied.clone_from(&kept);
+        found
     }
 
     /// Under all of the load from shapes bent every way: an equilibrium that the robot stays in.
@@ -227,13 +328,16 @@ impl Raise<'_> {
         let unit = Scales::of(frame, mesh).moment;
         for size in FAR_BENDS {
             for way in 0..FAR_WAYS {
+                if self.problem.cancel.is_cancelled() {
+                    return None;
+                }
                 let angle = core::f64::consts::TAU * way as f64 / FAR_WAYS as f64;
                 let bend = size * Vec3::new(angle.cos(), angle.sin(), 0.0);
                 let Scratch { chain, groups, .. } = &mut *scratch;
                 chain.pull(groups, tensions);
                 chain.start_bent(frame, bend, unit);
                 if let Ok(effort) = self.close(scratch, 1.0, false)
-                    && self.stays(scratch)
+                    && self.stays(scratch, 1.0)
                 {
                     return Some(effort);
                 }
@@ -253,10 +357,14 @@ impl Raise<'_> {
         Ok(Effort { iterations: effort.iterations + last.iterations, ..last })
     }
 
-    /// Whether the robot stays in the equilibrium that the chain holds; loads that follow it have no
-    /// energy to tell.
-    fn stays(&self, scratch: &mut Scratch) -> bool {
-        scratch.applied.any_follower() || stays::is_stable(self.problem, scratch).unwrap_or(true)
+    /// Whether the robot stays in the equilibrium that the chain holds under this part of the load; loads that
+    /// follow it have no energy to tell, and dead moments alone leave a rod without cables but one shape.
+    fn stays(&self, scratch: &mut Scratch, load: f64) -> bool {
+        let Scratch { applied, chain, .. } = &*scratch;
+        let only_moments = applied.any() && applied.only_dead_moments();
+        applied.any_follower()
+            || (only_moments && chain.pulled.iter().all(|&tension| tension == 0.0))
+            || stays::is_stable(self.problem, load, scratch).unwrap_or(true)
     }
 
     fn not_found(&self) -> Failure {
@@ -290,7 +398,8 @@ impl Raise<'_> {
                     iterations += open.iterations;
                     scratch.chain.trace.stage = Stage::LoadSteps;
                     step = f64::min(0.5 * step, FIRST_LOAD_STEP);
-                    if step < LEAST_LOAD_STEP {
+                    if step < LEAST_LOAD_STEP || self.problem.cancel.is_cancelled() {
+                        here.restore(scratch);
                         let none = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
                         let residual = if open.gap.is_finite() { open.gap } else { 1.0 };
                         let fault = open.fault.unwrap_or(none);

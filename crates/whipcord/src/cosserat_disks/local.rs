@@ -246,8 +246,8 @@ fn refuse_friction(robot: &Robot) -> Result<(), SolveError> {
         Some(cable) => Err(SolveError::Unsupported {
             model: ModelKind::CosseratDisks,
             path: format!("cables[{cable}].friction"),
-            what: "friction at the holes, where it is asked how the robot yields",
-            advice: "a cable that rubs yields differently when pulled and when released: set the friction to 0",
+            what: "friction at the holes, for compliance and derivatives",
+            advice: "with friction the compliance differs between pulling and releasing a cable: set the friction to 0",
         }),
     }
 }

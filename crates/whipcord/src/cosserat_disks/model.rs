@@ -5,12 +5,14 @@ use whipcord_numerics::Pose;
 use super::friction::{History, Holes};
 use super::layout::{Frame, Mesh};
 use super::statics::{self, Problem, Scratch, Start};
-use super::stays;
+use super::stays::{self, Sampled};
+use crate::cancel::Cancel;
 use crate::case::{CableCommand, Case, Loads};
 use crate::cosserat::TraceEvent;
 use crate::cosserat::command::Command;
 use crate::cosserat::outcome::{Failure, Found};
 use crate::cosserat::refinement::{Coarse, ERROR_RATIO};
+use crate::cosserat::strength::steps_for_twist;
 use crate::cosserat::trace::Trace;
 use crate::cosserat::{Accuracy, Options, loads};
 use crate::error::SolveError;
@@ -25,6 +27,8 @@ const READY_MESHES: usize = 3;
 const MAX_REFINEMENTS: usize = 8;
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 4;
+/// What an unstable equilibrium could be left for is looked for with steps halved this often.
+const LEAVE_LEVEL: usize = 3;
 /// With so many, the least eigenvalue of a column is known to better than 1e-6.
 const STABILITY_STEPS: usize = 16;
 
@@ -66,6 +70,10 @@ pub struct CosseratDisks {
     options: Options,
     /// The only mesh, or the first of a sequence in which the steps are halved.
     meshes: Vec<Mesh>,
+    /// For the stability of spans near their own buckling load.
+    fine: Mesh,
+    /// With so many steps stability is computed.
+    stability_steps: usize,
 }
 
 /// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
@@ -121,13 +129,25 @@ impl CosseratDisks {
         };
         let rubs = robot.cables().iter().any(Cable::rubs);
         let holes = rubs.then(|| frame.holes(robot));
-        Ok(Self { robot: robot.clone(), frame, holes, options: options.clone(), meshes })
+        let stability_steps = STABILITY_STEPS.max(steps_for_twist(robot));
+        let fine = match (options.accuracy, meshes.last()) {
+            (Accuracy::Tolerance(_), Some(mesh)) if mesh.grid.len() >= stability_steps => {
+                mesh.clone()
+            }
+            _ => frame.mesh(stability_steps.div_ceil(4), 2)?,
+        };
+        let (robot, options) = (robot.clone(), options.clone());
+        Ok(Self { robot, frame, holes, options, meshes, fine, stability_steps })
     }
 
     /// The robot this model was built for.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
+        &mut self.options.cancel
     }
 
     /// Arc lengths of the stations in m.
@@ -157,12 +177,15 @@ impl CosseratDisks {
     ) -> Result<Solution, SolveError> {
         let start = warm_start.map_or(Start::Cold, start_from);
         if self.holes.is_none() {
-            return self.solve_last(core::slice::from_ref(case), start, workspace);
+            let case = core::slice::from_ref(case);
+            self.check_steps(case, workspace)?;
+            return self.solve_last(case, start, workspace);
         }
         case.check(&self.robot)?;
         obstacle::refuse(ModelKind::CosseratDisks, case)?;
         let steps = one_by_one(case);
         workspace.walks.clear();
+        self.check_steps(&steps, workspace)?;
         self.solve_last(&steps, start, workspace)
     }
 
@@ -207,22 +230,18 @@ impl CosseratDisks {
         let mut start = Start::Cold;
         for n in 0..steps.len() {
             let first = if self.holes.is_some() { 0 } else { n };
-            let solution =
-                self.solve_last(&steps[first..=n], start, workspace).map_err(|error| (n, error))?;
+            let solution = self
+                .check_steps(&steps[n..=n], workspace)
+                .and_then(|()| self.solve_last(&steps[first..=n], start, workspace))
+                .map_err(|error| (n, error))?;
             start = if self.holes.is_some() { Start::Cold } else { start_from(&solution) };
             each(solution);
         }
         Ok(())
     }
 
-    /// The answer to the last of several steps; those before it that were walked on a mesh already are
-    /// not walked again.
-    fn solve_last(
-        &self,
-        cases: &[Case],
-        start: Start,
-        workspace: &mut Workspace,
-    ) -> Result<Solution, SolveError> {
+    /// Refuses steps that the model cannot take.
+    fn check_steps(&self, cases: &[Case], workspace: &mut Workspace) -> Result<(), SolveError> {
         for case in cases {
             case.check(&self.robot)?;
             obstacle::refuse(ModelKind::CosseratDisks, case)?;
@@ -234,14 +253,26 @@ impl CosseratDisks {
             }
             self.commands(case, &mut workspace.commands)?;
         }
-        match self.options.accuracy {
+        Ok(())
+    }
+
+    /// The answer to the last of several checked steps; those before it that were walked on a mesh already are
+    /// not walked again.
+    fn solve_last(
+        &self,
+        cases: &[Case],
+        start: Start,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let outcome = match self.options.accuracy {
             Accuracy::Steps(_) => {
                 let mesh = &self.meshes[0];
-                let found = self.solve_on(0, mesh, cases, &start, workspace)?;
-                Ok(self.solution(mesh, cases, workspace, found, None))
+                let found = self.solve_on(0, mesh, cases, &start, workspace);
+                found.map(|found| self.solution(mesh, cases, workspace, found, None))
             }
             Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, cases, start, workspace),
-        }
+        };
+        self.options.cancel.checked(outcome)
     }
 
     /// Halves the steps until the answer changes no more.
@@ -269,10 +300,16 @@ impl CosseratDisks {
                     | SolveError::TensionsNotFound
                     | SolveError::SectionFolds { .. }
                     | SolveError::UnreachableLength { .. },
-                ) if !coarser && level < GIVE_UP_LEVEL => continue,
+                ) if !coarser && level < GIVE_UP_LEVEL && !self.options.cancel.is_cancelled() => {
+                    continue;
+                }
                 other => other?,
             };
             iterations += found.iterations;
+            // A stable branch may not be there on coarse steps, or in another place.
+            if workspace.scratch.unstable && self.options.stability && level < LEAVE_LEVEL {
+                continue;
+            }
             lost_at = lost_at.or(found.lost_at);
             if coarser {
                 error = workspace.change(&mesh, length) / ERROR_RATIO;
@@ -310,7 +347,7 @@ impl CosseratDisks {
         for (n, case) in cases.iter().enumerate().skip(taken) {
             scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);
             self.commands(case, commands)?;
-            let problem = self.problem(mesh, commands);
+            let problem = self.problem(mesh, commands, case);
             // What a coarser mesh found is that of the last step.
             let start = if n + 1 == cases.len() { start } else { &Start::Cold };
             found = statics::solve(&problem, start, scratch)
@@ -320,21 +357,24 @@ impl CosseratDisks {
         Ok(found)
     }
 
-    fn problem<'a>(&'a self, mesh: &'a Mesh, commands: &'a [Command]) -> Problem<'a> {
+    fn problem<'a>(
+        &'a self,
+        mesh: &'a Mesh,
+        commands: &'a [Command],
+        case: &'a Case,
+    ) -> Problem<'a> {
+        let enough = self.meshes.iter().find(|mesh| mesh.grid.len() >= self.stability_steps);
         Problem {
             frame: &self.frame,
             mesh,
             commands,
             tolerance: self.options.residual,
+            cancel: &self.options.cancel,
             holes: self.holes.as_ref(),
+            case,
+            sampled: Sampled { usual: enough.unwrap_or(&self.fine), fine: &self.fine },
+            stability: self.options.stability,
         }
-    }
-
-    /// Where stability is computed: its error goes with the fourth power of the step, and is far below
-    /// what anybody asks of it where positions still matter.
-    fn mesh_for_stability(&self) -> &Mesh {
-        let fine = self.meshes.iter().position(|mesh| mesh.grid.len() >= STABILITY_STEPS);
-        &self.meshes[fine.unwrap_or(self.meshes.len() - 1)]
     }
 
     /// What drives each cable.
@@ -358,9 +398,9 @@ impl CosseratDisks {
     ) -> Solution {
         let case = cases.last();
         let base = case.map_or(Pose::IDENTITY, |case| case.base);
-        let stability = case.filter(|_| self.options.stability).and_then(|case| {
-            let problem = self.problem(self.mesh_for_stability(), &workspace.commands);
-            stays::least_eigenvalue(&problem, mesh, case, &mut workspace.scratch)
+        let stability = case.map_or(Err(NoStability::NotAsked), |case| {
+            let problem = self.problem(mesh, &workspace.commands, case);
+            stays::verdict(&problem, &mut workspace.scratch)
         });
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| {
@@ -387,16 +427,8 @@ impl CosseratDisks {
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,
-                stability,
-                stability_absent: match stability {
-                    Some(_) => None,
-                    None if !self.options.stability => Some(NoStability::NotAsked),
-                    None if case.is_some_and(|case| case.loads.has_follower()) => {
-                        Some(NoStability::Followers)
-                    }
-                    None if self.holes.is_some() => Some(NoStability::Sliding),
-                    None => Some(NoStability::Undetermined),
-                },
+                stability: stability.ok(),
+                stability_absent: stability.err(),
                 discretization_error,
                 steps: mesh.grid.len(),
                 stability_lost_at: found.lost_at,
@@ -438,5 +470,6 @@ fn start_from(solution: &Solution) -> Start {
         // As the base sees them.
         disks: solution.disks.poses.iter().map(|pose| to_base * *pose).collect(),
         base: solution.base_wrench,
+        stable: !solution.diagnostics.is_unstable(),
     }
 }

@@ -19,17 +19,19 @@
 //! counted by eq. (11) of that model with `D = 0`, since a chord knows the tension only through the
 //! shape.
 
-use whipcord_numerics::{Mat3, Vec3, symmetric_eigenvalues};
+use whipcord_numerics::{BoundedQuadratic, Mat3, UnitQuaternion, Vec3, symmetric_eigenvalues};
 
 use super::joint::Chord;
 use super::layout::{Frame, Mesh};
 use super::rod::Sample;
 use crate::cosserat::loaded::Sample as Section;
+use crate::cosserat::loads::AppliedLoads;
 use crate::cosserat::section::Tangent;
 use crate::cosserat::stability::{
-    Element, SLOPES, WEIGHTS, bisect, element, falling_zero, negative_eigenvalues, pivot, symmetric,
+    Element, FAR, INSENSITIVE, SLOPES, WEIGHTS, across, bisect, element, falling_zero, implied,
+    negative_eigenvalues, pivot, plausible, symmetric,
 };
-use crate::shape::Diagnostics;
+use crate::shape::{Diagnostics, NoStability};
 
 /// Quadratic forms of the steps and spans, and memory.
 #[derive(Clone, Debug, Default)]
@@ -40,6 +42,7 @@ pub(super) struct Stability {
     locked: Locked,
     schur: Vec<f64>,
     carried: Vec<Vec3>,
+    quadratic: BoundedQuadratic,
 }
 
 /// What is asked whether it is stable.
@@ -54,15 +57,19 @@ pub(super) struct Equilibrium<'a> {
     pub tensions: &'a [f64],
     /// What 1 N shortens a cable by, in m, in order of magnitude.
     pub scale: f64,
+    /// Where dead moments act: the loads on this mesh, and how the disks are turned.
+    pub moments: Option<(&'a AppliedLoads, &'a [UnitQuaternion])>,
 }
 
-/// What is held at its length, as far as it is taut: whole cables, or pieces of them.
+/// What is held at its length: whole cables, or pieces of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Locked {
     /// Which lock each passage belongs to.
     pub of_passage: Vec<Option<usize>>,
     /// What a tension of 1 N adds to each, in m.
     pub compliances: Vec<f64>,
+    /// Whether each is at its length without tension.
+    pub idle: Vec<bool>,
 }
 
 /// `b` of a piece of cable that is held.
@@ -91,7 +98,7 @@ struct Step {
     corner: Mat3,
 }
 
-/// The chords of one span: blocks on (η near, η far, δd), in the frame of the near disk.
+/// The chords of one span: blocks on (ζ near, ζ far, δd), all in the frame of the near disk.
 #[derive(Clone, Debug, Default)]
 struct Tie {
     near: Mat3,
@@ -102,6 +109,8 @@ struct Tie {
     far_way: Mat3,
     /// Its pieces that are held.
     borders: core::ops::Range<usize>,
+    /// How the far disk is turned.
+    turn: Mat3,
 }
 
 /// A span with its chords, `ν` and `δd` eliminated: what is left on (η near, η far), what a load on `δd`
@@ -128,40 +137,127 @@ struct Form {
 }
 
 impl Stability {
-    /// The least eigenvalue with these cables or pieces held; `None` where a section of the rod has no
-    /// stiffness.
-    pub fn least_eigenvalue(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<f64> {
-        self.assemble(at, locked)?;
+    /// The least eigenvalue with these cables or pieces held, or why there is none; under dead moments as in
+    /// the model with continuous cables.
+    pub fn verdict(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Result<f64, NoStability> {
+        self.assemble(at, locked).ok_or(NoStability::Undetermined)?;
         let spans = &at.mesh.spans;
-        let free = falling_zero(0.0, 1.0, |shift| self.least_of_base(spans, shift));
-        if self.locked.compliances.is_empty() {
-            return Some(free);
+        let least = self.least(spans)?;
+        if at.moments.is_none() {
+            return Ok(least);
         }
-        // What is held only raises it.
-        let margin = 1e-7 * (1.0 + free.abs());
-        let mut negative = |shift: f64| self.negative_directions(spans, shift) > 0;
-        Some(bisect(free - margin, free + 1.0, &mut negative))
+        self.add_moments(at, -0.5);
+        if least > 0.0 && self.negative_directions(spans, -Diagnostics::NEUTRAL) == 0 {
+            return Ok(least);
+        }
+        let with_less = self.least(spans)?;
+        self.add_moments(at, 1.0);
+        let spread = self.least(spans)? - with_less;
+        if spread <= INSENSITIVE * (1.0 + least.abs()) {
+            Ok(least)
+        } else {
+            Err(NoStability::DeadMoments)
+        }
     }
 
-    /// Whether it is not negative.
-    pub fn is_stable(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<bool> {
+    fn least(&mut self, spans: &[core::ops::Range<usize>]) -> Result<f64, NoStability> {
+        let free = falling_zero(0.0, 1.0, |shift| self.least_of_base(spans, shift));
+        let least = if self.locked.compliances.is_empty() || !free.is_finite() {
+            free
+        } else {
+            // What is held only raises it.
+            let margin = 1e-7 * (1.0 + free.abs());
+            let mut negative = |shift: f64| self.negative_directions(spans, shift) > 0;
+            bisect(free - margin, free + 1.0, &mut negative)
+        };
+        plausible(least, self.steps.iter().map(|step| &step.rod))
+    }
+
+    /// Whether no eigenvalue is less than a bound.
+    pub fn is_above(&mut self, bound: f64, at: &Equilibrium<'_>, locked: Locked) -> Option<bool> {
         self.assemble(at, locked)?;
-        Some(self.negative_directions(&at.mesh.spans, -Diagnostics::NEUTRAL) == 0)
+        Some(self.negative_directions(&at.mesh.spans, bound) == 0)
+    }
+
+    /// Adds `f |m||η|²` across the dead moments `m` to the energy.
+    fn add_moments(&mut self, at: &Equilibrium<'_>, f: f64) {
+        let Some((applied, disks)) = at.moments else { return };
+        for (steps, disk) in at.mesh.spans.iter().zip(disks) {
+            for k in steps.clone() {
+                let rod = &mut self.steps[k].rod;
+                let mut add = |q: usize, moment: Vec3| {
+                    rod.energy[q][q] += across(disk.conjugate().rotate(moment)) * f;
+                };
+                add(2, applied.moment(k + 1));
+                if let Some(line) = applied.line(k) {
+                    let h = at.mesh.grid.steps[k].length;
+                    for (q, weight) in WEIGHTS.into_iter().enumerate() {
+                        add(q, weight * h * line.moment(0.5 * q as f64));
+                    }
+                }
+            }
+        }
     }
 
     /// The forms of steps and spans, and what is held.
     fn assemble(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<()> {
-        let Equilibrium { frame, mesh, samples, chords, tensions, scale } = *at;
+        let Equilibrium { mesh, samples, scale, .. } = *at;
         self.steps.clear();
         for (k, triple) in samples.chunks_exact(3).enumerate() {
             self.steps.push(step(mesh, k, triple)?);
         }
+        self.locked = locked;
+        for compliance in &mut self.locked.compliances {
+            *compliance += REGULARISATION * scale;
+        }
+        self.tie(at)?;
+        if self.locked.idle.iter().any(|&idle| idle) {
+            self.release(at)?;
+        }
+        Some(())
+    }
+
+    /// Takes what is idle and held by nothing else out of what is held.
+    fn release(&mut self, at: &Equilibrium<'_>) -> Option<()> {
+        let spans = &at.mesh.spans;
+        let mut shift = -1.0;
+        while self.least_of_base(spans, shift).is_none_or(|least| least < 0.0) && shift > -FAR {
+            shift *= 4.0;
+        }
+        self.eliminate(spans, shift, true);
+        let Self { schur, locked, quadratic, .. } = self;
+        let held = implied(schur, &locked.idle, quadratic);
+        if held.iter().all(|&held| held) {
+            return Some(());
+        }
+        let mut count = 0;
+        let numbers: Vec<Option<usize>> = held
+            .iter()
+            .map(|&held| {
+                count += usize::from(held);
+                held.then(|| count - 1)
+            })
+            .collect();
+        for lock in &mut locked.of_passage {
+            *lock = lock.and_then(|lock| numbers[lock]);
+        }
+        let mut keep = held.iter();
+        locked.compliances.retain(|_| keep.next() == Some(&true));
+        let mut keep = held.iter();
+        locked.idle.retain(|_| keep.next() == Some(&true));
+        self.tie(at)
+    }
+
+    /// The forms of the chords of all spans.
+    fn tie(&mut self, at: &Equilibrium<'_>) -> Option<()> {
+        let Equilibrium { frame, mesh, samples, chords, tensions, .. } = *at;
+        let locked = &self.locked;
         self.ties.clear();
         self.borders.clear();
         for (k, span) in frame.spans.iter().enumerate() {
             // The last sample of a span stands at its end.
             let turn = samples.get(3 * mesh.spans[k].end - 1)?.rotation.to_matrix();
-            let mut tie = Tie { borders: self.borders.len()..0, ..Tie::default() };
+            let mut tie = Tie { borders: self.borders.len()..0, turn, ..Tie::default() };
             for (i, passage) in span.passages.iter().enumerate() {
                 let p = span.first + i;
                 tie.add(passage.near, passage.far, &turn, &chords[p], tensions[p]);
@@ -170,17 +266,13 @@ impl Stability {
                     self.borders.push(Border {
                         lock,
                         near: t.cross(passage.near),
-                        far: passage.far.cross(turn.transpose_mul(t)),
+                        far: turn * passage.far.cross(turn.transpose_mul(t)),
                         way: t,
                     });
                 }
             }
             tie.borders.end = self.borders.len();
             self.ties.push(tie);
-        }
-        self.locked = locked;
-        for compliance in &mut self.locked.compliances {
-            *compliance += REGULARISATION * scale;
         }
         Some(())
     }
@@ -212,7 +304,7 @@ impl Stability {
         shift: f64,
         locks: bool,
     ) -> (usize, Mat3) {
-        let Self { steps: of_steps, ties, borders, locked, schur, carried } = self;
+        let Self { steps: of_steps, ties, borders, locked, schur, carried, .. } = self;
         let held = if locks { locked.compliances.len() } else { 0 };
         schur.clear();
         schur.resize(held * held, 0.0);
@@ -242,7 +334,8 @@ impl Stability {
             let tied = form.with_chords(&ties[k]);
             // Three of them are those of ν.
             negative += tied.negative;
-            last = symmetric(tied.far + beyond);
+            let turn = ties[k].turn;
+            last = symmetric(tied.far + turn * beyond * turn.transpose());
             let (end, below) = pivot(last);
             if k > 0 {
                 negative += below;
@@ -252,6 +345,9 @@ impl Stability {
                 continue;
             }
             let of_span = if locks { &borders[ties[k].borders.clone()] } else { &[] };
+            for carried in carried.iter_mut() {
+                *carried = turn * *carried;
+            }
             for a in of_span {
                 let at_way = tied.way * a.way;
                 for b in of_span {
@@ -289,20 +385,16 @@ fn step(mesh: &Mesh, k: usize, triple: &[Sample]) -> Option<Step> {
     let mut out = Step { rod, ..Step::default() };
     for (q, sample) in sections.iter().enumerate() {
         let weight = WEIGHTS[q] * h;
-        let to_body = sample.rotation.conjugate().to_matrix();
+        let frame = sample.rotation.to_matrix();
+        let to_body = frame.transpose();
         let (compliance, coupling) = sample.tangent.force_compliance();
+        let by_slope = frame * coupling.transpose() * to_body;
         for i in 0..3 {
-            let mut strain = Mat3::IDENTITY * (SLOPES[q][i] / h);
-            let mut border = Mat3::ZERO;
-            if i == q {
-                strain += Mat3::skew(sample.strain.angular);
-                let push = Mat3::skew(sample.wrench.linear);
-                border += push * compliance * to_body;
-                border += Mat3::skew(sample.strain.linear) * to_body * -1.0;
-            }
-            border += strain.transpose() * coupling.transpose() * to_body * -1.0;
-            out.borders[i] += border * weight;
+            out.borders[i] += by_slope * (-weight * SLOPES[q][i] / h);
         }
+        let push = Mat3::skew(sample.wrench.linear);
+        let by_turn = push * compliance - Mat3::skew(sample.strain.linear);
+        out.borders[q] += frame * by_turn * to_body * weight;
         out.corner += to_body.transpose() * compliance * to_body * -weight;
     }
     Some(out)
@@ -397,7 +489,7 @@ impl Tie {
         let stiff = (Mat3::IDENTITY - Mat3::outer(t, t)) * (tension / chord.length);
         // δc = δd + Q(η × h₁) − η × h₀.
         let by_near = Mat3::skew(near);
-        let by_far = *turn * Mat3::skew(far) * -1.0;
+        let by_far = *turn * Mat3::skew(far) * turn.transpose() * -1.0;
         self.way += stiff;
         self.near_way += by_near.transpose() * stiff;
         self.far_way += by_far.transpose() * stiff;
@@ -406,6 +498,6 @@ impl Tie {
         let second =
             |t: Vec3, h: Vec3| (symmetric(Mat3::outer(t, h)) - Mat3::IDENTITY * t.dot(h)) * tension;
         self.near += by_near.transpose() * stiff * by_near - second(t, near);
-        self.far += by_far.transpose() * stiff * by_far + second(turn.transpose_mul(t), far);
+        self.far += by_far.transpose() * stiff * by_far + second(t, *turn * far);
     }
 }

@@ -8,8 +8,10 @@ use super::layout::{Frame, Mesh};
 use super::loading::{self, Raise};
 use super::rod::Sample;
 use super::stability::Stability;
-use super::stays::{compliance_scale, turns};
+use super::stays::{Sampled, compliance_scale, turns};
 use super::unloaded::{self, Unloaded};
+use crate::cancel::Cancel;
+use crate::case::Case;
 use crate::cosserat::command::Command;
 use crate::cosserat::continuation::PATH_ENDS;
 use crate::cosserat::lengths::{self, Effort, Given, LengthScratch, Note, Responds};
@@ -28,8 +30,15 @@ pub(super) struct Problem<'a> {
     /// By cable.
     pub commands: &'a [Command],
     pub tolerance: f64,
+    pub cancel: &'a Cancel,
     /// Where a cable rubs.
     pub holes: Option<&'a Holes>,
+    /// Whose loads they are.
+    pub case: &'a Case,
+    /// Where stability is computed.
+    pub sampled: Sampled<'a>,
+    /// Whether it is asked for.
+    pub stability: bool,
 }
 
 impl Problem<'_> {
@@ -52,7 +61,13 @@ pub(super) enum Start {
     /// From the answer that the scratch holds, on a coarser mesh.
     Coarser,
     /// From a neighbouring answer: tensions by cable, disks, and what the base exerts.
-    From { tensions: Vec<f64>, disks: Vec<Pose>, base: Option<Wrench> },
+    From {
+        tensions: Vec<f64>,
+        disks: Vec<Pose>,
+        base: Option<Wrench>,
+        /// Whether that answer was stable, so that this one is held to be.
+        stable: bool,
+    },
 }
 
 /// Memory of a solve, and the answer it ends with.
@@ -66,6 +81,8 @@ pub(super) struct Scratch {
     pub base_wrench: Wrench,
     /// What the holes remember, where a cable rubs.
     pub(super) history: History,
+    /// Whether the last answer from cold is an equilibrium that the robot leaves, and no stable one was found.
+    pub(super) unstable: bool,
     /// Tensions of all passages of the last answer with friction, for a finer mesh.
     coarse_tensions: Vec<f64>,
     pub(super) applied: AppliedLoads,
@@ -89,6 +106,7 @@ pub(super) fn solve(
     start: &Start,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
+    scratch.unstable = false;
     if let Some(holes) = problem.holes {
         return with_friction(problem, holes, start, scratch);
     }
@@ -119,7 +137,11 @@ pub(super) fn solve(
     }
     let mut tensions = rod.scratch.tensions.clone();
     let effort = rod.settle(&mut tensions)?;
-    Ok(rod.finish(tensions, Found::with(effort)))
+    let found = rod.finish(tensions, Found::with(effort));
+    if matches!(start, Start::Coarser) || !problem.stability {
+        return Ok(found);
+    }
+    Ok(Found { lost_at: loading::tensions_lost_at(problem, scratch), ..found })
 }
 
 /// One step of actuation on from what the holes remember.
@@ -184,6 +206,11 @@ impl<'a> Rod<'a> {
         self.loaded
     }
 
+    /// Whether the solve was ended from outside.
+    pub fn is_cancelled(&self) -> bool {
+        self.problem.cancel.is_cancelled()
+    }
+
     /// Of the backbone, in m.
     pub fn length(&self) -> f64 {
         self.problem.frame.rod.backbone().length
@@ -220,7 +247,8 @@ impl<'a> Rod<'a> {
             };
         }
         let commands = self.problem.commands;
-        let given = Given { length: self.length(), commands, bracket: true };
+        let cancel = self.problem.cancel;
+        let given = Given { length: self.length(), commands, bracket: true, cancel };
         let start = tensions.to_vec();
         let mut memory = core::mem::take(&mut self.scratch.length_scratch);
         let mut solved = lengths::attempt(&given, tensions, self, &mut memory);
@@ -253,7 +281,7 @@ impl<'a> Rod<'a> {
             chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
             closed = raise.close(self.scratch, 1.0, false).ok();
         }
-        let effort = closed.or_else(|| raise.all(self.scratch).ok())?;
+        let effort = closed.or_else(|| raise.all(self.scratch, false).ok())?;
         let Scratch { chain, unloaded, .. } = &mut *self.scratch;
         tensions.copy_from_slice(&chain.tensions);
         unloaded.adopt(chain.nodes.iter().map(|node| node.wrench), frame);

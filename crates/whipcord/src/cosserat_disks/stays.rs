@@ -9,70 +9,206 @@ use super::layout::Mesh;
 use super::rod::{self, InSpan};
 use super::stability::{Equilibrium, Locked};
 use super::statics::{Problem, Scratch};
-use crate::case::Case;
 use crate::cosserat::command::Command;
-use crate::shape::Contact;
+use crate::cosserat::section::BodyWrench;
+use crate::cosserat::stability::is_idle;
+use crate::shape::{Contact, Diagnostics, NoStability};
 
 /// A hole that is so near to letting the cable slide, of its grip, counts as sliding.
 const SLIPS: f64 = 1e-6;
 
-/// Stability of the answer in `scratch`, which is on the mesh `answered`, sampled on that of the problem,
-/// which may be coarser: `None` under loads that follow the body, which have no energy, and where a cable
-/// slides that rubs.
-pub(super) fn least_eigenvalue(
-    problem: &Problem<'_>,
-    answered: &Mesh,
-    case: &Case,
-    scratch: &mut Scratch,
-) -> Option<f64> {
+/// Stability of the answer in `scratch`, which is on the mesh of the problem, or why there is none: loads that
+/// follow the body have no energy, and a cable that slides in a hole has no potential.
+pub(super) fn verdict(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<f64, NoStability> {
+    if !problem.stability {
+        return Err(NoStability::NotAsked);
+    }
     if scratch.applied.any_follower() {
-        return None;
+        return Err(NoStability::Followers);
     }
-    let Problem { frame, mesh, .. } = *problem;
     let loaded = scratch.applied.any();
-    let Scratch { applied_to_sample: applied, unloaded, chain, samples, sampled, .. } =
-        &mut *scratch;
-    if loaded {
-        applied.gather(&mesh.grid, &case.loads, case.base.rotation);
-        let turned = |k: usize| chain.nodes[k].rotation;
-        let inside = |k: usize| InSpan::at(applied, 1.0, turned(k), mesh.spans[k].start);
-        rod::sample(mesh, |k| chain.nodes[k].wrench, |k| Some(inside(k)), samples, sampled);
-    } else {
-        rod::sample(mesh, |k| unloaded.wrenches[k], |_| None, samples, sampled);
-    }
-    // The tensions obey eq. (5) with the turns of the answer's own mesh.
-    let own = Problem { mesh: answered, ..*problem };
     let turned = problem.holes.map_or_else(Vec::new, |holes| {
         let Scratch { chain, unloaded, .. } = &*scratch;
         if loaded {
-            turns(&own, holes, &chain.poses, &chain.chords)
+            turns(problem, holes, &chain.poses, &chain.chords)
         } else {
-            turns(&own, holes, &unloaded.poses, &unloaded.chords)
+            turns(problem, holes, &unloaded.poses, &unloaded.chords)
         }
     });
-    let locked = locked(problem, scratch, &turned)?;
-    let scale = compliance_scale(problem);
-    let chords = if loaded { &scratch.chain.chords } else { &scratch.unloaded.chords };
-    let Scratch { stability, samples, pulled, .. } = scratch;
-    let at = Equilibrium { frame, mesh, samples, chords, tensions: pulled, scale };
-    stability.least_eigenvalue(&at, locked)
+    let locked = locked(problem, scratch, &turned).ok_or(NoStability::Sliding)?;
+    let mesh = problem.sampled.mesh(|k| compressed(scratch, loaded, k));
+    let value = verdict_on(problem, mesh, locked.clone(), loaded, scratch);
+    if value.is_ok_and(|value| value.abs() < NEARLY)
+        && let Ok(finest) = problem.frame.mesh(mesh.spans.len(), FINEST)
+    {
+        return verdict_on(problem, &finest, locked, loaded, scratch);
+    }
+    value
 }
 
-/// Whether the robot stays in the equilibrium that the chain holds under dead loads and without
+fn verdict_on(
+    problem: &Problem<'_>,
+    mesh: &Mesh,
+    locked: Locked,
+    loaded: bool,
+    scratch: &mut Scratch,
+) -> Result<f64, NoStability> {
+    sample(problem, mesh, 1.0, loaded, scratch);
+    let scale = compliance_scale(problem);
+    let turned: Vec<_> = scratch.chain.nodes.iter().map(|node| node.rotation).collect();
+    let chords = if loaded { &scratch.chain.chords } else { &scratch.unloaded.chords };
+    let Scratch { stability, samples, pulled, applied_to_sample: applied, .. } = scratch;
+    let moments = (loaded && applied.any_dead_moment()).then_some((&*applied, &turned[..]));
+    let (frame, tensions) = (problem.frame, &pulled[..]);
+    let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments };
+    stability.verdict(&at, locked)
+}
+
+/// Whether the robot stays in the equilibrium that the chain holds under this part of its dead loads and without
 /// friction.
-pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<bool> {
+pub(super) fn is_stable(problem: &Problem<'_>, load: f64, scratch: &mut Scratch) -> Option<bool> {
+    is_above(problem, -Diagnostics::NEUTRAL, load, scratch)
+}
+
+/// Whether the chain holds an equilibrium under all of the load that is stable as far as a coarse mesh can tell: a
+/// round rod that has buckled is neutral about its axis.
+pub(super) fn is_nearly_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<bool> {
+    is_above(problem, -NEARLY, 1.0, scratch)
+}
+
+fn is_above(problem: &Problem<'_>, bound: f64, load: f64, scratch: &mut Scratch) -> Option<bool> {
     let Problem { frame, mesh, .. } = *problem;
-    let Scratch { chain, stability, .. } = scratch;
-    let locked = held_lengths(problem, &chain.tensions);
+    let scale = compliance_scale(problem);
+    let fine = problem.sampled.mesh(|k| compressed(scratch, true, k));
+    let own_is_fine = mesh.grid.len() >= fine.grid.len();
+    let Scratch { chain, stability, .. } = &mut *scratch;
+    let locked = held_lengths(problem, &chain.tensions, &chain.lengths);
     let at = Equilibrium {
         frame,
         mesh,
         samples: &chain.samples,
         chords: &chain.chords,
         tensions: &chain.pulled,
-        scale: compliance_scale(problem),
+        scale,
+        moments: None,
     };
-    stability.is_stable(&at, locked)
+    if own_is_fine {
+        return stability.is_above(bound, &at, locked);
+    }
+    if !is_compressed(mesh, |k| chain.nodes[k].wrench)
+        && stability.is_above(CLEARLY, &at, locked.clone())?
+    {
+        return Some(true);
+    }
+    sample(problem, fine, load, true, scratch);
+    let Scratch { chain, stability, samples, .. } = scratch;
+    let (chords, tensions) = (&chain.chords[..], &chain.pulled[..]);
+    let at = Equilibrium { frame, mesh: fine, samples, chords, tensions, scale, moments: None };
+    stability.is_above(bound, &at, locked)
+}
+
+/// Whether the robot stays in the equilibrium without load that was found last, as far as its spans may buckle
+/// under their cables: whether no eigenvalue is less than a bound.
+pub(super) fn is_above_without_load(
+    problem: &Problem<'_>,
+    bound: f64,
+    scratch: &mut Scratch,
+) -> Option<bool> {
+    let Scratch { unloaded, groups, pulled, lengths, .. } = &mut *scratch;
+    if !may_buckle(problem.mesh, |k| unloaded.wrenches[k]) {
+        return Some(true);
+    }
+    let mut tensions = vec![0.0; problem.commands.len()];
+    for (&tension, &group) in pulled.iter().zip(&*groups) {
+        tensions[group] = tension;
+    }
+    let locked = held_lengths(problem, &tensions, lengths);
+    let scale = compliance_scale(problem);
+    let mut above = |mesh: &Mesh, bound: f64| {
+        sample(problem, mesh, 0.0, false, scratch);
+        let Scratch { unloaded, stability, samples, pulled, .. } = &mut *scratch;
+        let (frame, chords, tensions) = (problem.frame, &unloaded.chords[..], &pulled[..]);
+        let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments: None };
+        stability.is_above(bound, &at, locked.clone())
+    };
+    if above(problem.sampled.fine, CLEARLY)? {
+        return Some(true);
+    }
+    let finest = problem.frame.mesh(problem.mesh.spans.len(), FINEST).ok()?;
+    above(&finest, bound)
+}
+
+/// The meshes on which stability is computed. Its error goes with the fourth power of the step, and is far below
+/// what anybody asks of it where positions still matter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sampled<'a> {
+    /// Where no span is near its own buckling load.
+    pub usual: &'a Mesh,
+    /// With four elements to a span at least.
+    pub fine: &'a Mesh,
+}
+
+impl<'a> Sampled<'a> {
+    /// The mesh for spans whose rods bear these wrenches at their start.
+    fn mesh(&self, wrench: impl Fn(usize) -> BodyWrench) -> &'a Mesh {
+        if is_compressed(self.usual, wrench) { self.fine } else { self.usual }
+    }
+}
+
+/// A span whose elements bear this much, in units of EI/h², has too few of them: a span that buckles under a
+/// central cable bears `π²/16` with four.
+const COMPRESSED: f64 = 0.63;
+/// An eigenvalue no greater than this may have another sign on a finer mesh.
+const NEARLY: f64 = 1e-3;
+/// Such a one is computed with spans halved so often: a half wave in a span is then known to 1e-7.
+const FINEST: usize = 5;
+/// An equilibrium with no eigenvalue below this on a coarse mesh is stable on a fine one.
+const CLEARLY: f64 = 0.05;
+/// A span that bears less than this, in units of EI/ℓ², does not buckle under its cables.
+const BEARS: f64 = 2.0;
+
+/// Whether an element of a span bears so much of what would buckle it that more elements are needed.
+fn is_compressed(mesh: &Mesh, wrench: impl Fn(usize) -> BodyWrench) -> bool {
+    mesh.spans.iter().enumerate().any(|(k, steps)| {
+        let steps = steps.clone();
+        let longest = steps.map(|step| mesh.grid.steps[step].length).fold(0.0, f64::max);
+        borne(mesh, k, &wrench(k), longest) > COMPRESSED
+    })
+}
+
+/// Whether a span may buckle under its cables alone.
+fn may_buckle(mesh: &Mesh, wrench: impl Fn(usize) -> BodyWrench) -> bool {
+    mesh.spans.iter().enumerate().any(|(k, steps)| {
+        let length = steps.clone().map(|step| mesh.grid.steps[step].length).sum();
+        borne(mesh, k, &wrench(k), length) > BEARS
+    })
+}
+
+/// The compression and the twisting moment at the start of span `k`, in units of what EI/h² and 2 EI/h are.
+fn borne(mesh: &Mesh, k: usize, wrench: &BodyWrench, length: f64) -> f64 {
+    let (node, _) = mesh.grid.shooting.at(mesh.spans[k].start, 0, 0);
+    let bending = node.section.stiffness.bending;
+    let stiffness = bending.x.min(bending.y);
+    let twist = 0.5 * wrench.angular.z * length / stiffness;
+    -wrench.linear.z * length * length / stiffness + twist * twist
+}
+
+/// What the rod of span `k` bears at its start.
+fn compressed(scratch: &Scratch, loaded: bool, k: usize) -> BodyWrench {
+    if loaded { scratch.chain.nodes[k].wrench } else { scratch.unloaded.wrenches[k] }
+}
+
+/// Samples the answer, or the chain under this part of the load, on a mesh.
+fn sample(problem: &Problem<'_>, mesh: &Mesh, load: f64, loaded: bool, scratch: &mut Scratch) {
+    let Scratch { applied_to_sample: applied, unloaded, chain, samples, sampled, .. } = scratch;
+    if loaded {
+        applied.gather(&mesh.grid, &problem.case.loads, problem.case.base.rotation);
+        let turned = |k: usize| chain.nodes[k].rotation;
+        let inside = |k: usize| InSpan::at(applied, load, turned(k), mesh.spans[k].start);
+        rod::sample(mesh, |k| chain.nodes[k].wrench, |k| Some(inside(k)), samples, sampled);
+    } else {
+        rod::sample(mesh, |k| unloaded.wrenches[k], |_| None, samples, sampled);
+    }
 }
 
 /// What keeps its length however the robot moves a little: taut cables that are driven by it and do
@@ -81,7 +217,7 @@ pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<
 /// turns, and the way it slides with the motion.
 fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Locked> {
     let rubs = |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
-    let mut locked = held_lengths(problem, &scratch.tensions);
+    let mut locked = held_lengths(problem, &scratch.tensions, &scratch.lengths);
     for span in &problem.frame.spans {
         for (i, passage) in span.passages.iter().enumerate() {
             let p = span.first + i;
@@ -105,24 +241,30 @@ fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Loc
                 }
                 locked.of_passage[p] = Some(locked.compliances.len());
                 locked.compliances.push(holes.yielding[p]);
+                locked.idle.push(false);
             }
         }
     }
     Some(locked)
 }
 
-/// The taut cables that are driven by their length and do not rub.
-fn held_lengths(problem: &Problem<'_>, tensions: &[f64]) -> Locked {
+/// The cables that are driven by their length, are taut or at that length without tension, and do not rub.
+fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64]) -> Locked {
     let mut locked = Locked::default();
     let rubs = |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
     let mut of_cable = vec![None; problem.commands.len()];
+    let end = problem.frame.rod.backbone().length;
     for (cable, (command, &tension)) in problem.commands.iter().zip(tensions).enumerate() {
         if let Command::Length { compliance, .. } = *command
-            && tension > 0.0
             && !rubs(cable)
         {
-            of_cable[cable] = Some(locked.compliances.len());
-            locked.compliances.push(compliance);
+            let slack = command.slackness(tension, lengths[cable]);
+            let idle = tension <= 0.0;
+            if !idle || is_idle(compliance, slack, end) {
+                of_cable[cable] = Some(locked.compliances.len());
+                locked.compliances.push(compliance);
+                locked.idle.push(idle);
+            }
         }
     }
     let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);

@@ -1,13 +1,15 @@
 //! How the sections yield to what pushes the robot: the side of contact that this model is asked for.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
 use super::FourBar;
 use super::joint::Joint;
-use super::options::{LengthRule, Objective};
+use super::options::{Conflicts, LengthRule, Objective};
 use super::pushed::{Load, Pushed, Restless};
 use super::refusal;
-use super::solve::Workspace;
+use super::several::MOST_CONFLICT;
+use super::solve::{MET, Workspace};
+use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::contact::{self, Push, Yielding};
 use crate::error::SolveError;
@@ -15,6 +17,8 @@ use crate::shape::{NoStability, Solution, Wrench};
 
 /// The backbone is watched at this many places or more from base to tip.
 const WATCHED: usize = 40;
+/// The most sections of a robot among obstacles.
+const MOST_SECTIONS: usize = 300;
 
 /// The sections among obstacles.
 struct Touched<'a> {
@@ -51,13 +55,18 @@ impl FourBar {
                 "take the objective strain-energy and the length rule free, or use cosserat",
             ));
         }
+        if self.sections.len() > MOST_SECTIONS {
+            return Err(refusal::unsupported(
+                "obstacles",
+                "the robot has more than 300 sections, and among obstacles their equations are dense",
+                "use cosserat, or a robot of fewer disks",
+            ));
+        }
         let disks = &self.robot.disks().arc_lengths;
         let each = WATCHED.div_ceil(self.sections.len());
         let mut watched = vec![0.0];
         for pair in disks.windows(2) {
-            let within = |k: usize| pair[0] + (pair[1] - pair[0]) * k as f64 / each as f64;
-            watched.extend((1..each).map(within));
-            watched.push(pair[1]);
+            watched.extend(equally_spaced(pair[0], pair[1], each + 1).skip(1));
         }
         let places = watched.iter().map(|&s| self.locate(s)).collect();
         let mut found = Pushed::default();
@@ -123,6 +132,16 @@ impl Yielding for Touched<'_> {
     fn force_scale(&self) -> f64 {
         // The energy of a robot that bends by 1 rad is about n times the scale.
         self.scale * self.model.sections.len() as f64 / self.model.robot.backbone().length
+    }
+
+    fn cancel(&self) -> &Cancel {
+        &self.model.options.cancel
+    }
+
+    fn effort(&self) -> f64 {
+        // Its equations are dense: those of so many sections take as long to solve.
+        const SECTIONS: f64 = 60.0;
+        (self.model.sections.len() as f64 / SECTIONS).powi(3).max(0.1)
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {
@@ -210,6 +229,16 @@ impl Yielding for Touched<'_> {
         joints.extend(self.found.bends.iter().map(|&bend| Joint::Bend(bend)));
         self.workspace.targets.clone_from(&self.targets);
         let (model, multipliers) = (self.model, &self.found.multipliers);
+        // Of cables that depend on one another not all lengths can be had.
+        let part = match model.options.conflicts {
+            Conflicts::Refuse => MET,
+            Conflicts::Compromise => MOST_CONFLICT,
+        };
+        let excess = self.found.lengths.iter().zip(&self.targets).map(|(have, want)| have - want);
+        let worst = excess.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some(worst) = worst.filter(|worst| worst.1 > part * model.robot.backbone().length) {
+            return Err(model.conflict(worst, 0, model.sections.len()));
+        }
         let mut solution = model.solution_of_joints(case.base, self.workspace, multipliers);
         if self.knows_forces() {
             let mut total = Wrench::default();

@@ -182,7 +182,7 @@ impl FourBar {
 fn unsupported(what: &'static str, advice: &'static str) -> SolveError {
     SolveError::Unsupported {
         model: ModelKind::FourBar,
-        path: "the question for derivatives".to_owned(),
+        path: "a request for derivatives".to_owned(),
         what,
         advice,
     }

@@ -24,9 +24,10 @@ mod tests;
 
 pub use derivatives::Derivatives;
 pub(crate) use local::solve_at;
-pub use options::{Chord, LengthRule, Objective, Options, UnknownOption};
+pub use options::{Chord, Conflicts, LengthRule, Objective, Options, UnknownOption};
 pub use solve::Workspace;
 
+use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::robot::Robot;
@@ -39,7 +40,9 @@ use section::Section;
 /// It is purely geometric: driven by how much each cable is shortened, blind to loads and to
 /// friction (which changes tensions, not prescribed lengths), and without forces in its answer,
 /// but for the tensions that the strain-energy objective yields. Cables only pull: one that is
-/// prescribed to be longer than its path is slack. When lengths contradict each other by little,
+/// prescribed to be longer than its path is slack. Under the length rule `free` every other cable
+/// has the prescribed length to 10⁻⁸ of the backbone's, or the solve is refused; when the lengths that
+/// another rule gives a section contradict each other by little,
 /// the answer is the least-squares one, and [`Diagnostics::residual`](crate::Diagnostics::residual)
 /// is the largest difference from a prescribed length, relative to the length of the backbone.
 ///
@@ -113,6 +116,10 @@ impl FourBar {
         &self.robot
     }
 
+    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
+        &mut self.options.cancel
+    }
+
     /// Arc lengths of the stations in m.
     #[must_use]
     pub fn stations(&self) -> &[f64] {
@@ -134,9 +141,11 @@ impl FourBar {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
-        if !case.obstacles.is_empty() {
-            return self.solve_in_contact(case, warm_start, workspace);
-        }
-        Ok(self.solve_and_tell(case, workspace)?.0)
+        let outcome = if case.obstacles.is_empty() {
+            self.solve_and_tell(case, workspace).map(|(solution, _)| solution)
+        } else {
+            self.solve_in_contact(case, warm_start, workspace)
+        };
+        self.options.cancel.checked(outcome)
     }
 }

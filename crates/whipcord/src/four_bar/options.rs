@@ -3,6 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
+use crate::cancel::Cancel;
 use crate::case::Drive;
 use crate::model::Stations;
 
@@ -28,6 +29,10 @@ pub struct Options {
     pub chord: Chord,
     /// How a cable's shortening is shared out between the sections.
     pub lengths: LengthRule,
+    /// What becomes of whole cable lengths that contradict each other, under the rule `free`.
+    pub conflicts: Conflicts,
+    /// Ends a solve from outside.
+    pub cancel: Cancel,
 }
 
 /// What is minimised in a section.
@@ -43,6 +48,17 @@ pub enum Objective {
     /// Eqs. (1) and (2) as they are printed, one cable only, for study: they twist a robot with a
     /// helical cable even when nothing pulls.
     AsPrinted,
+}
+
+/// What becomes of whole cable lengths that contradict each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Conflicts {
+    /// They are refused: every cable has the prescribed length, or is slack.
+    #[default]
+    Refuse,
+    /// The least squares of what the lengths miss, where no cable is longer than prescribed by more than 1 % of the
+    /// backbone: for lengths that come from another model, whose backbone gets shorter under its cables.
+    Compromise,
 }
 
 /// How the backbone runs from disk to disk.

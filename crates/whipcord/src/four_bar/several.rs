@@ -14,6 +14,7 @@ use whipcord_numerics::{DenseLu, Ldlt3, Sym3, Vec3};
 use super::bend::Bend;
 use super::plane::Jet;
 use super::section::{NO_LEVER, Section};
+use crate::cancel::Cancel;
 
 /// How the iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +46,8 @@ pub(super) struct Several {
     pub lengths: Vec<f64>,
     /// Newton steps spent.
     pub iterations: usize,
+    /// Ends the iteration from outside.
+    pub cancel: Cancel,
     penalty: f64,
     levers: Vec<f64>,
     /// By cable: length at rest.
@@ -76,7 +79,7 @@ const LONGEST: f64 = 0.25;
 const LEAST_APPROACH: f64 = 1.0 / 256.0;
 /// Conflict of the lengths up to which the least-squares shape is given as the answer, relative
 /// to the length of the backbone concerned.
-const MOST_CONFLICT: f64 = 0.01;
+pub(super) const MOST_CONFLICT: f64 = 0.01;
 const MOST_UPDATES: usize = 30;
 const MOST_STEPS: usize = 40;
 /// Excess length that counts as none, relative to the length at rest.
@@ -120,7 +123,7 @@ impl Several {
         let (mut done, mut step) = (0.0, 0.25);
         let mut part = targets.to_vec();
         let mut state = self.state();
-        while done < 1.0 {
+        while done < 1.0 && !self.cancel.is_cancelled() {
             let next = if done + step < 1.0 { done + step } else { 1.0 };
             for ((part, &target), &rest) in part.iter_mut().zip(targets).zip(&self.at_rest) {
                 *part = if next < 1.0 { rest + next * (target - rest) } else { target };
@@ -156,6 +159,9 @@ impl Several {
         // Multipliers far from their values deserve no more than a rough minimum.
         let mut tolerance = 1e-2;
         for _ in 0..MOST_UPDATES {
+            if self.cancel.is_cancelled() {
+                break;
+            }
             let mut size = f64::INFINITY;
             let mut steps = 0;
             while size > tolerance && steps < MOST_STEPS {
@@ -195,6 +201,11 @@ impl Several {
         let least = if sections.len() == 1 { 1e-6 } else { 1e-3 };
         let part = self.approach(sections, targets, least);
         (longest + part * (targets[cable] - longest), longest)
+    }
+
+    /// Whether every cable is as long as prescribed, or slack, to this length in m.
+    pub fn is_met(&self, targets: &[f64], to: f64) -> bool {
+        self.violation(targets).0 <= to
     }
 
     /// The cable that exceeds its prescribed length most, and by how much.

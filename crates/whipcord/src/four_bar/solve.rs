@@ -9,7 +9,7 @@ use super::as_printed::{self, Unsolvable};
 use super::bend::Bend;
 use super::joint::Joint;
 use super::one_cable;
-use super::options::{LengthRule, Objective};
+use super::options::{Conflicts, LengthRule, Objective};
 use super::refusal;
 use super::several::{Ending, Several};
 use crate::case::Case;
@@ -56,6 +56,9 @@ struct Tally {
 /// initial length: well above the error of a length, well below what anyone can measure.
 pub(super) const LOOSE: f64 = 1e-10;
 
+/// Whole lengths are met to this under the length rule `free`, relative to the length of the backbone.
+pub(super) const MET: f64 = 1e-8;
+
 impl FourBar {
     /// The answer, and whether it is a compromise of lengths that contradict each other.
     pub(super) fn solve_and_tell(
@@ -76,6 +79,7 @@ impl FourBar {
         workspace.multipliers.resize(count, 0.0);
         workspace.joints.clear();
         workspace.pulls.clear();
+        workspace.several.cancel.clone_from(&self.options.cancel);
         let tally = match self.options.lengths {
             LengthRule::Proportional | LengthRule::Equal => self.each_section(workspace)?,
             LengthRule::Free => self.all_sections(workspace)?,
@@ -91,6 +95,9 @@ impl FourBar {
         section_targets.clear();
         section_targets.resize(targets.len(), f64::INFINITY);
         for (index, section) in self.sections.iter().enumerate() {
+            if self.options.cancel.is_cancelled() {
+                return Err(SolveError::Cancelled { last_load: None });
+            }
             section_targets.fill(f64::INFINITY);
             multipliers.fill(0.0);
             let mut pulled = false;
@@ -227,7 +234,13 @@ impl FourBar {
                         reachable: longest - shortest,
                     });
                 }
-                if !several.is_tolerable(&self.sections, targets) {
+                let is_answer = match self.options.conflicts {
+                    Conflicts::Refuse => {
+                        several.is_met(targets, MET * self.robot.backbone().length)
+                    }
+                    Conflicts::Compromise => several.is_tolerable(&self.sections, targets),
+                };
+                if !is_answer {
                     return Err(self.conflict((worst, excess), 0, self.sections.len()));
                 }
                 tally.compromise = true;
@@ -265,7 +278,12 @@ impl FourBar {
         self.solution(base, workspace, tally)
     }
 
-    fn conflict(&self, (worst, excess): (usize, f64), first: usize, last: usize) -> SolveError {
+    pub(super) fn conflict(
+        &self,
+        (worst, excess): (usize, f64),
+        first: usize,
+        last: usize,
+    ) -> SolveError {
         SolveError::CablesConflict {
             cable: self.name(worst),
             first_disk: first + 1,

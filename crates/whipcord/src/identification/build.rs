@@ -155,7 +155,11 @@ fn stiffened(
     };
     let backbone = Backbone {
         stiffness: Some(stiffness),
-        material: Material { density: backbone.material.density, ..Material::default() },
+        material: Material {
+            density: backbone.material.density,
+            yield_strain: backbone.material.yield_strain,
+            ..Material::default()
+        },
         shear_correction: 1.0,
         ..backbone.clone()
     };

@@ -91,7 +91,7 @@ impl Forward<'_> {
         let mut answers: Vec<(Solution, Option<Derivatives>)> = Vec::new();
         match prepared {
             Prepared::Cosserat(model, workspace) if asks => {
-                for (k, step) in case.steps().enumerate() {
+                for (k, step) in case.single_steps().enumerate() {
                     let last = answers.last().map(|(solution, _)| solution);
                     answers.push(if observed.contains(&k) {
                         let answer =

@@ -101,6 +101,9 @@ pub enum IdentifyError {
     /// The model has no answer where the search starts.
     #[error("with the values to start from, {0}")]
     NoAnswerAtStart(NoAnswer),
+    /// The search was ended from outside ([`Cancel`](crate::Cancel)).
+    #[error("the fit was cancelled before it had converged")]
+    Cancelled,
     /// Nothing that could be held out.
     #[error(
         "nothing can be held out: there is a single case with a single step, or each has an unknown of its own and a single step"

@@ -5,6 +5,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::build;
 use super::columns::Means;
 use super::error::{IdentifyError, NoAnswer, NoAnswerReason};
+use super::outcome::Unstable;
 use super::quantity::Quantity;
 use super::{Experiment, Settings, Unknown};
 use crate::camera::Camera;
@@ -217,8 +218,7 @@ impl<'a> Forward<'a> {
         let case =
             build::case(self.robot, case, &numbers, &self.rest).map_err(crate::SolveError::from)?;
         let last = observations.iter().map(|seen| seen.step).max().unwrap_or(0);
-        let step = case.steps().nth(last);
-        let case = step.unwrap_or(case);
+        let case = case.step(last).unwrap_or(case);
         let of_robot: Vec<(Quantity, u64)> = numbers
             .iter()
             .filter(|(quantity, _)| !quantity.is_of_case())
@@ -257,6 +257,34 @@ impl<'a> Forward<'a> {
             })?;
         }
         Ok(())
+    }
+
+    /// How many answers there are, one for each step in which something was seen, and which of them are
+    /// unstable.
+    pub(super) fn stability(&mut self, x: &[f64]) -> (usize, Vec<Unstable>) {
+        let (mut answers, mut unstable) = (0, Vec::new());
+        for experiment in 0..self.experiments.len() {
+            let seen = &self.experiments[experiment].observations;
+            let mut observed: Vec<usize> = seen.iter().map(|seen| seen.step).collect();
+            observed.sort_unstable();
+            observed.dedup();
+            // These numbers had an answer when they were fitted.
+            let Ok((prepared, case)) = self.prepare(experiment, x) else { continue };
+            let mut step = 0;
+            let _ = prepared.solve_steps(&case, |solution| {
+                if observed.binary_search(&step).is_ok() {
+                    answers += 1;
+                    let diagnostics = &solution.diagnostics;
+                    if let Some(stability) =
+                        diagnostics.stability.filter(|_| diagnostics.is_unstable())
+                    {
+                        unstable.push(Unstable { experiment, step, stability });
+                    }
+                }
+                step += 1;
+            });
+        }
+        (answers, unstable)
     }
 
     /// Goes over what was seen in a step: the first row of each observation within the experiment.

@@ -33,7 +33,7 @@ use crate::observation::Observation;
 use crate::robot::Robot;
 
 pub use self::error::{IdentifyError, Misfit, NoAnswer, NoAnswerReason};
-pub use self::outcome::{Estimate, Identified, Noise, Residual};
+pub use self::outcome::{Estimate, Identified, Noise, Residual, Unstable};
 pub use self::quantity::{Quantity, UnknownQuantity};
 pub use self::selection::{Compared, compare_models};
 pub use self::unresolved::{Share, Unresolved};
@@ -191,6 +191,17 @@ pub fn identify(
     unknowns: &[Unknown],
     settings: &Settings,
 ) -> Result<Identified, IdentifyError> {
+    let found = search(robot, experiments, unknowns, settings);
+    // What a search that was broken off says is of no use.
+    if settings.model.cancel().is_cancelled() { Err(IdentifyError::Cancelled) } else { found }
+}
+
+fn search(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Result<Identified, IdentifyError> {
     check::check(robot, experiments, unknowns, settings)?;
     let mut forward = forward::Forward::new(robot, experiments, unknowns, settings)?;
     let mut x = forward.start()?;
@@ -212,7 +223,7 @@ pub fn identify(
     };
     let mut problem = problem::Problem::new(&mut forward, &logarithms, &scales);
     let fitted = noise::fit(&mut problem, &mut x, &options, settings.robustness, &mut workspace)?;
-    outcome::tell(&forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
+    outcome::tell(&mut forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
 }
 
 impl Unknown {

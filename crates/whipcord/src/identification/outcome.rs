@@ -36,6 +36,11 @@ pub struct Identified {
     pub noise: Noise,
     /// What is left of each observation, in their order.
     pub residuals: Vec<Residual>,
+    /// How many answers, one for each step in which something was seen, the measurements are compared with.
+    pub answers: usize,
+    /// Which of these answers are unstable equilibria at the estimates: a real robot leaves them, so that it was
+    /// hardly measured in them.
+    pub unstable: Vec<Unstable>,
     /// Root mean square distance in m of the markers whose position was seen from where the model has them.
     pub rms_distance: Option<f64>,
     /// The same in pixels of those that were seen in images.
@@ -82,6 +87,17 @@ pub struct Noise {
     pub freedom: usize,
 }
 
+/// An unstable equilibrium that measurements are compared with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unstable {
+    /// The experiment, from 0.
+    pub experiment: usize,
+    /// The step, from 0.
+    pub step: usize,
+    /// [`crate::Diagnostics::stability`], which is negative.
+    pub stability: f64,
+}
+
 /// What is left of one observation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
@@ -105,13 +121,15 @@ impl Residual {
 }
 
 pub(super) fn tell(
-    forward: &Forward<'_>,
+    forward: &mut Forward<'_>,
     x: &[f64],
     (scales, logarithms): (&[f64], &Logarithms),
     fitted: &Fitted,
     settings: &Settings,
     workspace: &Workspace,
 ) -> Result<Identified, IdentifyError> {
+    let (answers, unstable) = forward.stability(x);
+    let forward = &*forward;
     let unknowns = forward.unknowns;
     let n = unknowns.len();
     // What is sought by its logarithm is at a bound to rounding.
@@ -199,6 +217,8 @@ pub(super) fn tell(
         robot: robot.unwrap_or_else(|| forward.robot.clone()),
         cases,
         residuals,
+        answers,
+        unstable,
     })
 }
 

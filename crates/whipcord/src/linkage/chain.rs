@@ -4,8 +4,9 @@ use whipcord_numerics::{DenseLu, Mat3, Vec3};
 
 use super::division::Division;
 use super::layout::Section;
-use super::loads::DiskLoads;
+use super::loads::{AppliedLoads, InnerLoad};
 use super::motion::{Coordinates, MOST, Motion};
+use crate::cancel::Cancel;
 use crate::shape::Wrench;
 
 /// What does not change from one iteration to the next.
@@ -13,11 +14,12 @@ use crate::shape::Wrench;
 pub(super) struct Task<'a> {
     pub division: &'a Division,
     pub sections: &'a [Section],
-    pub loads: &'a DiskLoads,
+    pub loads: &'a AppliedLoads,
     /// Fraction of loads and tensions that acts.
     pub fraction: f64,
     /// By cable in N, at fraction 1.
     pub tensions: &'a [f64],
+    pub cancel: &'a Cancel,
 }
 
 /// How a linear system is taken apart.
@@ -57,6 +59,16 @@ struct Link {
     by_turn: Rows<Vec3>,
 }
 
+/// A cross-section between two disks that a load acts on, in the frame of the disk at the section's start.
+#[derive(Clone, Debug, Default)]
+struct Inner {
+    motion: Motion,
+    /// What is applied to it.
+    load: Wrench,
+    /// The part of it that turns with the cross-section.
+    follower: Wrench,
+}
+
 /// Memory of the iteration, and the point it is at.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
@@ -70,6 +82,8 @@ pub(super) struct Chain {
     /// cable's tension.
     pub steps: Vec<Coordinates>,
     links: Vec<Link>,
+    /// Of all inner loads, from the base on.
+    inner: Vec<Inner>,
     /// `∂ℓ/∂q` of every passage.
     pulls: Vec<Coordinates>,
     matrix: Vec<f64>,
@@ -101,7 +115,8 @@ impl Chain {
     /// Evaluates eq. (3) at the coordinates. The size of what is left, relative to the moments in play;
     /// infinite where a cable has folded its section.
     pub fn evaluate(&mut self, task: &Task<'_>) -> f64 {
-        let Self { q, lengths, base, links, pulls, .. } = self;
+        let Self { q, lengths, base, links, pulls, inner, .. } = self;
+        inner.clear();
         let (division, count) = (task.division, task.division.coordinates());
         links.resize(task.sections.len(), Link::default());
         lengths.clear();
@@ -141,12 +156,20 @@ impl Chain {
         // The loads, from the tip to the base.
         let mut rotations = Mat3::diagonal(Vec3::new(1.0, 1.0, 1.0));
         self.turns.clear();
-        for link in &mut *links {
+        for (k, (link, (section, q))) in
+            links.iter_mut().zip(task.sections.iter().zip(&*q)).enumerate()
+        {
+            let axes: [Vec3; 3] = core::array::from_fn(|j| rotations.column(j));
+            for load in task.loads.inside(k) {
+                let motion = Motion::up_to(division, section.length, q, load.at);
+                inner.push(Inner::new(motion, load, &axes, task.fraction));
+            }
             // The frame of the disk at its end, by rows of its transpose.
             rotations = rotations * link.motion.rotation;
             self.turns.extend((0..3).map(|j| rotations.column(j)));
         }
         let mut wrench = Wrench::default();
+        let mut left = inner.len();
         for (k, link) in links.iter_mut().enumerate().rev() {
             let own = applied(task, k + 1, &self.turns[3 * k..3 * k + 3]);
             let turn = &link.motion.rotation;
@@ -160,6 +183,16 @@ impl Chain {
                     wrench.moment.dot(link.motion.turn[a]) + wrench.force.dot(link.motion.shift[a]);
             }
             wrench.moment += link.motion.end.cross(wrench.force);
+            let first = left - task.loads.inside(k).len();
+            for Inner { motion, load, .. } in &inner[first..left] {
+                for a in 0..count {
+                    link.residual[a] -=
+                        load.moment.dot(motion.turn[a]) + load.force.dot(motion.shift[a]);
+                }
+                wrench.force += load.force;
+                wrench.moment += load.moment + motion.end.cross(load.force);
+            }
+            left = first;
             scale = scale.max(wrench.moment.norm());
         }
         *base = wrench;
@@ -174,7 +207,8 @@ impl Chain {
     pub fn linearise(&mut self, task: &Task<'_>) {
         let (division, count) = (task.division, task.division.coordinates());
         let mut pulls = self.pulls.iter();
-        for (section, link) in task.sections.iter().zip(&mut self.links) {
+        let mut inner = self.inner.iter();
+        for (k, (section, link)) in task.sections.iter().zip(&mut self.links).enumerate() {
             let Link { motion, wrench, tangent, .. } = link;
             let (mut force, mut moment) = (wrench.force, wrench.moment);
             *tangent = Default::default();
@@ -206,6 +240,16 @@ impl Chain {
                     tangent[a][b] -= second[a][b];
                 }
             }
+            for Inner { motion, load, follower } in (&mut inner).take(task.loads.inside(k).len()) {
+                let second = motion.second(division, section.length, load.moment, load.force);
+                for a in 0..count {
+                    let (turn, shift) = (motion.turn[a], motion.shift[a]);
+                    let by = follower.force.cross(shift) + follower.moment.cross(turn);
+                    for b in 0..count {
+                        tangent[a][b] -= second[a][b] + by.dot(motion.turn[b]);
+                    }
+                }
+            }
         }
     }
 
@@ -227,10 +271,14 @@ impl Chain {
         let (mut force_by, mut moment_by) = (Mat3::default(), Mat3::default());
         let mut negative = 0;
         let mut first = self.pulls.len();
+        let mut left = self.inner.len();
         for k in (0..n).rev() {
             let section = &task.sections[k];
             first -= section.passages.len();
             let own = task.loads.followers[k + 1];
+            let inside = left - task.loads.inside(k).len()..left;
+            left = inside.start;
+            let inside = &self.inner[inside];
             let link = &mut self.links[k];
             let turn = link.motion.rotation;
             let back = turn.transpose();
@@ -252,6 +300,10 @@ impl Chain {
                     + by_force
                     + motion.turn[a].cross(wrench.moment)
                     + motion.shift[a].cross(wrench.force);
+                for Inner { motion, load, follower } in inside {
+                    by_turn[a] += motion.turn[a].cross(load.moment - follower.moment)
+                        + motion.shift[a].cross(load.force - follower.force);
+                }
             }
             negative += negative_pivots(count, &self.matrix, &mut self.column)?;
             self.lu.factor(count, &self.matrix).ok()?;
@@ -274,6 +326,18 @@ impl Chain {
             moment_by = old_moment_by * turned.plus_identity()
                 - Mat3::skew(wrench.force) * (moved - arm)
                 + arm * force_by;
+            for Inner { motion, load, follower } in inside {
+                let (mut turned, mut moved) = (Mat3::default(), -Mat3::skew(motion.end));
+                for a in 0..count {
+                    turned += Mat3::outer(motion.turn[a], by_turn[a]);
+                    moved += Mat3::outer(motion.shift[a], by_turn[a]);
+                }
+                let turned = turned.plus_identity();
+                let by_force = -Mat3::skew(follower.force) * turned;
+                force_by += by_force;
+                moment_by += -Mat3::skew(follower.moment) * turned - Mat3::skew(load.force) * moved
+                    + Mat3::skew(motion.end) * by_force;
+            }
             for side in 0..sides {
                 let beyond = self.beyond[side].map(|v| turn * v);
                 self.column.clear();
@@ -298,11 +362,23 @@ impl Chain {
                     turned += motion.turn[a] * step[a];
                     moved += motion.shift[a] * step[a];
                 }
-                let force = beyond[0] + old_force_by * turned;
-                let moment = beyond[1]
+                let mut force = beyond[0] + old_force_by * turned;
+                let mut moment = beyond[1]
                     + old_moment_by * turned
                     + moved.cross(wrench.force)
                     + motion.end.cross(force);
+                for Inner { motion, load, follower } in inside {
+                    let (mut turned, mut moved) = (Vec3::ZERO, Vec3::ZERO);
+                    for a in 0..count {
+                        turned += motion.turn[a] * step[a];
+                        moved += motion.shift[a] * step[a];
+                    }
+                    let change = turned.cross(follower.force);
+                    force += change;
+                    moment += turned.cross(follower.moment)
+                        + moved.cross(load.force)
+                        + motion.end.cross(change);
+                }
                 self.beyond[side] = [force, moment];
             }
         }
@@ -341,6 +417,21 @@ impl Chain {
                 }
             }
         }
+    }
+}
+
+impl Inner {
+    /// Of a load on the cross-section that moves like this, behind a disk whose axes, in the base frame, are these.
+    fn new(motion: Motion, load: &InnerLoad, axes: &[Vec3; 3], fraction: f64) -> Self {
+        let seen = |v: Vec3| Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v)) * fraction;
+        let turned = |v: Vec3| motion.rotation * v * fraction;
+        let follower =
+            Wrench { force: turned(load.follower.force), moment: turned(load.follower.moment) };
+        let load = Wrench {
+            force: seen(load.dead.force) + follower.force,
+            moment: seen(load.dead.moment) + follower.moment,
+        };
+        Self { motion, load, follower }
     }
 }
 

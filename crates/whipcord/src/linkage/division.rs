@@ -25,6 +25,16 @@ impl Division {
         1 + 2 * self.joints.len()
     }
 
+    /// Where along a section, as fractions of it, its curve changes direction at once: the joints between rigid bodies.
+    pub(super) fn corners(&self) -> impl Iterator<Item = f64> + '_ {
+        let joints = if self.is_arc { &[] } else { self.joints };
+        joints.iter().scan(self.first, |reached, joint| {
+            let corner = *reached;
+            *reached += joint.link;
+            Some(corner)
+        })
+    }
+
     /// Which part of the bend that one moment makes falls to each joint.
     pub(super) fn shares(&self) -> [f64; 3] {
         let compliance = |k: usize| self.joints.get(k).map_or(0.0, |joint| 1.0 / joint.stiffness);

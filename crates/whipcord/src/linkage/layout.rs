@@ -21,8 +21,6 @@ pub(super) struct Section {
     /// Coordinates at rest.
     pub rest: Coordinates,
     pub passages: Vec<Passage>,
-    /// Mass of the backbone that falls to the disk at either end by the law of the lever, in kg.
-    pub mass: [f64; 2],
 }
 
 /// The sections from base to tip, and the lengths of the cables on the robot at rest in m.
@@ -36,9 +34,8 @@ pub(super) fn sections(
     let mut lengths = vec![0.0; robot.cables().len()];
     for (pair, passages) in at.windows(2).zip(passages(robot, model)?) {
         let length = pair[1] - pair[0];
-        let (stiffness, rest, mass) = means(robot, model, pair[0], pair[1])?;
-        let mut section =
-            Section { length, stiffness: [0.0; MOST], rest: [0.0; MOST], passages, mass };
+        let (stiffness, rest) = means(robot, model, pair[0], pair[1])?;
+        let mut section = Section { length, stiffness: [0.0; MOST], rest: [0.0; MOST], passages };
         (section.stiffness[0], section.rest[0]) = (stiffness.z / length, rest.z * length);
         for (k, (joint, share)) in division.joints.iter().zip(division.shares()).enumerate() {
             let (x, y) = (1 + 2 * k, 2 + 2 * k);
@@ -71,20 +68,15 @@ impl Motion {
     }
 }
 
-/// Of the backbone between two arc lengths: stiffness `EI_x, EI_y, GJ` in N·m² that one moment would find, mean
-/// rest curvature in 1/m, and the mass that falls to either end in kg.
-fn means(
-    robot: &Robot,
-    model: ModelKind,
-    from: f64,
-    to: f64,
-) -> Result<(Vec3, Vec3, [f64; 2]), SolveError> {
+/// Of the backbone between two arc lengths: stiffness `EI_x, EI_y, GJ` in N·m² that one moment would find, and mean
+/// rest curvature in 1/m.
+fn means(robot: &Robot, model: ModelKind, from: f64, to: f64) -> Result<(Vec3, Vec3), SolveError> {
     let backbone = robot.backbone();
     let mut places = backbone.places();
     places.retain(|s| from < *s && *s < to);
     places.extend([from, to]);
     places.sort_by(f64::total_cmp);
-    let (mut compliance, mut rest, mut mass) = (Vec3::ZERO, Vec3::ZERO, [0.0; 2]);
+    let (mut compliance, mut rest) = (Vec3::ZERO, Vec3::ZERO);
     for piece in places.windows(2) {
         let (h, middle) = (piece[1] - piece[0], 0.5 * (piece[0] + piece[1]));
         for (t, weight) in GAUSS_3.nodes.iter().zip(GAUSS_3.weights) {
@@ -101,13 +93,8 @@ fn means(
             let part = weight * h / (to - from);
             compliance += section.compliance.bending * part;
             rest += section.rest_curvature * part;
-            // Without a density it has no weight.
-            let density = backbone.linear_density_at(robot.disks(), s).unwrap_or(0.0);
-            let far = (s - from) / (to - from);
-            mass[0] += weight * h * density * (1.0 - far);
-            mass[1] += weight * h * density * far;
         }
     }
     let stiffness = Vec3::new(1.0 / compliance.x, 1.0 / compliance.y, 1.0 / compliance.z);
-    Ok((stiffness, rest, mass))
+    Ok((stiffness, rest))
 }

@@ -3,7 +3,7 @@
 //!
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
-//! robot into sections, `loads` gathers what acts on its disks; `chain` is the equilibrium of all sections and
+//! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
 //! the linear system of a step, `statics` finds it.
 
 mod chain;
@@ -16,6 +16,7 @@ mod swing;
 
 use whipcord_numerics::Pose;
 
+use crate::cancel::Cancel;
 use crate::case::{Case, Drive};
 use crate::cosserat::command::Command;
 use crate::cosserat::lengths::{self, Given, LengthScratch};
@@ -29,7 +30,7 @@ use crate::shape::{Diagnostics, NoStability, Shape, Solution};
 use chain::Task;
 use division::Division;
 use layout::Section;
-use loads::DiskLoads;
+use loads::AppliedLoads;
 use statics::{Effort, Responder, Scratch};
 
 /// How a model is driven, and what it computes.
@@ -43,6 +44,8 @@ pub struct Options {
     pub stability: bool,
     /// Residual at which equilibrium counts as met, relative to EI/L and the moments in play.
     pub residual: f64,
+    /// Ends a solve from outside.
+    pub cancel: Cancel,
 }
 
 impl Default for Options {
@@ -52,6 +55,7 @@ impl Default for Options {
             drive: Drive::default(),
             stability: true,
             residual: 1e-11,
+            cancel: Cancel::default(),
         }
     }
 }
@@ -74,7 +78,7 @@ pub struct Linkage {
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     scratch: Scratch,
-    loads: DiskLoads,
+    loads: AppliedLoads,
     commands: Vec<Command>,
     tensions: Vec<f64>,
     search: LengthScratch,
@@ -109,6 +113,10 @@ impl Linkage {
         &self.robot
     }
 
+    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
+        &mut self.options.cancel
+    }
+
     /// Arc lengths of the stations in m.
     #[must_use]
     pub fn stations(&self) -> &[f64] {
@@ -131,7 +139,7 @@ impl Linkage {
         obstacle::refuse(self.kind, case)?;
         loads::refuse(&self.robot, self.kind, &case.loads)?;
         let Workspace { scratch, loads, commands, tensions, .. } = &mut *workspace;
-        loads.gather(&self.robot, &self.sections, &case.loads, case.base.rotation);
+        loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
         commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {
             let drive = self.options.drive;
@@ -145,10 +153,11 @@ impl Linkage {
                 *tension = cable.tension.unwrap_or(0.0).max(0.0);
             }
         }
-        let effort = self.settle(warm_start.is_some(), workspace).map_err(|failure| {
+        let settled = self.settle(warm_start.is_some(), workspace).map_err(|failure| {
             let name = |i: usize| self.robot.cables()[i].name.clone();
             failure.explain(&workspace.commands, &self.rest_lengths, name)
-        })?;
+        });
+        let effort = self.options.cancel.checked(settled)?;
         Ok(self.solution(case, effort, workspace))
     }
 
@@ -164,8 +173,15 @@ impl Linkage {
         }
     }
 
-    fn task<'a>(&'a self, loads: &'a DiskLoads, tensions: &'a [f64]) -> Task<'a> {
-        Task { division: &self.division, sections: &self.sections, loads, fraction: 1.0, tensions }
+    fn task<'a>(&'a self, loads: &'a AppliedLoads, tensions: &'a [f64]) -> Task<'a> {
+        Task {
+            division: &self.division,
+            sections: &self.sections,
+            loads,
+            fraction: 1.0,
+            tensions,
+            cancel: &self.options.cancel,
+        }
     }
 
     /// Equilibrium under the commands.
@@ -185,14 +201,13 @@ impl Linkage {
                 scratch.settle(&task, tolerance)
             };
         }
-        let given = Given { length: self.robot.backbone().length, commands, bracket: true };
-        let mut rod = Responder {
-            task: self.task(loads, &[]),
-            tolerance,
-            scratch,
-            effort: Effort::default(),
-            failure: None,
+        let given = Given {
+            length: self.robot.backbone().length,
+            commands,
+            bracket: true,
+            cancel: &self.options.cancel,
         };
+        let mut rod = Responder::new(self.task(loads, &[]), tolerance, scratch);
         let solved = lengths::solve(&given, tensions, &mut rod, search);
         let Responder { effort, failure, .. } = rod;
         solved.map_err(|fault| {

@@ -25,6 +25,8 @@ pub(super) struct Motion {
     pub turn: [Vec3; MOST],
     /// By what each coordinate moves it, `p_a = ∂p/∂q_a`, in m.
     pub shift: [Vec3; MOST],
+    /// The part of the section's length at which it ends, 1 for the whole section.
+    reach: f64,
     /// Each joint: the frame before it, its rotation, and from where on what it bends is rigid.
     joints: [(Mat3, Swing, Vec3); JOINTS],
 }
@@ -38,22 +40,40 @@ fn about_z(angle: f64) -> Mat3 {
 impl Motion {
     /// Of a section of this length, eq. (1).
     pub fn new(division: &Division, length: f64, q: &Coordinates) -> Self {
+        Self::up_to(division, length, q, 1.0)
+    }
+
+    /// Of the cross-section at a fraction `t` of a section of this length, eq. (9).
+    pub fn up_to(division: &Division, length: f64, q: &Coordinates, t: f64) -> Self {
         let half = about_z(0.5 * q[0]);
-        let mut motion = Self::default();
+        let mut motion = Self { reach: t, ..Self::default() };
         let mut frame = half;
-        let mut place = Vec3::Z * (division.first * length);
+        let whole = t >= 1.0;
+        let mut left = if whole { f64::INFINITY } else { t };
+        let mut place = Vec3::Z * (left.min(division.first) * length);
+        left -= division.first;
         for (k, joint) in division.joints.iter().enumerate() {
-            let swing = Swing::new(q[1 + 2 * k], q[2 + 2 * k]);
+            if left <= 0.0 {
+                break;
+            }
+            let part = (left / joint.link).min(1.0);
+            let swing = if division.is_arc {
+                Swing::new(part * q[1 + 2 * k], part * q[2 + 2 * k]).of_part(part)
+            } else {
+                Swing::new(q[1 + 2 * k], q[2 + 2 * k])
+            };
+            let reached = part * joint.link * length;
+            left -= joint.link;
             let before = frame;
             frame = frame * swing.rotation;
             let link = joint.link * length;
             // What a joint moves is rigid beyond its place, what an arc does beyond its end.
             let rigid = if division.is_arc { place + before * swing.arc * link } else { place };
-            place = if division.is_arc { rigid } else { place + frame.column(2) * link };
+            place = if division.is_arc { rigid } else { place + frame.column(2) * reached };
             motion.joints[k] = (before, swing, rigid);
         }
         motion.end = place;
-        motion.rotation = frame * half;
+        motion.rotation = frame * if whole { half } else { about_z((t - 0.5) * q[0]) };
         for k in 0..division.joints.len() {
             let (before, swing, rigid) = motion.joints[k];
             for c in 0..2 {
@@ -65,7 +85,7 @@ impl Motion {
                 (motion.turn[1 + 2 * k + c], motion.shift[1 + 2 * k + c]) = (turn, shift);
             }
         }
-        motion.turn[0] = (Vec3::Z + frame.column(2)) * 0.5;
+        motion.turn[0] = Vec3::Z * 0.5 + frame.column(2) * (t - 0.5);
         motion.shift[0] = Vec3::Z.cross(place) * 0.5;
         motion
     }
@@ -79,18 +99,15 @@ impl Motion {
         force: Vec3,
     ) -> [[f64; MOST]; MOST] {
         let count = division.coordinates();
-        let normal = self.rotation.column(2);
+        let normal = self.rotation.column(2) * (self.reach - 0.5);
         let mut by = [[0.0; MOST]; MOST];
         for a in 0..count {
             for b in 0..count {
                 let (turn, shift) = match (a, b) {
-                    (0, 0) => (
-                        Vec3::Z.cross(normal) * 0.25,
-                        Vec3::Z.cross(Vec3::Z.cross(self.end)) * 0.25,
-                    ),
-                    (0, b) => {
-                        (self.turn[b].cross(normal) * 0.5, Vec3::Z.cross(self.shift[b]) * 0.5)
+                    (0, 0) => {
+                        (Vec3::Z.cross(normal) * 0.5, Vec3::Z.cross(Vec3::Z.cross(self.end)) * 0.25)
                     }
+                    (0, b) => (self.turn[b].cross(normal), Vec3::Z.cross(self.shift[b]) * 0.5),
                     (a, 0) => {
                         (Vec3::Z.cross(self.turn[a]) * 0.5, Vec3::Z.cross(self.shift[a]) * 0.5)
                     }
@@ -197,14 +214,19 @@ mod tests {
     fn derivatives_are_those_of_differences() {
         let (length, step) = (0.03, 1e-6);
         let (moment, force) = (Vec3::new(0.3, -0.8, 0.5), Vec3::new(20.0, 30.0, -10.0));
-        for division in divisions() {
+        let places = [0.07, 0.2, 0.6, 0.93, 1.0];
+        for (division, t) in divisions().iter().flat_map(|d| places.map(|t| (*d, t))) {
             let q = first(&division, &Q);
             let at = |b: usize, step: f64| {
                 let mut q = q;
                 q[b] += step;
-                Motion::new(&division, length, &q)
+                Motion::up_to(&division, length, &q, t)
             };
             let motion = at(0, 0.0);
+            let pose = pose_at(&division, length, &q, t);
+            assert!((pose.position - motion.end).max_abs() < 1e-16);
+            let off = pose.rotation.to_matrix() - motion.rotation;
+            assert!(off.rows.iter().all(|row| row.max_abs() < 1e-15));
             let second = motion.second(&division, length, moment, force);
             for b in 0..division.coordinates() {
                 let (ahead, behind) = (at(b, step), at(b, -step));

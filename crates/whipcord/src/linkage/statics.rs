@@ -3,7 +3,7 @@
 use super::chain::{Asked, Chain, Elimination, Task, bend};
 use super::layout::Section;
 use super::motion::Coordinates;
-use crate::cosserat::lengths::{Note, Responds};
+use crate::cosserat::lengths::{Note, Responds, Stage};
 use crate::cosserat::outcome::Failure;
 use crate::cosserat::section::SectionFault;
 use crate::cosserat::unloaded::Fault;
@@ -11,6 +11,10 @@ use crate::shape::Wrench;
 
 /// Newton iterations at most.
 const MAX_ITERATIONS: usize = 40;
+/// The same from a neighbouring equilibrium in a search for lengths, which takes a shorter step otherwise.
+const FEW_ITERATIONS: usize = 12;
+/// How many steps of that search in a row may end before a fold.
+const PATIENCE: usize = 8;
 /// A coordinate changes by no more than this in one step, in rad.
 const LONGEST_STEP: f64 = 0.8;
 const SHORTEST_FRACTION: f64 = 1e-3;
@@ -20,6 +24,18 @@ const ROUNDING: f64 = 1e3;
 const NEARLY_FOLDED: f64 = 2.0;
 /// Shortest step along the load, as a fraction of it.
 const LEAST_STEP: f64 = 1e-4;
+/// The same under tensions that a search for lengths tries: where they have no equilibrium it tries others.
+const LEAST_TRIED_STEP: f64 = 0.02;
+/// How many tensions its first stage brings on from rest where no equilibrium is found near the last one.
+const RESCUES: usize = 3;
+/// Newton iterations for each stage of that search.
+const fn allowance(stage: Stage) -> usize {
+    match stage {
+        Stage::Tensions => 600,
+        Stage::Contradiction => 600,
+        Stage::Part => 150,
+    }
+}
 
 /// Memory of a solve.
 #[derive(Clone, Debug, Default)]
@@ -30,6 +46,8 @@ pub(super) struct Scratch {
     /// The last equilibrium along the load.
     reached: Vec<Coordinates>,
     pub length_by_tension: Vec<f64>,
+    /// Newton iterations since the memory was made, those in vain among them.
+    spent: usize,
 }
 
 /// How a solve went.
@@ -51,15 +69,27 @@ impl Scratch {
         strict: bool,
         effort: &mut Effort,
     ) -> bool {
-        let Self { chain, before, .. } = self;
+        self.close_within(MAX_ITERATIONS, task, tolerance, strict, effort)
+    }
+
+    /// The same in so many iterations.
+    fn close_within(
+        &mut self,
+        iterations: usize,
+        task: &Task<'_>,
+        tolerance: f64,
+        strict: bool,
+        effort: &mut Effort,
+    ) -> bool {
+        let Self { chain, before, spent, .. } = self;
         let how = Elimination { shift: 0.0, asked: Asked::Step };
         let mut residual = chain.evaluate(task);
-        for _ in 0..MAX_ITERATIONS {
+        for _ in 0..iterations {
             effort.residual = residual;
             if residual <= tolerance {
                 return true;
             }
-            if !residual.is_finite() {
+            if !residual.is_finite() || task.cancel.is_cancelled() {
                 return false;
             }
             chain.linearise(task);
@@ -68,6 +98,7 @@ impl Scratch {
                 _ => return false,
             }
             effort.iterations += 1;
+            *spent += 1;
             before.clone_from(&chain.q);
             let longest = chain.steps.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
             let mut fraction = (LONGEST_STEP / longest).min(1.0);
@@ -110,18 +141,51 @@ impl Scratch {
         self.settle(task, tolerance)
     }
 
+    /// Equilibrium from where the chain is, and where none is found there, from rest if it is `thorough`. Where
+    /// there is none the chain stays as it was.
+    fn settle_beside(
+        &mut self,
+        task: &Task<'_>,
+        tolerance: f64,
+        thorough: bool,
+    ) -> Result<Effort, Failure> {
+        let mut effort = Effort::default();
+        let start = self.chain.q.clone();
+        if self.close_within(FEW_ITERATIONS, task, tolerance, false, &mut effort) {
+            return Ok(effort);
+        }
+        let found = match thorough {
+            true => self.settle_in_steps(task, tolerance, LEAST_TRIED_STEP),
+            false => Err(self.failure(task, 0.0, effort)),
+        };
+        if found.is_err() {
+            self.chain.q = start;
+        }
+        found
+    }
+
     /// Equilibrium from rest: at once, else along the load. Where that loses its stability on the way, it is
     /// followed on all the same.
     pub fn settle(&mut self, task: &Task<'_>, tolerance: f64) -> Result<Effort, Failure> {
+        self.settle_in_steps(task, tolerance, LEAST_STEP)
+    }
+
+    /// The same, in steps along the load that are no shorter than `least` of it.
+    fn settle_in_steps(
+        &mut self,
+        task: &Task<'_>,
+        tolerance: f64,
+        least: f64,
+    ) -> Result<Effort, Failure> {
         let mut effort = Effort::default();
         self.chain.rest(task.sections);
         if !self.is_strong(task) && self.close(task, tolerance, true, &mut effort) {
             return Ok(effort);
         }
-        match self.along_the_load(task, tolerance, true, effort) {
+        match self.along_the_load(task, tolerance, (true, least), effort) {
             Err(Failure::NotConverged { last_load, .. } | Failure::Folds { last_load, .. }) => {
                 effort.lost_at = Some(last_load);
-                self.along_the_load(task, tolerance, false, effort)
+                self.along_the_load(task, tolerance, (false, least), effort)
             }
             other => other,
         }
@@ -143,7 +207,7 @@ impl Scratch {
         &mut self,
         task: &Task<'_>,
         tolerance: f64,
-        strict: bool,
+        (strict, least): (bool, f64),
         mut effort: Effort,
     ) -> Result<Effort, Failure> {
         self.chain.rest(task.sections);
@@ -158,7 +222,7 @@ impl Scratch {
                 self.reached.clone_from(&self.chain.q);
             } else {
                 step *= 0.5;
-                if step < LEAST_STEP {
+                if step < least || task.cancel.is_cancelled() {
                     self.chain.q.clone_from(&self.reached);
                     return Err(self.failure(task, at, effort));
                 }
@@ -265,21 +329,88 @@ pub(super) struct Responder<'a> {
     pub effort: Effort,
     /// Why the last tensions had no answer.
     pub failure: Option<Failure>,
+    /// Newton iterations of the memory at which the effort that is allowed ends.
+    allowed: usize,
+    /// How many more tensions are brought on from rest.
+    rescues: usize,
+    /// Where the last search began, and the last tensions that had an answer: searches begin there again.
+    began: Option<Known>,
+    last: Option<Known>,
+}
+
+/// An equilibrium and its tensions.
+#[derive(Clone, Debug)]
+struct Known {
+    tensions: Vec<f64>,
+    q: Vec<Coordinates>,
+}
+
+impl<'a> Responder<'a> {
+    /// Of a task whose tensions are to be found.
+    pub fn new(task: Task<'a>, tolerance: f64, scratch: &'a mut Scratch) -> Self {
+        let (effort, failure) = (Effort::default(), None);
+        let (began, last) = (None, None);
+        Self {
+            task,
+            tolerance,
+            scratch,
+            effort,
+            failure,
+            allowed: usize::MAX,
+            rescues: 0,
+            began,
+            last,
+        }
+    }
+
+    /// The equilibrium where a search begins: the one that is known at these tensions, else the one that grows from rest.
+    fn begin(&mut self, task: &Task<'_>) -> Result<Effort, Failure> {
+        let known = [&self.last, &self.began].into_iter().flatten();
+        let known = known.into_iter().find(|known| known.tensions == task.tensions).cloned();
+        if let Some(known) = known {
+            self.scratch.chain.q.clone_from(&known.q);
+            let mut effort = Effort::default();
+            if self.scratch.close_within(FEW_ITERATIONS, task, self.tolerance, false, &mut effort) {
+                self.began = Some(known);
+                return Ok(effort);
+            }
+        }
+        let found = self.scratch.settle(task, self.tolerance);
+        if found.is_ok() {
+            let (tensions, q) = (task.tensions.to_vec(), self.scratch.chain.q.clone());
+            self.began = Some(Known { tensions, q });
+        }
+        found
+    }
 }
 
 impl Responds for Responder<'_> {
     fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
         let task = Task { tensions, ..self.task };
         let settled = if warm {
-            self.scratch.settle_near(&task, self.tolerance, false)
+            let beside = self.scratch.settle_beside(
+                &task,
+                self.tolerance,
+                self.rescues > 0 && !self.is_spent(),
+            );
+            self.rescues -= usize::from(beside.is_err() && self.rescues > 0);
+            beside
         } else {
-            self.scratch.settle(&task, self.tolerance)
+            // Where a search starts is not of its own making.
+            let spent = self.scratch.spent;
+            let settled = self.begin(&task);
+            self.allowed = self.allowed.saturating_add(self.scratch.spent - spent);
+            settled
         };
         let unsettled = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
         match settled {
             Ok(effort) => {
                 self.effort.iterations += effort.iterations;
                 self.effort.residual = effort.residual;
+                let last = self.last.get_or_insert_with(|| Known { tensions: vec![], q: vec![] });
+                last.tensions.clear();
+                last.tensions.extend_from_slice(tensions);
+                last.q.clone_from(&self.scratch.chain.q);
             }
             Err(failure) => {
                 self.failure = Some(failure);
@@ -300,6 +431,19 @@ impl Responds for Responder<'_> {
 
     fn length_by_tension(&self) -> &[f64] {
         &self.scratch.length_by_tension
+    }
+
+    fn allow(&mut self, stage: Stage) {
+        self.allowed = self.scratch.spent + allowance(stage);
+        self.rescues = if stage == Stage::Tensions { RESCUES } else { 0 };
+    }
+
+    fn patience(&self) -> usize {
+        PATIENCE
+    }
+
+    fn is_spent(&self) -> bool {
+        self.scratch.spent >= self.allowed
     }
 
     fn note(&mut self, _note: &Note, _tensions: &[f64]) {}

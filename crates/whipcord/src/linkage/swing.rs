@@ -52,6 +52,17 @@ impl Swing {
         }
         swing
     }
+
+    /// The same with derivatives by `b` where this is the swing of `part · b`; the arc is that of `part` of the length.
+    pub fn of_part(mut self, part: f64) -> Self {
+        let square = part * part;
+        self.arc *= part;
+        self.turn = self.turn.map(|v| v * part);
+        self.arc_by = self.arc_by.map(|v| v * square);
+        self.turn_by = self.turn_by.map(|row| row.map(|v| v * square));
+        self.arc_by_twice = self.arc_by_twice.map(|row| row.map(|v| v * (square * part)));
+        self
+    }
 }
 
 /// Of `c₂ = (1 − cos β)/β²` and `c₃ = (β − sin β)/β³` the value and two derivatives by `x = β²`.

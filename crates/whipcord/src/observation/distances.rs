@@ -3,28 +3,33 @@
 use thiserror::Error;
 use whipcord_numerics::{Pose, Vec3};
 
-use super::{Observation, Place, Seen, is_reversed, places};
+use super::places::places_in_steps;
+use super::{Observation, Place, Seen, is_reversed};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::model::ModelKind;
 use crate::registration::{Alignment, RegistrationError, align};
-use crate::robot::Robot;
+use crate::robot::{Disks, Robot};
 use crate::shape::Solution;
 
-/// An answer beside what was measured in space.
+/// The answers to all steps of a case beside what was measured in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distances {
     /// The markers.
     pub markers: Vec<Apart>,
-    /// How the measurement was moved onto the answer, where that was asked for.
+    /// How the measurement was moved onto the answers, where that was asked for.
     pub motion: Option<Pose>,
 }
 
 /// A marker that was measured, and where a model has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apart {
+    /// The step of actuation in which it was measured, from 0.
+    pub step: usize,
     /// Number of the disk, from 1, whose centre it is.
     pub disk: Option<usize>,
+    /// Where on the backbone it is, in m.
+    pub arc_length: f64,
     /// Where it was measured, in m, after the measurement was moved.
     pub measured: Vec3,
     /// Where the model has it.
@@ -44,29 +49,66 @@ pub enum Incomparable {
     Motion(#[from] RegistrationError),
 }
 
+impl Apart {
+    /// Distance in m of the model's place from the measured one.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        (self.model - self.measured).norm()
+    }
+}
+
 impl Distances {
-    /// Root mean square distance in m over the markers that are not at the base, which holds them whatever
-    /// the model says; `None` where there are none.
+    /// The markers that are not at the base, which holds them whatever the model says. They are what
+    /// [`Self::rms`] is taken over.
+    pub fn moving(&self) -> impl Iterator<Item = &Apart> {
+        self.markers.iter().filter(|marker| !marker.at_base)
+    }
+
+    /// In how many steps a marker was measured that is not at the base.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        let mut steps: Vec<usize> = self.moving().map(|marker| marker.step).collect();
+        steps.sort_unstable();
+        steps.dedup();
+        steps.len()
+    }
+
+    /// Root mean square distance in m over the markers of all steps that are not at the base; `None` where
+    /// there are none.
     #[must_use]
     pub fn rms(&self) -> Option<f64> {
-        let moving = self.markers.iter().filter(|marker| !marker.at_base);
-        root_mean_square(moving.map(|marker| (marker.model - marker.measured).norm()))
+        root_mean_square(self.moving().map(Apart::distance))
     }
 
-    /// Whether the centres of disks fit far better in opposite order.
+    /// Whether in any step the centres of disks fit far better in opposite order.
     #[must_use]
     pub fn is_reversed(&self) -> bool {
-        let disks = self.markers.iter().filter_map(|marker| {
-            let place = marker.disk? as f64;
-            Some((place, marker.measured.to_array(), marker.model.to_array()))
-        });
-        is_reversed(&disks.collect::<Vec<_>>())
+        let mut disks: Vec<(&Apart, usize)> =
+            self.markers.iter().filter_map(|marker| Some((marker, marker.disk?))).collect();
+        disks.sort_by_key(|(marker, _)| marker.step);
+        disks.chunk_by(|(a, _), (b, _)| a.step == b.step).any(|step| {
+            let of_step: Vec<_> = step
+                .iter()
+                .map(|(marker, disk)| {
+                    (*disk as f64, marker.measured.to_array(), marker.model.to_array())
+                })
+                .collect();
+            is_reversed(&of_step)
+        })
     }
 
-    /// Where a disk was, by its number from 1.
+    /// Where a disk was in a step, by its number from 1 and the number of the step from 0.
     #[must_use]
-    pub fn disk(&self, number: usize) -> Option<Vec3> {
-        Some(self.markers.iter().find(|marker| marker.disk == Some(number))?.measured)
+    pub fn disk(&self, step: usize, number: usize) -> Option<Vec3> {
+        let is_it = |marker: &&Apart| marker.step == step && marker.disk == Some(number);
+        Some(self.markers.iter().find(is_it)?.measured)
+    }
+
+    /// Root mean square distance in m of a disk over all steps in which it was measured, by its number from 1.
+    #[must_use]
+    pub fn rms_of_disk(&self, number: usize) -> Option<f64> {
+        let of_disk = self.markers.iter().filter(|marker| marker.disk == Some(number));
+        root_mean_square(of_disk.map(Apart::distance))
     }
 }
 
@@ -77,44 +119,53 @@ pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> Option<f64>
     (count > 0).then(|| (sum / count as f64).sqrt())
 }
 
-/// What was measured in space after the last step of a case: each with its position in m, in the frame of the
-/// measurement.
-pub fn in_space<'a>(
-    case: &Case,
-    observations: &'a [Observation],
-) -> impl Iterator<Item = (&'a Observation, Vec3)> {
-    let last = case.before.len();
-    observations.iter().filter(move |observation| observation.step == last).filter_map(
-        |observation| match observation.seen {
-            Seen::Position(position) => Some((observation, position)),
-            Seen::Pixel { .. } => None,
-        },
-    )
+/// What was measured in space in any step: each with its position in m, in the frame of the measurement.
+pub fn in_space(observations: &[Observation]) -> impl Iterator<Item = (&Observation, Vec3)> {
+    observations.iter().filter_map(|observation| match observation.seen {
+        Seen::Position(position) => Some((observation, position)),
+        Seen::Pixel { .. } => None,
+    })
 }
 
-/// Where what was measured in space after the last step lies beside an answer, in m in the world: moved onto that as
-/// `alignment` says.
+/// Positions in m, in the world, of what was measured in space in the last step: moved onto the answers as
+/// `alignment` says, by the motion that [`distances`] finds from all steps.
 ///
 /// # Errors
-/// As [`distances`], where it has to be moved.
+/// As [`distances`], where the measurement has to be moved.
 pub fn measured_in_world(
     kind: ModelKind,
     robot: &Robot,
     case: &Case,
-    solution: &Solution,
+    answers: &[&Solution],
     observations: &[Observation],
     alignment: Alignment,
 ) -> Result<Vec<Vec3>, Incomparable> {
+    let last = case.before.len();
     if alignment == Alignment::None {
-        return Ok(in_space(case, observations).map(|(_, position)| position).collect());
+        let of_last = in_space(observations).filter(|(seen, _)| seen.step == last);
+        return Ok(of_last.map(|(_, position)| position).collect());
     }
-    let moved = distances(kind, robot, case, solution, observations, alignment)?;
+    let moved = distances(kind, robot, case, answers, observations, alignment)?;
     let markers = moved.into_iter().flat_map(|distances| distances.markers);
-    Ok(markers.map(|marker| marker.measured).collect())
+    Ok(markers.filter(|marker| marker.step == last).map(|marker| marker.measured).collect())
 }
 
-/// Compares an answer at the disks with what was measured in space after the last step, moved onto it as
-/// `alignment` says; `None` where nothing was. What was seen is on the robot.
+/// The disk, from 0, at a place: also one that is given by the arc length of a disk, but for rounding.
+fn disk_at(place: Place, disks: &Disks) -> Option<usize> {
+    const ROUNDING: f64 = 1e-9;
+    match place {
+        Place::Disk(disk) => Some(disk),
+        Place::ArcLength(s) => {
+            let near = ROUNDING * disks.arc_lengths.last()?;
+            disks.arc_lengths.iter().position(|disk| (disk - s).abs() <= near)
+        }
+    }
+}
+
+/// Compares the answers to all steps of a case, at the disks, with what was measured in space in each step;
+/// `None` where nothing was. Where `alignment` asks for it, the measurement is moved onto the answers by one
+/// motion for all steps: the frame of the measurement stays where it is while the robot moves. The answers are in
+/// the order of the steps, one for a case without steps. What was seen is on the robot.
 ///
 /// # Errors
 /// [`Incomparable`] where a marker has no place in the model, or the motion is not fixed.
@@ -122,24 +173,27 @@ pub fn distances(
     kind: ModelKind,
     robot: &Robot,
     case: &Case,
-    solution: &Solution,
+    answers: &[&Solution],
     observations: &[Observation],
     alignment: Alignment,
 ) -> Result<Option<Distances>, Incomparable> {
-    let seen: Vec<_> = in_space(case, observations).collect();
+    let seen: Vec<_> =
+        in_space(observations).filter(|(seen, _)| seen.step < answers.len()).collect();
     if seen.is_empty() {
         return Ok(None);
     }
-    let model = places(kind, robot, case, solution, seen.iter().map(|(seen, _)| *seen))
-        .map_err(Incomparable::Between)?;
+    let markers: Vec<&Observation> = seen.iter().map(|(seen, _)| *seen).collect();
+    let model =
+        places_in_steps(kind, robot, case, answers, &markers).map_err(Incomparable::Between)?;
     let mut markers: Vec<Apart> = seen
         .into_iter()
         .zip(model)
         .map(|((seen, measured), model)| Apart {
-            disk: match seen.place {
-                Place::Disk(disk) if seen.offset == Vec3::ZERO => Some(disk + 1),
-                _ => None,
-            },
+            step: seen.step,
+            disk: disk_at(seen.place, robot.disks())
+                .filter(|_| seen.offset == Vec3::ZERO)
+                .map(|disk| disk + 1),
+            arc_length: seen.place.arc_length(robot.disks()),
             measured,
             model,
             at_base: seen.place.arc_length(robot.disks()) == 0.0,

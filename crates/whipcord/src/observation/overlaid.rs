@@ -5,9 +5,9 @@ use whipcord_numerics::Vec3;
 use super::distances::root_mean_square;
 use super::{Observation, Place, Seen, is_reversed, places};
 use crate::camera::{Camera, Miss};
-use crate::case::{Case, Drive};
+use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::{Model, ModelKind, Stations};
+use crate::model::{Model, Stations};
 use crate::robot::Robot;
 use crate::shape::{Shape, Solution};
 
@@ -103,28 +103,27 @@ impl Overlaid {
     }
 }
 
-/// Solves a case, through all its steps, and says how far the answer is from the markers that a camera saw.
-/// `stations` is how many a picture needs.
+/// Solves a case, through all its steps, by a model and says how far the answer is from the markers that a camera saw.
+/// `stations` is how many a picture needs; those of the model itself do not matter.
 ///
 /// # Errors
 /// [`SolveError`] where the model has no answer.
 pub fn overlay(
-    kind: ModelKind,
+    model: &Model,
     robot: &Robot,
     case: &Case,
     camera: &Camera,
     markers: &[InImage],
     stations: usize,
 ) -> Result<Overlaid, SolveError> {
-    let at = |stations| Model::new(kind, stations, Drive::Natural);
-    let mut prepared = at(Stations::Disks).prepare(robot, &case.loads)?;
+    let mut prepared = model.at(Stations::Disks).prepare(robot, &case.loads)?;
     let solution = prepared.solve_to_the_end(case).map_err(|(_, error)| error)?;
     let follow = |stations| -> Result<Shape, SolveError> {
-        let mut prepared = at(stations).prepare(robot, &case.loads)?;
+        let mut prepared = model.at(stations).prepare(robot, &case.loads)?;
         Ok(prepared.solve(case, Some(&solution))?.shape)
     };
     let fine = follow(Stations::Equal(stations)).unwrap_or_else(|_| solution.shape.clone());
-    let places = places(kind, robot, case, &solution, markers.iter().map(|marker| &marker.seen))?;
+    let places = places(model, robot, case, &solution, markers.iter().map(|marker| &marker.seen))?;
     let misses = places.into_iter().zip(markers).map(|(place, m)| camera.miss(place, m.pixel).ok());
     let misses = misses.collect();
     Ok(Overlaid { solution, fine, misses })

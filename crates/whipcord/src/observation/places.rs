@@ -7,7 +7,7 @@ use crate::case::{Case, Drive};
 use crate::error::SolveError;
 use crate::model::{Model, ModelKind, Stations};
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::shape::{Shape, Solution};
 
 /// The places in m, in the world, at which an answer of the model, at the disks, has the markers. For those
 /// between disks it is solved for once more, from the answer. The markers are on the robot.
@@ -15,7 +15,7 @@ use crate::shape::Solution;
 /// # Errors
 /// [`SolveError`] where it is not found between the disks.
 pub fn places<'a>(
-    kind: ModelKind,
+    model: &Model,
     robot: &Robot,
     case: &Case,
     solution: &Solution,
@@ -29,8 +29,12 @@ pub fn places<'a>(
     let stations: Vec<f64> = markers.iter().filter_map(between).collect();
     let mut there = Vec::new();
     if !stations.is_empty() {
-        let model = Model::new(kind, Stations::At(stations), Drive::Natural);
-        there = model.prepare(robot, &case.loads)?.solve(case, Some(solution))?.shape.poses;
+        there = model
+            .at(Stations::At(stations))
+            .prepare(robot, &case.loads)?
+            .solve(case, Some(solution))?
+            .shape
+            .poses;
     }
     let mut there = there.into_iter();
     let place = |marker: &&Observation| {
@@ -41,4 +45,72 @@ pub fn places<'a>(
         pose.map(|pose| pose.transform(marker.offset))
     };
     Ok(markers.iter().filter_map(place).collect())
+}
+
+/// As [`places`], of markers that were seen in any of the steps of a case, from the answers to all its steps.
+///
+/// # Errors
+/// [`SolveError`] where an answer is not found between the disks.
+pub(super) fn places_in_steps(
+    kind: ModelKind,
+    robot: &Robot,
+    case: &Case,
+    answers: &[&Solution],
+    markers: &[&Observation],
+) -> Result<Vec<Vec3>, SolveError> {
+    let between = |marker: &Observation| match marker.place {
+        Place::ArcLength(s) => Some(s),
+        Place::Disk(_) => None,
+    };
+    let mut stations: Vec<f64> = markers.iter().filter_map(|marker| between(marker)).collect();
+    stations.sort_by(f64::total_cmp);
+    stations.dedup();
+    let mut needed = vec![false; answers.len()];
+    for marker in markers.iter().filter(|marker| between(marker).is_some()) {
+        if let Some(needed) = needed.get_mut(marker.step) {
+            *needed = true;
+        }
+    }
+    let shapes = if stations.is_empty() {
+        vec![None; answers.len()]
+    } else {
+        shapes_at(kind, robot, case, answers, &stations, &needed)?
+    };
+    let place = |marker: &&Observation| {
+        let pose = match marker.place {
+            Place::Disk(disk) => answers.get(marker.step)?.disks.poses.get(disk),
+            Place::ArcLength(s) => {
+                let station = stations.partition_point(|station| *station < s);
+                shapes.get(marker.step)?.as_ref()?.poses.get(station)
+            }
+        };
+        pose.map(|pose| pose.transform(marker.offset))
+    };
+    Ok(markers.iter().filter_map(place).collect())
+}
+
+/// The shapes at these stations of the answers that are needed.
+fn shapes_at(
+    kind: ModelKind,
+    robot: &Robot,
+    case: &Case,
+    answers: &[&Solution],
+    stations: &[f64],
+    needed: &[bool],
+) -> Result<Vec<Option<Shape>>, SolveError> {
+    let model = Model::new(kind, Stations::At(stations.to_vec()), Drive::Natural);
+    let mut prepared = model.prepare(robot, &case.loads)?;
+    let mut shapes = Vec::with_capacity(answers.len());
+    if kind == ModelKind::CosseratDisks && answers.len() > 1 {
+        // With friction in the holes, an answer depends on all steps before it.
+        prepared
+            .solve_steps(case, |solution| shapes.push(Some(solution.shape)))
+            .map_err(|(_, error)| error)?;
+        return Ok(shapes);
+    }
+    for ((step, answer), needed) in case.steps().zip(answers).zip(needed) {
+        let followed = needed.then(|| prepared.solve(&step, Some(answer))).transpose()?;
+        shapes.push(followed.map(|solution| solution.shape));
+    }
+    Ok(shapes)
 }

@@ -30,10 +30,10 @@ pub struct MeshFile {
     pub scale: f64,
 }
 
-/// Most triangles: as many take minutes to draw and gigabytes to hold.
-const MOST_TRIANGLES: usize = 2_000_000;
-
 impl Mesh {
+    /// Most triangles: as many take minutes to draw and a gigabyte to hold.
+    pub const MOST_TRIANGLES: usize = 2_000_000;
+
     /// The body that these triangles enclose. Vertices are in m, in the frame of the obstacle;
     /// vertices at the same place are one.
     ///
@@ -46,8 +46,9 @@ impl Mesh {
         if triangles.is_empty() {
             return Err(refused(Problem::NoTriangles));
         }
-        if triangles.len() > MOST_TRIANGLES {
-            return Err(refused(Problem::TooMany { given: triangles.len(), most: MOST_TRIANGLES }));
+        let (given, most) = (triangles.len(), Self::MOST_TRIANGLES);
+        if given > most {
+            return Err(refused(Problem::TooMany { given, most }));
         }
         for (k, &vertex) in vertices.iter().enumerate() {
             limits::COORDINATE.check_vector(&format!("mesh.vertices[{k}]"), vertex)?;

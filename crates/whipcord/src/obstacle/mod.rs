@@ -103,9 +103,9 @@ pub(crate) fn refuse_for(what: &str, model: ModelKind, case: &Case) -> Result<()
     }
     Err(SolveError::Unsupported {
         model,
-        path: format!("the question for {what}"),
-        what: "among obstacles",
-        advice: "leave them out, or solve neighbouring cases",
+        path: format!("a request for {what}"),
+        what: "the case has obstacles",
+        advice: "remove the obstacles, or take finite differences of neighbouring solutions",
     })
 }
 

@@ -6,6 +6,7 @@
 use core::fmt;
 use core::str::FromStr;
 
+use crate::cancel::Cancel;
 use crate::case::Drive;
 use crate::error::SolveError;
 use crate::linkage::division::{Division, Joint};
@@ -28,12 +29,15 @@ pub struct Options {
     pub residual: f64,
     /// Lengths of the bodies and stiffness of the joints.
     pub coefficients: Coefficients,
+    /// Ends a solve from outside.
+    pub cancel: Cancel,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        let linkage::Options { stations, drive, stability, residual } = Default::default();
-        Self { stations, drive, stability, residual, coefficients: Coefficients::default() }
+        let linkage::Options { stations, drive, stability, residual, cancel } = Default::default();
+        let coefficients = Coefficients::default();
+        Self { stations, drive, stability, residual, coefficients, cancel }
     }
 }
 
@@ -116,7 +120,7 @@ impl FromStr for Coefficients {
 /// # Errors
 /// As [`crate::piecewise_constant_curvature::build`].
 pub fn build(robot: &Robot, options: &Options) -> Result<Linkage, SolveError> {
-    let Options { stations, drive, stability, residual, coefficients } = options.clone();
-    let options = linkage::Options { stations, drive, stability, residual };
+    let Options { stations, drive, stability, residual, coefficients, cancel } = options.clone();
+    let options = linkage::Options { stations, drive, stability, residual, cancel };
     Linkage::new(robot, ModelKind::PseudoRigidBody, coefficients.division(), options)
 }

@@ -5,6 +5,7 @@ use super::disks::Disks;
 use super::error::{Problem, RobotError};
 use super::limits::{
     CURVATURE, DENSITY, LENGTH, LINEAR_DENSITY, MODULUS, POISSON_RATIO, SHEAR_CORRECTION,
+    YIELD_STRAIN,
 };
 use super::section::{Section, SectionProperties};
 use super::stiffness::{Held, Stiffness};
@@ -67,6 +68,9 @@ pub struct Material {
     pub shear_modulus: Option<f64>,
     /// Density in kg/m³, needed only where weight matters.
     pub density: Option<f64>,
+    /// Strain up to which the material is elastic. No model computes with it: an answer that exceeds it
+    /// gets a [warning](crate::warning).
+    pub yield_strain: Option<f64>,
 }
 
 /// Rest curvature in the body frame, 1/m: (bending about x, bending about y, twist).
@@ -232,6 +236,7 @@ impl Backbone {
             ("backbone.shear_modulus", material.shear_modulus, MODULUS),
             ("backbone.poisson_ratio", material.poisson_ratio, POISSON_RATIO),
             ("backbone.density", material.density, DENSITY),
+            ("backbone.yield_strain", material.yield_strain, YIELD_STRAIN),
             ("backbone.shear_correction", Some(self.shear_correction), SHEAR_CORRECTION),
         ];
         for (path, value, range) in given {

@@ -1,6 +1,8 @@
+use whipcord_numerics::equally_spaced;
+
 use super::backbone::Backbone;
 use super::error::{Problem, RobotError};
-use super::limits::{COORDINATE, LEAST_PITCH, LENGTH, MASS};
+use super::limits::{COORDINATE, LEAST_PITCH, LENGTH, MASS, MOST_DISKS, check_count};
 
 /// The perforated disks, base disk first.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +19,8 @@ pub struct Disks {
     /// It matters only where there are obstacles.
     pub outer_radius: Option<f64>,
     /// Thickness of the disks in m, whose rims are rounded with half of it; a tenth of the outer
-    /// radius where none is given. It matters only where there are obstacles.
+    /// radius where none is given. It matters only where there are obstacles, but is never more than the distance of two
+    /// disks or twice the radius of one.
     pub thickness: Option<f64>,
 }
 
@@ -26,12 +29,8 @@ impl Disks {
     /// circle of radius `hole_circle_radius`.
     #[must_use]
     pub fn equally_spaced(length: f64, count: usize, hole_circle_radius: f64) -> Self {
-        let last = count.saturating_sub(1).max(1) as f64;
-        let arc_lengths = (0..count)
-            .map(|i| if i + 1 == count { length } else { length * i as f64 / last })
-            .collect();
         Self {
-            arc_lengths,
+            arc_lengths: equally_spaced(0.0, length, count).collect(),
             hole_circle_radii: vec![hole_circle_radius; count],
             holes: None,
             mass: 0.0,
@@ -75,6 +74,7 @@ impl Disks {
                 Problem::TooFew { given: s.len(), least: 2 },
             ));
         }
+        check_count("disks.count", s.len(), MOST_DISKS)?;
         for (i, &value) in s.iter().enumerate() {
             let path = format!("disks.positions[{i}]");
             COORDINATE.check(&path, value)?;
@@ -110,5 +110,33 @@ impl Disks {
             length.map_or(Ok(()), |length| LENGTH.check(path, length))?;
         }
         MASS.check("disks.mass", self.mass)
+    }
+
+    /// Disks do not reach into one another, and half of the thickness, which rounds the rim, is no more than the radius.
+    pub(super) fn check_thickness(&self, backbone: &Backbone) -> Result<(), RobotError> {
+        // Numbers written in millimetres differ by rounding.
+        const ROUNDING: f64 = 1e-9;
+        let Some(thickness) = self.thickness else { return Ok(()) };
+        let refused = |problem| Err(RobotError::new("disks.thickness", problem));
+        for (first, pair) in self.arc_lengths.windows(2).enumerate() {
+            let spacing = pair[1] - pair[0];
+            if thickness > spacing * (1.0 + ROUNDING) {
+                return refused(Problem::ThickerThanSpacing { thickness, spacing, first });
+            }
+        }
+        for (disk, &arc_length) in self.arc_lengths.iter().enumerate() {
+            let radius = self.rim_radius(disk).max(backbone.outer_radius_at(self, arc_length));
+            if radius > 0.0 && thickness > 2.0 * radius * (1.0 + ROUNDING) {
+                return refused(Problem::ThickerThanWide { thickness, radius, disk });
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the first and the last disk, whose positions may differ from the ends of the backbone by rounding, exactly there.
+    pub(super) fn snap_to_ends(&mut self, backbone: &Backbone) {
+        if let [first, .., last] = &mut self.arc_lengths[..] {
+            (*first, *last) = (0.0, backbone.length);
+        }
     }
 }

@@ -3,6 +3,7 @@ use thiserror::Error;
 use whipcord_numerics::Vec3;
 
 use super::limits::{Range, number};
+use crate::digits::{Round, millimetres};
 
 /// A quantity of a robot or a case that cannot be.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -295,6 +296,32 @@ pub enum Problem {
         pitch: f64,
         /// Least distance in m.
         least: f64,
+    },
+    /// Disks that reach into one another.
+    #[error(
+        "must be at most {}, the distance from disk {} to disk {}, but is {}",
+        millimetres(*spacing, Round::Down), first + 1, first + 2, millimetres(*thickness, Round::Up)
+    )]
+    ThickerThanSpacing {
+        /// Thickness given in m.
+        thickness: f64,
+        /// Distance of two disks in m.
+        spacing: f64,
+        /// The first of the two, from 0.
+        first: usize,
+    },
+    /// A disk that is thicker than wide, so that half of its thickness does not fit its rim.
+    #[error(
+        "must be at most {}, twice the outer radius of disk {}, but is {}",
+        millimetres(2.0 * radius, Round::Down), disk + 1, millimetres(*thickness, Round::Up)
+    )]
+    ThickerThanWide {
+        /// Thickness given in m.
+        thickness: f64,
+        /// Outer radius of the disk in m.
+        radius: f64,
+        /// The disk, from 0.
+        disk: usize,
     },
     /// A stretch of a distributed load that is all but a point.
     #[error(

@@ -46,6 +46,8 @@ pub const SECTION_STIFFNESS: Range = Range::from(1e-18, 1e36, "N");
 pub const BENDING_STIFFNESS: Range = Range::from(1e-30, 1e36, "N·m²");
 /// An entry of the stiffness matrix beside its diagonal.
 pub const COUPLING: Range = Range::either_way(1e36, "");
+/// The strain up to which a material is elastic: from that of a brittle one to far above that of rubber.
+pub const YIELD_STRAIN: Range = Range::from(1e-6, 100.0, "");
 /// The mass of a disk, or of what the robot carries.
 pub const MASS: Range = Range::from(0.0, 1e9, "kg");
 /// A component of a curvature: to that of a circle as small as 1 nm.
@@ -86,6 +88,10 @@ pub const LENS_TILT: Range = Range::either_way(1.5, "rad");
 pub const SUPERELLIPSOID_EXPONENT: Range = Range::from(0.1, 1.9, "");
 /// A factor on the lengths of a triangle mesh.
 pub const MESH_SCALE: Range = Range::from(1e-12, 1e12, "");
+/// Most cables of a robot. Memory for the derivatives of their lengths grows with the square of their number.
+pub const MOST_CABLES: usize = 100;
+/// Most disks of a robot.
+pub const MOST_DISKS: usize = 2_000;
 /// Greatest coefficient of a polynomial, whatever its power.
 const LARGEST_COEFFICIENT: f64 = 1e100;
 /// Least distance in m between neighbouring disks.
@@ -157,6 +163,14 @@ impl Range {
             format!("at least {}", self.with_unit(self.least))
         }
     }
+}
+
+/// Refuses a list of more than `most` entries.
+pub(crate) fn check_count(path: &str, given: usize, most: usize) -> Result<(), RobotError> {
+    if given > most {
+        return Err(RobotError::new(path, Problem::TooMany { given, most }));
+    }
+    Ok(())
 }
 
 /// What may be given: "from 1e-9 m to 1e6 m".

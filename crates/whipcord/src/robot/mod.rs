@@ -13,6 +13,8 @@ mod section;
 mod section_change;
 mod stiffness;
 
+use whipcord_numerics::{GAUSS_3, Vec3};
+
 pub use along::{Along, Linear};
 pub use backbone::{Backbone, Material, RestCurvature};
 pub use cable::{Cable, Interpolation, Routing};
@@ -54,10 +56,17 @@ impl Robot {
     /// # Errors
     /// [`RobotError`] with the path of the offending quantity when a number is out of its range or
     /// the parts do not fit together.
-    pub fn new(backbone: Backbone, disks: Disks, cables: Vec<Cable>) -> Result<Self, RobotError> {
+    pub fn new(
+        backbone: Backbone,
+        mut disks: Disks,
+        cables: Vec<Cable>,
+    ) -> Result<Self, RobotError> {
+        limits::check_count("cables", cables.len(), limits::MOST_CABLES)?;
         backbone.check(&disks)?;
         disks.check(&backbone)?;
+        disks.snap_to_ends(&backbone);
         backbone.check_with(&disks)?;
+        disks.check_thickness(&backbone)?;
         let mut routes = Vec::with_capacity(cables.len());
         for (index, cable) in cables.iter().enumerate() {
             if let Some(first) = cables[..index].iter().position(|c| c.name == cable.name) {
@@ -106,5 +115,51 @@ impl Robot {
     #[must_use]
     pub fn routes(&self) -> &[Route] {
         &self.routes
+    }
+
+    /// Length in m of the part of a cable inside the robot at rest, where the cable follows the curve of its
+    /// routing. A cable that runs straight from hole to hole is no longer than that.
+    #[must_use]
+    pub fn cable_length(&self, cable: usize) -> f64 {
+        let Some(route) = self.routes.get(cable) else { return 0.0 };
+        let mut places = vec![0.0];
+        places.extend_from_slice(route.breakpoints());
+        places.push(route.end());
+        self.rest_length(cable, &places)
+    }
+
+    /// Length in m of a cable on the rod at rest: by Gauss quadrature between the breakpoints, in pieces
+    /// that are halved until nothing changes.
+    pub(crate) fn rest_length(&self, cable: usize, breakpoints: &[f64]) -> f64 {
+        const MAX_HALVINGS: usize = 12;
+        let route = &self.routes[cable];
+        let stretch = |s: f64| {
+            let point = route.at(s);
+            let u = self.backbone.rest_curvature_at(&self.disks, s);
+            (Vec3::Z + u.cross(point.offset) + point.slope).norm()
+        };
+        let piece = |from: f64, h: f64| {
+            h * (0..3)
+                .map(|j| GAUSS_3.weights[j] * stretch(from + GAUSS_3.nodes[j] * h))
+                .sum::<f64>()
+        };
+        let reached = breakpoints.partition_point(|&s| s <= route.end());
+        let total = |pieces: usize| -> f64 {
+            let between = |pair: &[f64]| {
+                let h = (pair[1] - pair[0]) / pieces as f64;
+                (0..pieces).map(|i| piece(pair[0] + i as f64 * h, h)).sum::<f64>()
+            };
+            breakpoints[..reached].windows(2).map(between).sum()
+        };
+        let mut length = total(1);
+        for halvings in 1..=MAX_HALVINGS {
+            let finer = total(1 << halvings);
+            let change = (finer - length).abs();
+            length = finer;
+            if change <= 1e-13 * length {
+                break;
+            }
+        }
+        length
     }
 }

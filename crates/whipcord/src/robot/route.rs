@@ -37,6 +37,9 @@ pub(super) enum Curve {
     Polynomial { x: Vec<f64>, y: Vec<f64> },
 }
 
+/// How far from a disk a cable that ends there may be said to end, relative to the length of the backbone.
+const AT_DISK: f64 = 1e-6;
+
 impl Route {
     pub(super) fn new(
         cable: &Cable,
@@ -94,6 +97,9 @@ impl Route {
             Some(end) => {
                 LENGTH.check("ends_at", end)?;
                 check_on_backbone("ends_at", end, length)?;
+                // Where a written length is that of a disk but for rounding, the cable ends at the disk.
+                let disk = disks.arc_lengths.iter().find(|s| (end - **s).abs() < AT_DISK * length);
+                let end = disk.copied().unwrap_or(end);
                 if end > longest {
                     let problem = Problem::BeyondLastHole { value: end, last: longest };
                     return Err(RobotError::new("ends_at", problem));

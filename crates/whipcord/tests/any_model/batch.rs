@@ -107,8 +107,22 @@ fn rows_are_single_solves_in_the_order_given() {
             assert!(matches!(batch.outcomes()[40], Err(SolveError::Invalid(_))));
             assert!(matches!(batch.outcomes()[41], Err(SolveError::Invalid(_))));
             let width = 30;
-            assert!(batch.positions()[5 * width..6 * width].iter().all(|x| *x == 0.0));
-            assert!(batch.positions().iter().all(|x| x.is_finite()));
+            // A row without an answer holds NaN everywhere, and no other row does.
+            let of_row = |numbers: &[f64], width: usize, row: usize| -> Vec<bool> {
+                numbers[row * width..(row + 1) * width].iter().map(|x| x.is_nan()).collect()
+            };
+            for row in 0..83 {
+                let failed = batch.outcomes()[row].is_err();
+                for (numbers, width) in [
+                    (batch.positions(), width),
+                    (batch.orientations(), 40),
+                    (batch.tensions(), cables),
+                    (batch.lengths(), cables),
+                ] {
+                    assert!(of_row(numbers, width, row).iter().all(|nan| *nan == failed));
+                }
+            }
+            assert!(batch == batch.clone());
             assert_eq!(batch.outcomes().iter().filter(|o| o.is_err()).count(), 3);
         }
     }

@@ -8,7 +8,12 @@ mod common;
 
 mod base_pose;
 mod batch;
+mod cancelled;
+#[allow(clippy::print_stdout, reason = "prints the table of docs/theory/critical-loads.md")]
+mod critical_loads;
 mod driven;
+mod equilibrium;
 mod gradients;
 mod limits;
 mod locked;
+mod surface_strain;

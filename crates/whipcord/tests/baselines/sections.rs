@@ -1,5 +1,6 @@
 //! Sections of an arc or of rigid bodies: against the rods, closed forms and virtual work.
 
+use proptest::prelude::*;
 use whipcord::cosserat::Accuracy;
 use whipcord::pseudo_rigid_body::{Coefficients, Options};
 use whipcord::{
@@ -424,5 +425,113 @@ fn what_the_sections_cannot_take_is_refused_by_name() {
                 matches!(error, SolveError::NotConverged { last_load, .. } if last_load < 1.0);
             assert!(is_reason, "{error:?}");
         }
+    }
+}
+
+/// What became of lengths.
+#[derive(Debug, PartialEq)]
+enum Fate {
+    Met,
+    Refused,
+    /// With how far they can be had, and refused again at that.
+    RefusedTwice,
+}
+
+/// Lengths are met or refused; those out of reach with how far they can be had, all shortened in the same proportion.
+fn fate(kind: ModelKind, robot: &Robot, shortenings: &[f64], loads: &Loads) -> Fate {
+    let case = |part: f64| {
+        let scaled = |&s: &f64| Shortening::Length(if s > 0.0 { part * s } else { s });
+        let shortenings: Vec<Shortening> = shortenings.iter().map(scaled).collect();
+        Case { loads: loads.clone(), ..Case::with_shortenings(&shortenings) }
+    };
+    match try_solve(kind, robot, &case(1.0)) {
+        Ok(solution) => {
+            for (cable, shortening) in solution.cables.iter().zip(shortenings) {
+                let excess = cable.length - (cable.initial_length - shortening);
+                assert!(excess < 1e-11 && (cable.slack || excess > -1e-11), "{excess:e}");
+            }
+            Fate::Met
+        }
+        Err(SolveError::UnreachableLength { cable, requested, reachable }) => {
+            let number: usize = cable.rsplit(' ').next().unwrap().parse().unwrap();
+            assert!((requested - shortenings[number]).abs() < 1e-12 && reachable < requested);
+            if loads.is_none() && reachable > 0.0 {
+                let part = reachable / requested;
+                if try_solve(kind, robot, &case(0.999 * part)).is_err() {
+                    return Fate::RefusedTwice;
+                }
+            }
+            Fate::Refused
+        }
+        Err(SolveError::ContradictoryLengths { misses }) => {
+            assert!(misses.len() > 1 && misses.iter().all(|miss| miss.excess > 0.0));
+            Fate::Refused
+        }
+        Err(SolveError::TensionsNotFound) => Fate::Refused,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn random_lengths() -> impl Strategy<Value = (Robot, Vec<f64>)> {
+    let cable = (0.0..360.0_f64, -0.5..0.5_f64, -0.08..0.16_f64);
+    (proptest::collection::vec(cable, 1..5), 2..14_usize).prop_map(|(cables, sections)| {
+        let routings = cables.iter().map(|&(at, turns, _)| helix(at, turns)).collect();
+        (rod(sections, routings), cables.iter().map(|cable| cable.2).collect())
+    })
+}
+
+#[test]
+fn lengths_out_of_reach_are_refused_with_what_can_be_had() {
+    for kind in [PCC, PRB] {
+        let of = |(robot, shortenings): (Robot, Vec<f64>)| {
+            fate(kind, &robot, &shortenings, &Loads::default())
+        };
+        let fates: Vec<Fate> = samples(random_lengths(), 60).map(of).collect();
+        let count = |fate: Fate| fates.iter().filter(|found| **found == fate).count();
+        let [met, refused, twice] = [Fate::Met, Fate::Refused, Fate::RefusedTwice].map(count);
+        assert!(met > 30 && refused > 3 && twice <= 3, "{kind}: {met} {refused} {twice}");
+    }
+}
+
+/// How long refusals take:
+/// `cargo test --release -p whipcord --test baselines refusals_are_quick -- --ignored --nocapture`
+#[test]
+#[ignore = "a measurement"]
+#[allow(clippy::print_stdout, reason = "a measurement tells what it found")]
+fn refusals_are_quick() {
+    for kind in [PCC, PRB] {
+        let (mut refused, mut solved) = (Vec::new(), Vec::new());
+        let mut kinds = std::collections::BTreeMap::<&str, usize>::new();
+        for (robot, shortenings) in samples(random_lengths(), 300) {
+            let lengths: Vec<_> = shortenings.iter().map(|&s| Shortening::Length(s)).collect();
+            for push in [Vec3::ZERO, Vec3::new(0.05, 0.02, -0.03)] {
+                let loads = Loads { tip_force: push, ..Loads::default() };
+                let case = Case { loads, ..Case::with_shortenings(&lengths) };
+                let start = std::time::Instant::now();
+                let answer = try_solve(kind, &robot, &case);
+                let time = 1e3 * start.elapsed().as_secs_f64();
+                let name = match answer {
+                    Ok(_) => "solved",
+                    Err(SolveError::UnreachableLength { .. }) => "unreachable",
+                    Err(SolveError::ContradictoryLengths { .. }) => "contradictory",
+                    Err(SolveError::TensionsNotFound) => "not found",
+                    Err(_) => "other",
+                };
+                *kinds.entry(name).or_default() += 1;
+                (if name == "solved" { &mut solved } else { &mut refused }).push(time);
+            }
+        }
+        for (name, list) in [("solved", &mut solved), ("refused", &mut refused)] {
+            list.sort_by(f64::total_cmp);
+            let at = |part: f64| list[((list.len() - 1) as f64 * part) as usize];
+            println!(
+                "{kind} {name}: median {:.2} ms, 90 % {:.2} ms, 99 % {:.2} ms, most {:.2} ms",
+                at(0.5),
+                at(0.9),
+                at(0.99),
+                at(1.0)
+            );
+        }
+        println!("{kind} {kinds:?}");
     }
 }

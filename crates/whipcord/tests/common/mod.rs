@@ -150,6 +150,14 @@ pub fn solve_lengths(robot: &Robot, case: &Case) -> Result<Solution, SolveError>
     solve_with(options, robot, case)
 }
 
+/// How stable the shape is that the load leads to: the stability value of the answer, or where the robot has left
+/// that shape for another one, by how much the fraction of the load at which it did falls short of all of it.
+pub fn stability_of_path(solution: &Solution) -> f64 {
+    let diagnostics = &solution.diagnostics;
+    let left = diagnostics.stability_lost_at.filter(|_| diagnostics.is_stable() == Some(true));
+    left.map_or_else(|| diagnostics.stability.unwrap(), |load| load - 1.0)
+}
+
 pub fn tensions(solution: &Solution) -> Vec<f64> {
     solution.cables.iter().map(|c| c.tension.unwrap()).collect()
 }
@@ -365,6 +373,7 @@ fn assemble(wild: Wildness, parts: Parts) -> (Robot, Case) {
         poisson_ratio: Some(poisson),
         shear_modulus: None,
         density: Some(1000.0),
+        yield_strain: None,
     };
     let backbone = Backbone {
         section: Some(scaled(&section, diameter, length)),

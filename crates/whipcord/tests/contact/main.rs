@@ -1,11 +1,17 @@
 //! Robots among obstacles.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[allow(dead_code, reason = "other binaries use other parts of it")]
+#[path = "../common/mod.rs"]
+mod common;
 
 mod cosserat;
 mod four_bar;
 mod friction;
 mod grasp;
+mod limits;
+mod overlap;
 mod pipe;
 
 use whipcord::cosserat::{Cosserat, Options, Workspace};

@@ -106,7 +106,7 @@ fn buckling_load(backbone: &Backbone) -> f64 {
     let stability = |force: f64| {
         let case = tip_force(Vec3::new(0.0, 0.0, -force));
         let options = Options { accuracy: Accuracy::Steps(64), ..Options::default() };
-        solve_with(options, &robot, &case).unwrap().diagnostics.stability.unwrap()
+        common::stability_of_path(&solve_with(options, &robot, &case).unwrap())
     };
     let (mut low, mut high) = (0.5, 5.0);
     assert!(stability(low) > 0.0 && stability(high) < 0.0);

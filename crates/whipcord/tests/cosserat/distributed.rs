@@ -264,8 +264,9 @@ fn a_column_buckles_under_any_form_of_its_weight() {
     let options = Options { accuracy: Accuracy::Steps(48), ..Options::default() };
     let value = |robot: &Robot, case: &Case| {
         let solution = solve_with(options.clone(), robot, case).unwrap();
-        assert!(solution.disks.tip().position.x.abs() < 1e-9);
-        solution.diagnostics.stability.unwrap()
+        let left = solution.diagnostics.stability_lost_at.is_some();
+        assert!(left || solution.disks.tip().position.x.abs() < 1e-9);
+        common::stability_of_path(&solution)
     };
     for factor in [0.5, 1.0 - 1e-4, 1.0 + 1e-4, 1.3] {
         let weight = factor * GREENHILL;

@@ -321,7 +321,7 @@ fn cables_that_do_not_fit_under_the_load_are_named() {
 fn a_pair_shortened_alike_compresses_the_rod() {
     let robot = paper_robot(vec![straight(0.0), straight(180.0)]);
     let stiffness = 1.1e9 * core::f64::consts::PI / 4.0 * 9e-6;
-    for (shortening, force) in [(1e-3, 0.0), (1e-3, 5.0), (2e-3, -10.0), (1e-5, -0.1)] {
+    for (shortening, force) in [(1e-3, 0.0), (1e-3, 5.0), (2e-3, -0.3), (1e-5, -0.1)] {
         let case = shortened(&[shortening, shortening], force * Vec3::Z);
         let solution = solve_lengths(&robot, &case).unwrap();
         let exact = 0.5 * (stiffness * shortening / 0.18 + force);

@@ -173,5 +173,5 @@ fn what_has_no_derivatives_is_refused() {
     cables[0].friction = Some(0.1);
     robot = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap();
     let error = ask(ModelKind::CosseratDisks, &robot, 0.18);
-    assert!(error.to_string().contains("when pulled and when released"), "{error}");
+    assert!(error.to_string().contains("differs between pulling and releasing"), "{error}");
 }

@@ -1,6 +1,6 @@
 //! The model with cables straight from hole to hole: limits, equilibrium, symmetries.
 
-use crate::common::{helix, paper_backbone, paper_disks, paper_robot, straight};
+use crate::common::{helix, paper_backbone, paper_disks, paper_robot, stability_of_path, straight};
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::Options;
 use whipcord::{
@@ -177,7 +177,7 @@ fn stability_is_that_of_the_continuous_model_in_the_limit() {
         let case = Case { loads, ..Case::with_tensions(tensions) };
         let least = |kind| {
             let model = Model::new(kind, Default::default(), Default::default());
-            model.solve(&robot, &case).unwrap().diagnostics.stability.unwrap()
+            stability_of_path(&model.solve(&robot, &case).unwrap())
         };
         let (disks, continuous) = (least(ModelKind::CosseratDisks), least(ModelKind::Cosserat));
         assert!((disks - continuous).abs() < tolerance, "{disks} {continuous}");

@@ -4,6 +4,7 @@
 
 mod at_a_place;
 mod derivatives;
+mod free_lengths;
 mod many_sections;
 mod one_cable;
 mod oracle;

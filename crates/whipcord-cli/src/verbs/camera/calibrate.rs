@@ -19,18 +19,19 @@ use crate::quantity::{degrees, fixed, number};
 use crate::style::Style;
 use crate::table::{Align, Table};
 
-/// Find the lens of a camera, from photographs of a chessboard or a ChArUco board
+/// Calibrate the lens of a camera from photographs of a chessboard or a ChArUco board
 ///
-/// Takes some ten sharp photographs in which the board is tilted differently, by some 30°, and comes near to all edges
-/// of the picture, at one zoom and focus. Says how far each is off and how sure the numbers are, and which photographs
-/// show no board that could be used, and why. Writes the lens in OpenCV's format, for `camera locate`.
+/// Use about ten sharp photographs at fixed zoom and focus, with the board tilted by about 30° in
+/// different directions and reaching all edges of the picture. Prints the reprojection error of
+/// each photograph, the parameters with their uncertainty, and the photographs that cannot be used
+/// with the reason. Writes the lens in the format of OpenCV, for `camera locate`.
 #[derive(Debug, Args)]
 pub struct CalibrateArgs {
     /// Photographs of the board, PNG or JPEG
     #[arg(required = true)]
     photos: Vec<PathBuf>,
-    /// The board: chessboard:9x6 with the number of inner corners, where four squares meet, along and across, or
-    /// charuco:8x6 with the number of squares
+    /// Board: chessboard:9x6 with the number of inner corners along and across, or charuco:8x6 with
+    /// the number of squares
     #[arg(long, value_name = "BOARD")]
     board: String,
     /// Side of a square, as "25 mm"
@@ -39,10 +40,10 @@ pub struct CalibrateArgs {
     /// Side of the markers of a ChArUco board, as "18 mm"
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     marker: Option<f64>,
-    /// OpenCV's name of the dictionary that the markers of a ChArUco board are from, as DICT_4X4_50
+    /// Name in OpenCV of the marker dictionary of a ChArUco board, as DICT_4X4_50
     #[arg(long, value_name = "NAME")]
     dictionary: Option<String>,
-    /// Distortion coefficients that are sought, in OpenCV's order; the others are zero
+    /// Distortion coefficients to estimate, in the order of OpenCV; the others are zero
     #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
     distortion: Distortion,
     /// Camera file to write, .yml or .json
@@ -55,21 +56,21 @@ pub struct CalibrateArgs {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Distortion {
-    /// A lens that bends nothing
+    /// No distortion
     None,
     /// k1 and k2
     K1k2,
-    /// k1 k2 p1 p2
+    /// k1, k2, p1 and p2
     #[value(name = "4")]
     Four,
-    /// These and k3
+    /// k1, k2, p1, p2 and k3
     #[default]
     #[value(name = "5")]
     Five,
-    /// These and k4 k5 k6
+    /// The five and k4, k5, k6
     #[value(name = "8")]
     Eight,
-    /// These and s1 s2 s3 s4
+    /// The eight and s1, s2, s3, s4
     #[value(name = "12")]
     Twelve,
 }

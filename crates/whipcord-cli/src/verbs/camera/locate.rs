@@ -10,28 +10,28 @@ use whipcord_io::{camera_text, load_camera, load_markers};
 use super::format_of;
 use crate::failure::Failure;
 use crate::files;
-use crate::inputs::{self, read_one};
+use crate::inputs::{self, Settings, read_one};
 use crate::quantity::{number, vector};
 use crate::style::Style;
 
-/// Find where a camera is, from a photograph of the robot before actuation
+/// Find the pose of a camera from a photograph of the robot before actuation
 ///
-/// The robot of the file at rest, without its loads, is what the camera sees: its disks, or markers on
-/// its backbone. Writes the camera with its place, in OpenCV's format, for [[measured.cameras]] and for
-/// pictures.
+/// The photograph must show the robot of the file without actuation and loads, with its disks or
+/// with markers on its backbone. Writes the camera with its pose in the format of OpenCV, for
+/// [[measured.cameras]].
 #[derive(Debug, Args)]
 pub struct LocateArgs {
     /// Robot file
     file: PathBuf,
-    /// Where the markers are in the photograph: CSV with the columns disk or arc_length, u, v, and offset_x, offset_y,
-    /// offset_z (m) of markers beside the axis
+    /// CSV file with the pixels of the markers: columns disk or arc_length, u, v, and for markers
+    /// beside the axis offset_x, offset_y, offset_z in m
     #[arg(long, value_name = "CSV")]
     markers: PathBuf,
-    /// Camera file with the lens, as OpenCV calibrates it; without one the camera is scaled orthographic, and
-    /// its scale is found, too
+    /// Camera file with the lens, as calibrated by OpenCV; by default the camera is scaled
+    /// orthographic, and its scale is estimated as well
     #[arg(long, value_name = "CAMERA")]
     lens: Option<PathBuf>,
-    /// Direction x,y,z of the world in which the camera looks, needed where all markers are on one line
+    /// Viewing direction x,y,z of the camera in the world; needed if all markers lie on one line
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     view: Option<Vec3>,
     /// Camera file to write, .yml or .json
@@ -50,7 +50,7 @@ fn direction(text: &str) -> Result<Vec3, String> {
 /// What was done, in words.
 pub fn run(args: &LocateArgs, style: Style) -> Result<String, Failure> {
     let format = args.output.as_deref().map(format_of).transpose()?;
-    let file = read_one(&args.file)?;
+    let file = read_one(&args.file, &Settings::default())?;
     let unusable = |error| Failure::Input(inputs::message(&error));
     let lens = args.lens.as_deref().map(load_camera).transpose().map_err(unusable)?;
     let markers = load_markers(&args.markers, &file.robot).map_err(unusable)?;

@@ -11,7 +11,7 @@ use whipcord_io::CameraFormat;
 use crate::failure::Failure;
 use crate::style::Style;
 
-/// Cameras that photograph the robot
+/// Calibrate and locate the cameras that photograph the robot
 #[derive(Debug, Args)]
 pub struct CameraArgs {
     #[command(subcommand)]

@@ -2,6 +2,24 @@
 
 use crate::source::Span;
 
+/// Columns of a table that is read; some of them may be of no concern here.
+const MOST_COLUMNS: usize = 20;
+/// Rows of a table that is read,
+const MOST_ROWS: usize = 500_000;
+/// and values in all of them, which take about a hundred bytes each.
+const MOST_VALUES: usize = 5_000_000;
+
+/// What is wrong with the size of a table, if anything.
+pub(super) fn too_large(rows: usize, columns: usize) -> Option<String> {
+    if columns > MOST_COLUMNS {
+        return Some(format!("the table has {columns} columns; up to {MOST_COLUMNS} are read"));
+    }
+    let most = MOST_ROWS.min(MOST_VALUES / columns.max(1));
+    (rows > most).then(|| {
+        format!("the table has {rows} rows of {columns} columns; up to {most} of them are read")
+    })
+}
+
 /// Columns and rows.
 #[derive(Debug)]
 pub(super) struct Grid {

@@ -1,11 +1,14 @@
 //! `[measured]`: where the disks and markers of the real robot were.
 
+mod columns;
 mod csv;
 mod extent;
 mod grid;
 mod parquet;
 mod rows;
+mod thrift;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use whipcord::camera::Camera;
@@ -13,12 +16,11 @@ use whipcord::registration::Alignment;
 use whipcord::{Observation, Place, Robot, Seen, Vec3};
 
 use crate::check::Fields;
-use crate::error::{FileError, Problems};
+use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::Node;
 use crate::source::{Sources, Span, quoted};
 use grid::Grid;
-use rows::Known;
 
 /// What was seen of the real robot.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,10 +72,33 @@ pub(crate) struct Extent {
     pub length: Option<f64>,
     /// Steps of actuation; 0 where there is one alone.
     pub steps: usize,
+    /// Whether its base is at the origin of the frame of the measurement.
+    pub at_origin: bool,
 }
 
 /// Units that lengths may have in a table.
 pub const LENGTH_UNITS: [&str; 5] = ["m", "cm", "mm", "um", "in"];
+
+/// What is known beside the table.
+#[derive(Clone, Copy, Debug)]
+struct Known<'a> {
+    robot: Extent,
+    /// Name of the unit of lengths in the table.
+    unit: &'static str,
+    /// Standard deviation of a position in m, where a row does not give its own.
+    deviation: Option<f64>,
+    /// That of a place in an image in pixels.
+    pixel_deviation: Option<f64>,
+    /// Names of the cameras.
+    cameras: &'a [&'a str],
+    /// Whether the table is that of one photograph, whatever it calls its camera and step.
+    one_photograph: bool,
+}
+
+/// What is wrong with a table, and what to do.
+fn problem(message: impl Into<String>, help: impl Into<Cow<'static, str>>) -> FileProblem {
+    FileProblem::Measured { message: message.into(), help: help.into() }
+}
 
 /// Reads the files that `[measured]`, the table at `node`, names.
 pub(crate) fn read(
@@ -88,7 +113,7 @@ pub(crate) fn read(
     if let Some(value) = pixel_deviation.filter(|value| *value <= 0.0) {
         let message = format!("`pixel_deviation` must be above 0, but is {value}");
         let help = "give the standard deviation of a place in an image in pixels, say 0.3";
-        problems.push(node.locate("pixel_deviation").span, || rows::problem(message, help));
+        problems.push(node.locate("pixel_deviation").span, || problem(message, help));
     }
     let named = node.locate("disks").span;
     let path = sources.resolve(named.file, fields.text("disks")?);
@@ -106,17 +131,19 @@ pub(crate) fn read(
         one_photograph: false,
     };
     let Known { unit, deviation, .. } = known;
+    let asked = fields.text("registration");
+    let alignment = Alignment::ALL.into_iter().find(|way| asked == Some(way.name()));
+    let alignment = alignment.unwrap_or_default();
+    let at_origin = robot.at_origin && alignment == Alignment::default();
+    let known = Known { robot: Extent { at_origin, ..robot }, ..known };
     let observations = rows::observations(&grid, &known, problems)?;
     if let Some(message) = extent::problem(&observations, &known) {
         let help = "say in `unit` of [measured] in which unit the lengths are: m, cm, mm, um or in";
-        problems.push(grid.header, || rows::problem(message, help));
+        problems.push(grid.header, || problem(message, help));
         return None;
     }
     let last = robot.steps.saturating_sub(1);
     let disks = observations.iter().filter(|seen| seen.step == last).filter_map(centre).collect();
-    let asked = fields.text("registration");
-    let alignment = Alignment::ALL.into_iter().find(|way| asked == Some(way.name()));
-    let alignment = alignment.unwrap_or_default();
     let cameras = cameras?;
     Some(Measured {
         observations,
@@ -144,6 +171,7 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
             disks: Some(robot.disks().arc_lengths.len()),
             length: Some(robot.backbone().length),
             steps: 0,
+            at_origin: false,
         },
         unit: LENGTH_UNITS[0],
         deviation: None,
@@ -156,7 +184,7 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
         let in_image = markers.iter().all(|marker| marker.seen.is_in_image());
         if !in_image {
             problems.push(grid.header, || {
-                rows::problem("markers in a photograph have the columns `u` and `v`", rows::PIXELS)
+                problem("markers in a photograph have the columns `u` and `v`", rows::PIXELS)
             });
         }
         Some(markers)
@@ -181,7 +209,7 @@ fn table(
     let (grid, text) = match read {
         Ok((grid, text)) => (Some(grid), Some(text)),
         Err((message, help)) => {
-            problems.push(Span::new(file, 0, 0), || rows::problem(message, help));
+            problems.push(Span::new(file, 0, 0), || problem(message, help));
             (None, None)
         }
     };
@@ -209,7 +237,7 @@ fn cameras(
             let related = Some((first, "it is first given here"));
             let message = format!("there are two cameras `{}`", quoted(name));
             problems.push_related(span("name"), related, || {
-                rows::problem(message, "give each camera a name of its own")
+                problem(message, "give each camera a name of its own")
             });
         }
         let named = span("file");

@@ -1,77 +1,25 @@
 //! What the rows of a table say that was seen.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use whipcord::robot::limits::{COORDINATE, LENGTH};
 use whipcord::{Observation, Place, Seen, Vec3};
 
-use super::Extent;
+use super::columns::{Column, HEADER, Read, columns};
 use super::grid::{Cell, Grid, Row};
-use crate::error::{FileProblem, Problems};
+use super::{Known, extent, problem};
+use crate::error::Problems;
 use crate::source::{Span, quoted};
-use crate::suggest;
 use crate::units::{Dimension, listed, parse_quantity};
-
-/// What is known beside the table.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Known<'a> {
-    pub robot: Extent,
-    /// Name of the unit of lengths in the table.
-    pub unit: &'static str,
-    /// Standard deviation of a position in m, where a row does not give its own.
-    pub deviation: Option<f64>,
-    /// That of a place in an image in pixels.
-    pub pixel_deviation: Option<f64>,
-    /// Names of the cameras.
-    pub cameras: &'a [&'a str],
-    /// Whether the table is that of one photograph, whatever it calls its camera and step.
-    pub one_photograph: bool,
-}
 
 /// No image is so large.
 const FARTHEST_PIXEL: f64 = 1e6;
 
-/// A column, and what stands in it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Column {
-    Step,
-    Disk,
-    ArcLength,
-    Offset(usize),
-    Position(usize),
-    Pixel(usize),
-    Camera,
-    Deviation,
-    Confidence,
-}
-
-const COLUMNS: [(&str, Column); 14] = [
-    ("step", Column::Step),
-    ("disk", Column::Disk),
-    ("arc_length", Column::ArcLength),
-    ("offset_x", Column::Offset(0)),
-    ("offset_y", Column::Offset(1)),
-    ("offset_z", Column::Offset(2)),
-    ("x", Column::Position(0)),
-    ("y", Column::Position(1)),
-    ("z", Column::Position(2)),
-    ("u", Column::Pixel(0)),
-    ("v", Column::Pixel(1)),
-    ("camera", Column::Camera),
-    ("deviation", Column::Deviation),
-    ("confidence", Column::Confidence),
-];
-
-pub(super) const HEADER: &str =
-    "the first line names the columns, `disk,x,y,z`; then one line per disk, positions in m";
 pub(super) const PIXELS: &str =
     "u is the column and v the row in pixels, the centre of the first pixel at (0, 0)";
 const NUMBERS: &str =
     "write lengths as plain numbers with a decimal point, in m or in the `unit` of [measured]";
-
-pub(super) fn problem(message: impl Into<String>, help: &'static str) -> FileProblem {
-    FileProblem::Measured { message: message.into(), help }
-}
 
 /// All that was seen, by step, then by place. `None` when something was refused, which has been
 /// reported.
@@ -81,7 +29,7 @@ pub(super) fn observations(
     problems: &mut Problems,
 ) -> Option<Vec<Observation>> {
     let columns = columns(grid, known, problems)?;
-    let mut reader = Reader { columns, known, problems, refused: false };
+    let mut reader = Reader { columns, known, problems, refused: false, other_unit: false };
     let mut seen = Vec::new();
     let mut first = HashMap::new();
     for row in &grid.rows {
@@ -111,6 +59,14 @@ pub(super) fn observations(
         problems.push(grid.header, || problem(message, HEADER));
         return None;
     }
+    let unit = reader.unit(Column::ArcLength);
+    if let Some((message, help)) = extent::arc_lengths(&seen, unit, known) {
+        let header = grid.columns.iter().zip(&reader.columns);
+        let mut header = header.filter(|(_, read)| read.column == Column::ArcLength);
+        let span = header.next().map_or(grid.header, |(cell, _)| cell.span);
+        problems.push(span, || problem(message, help));
+        return None;
+    }
     seen.sort_by(|a, b| a.step.cmp(&b.step).then(order(a.place).total_cmp(&order(b.place))));
     Some(seen)
 }
@@ -130,73 +86,13 @@ fn named(place: Place) -> String {
     }
 }
 
-/// Which column each cell is of.
-fn columns(grid: &Grid, known: &Known<'_>, problems: &mut Problems) -> Option<Vec<Column>> {
-    let find = |name: &str| COLUMNS.iter().find(|(known, _)| *known == name).map(|(_, c)| *c);
-    let names = || grid.columns.iter().map(|cell| cell.value.text().unwrap_or_default());
-    if names().all(|name| find(name).is_none()) {
-        problems.push(grid.header, || problem("this line must name the columns", HEADER));
-        return None;
-    }
-    let mut columns = Vec::new();
-    for (name, cell) in names().zip(&grid.columns) {
-        match find(name) {
-            Some(column) if columns.contains(&column) => {
-                let message = format!("the column `{name}` is there twice");
-                problems.push(cell.span, || problem(message, HEADER));
-            }
-            Some(column) => columns.push(column),
-            None if name.is_empty() => {
-                let help = "name it; or leave out row numbers, as pandas does with index=False";
-                problems.push(cell.span, || problem("this column has no name", help));
-            }
-            None => {
-                let near = suggest::nearest(name, COLUMNS.iter().map(|(known, _)| *known));
-                let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
-                let message = format!("there is no column `{}`{near}", quoted(name));
-                let help = "the columns are step, disk or arc_length, offset_x, offset_y, offset_z, then x, y, z or camera, u, v, and deviation, confidence";
-                problems.push(cell.span, || problem(message, help));
-            }
-        }
-    }
-    let has = |column| columns.contains(&column);
-    let mut complete = columns.len() == grid.columns.len();
-    if complete && !has(Column::Disk) && !has(Column::ArcLength) {
-        let message = "there must be a column `disk` or `arc_length`";
-        problems.push(grid.header, || problem(message, HEADER));
-        complete = false;
-    }
-    let positions = (0..3).filter(|&axis| has(Column::Position(axis))).count();
-    let pixels = (0..2).filter(|&axis| has(Column::Pixel(axis))).count();
-    if complete && !matches!((positions, pixels), (3, 0 | 2) | (0, 2)) {
-        let message = "the columns must be `disk`, `x`, `y` and `z`, each once; or `u` and `v` for places in an image";
-        problems.push(grid.header, || problem(message, HEADER));
-        complete = false;
-    }
-    if complete && pixels > 0 && known.cameras.is_empty() {
-        let help =
-            "add [[measured.cameras]] with `name` and `file`, the camera that took the image";
-        problems.push(grid.header, || problem("places in an image need a camera", help));
-        complete = false;
-    }
-    if complete && pixels > 0 && known.cameras.len() > 1 && !has(Column::Camera) {
-        let message = format!(
-            "there must be a column `camera`: the file has {}",
-            listed(known.cameras.iter().copied(), "and")
-        );
-        problems.push(grid.header, || {
-            problem(message, "say in each line which camera saw it, by its name")
-        });
-        complete = false;
-    }
-    complete.then_some(columns)
-}
-
 struct Reader<'a> {
-    columns: Vec<Column>,
+    columns: Vec<Read>,
     known: &'a Known<'a>,
     problems: &'a mut Problems,
     refused: bool,
+    /// Whether arc lengths in another unit than the file says have been reported.
+    other_unit: bool,
 }
 
 impl Reader<'_> {
@@ -305,10 +201,16 @@ impl Reader<'_> {
     }
 
     fn cell<'r>(&self, row: &'r Row, column: Column) -> Option<&'r Cell> {
-        self.columns.iter().position(|c| *c == column).and_then(|i| row.cells.get(i))
+        self.columns.iter().position(|read| read.column == column).and_then(|i| row.cells.get(i))
     }
 
-    fn refuse(&mut self, span: Span, message: String, help: &'static str) {
+    /// Unit of the lengths in a column.
+    fn unit(&self, column: Column) -> &'static str {
+        let read = self.columns.iter().find(|read| read.column == column);
+        read.map_or(self.known.unit, |read| read.unit)
+    }
+
+    fn refuse(&mut self, span: Span, message: String, help: impl Into<Cow<'static, str>>) {
         self.problems.push(span, || problem(message, help));
         self.refused = true;
     }
@@ -329,7 +231,7 @@ impl Reader<'_> {
         self.number(row, column, NUMBERS)?;
         let cell = self.cell(row, column)?;
         // The decimal digits are shifted, so that 0.3 mm is the very number that 0.0003 m is.
-        let text = format!("{} {}", cell.value.text()?, self.known.unit);
+        let text = format!("{} {}", cell.value.text()?, self.unit(column));
         let (value, _) = parse_quantity(&text, &[Dimension::Length]).ok()?;
         if let Some(problem) = COORDINATE.problem(value) {
             self.refuse(cell.span, format!("a length {problem}"), NUMBERS);
@@ -411,11 +313,23 @@ impl Reader<'_> {
                     let message = format!(
                         "there is no arc length {arc_length} m: the backbone goes from 0 to {most} m"
                     );
-                    self.refuse(
-                        cell.span,
-                        message,
-                        "arc lengths are those of the straight backbone, from its base",
-                    );
+                    let unit = self.unit(Column::ArcLength);
+                    match extent::smaller_unit(arc_length, unit, most) {
+                        // One mistake, and not one for each line.
+                        Some(_) if self.other_unit => self.refused = true,
+                        Some(smaller) => {
+                            self.other_unit = true;
+                            let help = format!(
+                                "the arc lengths are read in {unit}: if they are in {smaller}, name the column `arc_length [{smaller}]`, or write `unit = \"{smaller}\"` under [measured] where all lengths of the file are"
+                            );
+                            self.refuse(cell.span, message, help);
+                        }
+                        None => self.refuse(
+                            cell.span,
+                            message,
+                            "arc lengths are those of the straight backbone, from its base",
+                        ),
+                    }
                     return None;
                 }
                 Some(Place::ArcLength(arc_length.min(most)))

@@ -1,4 +1,4 @@
-//! What a robot file says beside robot and case: what was measured, published, and is to be estimated.
+//! Measurements of a robot: as values of Python and back, and how far answers are from them.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,34 +9,13 @@ use pyo3::types::{PyDict, PyList};
 use whipcord::observation::{self, Distances};
 use whipcord::registration::Alignment;
 use whipcord::{Observation, Place, Pose, Seen, Vec3};
-use whipcord_io::{CaseFile, Fit, Measured, MeasuringCamera, Reference};
+use whipcord_io::{Measured, MeasuringCamera};
 
 use crate::camera::Camera;
 use crate::convert::{array, flat};
 use crate::errors;
 use crate::setup::Setup;
 use crate::solution::Solution;
-
-/// What a robot file says beside robot and case.
-#[derive(Clone, Default)]
-pub struct Besides {
-    pub measured: Option<Arc<Measured>>,
-    pub reference: Option<Arc<Reference>>,
-    pub fit: Option<Fit>,
-    /// The file itself, of what was loaded from one and not changed.
-    pub file: Option<Arc<CaseFile>>,
-}
-
-impl Besides {
-    pub fn of(file: &CaseFile) -> Self {
-        Self {
-            measured: file.measured.clone().map(Arc::new),
-            reference: file.reference.clone().map(Arc::new),
-            fit: file.fit.clone(),
-            file: None,
-        }
-    }
-}
 
 /// An observation: step from 0, disk from 0, arc length in m, offset in m, position in m, number of the camera,
 /// pixel, and deviation.
@@ -135,44 +114,39 @@ fn observation(of: Seeing) -> Observation {
     Observation { step, place, offset: offset.into(), seen, deviation }
 }
 
-/// What others have published.
-pub fn reference<'py>(py: Python<'py>, reference: &Reference) -> PyResult<Bound<'py, PyDict>> {
-    let values = PyDict::new(py);
-    values.set_item("source", &reference.source)?;
-    values.set_item("rms_four_bar", reference.rms_four_bar)?;
-    values.set_item("rms_cosserat", reference.rms_cosserat)?;
-    values.set_item("time_four_bar", reference.time_four_bar)?;
-    values.set_item("time_cosserat", reference.time_cosserat)?;
-    Ok(values)
-}
-
-/// RMS distance in m; for each marker the number of its disk, from 1, and whether it is at the base; its (k, 3)
-/// places as measured and moved, and of the answer; the motion.
+/// RMS distance in m; for each marker the number of its disk, from 1, whether it is at the base, its step, from 1, and
+/// its arc length in m; its (k, 3) places as measured and moved, and of the answers; the motion.
 type Apart<'py> = (
     Option<f64>,
-    Vec<(Option<usize>, bool)>,
+    Vec<(Option<usize>, bool, usize, f64)>,
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
     Option<([f64; 3], [f64; 4])>,
 );
 
-/// How far an answer is from what was measured in space after the last step; None where nothing was.
+/// How far the answers to all steps are from what was measured in space; None where nothing was.
 #[pyfunction]
 pub fn distances<'py>(
     py: Python<'py>,
     setup: &Setup,
-    solution: &Solution,
+    answers: Vec<PyRef<'py, Solution>>,
 ) -> PyResult<Option<Apart<'py>>> {
-    let Some(measured) = &setup.besides.measured else { return Ok(None) };
-    let (robot, case, answer) = (&setup.robot, &setup.case, &solution.inner);
+    let Some(measured) = &setup.file_data.measured else { return Ok(None) };
+    let (robot, case) = (&setup.robot, &setup.case);
+    let answers: Vec<_> = answers.iter().map(|answer| Arc::clone(&answer.inner)).collect();
+    let Some(kind) = answers.first().map(|answer| answer.model) else { return Ok(None) };
     let found = py.detach(|| {
         let Measured { observations, alignment, .. } = &**measured;
-        observation::distances(answer.model, robot, case, answer, observations, *alignment)
+        let answers: Vec<_> = answers.iter().map(|answer| &**answer).collect();
+        observation::distances(kind, robot, case, &answers, observations, *alignment)
     });
     let found = found.map_err(|error| errors::input(py, "measured", error.to_string()))?;
     let Some(found) = found else { return Ok(None) };
     let Distances { markers, motion } = &found;
-    let kinds = markers.iter().map(|marker| (marker.disk, marker.at_base)).collect();
+    let kinds = markers
+        .iter()
+        .map(|marker| (marker.disk, marker.at_base, marker.step + 1, marker.arc_length))
+        .collect();
     let seen = array(py, flat(markers.iter().map(|marker| marker.measured)), [markers.len(), 3])?;
     let there = array(py, flat(markers.iter().map(|marker| marker.model)), [markers.len(), 3])?;
     let motion = motion.map(|Pose { position, rotation }| (position.to_array(), rotation.wxyz()));

@@ -1,7 +1,7 @@
 //! Checks a document against the declarations: names, types, units and what excludes what. What is
 //! left is what the readers need not look at twice.
 
-use std::collections::BTreeMap;
+mod fields;
 
 use crate::error::{FileProblem, Problems};
 use crate::node::{Entries, Node, Value};
@@ -10,129 +10,7 @@ use crate::source::Span;
 use crate::suggest;
 use crate::units::{Dimension, parse_quantity};
 
-/// A value of the declared kind.
-#[derive(Clone, Debug)]
-pub(crate) enum Data {
-    Text(String),
-    Flag(bool),
-    Count(usize),
-    /// In SI.
-    Number(f64, Dimension),
-    List(Vec<Data>),
-    Tables(Vec<Fields>),
-    Table(Fields),
-}
-
-/// The values of a table.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Fields {
-    values: BTreeMap<&'static str, Data>,
-    /// Which of several variants the table is.
-    pub variant: &'static str,
-}
-
-impl Fields {
-    pub(crate) fn text(&self, name: &str) -> Option<&str> {
-        self.values.get(name)?.as_text()
-    }
-
-    /// False when it is not given.
-    pub(crate) fn flag(&self, name: &str) -> bool {
-        matches!(self.values.get(name), Some(Data::Flag(true)))
-    }
-
-    /// None when it is not given.
-    pub(crate) fn truth(&self, name: &str) -> Option<bool> {
-        match self.values.get(name)? {
-            Data::Flag(flag) => Some(*flag),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn count(&self, name: &str) -> Option<usize> {
-        match self.values.get(name)? {
-            Data::Count(count) => Some(*count),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn number(&self, name: &str) -> Option<f64> {
-        self.quantity(name).map(|(value, _)| value)
-    }
-
-    pub(crate) fn quantity(&self, name: &str) -> Option<(f64, Dimension)> {
-        self.values.get(name)?.as_quantity()
-    }
-
-    pub(crate) fn data(&self, name: &str) -> Option<&Data> {
-        self.values.get(name)
-    }
-
-    pub(crate) fn list(&self, name: &str) -> Option<&[Data]> {
-        match self.values.get(name)? {
-            Data::List(list) => Some(list),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn numbers(&self, name: &str) -> Option<Vec<f64>> {
-        Some(self.list(name)?.iter().filter_map(Data::as_number).collect())
-    }
-
-    /// A vector of a declared number of components.
-    pub(crate) fn vector<const N: usize>(&self, name: &str) -> Option<[f64; N]> {
-        self.numbers(name)?.try_into().ok()
-    }
-
-    pub(crate) fn table(&self, name: &str) -> Option<&Self> {
-        match self.values.get(name)? {
-            Data::Table(fields) => Some(fields),
-            _ => None,
-        }
-    }
-
-    /// None when it is not given.
-    pub(crate) fn tables(&self, name: &str) -> &[Self] {
-        match self.values.get(name) {
-            Some(Data::Tables(list)) => list,
-            _ => &[],
-        }
-    }
-}
-
-impl Data {
-    pub(crate) fn as_text(&self) -> Option<&str> {
-        match self {
-            Self::Text(text) => Some(text),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn as_number(&self) -> Option<f64> {
-        self.as_quantity().map(|(value, _)| value)
-    }
-
-    pub(crate) fn as_quantity(&self) -> Option<(f64, Dimension)> {
-        match self {
-            Self::Number(value, dimension) => Some((*value, *dimension)),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn as_count(&self) -> Option<usize> {
-        match self {
-            Self::Count(count) => Some(*count),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn as_list(&self) -> Option<&[Self]> {
-        match self {
-            Self::List(list) => Some(list),
-            _ => None,
-        }
-    }
-}
+pub(crate) use fields::{Data, Fields};
 
 /// Checks a table; `span` is where it is missing something.
 pub(crate) fn table(
@@ -149,12 +27,12 @@ pub(crate) fn table(
     for (name, entry) in in_order {
         match declared.key(name) {
             None => problems.push(entry.key_span, || {
-                let near = suggest::nearest(name, declared.keys.iter().map(|key| key.name));
-                misspelt.extend(near);
+                let (meant, help) = suggest::for_key(name, entry, entries, declared);
+                misspelt.extend(meant);
                 FileProblem::UnknownKey {
                     key: crate::source::quoted(name),
                     table: declared.title,
-                    help: suggest::for_key(name, near, declared),
+                    help,
                 }
             }),
             Some(key) => {
@@ -256,11 +134,13 @@ pub(crate) fn value(
         (Kind::Count { least, greatest }, Value::Integer(value)) => {
             let count = usize::try_from(*value).ok().filter(|n| (*least..=*greatest).contains(n));
             if count.is_none() {
+                let numbers = matches!(key.kind, Kind::List(Kind::Count { .. }, _));
                 problems.push(node.span, || FileProblem::OutOfRange {
                     key: key.name,
                     value: *value,
                     least: *least,
                     greatest: *greatest,
+                    numbers,
                 });
             }
             count.map(Data::Count)
@@ -326,6 +206,16 @@ pub(crate) fn value(
     }
 }
 
+/// A number or a text as the file has it.
+pub(crate) fn given_text(node: &Node) -> Option<String> {
+    match &node.value {
+        Value::Text(text) => Some(text.clone()),
+        Value::Integer(value) => Some(value.to_string()),
+        Value::Number(value) if value.is_finite() => Some(value.to_string()),
+        _ => None,
+    }
+}
+
 /// Whether a value has the outward form of a kind.
 fn resembles(value: &Value, kind: &Kind) -> bool {
     match (kind, value) {
@@ -340,6 +230,17 @@ fn resembles(value: &Value, kind: &Kind) -> bool {
 }
 
 fn list(items: &[Node], kind: &Kind, key: &'static Key, problems: &mut Problems) -> Option<Data> {
+    // Numbers that count from 0 are one mistake, not as many as there are zeros.
+    if let Kind::Count { least: 1, .. } = kind {
+        let is_zero = |item: &&Node| matches!(item.value, Value::Integer(0));
+        let mut zeros = items.iter().filter(is_zero);
+        if let (Some(first), Some(_)) = (zeros.next(), zeros.next()) {
+            value(first, kind, key, problems);
+            let others = items.iter().filter(|item| !is_zero(item));
+            others.for_each(|item| _ = value(item, kind, key, problems));
+            return None;
+        }
+    }
     let checked: Vec<Data> =
         items.iter().filter_map(|item| value(item, kind, key, problems)).collect();
     (checked.len() == items.len()).then_some(Data::List(checked))
@@ -394,7 +295,7 @@ fn choice(
         key: key.name,
         value: crate::source::quoted(text),
         choices: words.to_vec(),
-        near: suggest::nearest(text, words.iter().copied()),
+        near: suggest::for_choice(key.name, text, words),
     });
     None
 }
@@ -408,6 +309,14 @@ pub(crate) fn variant(
     problems: &mut Problems,
 ) -> Option<Fields> {
     let Some(entry) = entries.get(tag.name) else {
+        if let Some((name, other)) = suggest::other_tag(entries) {
+            problems.push(other.key_span, || FileProblem::UnknownKey {
+                key: name.clone(),
+                table: title,
+                help: format!("did you mean `{}`?", tag.name),
+            });
+            return None;
+        }
         problems.push(node.span, || FileProblem::Missing {
             key: tag.title(),
             table: title,

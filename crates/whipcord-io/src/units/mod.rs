@@ -1,0 +1,228 @@
+//! Dimensions and their units.
+
+mod known;
+mod quantity;
+
+use core::fmt;
+
+use known::{
+    ACCELERATION, ANGLE, BENDING_STIFFNESS, CURVATURE, DENSITY, FORCE, LENGTH, LINE_FORCE,
+    LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO, TIME,
+};
+pub use quantity::{QuantityError, parse_quantity};
+pub(crate) use quantity::{percent, scaled, with_number};
+
+/// What a quantity measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Dimension {
+    /// In m.
+    Length,
+    /// In Pa.
+    Pressure,
+    /// In N.
+    Force,
+    /// In N·m.
+    Moment,
+    /// In N/m.
+    LineForce,
+    /// In N·m/m.
+    LineMoment,
+    /// In N·m².
+    BendingStiffness,
+    /// In kg.
+    Mass,
+    /// In kg/m³.
+    Density,
+    /// In kg/m.
+    LinearDensity,
+    /// In rad.
+    Angle,
+    /// In m/s².
+    Acceleration,
+    /// In 1/m.
+    Curvature,
+    /// In s.
+    Time,
+    /// Without a unit.
+    Ratio,
+}
+
+/// A unit of one dimension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// The spelling that messages use.
+    pub name: &'static str,
+    /// Other spellings that are understood.
+    pub aliases: &'static [&'static str],
+    scale: Scale,
+}
+
+/// How many SI units one unit is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Scale {
+    /// A power of ten, applied to the decimal digits, so that `"0.3 mm"` is the very number that
+    /// `0.0003` is.
+    Ten(i32),
+    Factor(f64),
+}
+
+impl Dimension {
+    /// All dimensions.
+    pub const ALL: [Self; 15] = [
+        Self::Length,
+        Self::Pressure,
+        Self::Force,
+        Self::Moment,
+        Self::LineForce,
+        Self::LineMoment,
+        Self::BendingStiffness,
+        Self::Mass,
+        Self::Density,
+        Self::LinearDensity,
+        Self::Angle,
+        Self::Acceleration,
+        Self::Curvature,
+        Self::Time,
+        Self::Ratio,
+    ];
+
+    /// Its units, the SI unit first (a ratio has only `%`).
+    #[must_use]
+    pub const fn units(self) -> &'static [Unit] {
+        match self {
+            Self::Length => LENGTH,
+            Self::Pressure => PRESSURE,
+            Self::Force => FORCE,
+            Self::Moment => MOMENT,
+            Self::LineForce => LINE_FORCE,
+            Self::LineMoment => LINE_MOMENT,
+            Self::BendingStiffness => BENDING_STIFFNESS,
+            Self::Mass => MASS,
+            Self::Density => DENSITY,
+            Self::LinearDensity => LINEAR_DENSITY,
+            Self::Angle => ANGLE,
+            Self::Acceleration => ACCELERATION,
+            Self::Curvature => CURVATURE,
+            Self::Time => TIME,
+            Self::Ratio => RATIO,
+        }
+    }
+
+    /// What a plain number is in.
+    #[must_use]
+    pub const fn si_unit(self) -> &'static str {
+        match self {
+            Self::Ratio => "",
+            _ => self.units()[0].name,
+        }
+    }
+
+    /// A value as people write it.
+    #[must_use]
+    pub const fn example(self) -> &'static str {
+        match self {
+            Self::Length => "180 mm",
+            Self::Pressure => "1.1 GPa",
+            Self::Force => "400 gf",
+            Self::Moment => "1 mN*m",
+            Self::LineForce => "0.5 N/m",
+            Self::LineMoment => "2 mN*m/m",
+            Self::BendingStiffness => "0.004 N*m^2",
+            Self::Mass => "1.2 g",
+            Self::Density => "1040 kg/m^3",
+            Self::LinearDensity => "7.4 g/m",
+            Self::Angle => "30 deg",
+            Self::Acceleration => "9.81 m/s^2",
+            Self::Curvature => "4 1/m",
+            Self::Time => "2.2 s",
+            Self::Ratio => "5.7 %",
+        }
+    }
+
+    /// The names of its units in a list for people.
+    #[must_use]
+    pub fn unit_names(self) -> String {
+        listed(self.units().iter().map(|unit| unit.name), "or")
+    }
+
+    fn find(self, spelling: &str) -> Option<&'static Unit> {
+        self.units().iter().find(|unit| unit.spellings().any(|name| name == spelling))
+    }
+}
+
+impl fmt::Display for Dimension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Length => "length",
+            Self::Pressure => "pressure",
+            Self::Force => "force",
+            Self::Moment => "moment",
+            Self::LineForce => "force per length",
+            Self::LineMoment => "moment per length",
+            Self::BendingStiffness => "bending stiffness",
+            Self::Mass => "mass",
+            Self::Density => "density",
+            Self::LinearDensity => "linear density",
+            Self::Angle => "angle",
+            Self::Acceleration => "acceleration",
+            Self::Curvature => "curvature",
+            Self::Time => "time",
+            Self::Ratio => "ratio",
+        })
+    }
+}
+
+impl Unit {
+    /// Every spelling that is understood.
+    pub fn spellings(&self) -> impl Iterator<Item = &'static str> + '_ {
+        core::iter::once(self.name).chain(self.aliases.iter().copied())
+    }
+
+    /// Its name, with what it is where another differs from it in capitals alone.
+    pub(crate) fn described(&self) -> String {
+        let like =
+            |other: &&Unit| other.name != self.name && other.name.eq_ignore_ascii_case(self.name);
+        let dimensions = Dimension::ALL.into_iter();
+        let ambiguous = dimensions.flat_map(|dimension| dimension.units()).find(like);
+        match ambiguous {
+            Some(_) => format!("`{}` (10^{} in SI units)", self.name, self.in_si().log10().round()),
+            None => format!("`{}`", self.name),
+        }
+    }
+
+    /// How many SI units it is.
+    #[must_use]
+    pub fn in_si(&self) -> f64 {
+        match self.scale {
+            Scale::Ten(exponent) => 10_f64.powi(exponent),
+            Scale::Factor(factor) => factor,
+        }
+    }
+}
+
+/// Names in a row: `a, b or c`.
+pub(crate) fn listed<'a>(names: impl IntoIterator<Item = &'a str>, last: &str) -> String {
+    let names: Vec<&str> = names.into_iter().collect();
+    match names.as_slice() {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [first @ .., end] => format!("{} {last} {end}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_spelling_means_two_things() {
+        let mut seen = std::collections::BTreeSet::new();
+        for dimension in Dimension::ALL {
+            for unit in dimension.units() {
+                for name in unit.spellings() {
+                    assert!(seen.insert(name), "{name}");
+                }
+            }
+        }
+    }
+}
