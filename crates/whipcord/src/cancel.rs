@@ -60,14 +60,7 @@ impl Cancel {
         if !self.is_cancelled() {
             return outcome;
         }
-        let last_load = outcome.err().and_then(|error| match error {
-            SolveError::Cancelled { last_load } => last_load,
-            SolveError::NotConverged { last_load, .. }
-            | SolveError::SectionFolds { last_load, .. } => Some(last_load),
-            SolveError::Buckled { load, .. } => Some(load),
-            SolveError::Obstructed { reached, .. } => Some(reached),
-            _ => None,
-        });
+        let last_load = outcome.err().and_then(|error| error.last_load());
         Err(SolveError::Cancelled { last_load })
     }
 }

@@ -324,6 +324,19 @@ impl SolveError {
             other => other,
         }
     }
+
+    /// Fraction of what was given up to which equilibrium was found, from 0 to 1, where it is known.
+    pub(crate) const fn last_load(&self) -> Option<f64> {
+        match *self {
+            Self::Cancelled { last_load } => last_load,
+            Self::NotConverged { last_load, .. } | Self::SectionFolds { last_load, .. } => {
+                Some(last_load)
+            }
+            Self::Buckled { load, .. } => Some(load),
+            Self::Obstructed { reached, .. } => Some(reached),
+            _ => None,
+        }
+    }
 }
 
 /// A cable that cannot be as short as prescribed.

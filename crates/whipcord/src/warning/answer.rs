@@ -3,7 +3,8 @@
 use core::f64::consts::PI;
 
 use super::geometry::Extent;
-use super::{LARGE_STRAIN, NEAR_CRITICAL, Warning, intersection, span};
+use super::kinds::{LARGE_STRAIN, NEAR_CRITICAL, Warning};
+use super::{intersection, span};
 use crate::robot::Robot;
 use crate::shape::{Diagnostics, Shape, Solution};
 use whipcord_numerics::{Pose, Twist, Vec3};

@@ -3,7 +3,8 @@
 use core::f64::consts::PI;
 
 use super::geometry::bending_stiffness;
-use super::{Warning, robot};
+use super::kinds::Warning;
+use super::robot;
 use crate::case::Case;
 use crate::robot::Robot;
 use whipcord_numerics::Vec3;

@@ -82,5 +82,5 @@ pub(super) fn bending_stiffness(robot: &Robot) -> Option<f64> {
 
 /// Whether the backbone is a soft body, in which cables run in channels.
 pub(super) fn is_soft(robot: &Robot) -> bool {
-    robot.backbone().material.young_modulus.is_some_and(|modulus| modulus <= super::SOFT)
+    robot.backbone().material.young_modulus.is_some_and(|modulus| modulus <= super::kinds::SOFT)
 }

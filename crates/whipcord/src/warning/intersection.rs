@@ -2,7 +2,8 @@
 
 use core::f64::consts::PI;
 
-use super::{Place, Warning, span};
+use super::kinds::{Place, Warning};
+use super::span;
 use crate::robot::Robot;
 use crate::shape::{Shape, Solution};
 use whipcord_numerics::{Pose, Vec3};

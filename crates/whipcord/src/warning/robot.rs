@@ -1,7 +1,7 @@
 //! Warnings about the robot alone.
 
 use super::geometry::{Extent, is_soft, places};
-use super::{SLENDER, USUAL_LENGTHS, Warning};
+use super::kinds::{SLENDER, USUAL_LENGTHS, Warning};
 use crate::robot::{Along, Robot, Routing, Section};
 
 /// Lengths that are equal but for rounding are equal.

@@ -1,7 +1,7 @@
 //! What the spacing of the disks changes.
 
 use super::geometry::is_soft;
-use super::{SPACING, Warning};
+use super::kinds::{SPACING, Warning};
 use crate::case::{Case, PointMass};
 use crate::model::{Model, ModelKind, Stations};
 use crate::robot::{Cable, Disks, Robot, Routing};

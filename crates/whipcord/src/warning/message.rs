@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{BareUnits, LARGE_STRAIN, Place, SLENDER, SPACING, USUAL_LENGTHS, Warning};
+use super::kinds::{BareUnits, LARGE_STRAIN, Place, SLENDER, SPACING, USUAL_LENGTHS, Warning};
 use crate::digits::{Round, millimetres, newtons, significant};
 use crate::robot::in_words;
 
