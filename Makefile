@@ -19,7 +19,7 @@ HAS_NODE := command -v $(NPM) >/dev/null && node -e 'const [a, b] = process.vers
 # here, and becomes a test of its own.
 export PROPTEST_RNG_SEED ?= 1
 
-.PHONY: test test-long test-rust page page-where-node test-page fmt fmt-check lint doc test-debug test-release bench-build bench wheel installed test-python test-torch docs test-docs bench-python
+.PHONY: test test-long test-rust page page-where-node test-page fmt fmt-check lint doc test-debug test-release bench-build bench wheel sdist installed test-python test-torch docs test-docs bench-python
 
 test: page-where-node test-rust test-page test-python test-torch test-docs
 
@@ -94,6 +94,10 @@ $(VENV)/bin/maturin:
 wheel: $(VENV)/bin/maturin page-where-node
 	rm -rf target/wheels
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/maturin build --release --out target/wheels
+
+# The sources of the Python package, with the built page, in target/wheels.
+sdist: $(VENV)/bin/maturin page-where-node
+	$(VENV)/bin/maturin sdist --out target/wheels
 
 installed: wheel
 	$(VENV)/bin/pip uninstall --quiet --yes whipcord

@@ -130,7 +130,7 @@ class Description:
     def measured(self) -> Measured | None:
         """What the real robot did, where the file says so."""
         measured = self._setup.measured
-        return None if measured is None else Measured.of(measured)
+        return None if measured is None else Measured._of(measured)
 
     @cached_property
     def reference(self) -> Reference | None:

@@ -154,7 +154,13 @@ class Batch(_Rows):
 
     def diagnostic(self, name: str) -> Array:
         """(N,) one diagnostic of every row: ``iterations``, ``residual``, ``stability``,
-        ``discretization_error``, ``steps`` or ``stability_lost_at``; NaN where there is none."""
+        ``discretization_error``, ``steps`` or ``stability_lost_at``; NaN where there is none.
+
+        Parameters
+        ----------
+        name
+            Which of them.
+        """
         if name not in DIAGNOSTICS:
             message = f"there is no diagnostic `{name}`: choose {', '.join(DIAGNOSTICS)}"
             raise InputError(message, path="name")
@@ -180,13 +186,25 @@ class Batch(_Rows):
         return to_polars(batch_columns(self))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes one line for each station of each row as CSV, with the columns of :meth:`to_pandas`."""
+        """Writes one line for each station of each row as CSV, with the columns of :meth:`to_pandas`.
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced if it exists.
+        """
         from .export import batch_columns, to_csv
 
         to_csv(batch_columns(self), path)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Writes one line for each station of each row as Parquet (needs the package pyarrow)."""
+        """Writes one line for each station of each row as Parquet (needs the package pyarrow).
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced if it exists.
+        """
         from .export import batch_columns, to_parquet
 
         to_parquet(batch_columns(self), path)

@@ -192,7 +192,13 @@ class Benchmark:
         self.no_reference = {case["title"]: case["no_reference"] for case in lacking}
 
     def save_plot(self, path: str | os.PathLike[str]) -> None:
-        """Writes error against time as ``.svg`` or ``.png``."""
+        """Writes error against time as ``.svg`` or ``.png``.
+
+        Parameters
+        ----------
+        path
+            The file, whose name ends in ``.svg`` or ``.png``.
+        """
         if not os.fspath(path).lower().endswith((".svg", ".png")):
             raise InputError(f"the name must end in .svg or .png, but is {os.fspath(path)!r}", path="path")
         if self.svg is None:
@@ -278,6 +284,13 @@ def benchmark(
 @suggests
 def suite(name: str = "routing", *, only: Sequence[str] = ()) -> dict[str, Case]:
     """The cases of a suite that the package brings along, by their names.
+
+    Parameters
+    ----------
+    name
+        Name of the suite.
+    only
+        Only the cases whose names contain one of these texts; by default all.
 
     Examples
     --------

@@ -81,18 +81,44 @@ class Camera:
         orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
         size: Sequence[int] | None = None,
     ) -> Camera:
-        """A camera whose image is a parallel projection, with `scale` pixels per metre."""
+        """A camera whose image is a parallel projection, with `scale` pixels per metre.
+
+        Parameters
+        ----------
+        scale
+            Pixels per metre.
+        centre
+            Column and row in px of the point on the optical axis.
+        position
+            (3,) a point on the optical axis in the world, in m.
+        orientation
+            (4,) quaternion (w, x, y, z) that turns the camera's frame into the world's.
+        size
+            Columns and rows of its images, where they are known.
+        """
         place = (_numbers(position, 3, "position"), _numbers(orientation, 4, "orientation"))
         centre = _numbers(centre, 2, "centre")
         return cls._of(_core.Camera.orthographic(float(scale), centre, place, _pixels(size)))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Camera:
-        """The camera of a file in OpenCV's YAML or JSON."""
+        """The camera of a file in OpenCV's YAML or JSON.
+
+        Parameters
+        ----------
+        path
+            The file.
+        """
         return cls._of(_core.Camera.load(os.fspath(path)))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the camera in OpenCV's YAML (``.yml``, ``.yaml``) or JSON (``.json``)."""
+        """Writes the camera in OpenCV's YAML (``.yml``, ``.yaml``) or JSON (``.json``).
+
+        Parameters
+        ----------
+        path
+            The file, whose name ends in ``.yml``, ``.yaml`` or ``.json``.
+        """
         write(path, self._camera.text(os.fspath(path)))
 
     @staticmethod
@@ -205,17 +231,33 @@ class Camera:
 
         A point that the camera does not see, behind it or where the distortion folds the image, is an
         :class:`~whipcord.InputError`.
+
+        Parameters
+        ----------
+        points
+            (..., 3) points of the world in m.
         """
         return _by_rows(self._camera.project, points, 3, 2, "points")
 
     def undistort(self, pixels: npt.ArrayLike) -> Array:
         """(..., 2) ideal images of (..., 2) pixels, as ``cv2.undistortPoints`` gives them: tangents of a pinhole, metres
         of an orthographic camera.
+
+        Parameters
+        ----------
+        pixels
+            (..., 2) columns and rows in px.
         """
         return _by_rows(self._camera.undistort, pixels, 2, 2, "pixels")
 
     def rays(self, pixels: npt.ArrayLike) -> tuple[Array, Array]:
-        """(..., 3) origins in m and (..., 3) directions, in the world, of all that is seen at (..., 2) pixels."""
+        """(..., 3) origins in m and (..., 3) directions, in the world, of all that is seen at (..., 2) pixels.
+
+        Parameters
+        ----------
+        pixels
+            (..., 2) columns and rows in px.
+        """
         both = _by_rows(self._camera.rays, pixels, 2, 6, "pixels")
         return both[..., :3], both[..., 3:]
 
@@ -227,6 +269,15 @@ class Camera:
         The squares of the distances in the image are least. Points on one line, such as the centres of the disks of a
         straight robot, look the same from all sides of it: they need `view`, the direction of the world in which the
         camera looks. Of an orthographic camera the scale is sought, too.
+
+        Parameters
+        ----------
+        points
+            (n, 3) points of the world in m.
+        pixels
+            (n, 2) columns and rows in px at which they are seen.
+        view
+            (3,) direction of the world in which the camera looks, where the points alone do not tell.
 
         Examples
         --------
@@ -250,6 +301,17 @@ class Camera:
         """The orthographic camera that sees (n, 3) points of the world, in m, at (n, 2) pixels: its scale and its place.
 
         With `view`, the direction of the world in which it looks, two points do.
+
+        Parameters
+        ----------
+        points
+            (n, 3) points of the world in m.
+        pixels
+            (n, 2) columns and rows in px at which they are seen.
+        size
+            Columns and rows of the images, where they are known.
+        view
+            (3,) direction of the world in which the camera looks, where the points alone do not tell.
         """
         points, pixels = _pairs(points, pixels)
         return Located._of(_core.locate_orthographic(points, pixels, _pixels(size), _view(view)))

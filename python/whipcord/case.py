@@ -25,6 +25,11 @@ __all__ = ["Case", "load"]
 def load(path: str | os.PathLike[str]) -> Case:
     """Reads a robot file.
 
+    Parameters
+    ----------
+    path
+        The robot file (:doc:`/robot-file`).
+
     Raises
     ------
     FileError
@@ -175,6 +180,15 @@ class Case(Description):
     ) -> list[Solution]:
         """The answers to all steps of the case in order, each from where the one before left the robot.
 
+        Parameters
+        ----------
+        model, stations, actuation
+            As for :meth:`solve`.
+        timeout
+            Seconds after which all steps together are ended; by default as long as they take.
+
+        Examples
+        --------
         >>> case = load("examples/rubbing-finger.toml")
         >>> out, back = [s for s in case.solve_steps(model="cosserat-disks") if s.tension[0] == 1.5]
         >>> bool(back.bend > out.bend)
@@ -269,6 +283,10 @@ class Case(Description):
             (N, n, 3) the same by turns of the frames, in rad about the axes of the world.
         cable_tension, cable_length
             (N, c) the same by the tensions and lengths of the cables.
+        model, stations
+            As for :meth:`solve`.
+        threads, progress, timeout
+            As for :meth:`solve_batch`.
 
         Returns
         -------
@@ -314,6 +332,8 @@ class Case(Description):
         parameters
             Paths of quantities of robot and case, as in robot files and counted from 0:
             ``"backbone.young_modulus"``, ``"cables[0].routing.radius"``, ``"loads.tip_force[2]"``.
+        tension, shortening, model, stations, actuation, start, timeout
+            As for :meth:`solve`.
 
         Examples
         --------
@@ -347,6 +367,8 @@ class Case(Description):
         ----------
         at
             Arc length of the place in m; the tip by default.
+        tension, shortening, model, actuation, timeout
+            As for :meth:`solve`.
 
         Examples
         --------
@@ -370,7 +392,15 @@ class Case(Description):
         shortening: Commands | None = None,
         timeout: float | None = None,
     ) -> Branches:
-        """All equilibria under the load that lie on the path from no load and on the branches off it."""
+        """All equilibria under the load that lie on the path from no load and on the branches off it.
+
+        Parameters
+        ----------
+        tension, shortening
+            As for :meth:`solve`.
+        timeout
+            Seconds after which the search is ended; by default as long as it takes.
+        """
         chosen = models.core("cosserat", timeout=timeout)
         given = commanded(tension, shortening, chosen, self.robot.cables)
         return Branches._of(self, chosen, self._setup.branches(chosen, *given))

@@ -201,7 +201,13 @@ class Comparison:
         return needed("polars").DataFrame(self._columns())
 
     def plot(self, **options: Any) -> Any:
-        """Draws the answers; see :func:`whipcord.plot.compare`."""
+        """Draws the answers; see :func:`whipcord.plot.compare`.
+
+        Parameters
+        ----------
+        options
+            As for :func:`whipcord.plot.compare`.
+        """
         from . import plot
 
         return plot.compare(*self.solutions.values(), **options)

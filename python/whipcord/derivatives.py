@@ -88,7 +88,14 @@ class Derivatives:
         return part
 
     def twist_by_parameter(self, hold: Hold = "commands") -> Array:
-        """(n, 6, p) velocity and angular velocity of each station with each parameter."""
+        """(n, 6, p) velocity and angular velocity of each station with each parameter.
+
+        Parameters
+        ----------
+        hold
+            What is held while a parameter changes: the ``"commands"`` of the case, all ``"tensions"``, or the ``"lengths"`` of all taut
+            cables.
+        """
         return self._inner.parameters(hold)
 
     @cached_property
@@ -108,7 +115,13 @@ class Derivatives:
         return self._inner.length_by_tension()
 
     def cables_by_parameter(self, hold: Hold = "commands") -> tuple[Array, Array]:
-        """(c, p) change of the length, and (c, p) of the tension, of each cable with each parameter."""
+        """(c, p) change of the length, and (c, p) of the tension, of each cable with each parameter.
+
+        Parameters
+        ----------
+        hold
+            What is held, as for :meth:`twist_by_parameter`.
+        """
         return self._inner.cables_by_parameters(hold)
 
     def compliance(self, at: int | None = None, hold: Hold = "tensions") -> Array:
@@ -116,11 +129,26 @@ class Derivatives:
 
         Rows are translation (x, y, z) in m and rotation in rad, columns force and moment. Stations count from
         0, and from the end where `at` is negative.
+
+        Parameters
+        ----------
+        at
+            Number of the station; by default the tip.
+        hold
+            What is held, as for :meth:`twist_by_parameter`.
         """
         return self._inner.compliance(self._station(at), hold)
 
     def stiffness(self, at: int | None = None, hold: Hold = "tensions") -> Array | None:
-        """(6, 6) the inverse; None where the place does not yield in every direction."""
+        """(6, 6) the inverse; None where the place does not yield in every direction.
+
+        Parameters
+        ----------
+        at
+            Number of the station; by default the tip.
+        hold
+            What is held, as for :meth:`twist_by_parameter`.
+        """
         return self._inner.stiffness(self._station(at), hold)
 
     def _station(self, at: int | None) -> int | None:

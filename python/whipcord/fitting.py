@@ -234,6 +234,13 @@ class Fit:
     def save_robot(self, path: str | os.PathLike[str], case: int = 0) -> None:
         """Writes the robot file of a case with the estimates: of a case that was loaded, its own text with other
         numbers, units and comments kept, where the file has a place for each.
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced if it exists.
+        case
+            Number of the case among :attr:`cases`.
         """
         number = range(len(self.cases))[whole(case, "case")]
         folder = os.path.dirname(os.path.abspath(path))
@@ -244,7 +251,13 @@ class Fit:
             write(path, text)
 
     def report(self, folder: str | os.PathLike[str]) -> str:
-        """Writes a report in HTML with figures and CSV to a folder, as ``whipcord fit --out``; returns its path."""
+        """Writes a report in HTML with figures and CSV to a folder, as ``whipcord fit --out``; returns its path.
+
+        Parameters
+        ----------
+        folder
+            The folder, which is made if it is missing.
+        """
         return str(self._fitted.report(os.fspath(folder)))
 
     def to_json(self) -> str:
@@ -252,7 +265,13 @@ class Fit:
         return self._fitted.json()
 
     def plot_residuals(self, axes: Any = None) -> Any:
-        """Draws the distance of each marker along the backbone with Matplotlib: mm, or pixels of what images show."""
+        """Draws the distance of each marker along the backbone with Matplotlib: mm, or pixels of what images show.
+
+        Parameters
+        ----------
+        axes
+            Axes of Matplotlib to draw into; new ones by default.
+        """
         if axes is None:
             _, axes = needed("matplotlib.pyplot").subplots()
         pixels = bool(self.residual_in_image.all())

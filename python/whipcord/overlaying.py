@@ -90,7 +90,13 @@ class Overlay:
         raise KeyError(model)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the picture as ``.svg`` or ``.png``."""
+        """Writes the picture as ``.svg`` or ``.png``.
+
+        Parameters
+        ----------
+        path
+            The file, whose name ends in ``.svg`` or ``.png``.
+        """
         if not os.fspath(path).lower().endswith((".svg", ".png")):
             raise InputError(f"the name must end in .svg or .png, but is {os.fspath(path)!r}", path="path")
         write_bytes(path, _core.picture(self.svg, os.fspath(path)))

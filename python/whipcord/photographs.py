@@ -60,6 +60,15 @@ class Marks:
     ) -> None:
         """Writes a table as ``[measured]`` takes it: with the name of the camera, and the step, from 1, where they are
         given.
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced if it exists.
+        camera
+            Name of the camera, for a file with several.
+        step
+            Number of the step that the photograph shows, from 1.
         """
         number = None if step is None else whole(step, "step")
         if number is not None and number < 1:
@@ -72,7 +81,13 @@ class Marks:
         return self._drawn().pixels()
 
     def save_annotated(self, path: str | os.PathLike[str]) -> None:
-        """Writes the photograph with what was found drawn into it, as PNG."""
+        """Writes the photograph with what was found drawn into it, as PNG.
+
+        Parameters
+        ----------
+        path
+            The file, whose name ends in ``.png``.
+        """
         if not os.fspath(path).lower().endswith(".png"):
             raise InputError(f"the name must end in .png, but is {os.fspath(path)!r}", path="path")
         write_bytes(path, self._drawn().png())

@@ -79,7 +79,7 @@ class Measured:
     """All that was seen, in space or in images, in all steps."""
 
     @classmethod
-    def of(cls, given: dict[str, Any]) -> Measured:
+    def _of(cls, given: dict[str, Any]) -> Measured:
         """As the extension module has it."""
         cameras = tuple((name, str(path)) for name, path in given["cameras"])
         seen = [Observation._of(one, cameras) for one in given["observations"]]

@@ -321,22 +321,54 @@ class Routing(Table):
 
     @classmethod
     def straight(cls, *, angle: Quantity, radius: Quantity) -> Routing:
-        """Parallel to the backbone, at this angle and this distance from its axis."""
+        """Parallel to the backbone, at this angle and this distance from its axis.
+
+        Parameters
+        ----------
+        angle
+            From the x axis towards y, in rad or as ``"90 deg"``.
+        radius
+            Distance from the axis, in m or as ``"8 mm"``.
+        """
         return cls(kind="straight", angle=angle, radius=radius)
 
     @classmethod
     def helix(cls, *, turns: Quantity, radius: Quantity, start_angle: Quantity | None = None) -> Routing:
-        """Round the backbone, with so many turns over its whole length, positive counter-clockwise."""
+        """Round the backbone, with so many turns over its whole length, positive counter-clockwise.
+
+        Parameters
+        ----------
+        turns
+            Turns over the whole length of the backbone.
+        radius
+            Distance from the axis, in m or as ``"8 mm"``.
+        start_angle
+            Angle at the base, from the x axis towards y, in rad or as ``"90 deg"``; 0 by default.
+        """
         return cls(kind="helix", start_angle=start_angle, turns=turns, radius=radius)
 
     @classmethod
     def linear(cls, *, start: Sequence[Quantity], end: Sequence[Quantity]) -> Routing:
-        """On the straight line from (x, y) at the base to (x, y) at the tip."""
+        """On the straight line from (x, y) at the base to (x, y) at the tip.
+
+        Parameters
+        ----------
+        start
+            (x, y) at the base, in m or as ``"8 mm"``.
+        end
+            (x, y) at the tip, likewise.
+        """
         return cls(kind="linear", start=start, end=end)
 
     @classmethod
     def polynomial(cls, *, x: Sequence[float], y: Sequence[float]) -> Routing:
-        """By coefficients of x and y in ascending powers of the arc length, in SI."""
+        """By coefficients of x and y in ascending powers of the arc length, in SI.
+
+        Parameters
+        ----------
+        x, y
+            Coefficients of 1, s, s², …, in m, 1, 1/m, ….
+        """
         return cls(kind="polynomial", x=x, y=y)
 
 
@@ -476,7 +508,13 @@ class Robot:
         return tuple(Cable._of(cable) for cable in self._tables.get("cables", ()))
 
     def replace(self, **changes: Any) -> Robot:
-        """The same robot with another backbone, disks or cables."""
+        """The same robot with another backbone, disks or cables.
+
+        Parameters
+        ----------
+        changes
+            ``backbone``, ``disks`` or ``cables``.
+        """
         parts = {"backbone": self.backbone, "disks": self.disks, "cables": self.cables}
         return Robot(**{**parts, **changes})
 
@@ -485,11 +523,25 @@ class Robot:
         return _core.toml(self._tables)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a robot file, whole or not at all."""
+        """Writes a robot file, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced if it exists.
+        """
         write(path, self.to_toml())
 
     def view(self, *, open: bool | None = None, height: int = HEIGHT) -> Viewer:
-        """Shows the robot in the browser, as :meth:`Case.view` does."""
+        """Shows the robot in the browser, as :meth:`Case.view` does.
+
+        Parameters
+        ----------
+        open
+            Whether a tab of the browser is opened: by default, except in a notebook.
+        height
+            Height of the page in a notebook, in px.
+        """
         return view(self.to_toml(), open=open, height=height)
 
     def __setattr__(self, name: str, value: Any) -> None:

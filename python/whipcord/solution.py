@@ -296,7 +296,13 @@ class Solution:
         return tuple(self._case._setup.cable_paths(self._answer))
 
     def rms_distance(self, other: Solution) -> float:
-        """Root mean square in m of the distances of the disks of two answers, without the base disk."""
+        """Root mean square in m of the distances of the disks of two answers, without the base disk.
+
+        Parameters
+        ----------
+        other
+            An answer for a robot with as many disks.
+        """
         if not isinstance(other, Solution):
             raise InputError(f"other must be a Solution, but is {other!r}", path="other")
         mine, others = len(self.disks.position), len(other.disks.position)
@@ -334,7 +340,13 @@ class Solution:
         return f"{comments}\n{self.case.to_toml()}"
 
     def plot(self, **options: Any) -> Any:
-        """Draws the robot; see :func:`whipcord.plot.solution`."""
+        """Draws the robot; see :func:`whipcord.plot.solution`.
+
+        Parameters
+        ----------
+        options
+            As for :func:`whipcord.plot.solution`.
+        """
         from . import plot
 
         return plot.solution(self, **options)
@@ -342,12 +354,27 @@ class Solution:
     def view(self, *, open: bool | None = None, height: int = HEIGHT) -> Viewer:
         """Shows it in the browser, as :meth:`Case.view` does: the page begins with this model, under the commands and loads
         that this answers.
+
+        Parameters
+        ----------
+        open
+            Whether a tab of the browser is opened: by default, except in a notebook.
+        height
+            Height of the page in a notebook, in px.
         """
         shown = self.case._of(self._case._setup.as_driven(self._answer, self._model))
         return view(shown.to_toml(), model=offered(self._model), open=open, height=height)
 
     def svg(self, *, width: float = 980.0, title: str | None = None) -> str:
-        """The picture that ``whipcord solve --plot`` draws, as SVG: in space and in three views."""
+        """The picture that ``whipcord solve --plot`` draws, as SVG: in space and in three views.
+
+        Parameters
+        ----------
+        width
+            Width of the picture in px.
+        title
+            Its title; by default that of the case.
+        """
         return _core.svg(self.case._setup, [(self.model, self._answer)], width, title)
 
     def to_pandas(self) -> Any:
@@ -369,11 +396,23 @@ class Solution:
         return solution_to_xarray(self)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the shape as the CSV of ``whipcord solve --csv``."""
+        """Writes the shape as the CSV of ``whipcord solve --csv``.
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced if it exists.
+        """
         write(path, self._answer.csv())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Writes one line for each station as Parquet (needs the package pyarrow)."""
+        """Writes one line for each station as Parquet (needs the package pyarrow).
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced if it exists.
+        """
         from .export import solution_columns, to_parquet
 
         to_parquet(solution_columns(self), path)

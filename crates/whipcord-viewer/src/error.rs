@@ -8,7 +8,7 @@ use whipcord_io::FileError;
 pub enum ViewError {
     /// The binary was built without the page.
     #[error(
-        "this whipcord was built without the page of its viewer: run `make page`, which needs Node, and build again"
+        "this whipcord was built without the page of its viewer: install Node 20.19 or later with npm, and build or install whipcord again"
     )]
     NoPage,
     /// The page that the binary was built with is not one that can be exported.

@@ -1,7 +1,7 @@
 //! The viewer of whipcord: a robot in a page of the browser, with a slider for each cable.
 //!
 //! A server on this machine reads a robot file, follows its changes, and solves what the sliders of the page say, over
-//! a WebSocket ([`protocol`]). The page is TypeScript in `page/`; built by `make page`, it is part of this crate's
+//! a WebSocket ([`protocol`]). The page is TypeScript in `page/`; built by Node, it is part of this crate's
 //! binary. Without it everything here compiles, and [`View::open`] says what to do.
 
 mod bench;
