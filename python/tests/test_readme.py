@@ -1,4 +1,4 @@
-"""What the front page and the page about Python say is what happens."""
+"""The Python on the pages runs as printed, and the relative links of all pages lead somewhere."""
 
 from __future__ import annotations
 
@@ -37,3 +37,70 @@ def test_the_page_about_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert (tmp_path / "robot.toml").is_file()
     assert scope["batch"].ok.all()
     pyplot.close("all")
+
+
+PAGES = [ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md")] + sorted(
+    (ROOT / "docs").rglob("*.md")
+)
+
+
+def anchors(page: Path) -> set[str]:
+    """The anchors that a code host gives the headings of a Markdown file."""
+    found: dict[str, int] = {}
+    result = set()
+    text = re.sub(r"^(```|~~~).*?^\1", "", page.read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
+    for heading in re.findall(r"^#{1,6} +(.+?)[ #]*$", text, re.MULTILINE):
+        plain = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", heading)
+        slug = re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-")
+        # A repeated heading is numbered from its second occurrence on.
+        number = found.get(slug, 0)
+        found[slug] = number + 1
+        result.add(f"{slug}-{number}" if number else slug)
+    return result
+
+
+def broken_links(page: Path) -> list[str]:
+    """The relative links of a Markdown file without a target, without an anchor in it, or without a text."""
+    text = page.read_text("utf-8")
+    files = re.findall(r"^```\{(?:image|figure|literalinclude)\} +(\S+)", text, re.MULTILINE)
+    prose = re.sub(r"^(```|~~~).*?^\1", "", text, flags=re.DOTALL | re.MULTILINE)
+    # Formulas are indented blocks and code spans; neither has links.
+    prose = re.sub(r"^ {4}.*$", "", prose, flags=re.MULTILINE)
+    prose = re.sub(r"(`+).+?\1", "code", prose, flags=re.DOTALL)
+    links = re.findall(r"\[([^\]]*)\]\(([^)\s]+)(?: \"[^\"]*\")?\)", prose)
+    # The text of a link around a picture is the picture.
+    links += [("picture", target) for target in re.findall(r"\]\([^)]*\)\]\(([^)\s]+)\)", prose)]
+    broken = [f"[]({target})" for words, target in links if not words.strip()]
+    for target in files + [target for _, target in links]:
+        if re.match(r"[a-z][a-z0-9+.-]*:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        file = page.parent / path if path else page
+        if not file.exists() or (anchor and (file.suffix != ".md" or anchor not in anchors(file))):
+            broken.append(target)
+    return broken
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_relative_links_have_targets(page: Path) -> None:
+    assert broken_links(page) == []
+
+
+def test_broken_links_are_found(tmp_path: Path) -> None:
+    other = tmp_path / "other.md"
+    other.write_text("# The `--set` option, §2\n## Twice\n## Twice\n```sh\n# no heading\n```\n")
+    assert anchors(other) == {"the---set-option-2", "twice", "twice-1"}
+    page = tmp_path / "page.md"
+    page.write_text(
+        "# Page\n[a](other.md) [a](other.md#twice-1) [a](#page) [a](https://example.org/none) ![a](other.md)\n"
+        "[`a`](other.md#the---set-option-2) `[a](none.md)`\n\n    [a](none.md)\n\n```sh\n[a](none.md)\n```\n"
+        "[a](none.md) ![a](none.png) [a](other.md#no-heading) [a](#twice) [](other.md)\n```{image} none.jpg\n```\n"
+    )
+    assert sorted(broken_links(page)) == [
+        "#twice",
+        "[](other.md)",
+        "none.jpg",
+        "none.md",
+        "none.png",
+        "other.md#no-heading",
+    ]
