@@ -9,7 +9,6 @@ from dataclasses import is_dataclass
 from typing import Any
 
 import pytest
-
 import whipcord
 import whipcord.models
 import whipcord.plot
@@ -30,8 +29,9 @@ def public() -> dict[str, Any]:
     """Public functions and methods by their names."""
     found: dict[str, Any] = {}
     for module in MODULES:
-        for name, member in inspect.getmembers(module):
-            if name.startswith("_") or not getattr(member, "__module__", "").startswith("whipcord"):
+        for name in module.__all__:
+            member = getattr(module, name)
+            if not getattr(member, "__module__", "").startswith("whipcord"):
                 continue
             if inspect.isfunction(member):
                 found[name] = member
@@ -70,12 +70,12 @@ def test_every_field_is_documented() -> None:
     kinds = [kind for kind in vars(whipcord).values() if inspect.isclass(kind) and is_dataclass(kind)]
     assert len(kinds) > 20
     for kind in kinds:
-        source = inspect.getsource(kind) + (inspect.getdoc(kind) or "")
-        for field in kind.__dataclass_fields__.values():
-            if field.name.startswith("_") or field.name not in kind.__dict__.get("__annotations__", {}):
+        doc, source = inspect.getdoc(kind) or "", inspect.getsource(kind)
+        for name in inspect.get_annotations(kind):
+            if name.startswith("_"):
                 continue
-            after = rf"^    {field.name}: [^\n]*(\n        [^\n]*|\n    \))*\n    r?\"\"\""
-            named = rf"^{field.name}\b"
-            assert re.search(after, source, re.MULTILINE) or re.search(
-                named, inspect.getdoc(kind) or "", re.MULTILINE
-            ), f"{kind.__name__}.{field.name} is not documented"
+            # A text below the field, or an entry of the class.
+            below = re.search(
+                rf"^    {name}: [^\n]*\n(?:    [ )\]][^\n]*\n)*    r?\"\"\"", source, re.MULTILINE
+            )
+            assert below or name in documented(doc), f"{kind.__name__}.{name} is not documented"

@@ -72,7 +72,15 @@ class Description:
 
     @classmethod
     def from_toml(cls: type[Self], text: str, path: str | os.PathLike[str] = "text") -> Self:
-        """Reads the text of a robot file; files it names are looked for in the folder of `path`."""
+        """Reads the text of a robot file; files it names are looked for in the folder of `path`.
+
+        Parameters
+        ----------
+        text
+            The text.
+        path
+            What messages call it.
+        """
         self = cls._of(_core.Setup.parse(text, os.fspath(path)))
         tell(self.warnings)
         return self
@@ -150,6 +158,11 @@ class Description:
         Other commands take the place of the steps, and with them of what friction keeps of the steps before.
         What was measured stays as long as commands, loads, base, obstacles and the places of the disks do; what was
         published, as long as the whole robot does too.
+
+        Parameters
+        ----------
+        changes
+            ``robot``, ``tension``, ``shortening``, ``loads``, ``base``, ``steps``, ``obstacles``, ``title``, as for :class:`whipcord.Case`.
         """
         given: dict[str, Any] = {"loads": self.loads, "base": self.base, "title": self.title}
         if {"tension", "shortening"} & changes.keys() and "steps" not in changes:
@@ -219,7 +232,13 @@ class Description:
         return self._text(None)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a robot file, whole or not at all."""
+        """Writes a robot file, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced if it exists.
+        """
         folder = os.path.dirname(os.path.abspath(path))
         write(path, self._text(folder))
 
@@ -229,6 +248,13 @@ class Description:
     def parameter(self, path: str) -> float:
         """The value of a quantity of robot or case, by its path.
 
+        Parameters
+        ----------
+        path
+            Path of the quantity, as in robot files and counted from 0: ``"cables[0].routing.radius"``.
+
+        Examples
+        --------
         >>> import whipcord
         >>> whipcord.load("examples/table1/case-3.toml").parameter("backbone.diameter")
         0.003
@@ -238,6 +264,13 @@ class Description:
     def with_parameters(self: Self, values: Mapping[str, float]) -> Self:
         """The same case with these quantities changed, by their paths; measurements as for :meth:`replace`.
 
+        Parameters
+        ----------
+        values
+            New values in SI, by their paths.
+
+        Examples
+        --------
         >>> import whipcord
         >>> case = whipcord.load("examples/table1/case-3.toml")
         >>> case.with_parameters({"backbone.young_modulus": 2e9}).robot.backbone.young_modulus

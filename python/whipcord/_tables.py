@@ -97,7 +97,13 @@ class Table:
         return {key: plain(value) for key, value in self._given().items()}
 
     def replace(self: Self, **changes: Any) -> Self:
-        """The same with these entries changed; None takes one out."""
+        """The same with these entries changed; None takes one out.
+
+        Parameters
+        ----------
+        changes
+            The entries, by their names.
+        """
         return type(self)(**{**self._given(), **changes})
 
     def __repr__(self) -> str:

@@ -70,7 +70,13 @@ class _Rows:
         return self._outcomes.failed
 
     def error(self, row: int) -> SolveError | InputError | None:
-        """Why a row has no answer; None where it has one."""
+        """Why a row has no answer; None where it has one.
+
+        Parameters
+        ----------
+        row
+            Number of the row from 0, or from the end where it is negative.
+        """
         return self._outcomes.error(range(len(self))[row])
 
     def raise_for_failed(self) -> None:

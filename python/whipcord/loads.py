@@ -103,7 +103,15 @@ class DistributedLoad(Table):
 
 @dataclass(frozen=True, init=False, repr=False)
 class PointMass(Table):
-    """A mass in kg that the robot carries at an arc length in m. Gravity acts on it."""
+    """A mass that the robot carries. Gravity acts on it.
+
+    Parameters
+    ----------
+    at
+        Arc length of its place in m.
+    mass
+        The mass in kg.
+    """
 
     at: float
     mass: float

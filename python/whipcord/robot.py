@@ -299,6 +299,17 @@ class Routing(Table):
     Made by :meth:`straight`, :meth:`helix`, :meth:`linear` or :meth:`polynomial`; angles in rad from x
     towards y, lengths in m. A cable that runs through holes needs none (see :class:`Cable`).
 
+    Parameters
+    ----------
+    kind
+        ``"straight"``, ``"helix"``, ``"linear"`` or ``"polynomial"``: which of the entries below it has.
+    angle, start_angle, turns, radius
+        Of a straight cable its angle and radius; of a helix its angle at the base, its turns and its radius.
+    start, end
+        (x, y) of a slanted cable at the base and at the tip.
+    x, y
+        Coefficients of a polynomial in the arc length.
+
     Examples
     --------
     >>> Routing.helix(turns=0.75, radius="8 mm")
