@@ -423,8 +423,14 @@ def test_pictures_show_what_they_are_of(case: whipcord.Case) -> None:
     (line, *rest) = axes.get_lines()
     drawn = np.array(line.get_data_3d())
     assert np.allclose(drawn[:, -1], 1e3 * solution.tip)
-    # Ten disks and a cable.
-    assert len(rest) == 11
+    assert line.get_color() == whipcord.plot.MODELS["cosserat"]
+    # The cable, in a color of its own.
+    (cable,) = rest
+    assert cable.get_color() == whipcord.plot.CABLES[0]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["cosserat", "cable pull"]
+    # A backbone of 16 sides, ten disks of 36 and two faces, and a cable of 6 sides, closed at both ends.
+    (solids,) = axes.collections
+    assert len(solids.get_facecolor()) == (90 * 16 + 2) + 10 * (36 + 2) + (90 * 6 + 2)
     axes = whipcord.plot.compare(solution, case.solve(model="four-bar"), labels=["a", "b"])
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["a", "b"]
     # What is drawn later is inside as well.

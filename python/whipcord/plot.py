@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,19 +18,32 @@ import numpy.typing as npt
 
 from ._packages import needed
 from .errors import InputError
-from .robot import Robot
+from .robot import Along, Robot
 from .solution import Shape, Solution
 
 __all__ = ["compare", "solution"]
 
 Array = npt.NDArray[np.float64]
 
-PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Colours that are told apart by everyone."""
+MODELS = {
+    "cosserat": "#0072b2",
+    "cosserat-disks": "#d55e00",
+    "four-bar": "#009e73",
+    "constant-curvature": "#cc79a7",
+    "piecewise-constant-curvature": "#e69f00",
+    "pseudo-rigid-body": "#56b4e9",
+}
+"""The color of each model, as in all other pictures: told apart by all kinds of color vision."""
+CABLES = ("#a0522d", "#8e5bd0", "#5c8f1f", "#ee6677", "#01665e", "#c51b7d")
+"""The colors of cables."""
 UNSTABLE = "#b00020"
 """Colour of the word."""
 SMOOTH = 91
 """Stations that a curve is smooth with."""
+CONTACT = "#c41a1a"
+"""Color of contacts."""
+STYLES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
+"""Of the lines of the first, second, … answer by the same model."""
 
 
 def solution(
@@ -42,7 +56,8 @@ def solution(
     disks: bool = True,
     cables: bool = True,
 ) -> Any:
-    """Draws a robot in space.
+    """Draws a robot in space: the backbone with its cross-section and the disks with their thickness in the
+    color of the model, the cables in colors of their own, and where it touches obstacles.
 
     Parameters
     ----------
@@ -53,7 +68,7 @@ def solution(
     backend
         ``"matplotlib"`` or ``"pyvista"``.
     color
-        Of the backbone.
+        Of the backbone and the disks; that of the model by default.
     label
         For the legend; the name of the model by default. At an unstable shape it says so.
     disks, cables
@@ -63,27 +78,51 @@ def solution(
     -------
     The axes, or the plotter.
     """
+    color = color or _color(answer.model)
     if backend == "pyvista":
-        return _pyvista(answer, axes, color or PALETTE[0], disks, cables)
+        return _pyvista(answer, axes, color, disks, cables)
     if backend != "matplotlib":
         raise InputError(f"there is no backend `{backend}`: choose matplotlib or pyvista", path="backend")
     axes = _axes() if axes is None else axes
-    _draw(answer, axes, color or PALETTE[0], label, disks, cables)
+    _draw_whole(answer, axes, color, label, disks, cables)
+    axes.legend(loc="upper right", frameon=False, fontsize="small")
     if answer.diagnostics.unstable:
         axes.text2D(0.02, 0.98, "unstable", transform=axes.transAxes, va="top", color=UNSTABLE)
     return axes
 
 
-def _draw(answer: Solution, axes: Any, color: str, label: str | None, disks: bool, cables: bool) -> None:
+def _color(model: str) -> str:
+    """Of a model; a variant has that of its model."""
+    known = [name for name in MODELS if model == name or model.startswith(name + "-")]
+    return MODELS[max(known, key=len)] if known else MODELS["cosserat"]
+
+
+def _named(answer: Solution, label: str | None) -> str:
+    return (label or answer.model) + (" (unstable)" if answer.diagnostics.unstable else "")
+
+
+def _draw_whole(
+    answer: Solution, axes: Any, color: str, label: str | None, disks: bool, cables: bool
+) -> None:
     fine = _smooth(answer)
-    label = (label or answer.model) + (" (unstable)" if answer.diagnostics.unstable else "")
-    axes.plot(*(1e3 * fine.position.T), color=color, linewidth=2.5, label=label)
+    axes.plot(*(1e3 * fine.position.T), color=color, linewidth=2.5, label=_named(answer, label))
+    solids = _Solids()
+    solids.tube(fine.position, fine.rotation, _outlines(answer.robot, fine.arc_length), color)
     if disks:
-        for rim in _rims(answer.robot, answer.disks):
-            axes.plot(*(1e3 * rim.T), color="0.55", linewidth=0.8)
+        for plate in _plates(answer.robot, answer.disks):
+            solids.plate(*plate, color)
     if cables:
-        for path in fine.cable_paths():
-            axes.plot(*(1e3 * path.T), color="0.15", linewidth=0.9)
+        thin = 2e-3 * answer.robot.backbone.length
+        for i, (path, cable) in enumerate(zip(fine.cable_paths(), answer.robot.cables)):
+            own = CABLES[i % len(CABLES)]
+            axes.plot(*(1e3 * path.T), color=own, linewidth=1.2, label=f"cable {cable.name}")
+            if len(path) > 1:
+                frames = _frames(path)
+                solids.tube(path, frames, np.broadcast_to(thin * _circle(6), (len(path), 6, 2)), own)
+    solids.draw(axes)
+    if answer.touches:
+        points = 1e3 * np.array([touch.point for touch in answer.touches])
+        axes.scatter(*points.T, color=CONTACT, s=18, depthshade=False, label="contacts")
     _equal(axes)
 
 
@@ -113,11 +152,122 @@ def compare(*answers: Solution, axes: Any = None, labels: list[str] | None = Non
         message = f"labels must be one for each of {len(answers)} answers, but are {labels!r}"
         raise InputError(message, path="labels")
     axes = _axes() if axes is None else axes
+    seen: dict[str, int] = {}
     for i, answer in enumerate(answers):
-        label = labels[i] if labels else None
-        _draw(answer, axes, PALETTE[i % len(PALETTE)], label, disks=i == 0, cables=i == 0)
+        fine, color = _smooth(answer), _color(answer.model)
+        before = seen.setdefault(color, 0)
+        seen[color] += 1
+        # Where several run together, all are seen: each is thinner than what is below it.
+        width, style = 1.6 + 0.6 * (len(answers) - 1 - i), STYLES[before % len(STYLES)]
+        label = _named(answer, labels[i] if labels else None)
+        axes.plot(*(1e3 * fine.position.T), color=color, linewidth=width, linestyle=style, label=label)
+        if i == 0:
+            for rim in _rims(answer.robot, answer.disks):
+                axes.plot(*(1e3 * rim.T), color="0.6", linewidth=0.7)
+            for k, path in enumerate(fine.cable_paths()):
+                axes.plot(*(1e3 * path.T), color=CABLES[k % len(CABLES)], linewidth=0.9)
+        _equal(axes)
     axes.legend(loc="upper left", frameon=False)
     return axes
+
+
+class _Solids:
+    """Flat faces in mm, all in one collection, so that Matplotlib puts them in the order of their depth."""
+
+    def __init__(self) -> None:
+        self.faces: list[Array] = []
+        self.colors: list[tuple[float, float, float, float]] = []
+        self.edges: list[tuple[float, float, float, float]] = []
+
+    def add(self, face: Array, color: str, alpha: float, *, rim: bool = False) -> None:
+        """A face, the darker the more it is turned away from the light; faint ones are lighter."""
+        to_rgb = needed("matplotlib.colors").to_rgb
+        normal = np.cross(face[1] - face[0], face[2] - face[1])
+        size = float(np.linalg.norm(normal))
+        light = abs(float(normal @ LIGHT)) / size if size > 0.0 else 1.0
+        red, green, blue = (float((0.7 + 0.3 * light) * part) for part in to_rgb(color))
+        self.faces.append(1e3 * face)
+        self.colors.append((red, green, blue, alpha))
+        self.edges.append((red, green, blue, 1.0 if rim else 0.0))
+
+    def tube(self, position: Array, rotation: Array, outlines: Array, color: str) -> None:
+        """Cross-sections, (n, k, 2) in their own frames, joined along a line."""
+        flat = np.concatenate([outlines, np.zeros_like(outlines[..., :1])], axis=2)
+        corners = position[:, None, :] + np.einsum("nij,nkj->nki", rotation, flat)
+        for here, there in pairwise(corners):
+            for k in range(len(here)):
+                self.add(np.array([here[k - 1], here[k], there[k], there[k - 1]]), color, 1.0)
+        for end in (corners[0], corners[-1]):
+            self.add(end, color, 1.0)
+
+    def plate(self, position: Array, turn: Array, radius: float, thickness: float, color: str) -> None:
+        """A disk."""
+        flat = np.concatenate([radius * _circle(36), np.zeros((36, 1))], axis=1)
+        lower, upper = (
+            position + (flat + np.array([0.0, 0.0, z])) @ turn.T for z in (-0.5 * thickness, 0.5 * thickness)
+        )
+        for face in (lower, upper):
+            self.add(face, color, 0.3, rim=True)
+        for k in range(36):
+            self.add(np.array([lower[k - 1], lower[k], upper[k], upper[k - 1]]), color, 0.3)
+
+    def draw(self, axes: Any) -> None:
+        collection = needed("mpl_toolkits.mplot3d.art3d").Poly3DCollection(
+            self.faces, facecolors=self.colors, edgecolors=self.edges, linewidths=0.6
+        )
+        axes.add_collection3d(collection)
+        points = np.concatenate(self.faces)
+        axes.auto_scale_xyz(*points.T)
+
+
+LIGHT = np.array([0.36, -0.48, 0.8])
+"""Direction to the light."""
+
+
+def _circle(corners: int) -> Array:
+    angle = 2 * np.pi * np.arange(corners) / corners
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def _along(quantity: Any, s: Array, disks: Array) -> Array:
+    """A quantity of the backbone at arc lengths: one value, one for each disk, or :class:`Along`."""
+    at, values = disks, np.asarray(quantity.values if isinstance(quantity, Along) else quantity, dtype=float)
+    if isinstance(quantity, Along):
+        at = np.asarray(quantity.at, dtype=float)
+    return np.full_like(s, float(values)) if values.ndim == 0 else np.interp(s, at, values)
+
+
+def _outlines(robot: Robot, s: Array) -> Array:
+    """(n, k, 2) corners of the backbone's cross-section at arc lengths, in m."""
+    backbone = robot.backbone
+    given = backbone.diameter if backbone.diameter is not None else backbone.diameters
+    disks = _stations(robot)
+    if given is not None:
+        return 0.5 * _along(given, s, disks)[:, None, None] * _circle(16)
+    if backbone.section is not None:
+        size = [_along(side, s, disks) for side in (backbone.section.width, backbone.section.height)]
+        square = 0.5 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+        return np.stack(size, axis=1)[:, None, :] * square
+    return np.broadcast_to(0.004 * backbone.length * _circle(16), (len(s), 16, 2))
+
+
+def _stations(robot: Robot) -> Array:
+    """Arc lengths of the disks in m."""
+    disks = robot.disks
+    if disks.positions is not None:
+        return np.asarray(disks.positions, dtype=float)
+    return np.linspace(0.0, robot.backbone.length, disks.count or 2)
+
+
+def _frames(path: Array) -> Array:
+    """(n, 3, 3) frames along a line, the third axis its tangent."""
+    tangent = np.gradient(path, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
+    # Beside whichever axis is farthest from the tangent.
+    helper = np.eye(3)[np.argmin(np.abs(tangent), axis=1)]
+    first = np.cross(helper, tangent)
+    first /= np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-300)
+    return np.stack([first, np.cross(tangent, first), tangent], axis=2)
 
 
 def _axes() -> Any:
@@ -167,19 +317,37 @@ def _smooth(answer: Solution) -> Solution:
     return Solution._of(case, model, case._setup.solve(model, None, None, answer._answer), answer)
 
 
+def _radii(robot: Robot, count: int) -> Array | None:
+    """Radius of the rim of each disk in m; None where the robot has none."""
+    disks = robot.disks
+    if disks.outer_radius is not None:
+        return np.full(count, disks.outer_radius)
+    if disks.hole_circle_radius is None:
+        return None
+    # A little material outside the holes.
+    return 1.2 * np.broadcast_to(np.asarray(disks.hole_circle_radius, dtype=float), count)
+
+
+def _plates(robot: Robot, disks: Shape) -> list[tuple[Array, Array, float, float]]:
+    """Place, frame, radius and thickness of each disk, in m: what the robot does not give is as in the SVG."""
+    radii = _radii(robot, len(disks.position))
+    if radii is None:
+        return []
+    least = float(np.min(np.diff(_stations(robot))))
+    given = robot.disks.thickness
+    thickness = np.minimum(0.1 * radii if given is None else given, 0.5 * least)
+    sizes = np.broadcast_to(thickness, len(radii))
+    return [
+        (position, turn, float(radius), float(size))
+        for position, turn, radius, size in zip(disks.position, disks.rotation, radii, sizes)
+    ]
+
+
 def _rims(robot: Robot, disks: Shape) -> list[Array]:
     """(37, 3) points on the rim of each disk, in m."""
-    radius = robot.disks.hole_circle_radius
-    if radius is None:
-        return []
-    angle = np.linspace(0.0, 2 * np.pi, 37)
-    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
-    radii = np.broadcast_to(np.asarray(radius), len(disks.position))
-    # A little material outside the holes.
-    return [
-        position + 1.15 * r * circle @ turn.T
-        for position, turn, r in zip(disks.position, disks.rotation, radii)
-    ]
+    circle = np.concatenate([_circle(36), np.zeros((36, 1))], axis=1)
+    closed = np.vstack([circle, circle[:1]])
+    return [position + radius * closed @ turn.T for position, turn, radius, _ in _plates(robot, disks)]
 
 
 def _pyvista(answer: Solution, plotter: Any, color: str, disks: bool, cables: bool) -> Any:
@@ -195,12 +363,12 @@ def _pyvista(answer: Solution, plotter: Any, color: str, disks: bool, cables: bo
         for rim, center in zip(_rims(answer.robot, answer.disks), 1e3 * answer.disks.position):
             fan = np.vstack([center, 1e3 * rim])
             faces = np.array([[3, 0, i, i + 1] for i in range(1, len(rim))])
-            plotter.add_mesh(pyvista.PolyData(fan, faces.ravel()), color="lightgrey", opacity=0.6)
+            plotter.add_mesh(pyvista.PolyData(fan, faces.ravel()), color=color, opacity=0.3)
     if cables:
-        for path in fine.cable_paths():
+        for i, path in enumerate(fine.cable_paths()):
             if len(path) > 1:
                 line = pyvista.MultipleLines(1e3 * path).tube(radius=0.12e3 * width)
-                plotter.add_mesh(line, color="black")
+                plotter.add_mesh(line, color=CABLES[i % len(CABLES)])
     titles = {f"{name}title": f"{name} (mm)" for name in "xyz"}
     counts = {f"n_{name}labels": 3 for name in "xyz"}
     plotter.show_grid(**titles, **counts, fmt="%.0f", font_size=10, color="grey")

@@ -1,10 +1,12 @@
 //! The frame of a self-contained HTML page.
 
+use std::borrow::Cow;
+
 /// A figure and what it shows.
 #[derive(Clone, Debug)]
 pub struct Figure {
     /// For file names.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// What it shows.
     pub caption: String,
     /// The picture.
@@ -49,17 +51,19 @@ const STYLE: &str = "\
 :root { color-scheme: light dark; --ink: #1d2329; --soft: #5b6670; --line: #d5dade; --page: #fff; --band: #f3f5f6; --link: #0b63a5 }
 @media (prefers-color-scheme: dark) { :root { --ink: #e4e8ea; --soft: #9aa6ae; --line: #3a434a; --page: #15191c; --band: #1e2428; --link: #79b8ea } }
 body { margin: 0; background: var(--page); color: var(--ink); font: 16px/1.5 system-ui, sans-serif }
-main { max-width: 72rem; margin: 0 auto; padding: 1.5rem }
+main { max-width: 74rem; margin: 0 auto; padding: 1.5rem }
 h1 { font-size: 1.6rem } h2 { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: 1.5rem; font-size: 1.3rem } h3 { font-size: 1rem; margin: 1.5rem 0 .3rem }
 a { color: var(--link) }
 .path, figcaption, .notes, footer { color: var(--soft); font-size: .9rem }
 .scroll { overflow-x: auto }
 table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums }
-th, td { padding: .25rem .7rem; text-align: left; white-space: nowrap }
-th { border-bottom: 1px solid var(--ink) }
+th, td { padding: .25rem .5rem; text-align: left }
+td.n { white-space: nowrap }
+th { border-bottom: 1px solid var(--ink); vertical-align: bottom }
+th small { display: block; font-weight: normal; color: var(--soft) }
 tbody + tbody { border-top: 1px solid var(--line) }
 tbody tr:nth-child(even) { background: var(--band) }
-.n { text-align: right }
+th.n, td.n { text-align: right }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .1rem 1rem; font-size: .9rem }
 dt { color: var(--soft) } dd { margin: 0 }
 figure { margin: 1.5rem 0 }

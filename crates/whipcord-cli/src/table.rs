@@ -16,6 +16,8 @@ pub enum Align {
 #[derive(Clone, Debug)]
 pub struct Table {
     columns: Vec<(String, Align)>,
+    /// Unit of each column, where one is given.
+    units: Vec<&'static str>,
     groups: Vec<Vec<Vec<String>>>,
 }
 
@@ -23,7 +25,13 @@ impl Table {
     /// A table without rows.
     pub fn new<S: Into<String>>(columns: impl IntoIterator<Item = (S, Align)>) -> Self {
         let columns = columns.into_iter().map(|(name, align)| (name.into(), align)).collect();
-        Self { columns, groups: Vec::new() }
+        Self { columns, units: Vec::new(), groups: Vec::new() }
+    }
+
+    /// The same table with the units of its columns, from the first on. Pages show them below the headings; in
+    /// text, where there is no room, a note has to say them.
+    pub fn with_units(self, units: impl IntoIterator<Item = &'static str>) -> Self {
+        Self { units: units.into_iter().collect(), ..self }
     }
 
     /// Starts a group of rows, which a line sets off from the one before.
@@ -91,7 +99,12 @@ impl Table {
         };
         let mut html = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
         for (i, (name, _)) in self.columns.iter().enumerate() {
-            html += &cell("th", i, name);
+            let unit = match self.units.get(i) {
+                Some(unit) if !unit.is_empty() => format!("<small>{}</small>", escape(unit)),
+                _ => String::new(),
+            };
+            let heading = cell("th", i, name);
+            html += &heading.replace("</th>", &format!("{unit}</th>"));
         }
         html += "</tr></thead>\n";
         for group in &self.groups {
@@ -137,5 +150,11 @@ mod tests {
     fn html_is_escaped() {
         let html = table().html();
         assert!(html.contains("&lt;II&gt;") && html.contains("<td class=\"n\">3.1</td>"));
+    }
+
+    #[test]
+    fn pages_have_the_units_in_the_headings() {
+        let html = table().with_units(["", "mm"]).html();
+        assert!(html.contains("<th>case</th><th class=\"n\">µs<small>mm</small></th>"), "{html}");
     }
 }

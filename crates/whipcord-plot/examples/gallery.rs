@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use common::{arm, before, catheter, finger, prototype, towards, view};
-use whipcord::Vec3;
+use whipcord::{ModelKind, Vec3};
 use whipcord_plot::{
     AccuracySeries, Colour, DistanceSeries, FigureOptions, Marker, RobotView, Scale, TimingSeries,
     ViewStyle, accuracy_chart, distance_chart, png, robot_figure, timing_chart,
@@ -36,8 +36,11 @@ fn robots() -> Result<Pictures, Box<dyn Error>> {
         let along = s / 0.18;
         PI / 6.0 * (9.0 * along).clamp(0.0, 3.0).min(9.0 - 9.0 * along)
     };
-    let cosserat = view(&robot, "cosserat", ViewStyle::Model, |s| towards(pull(s), 8.7));
-    let four_bar = view(&robot, "four-bar", ViewStyle::Model, |s| towards(pull(s) + 0.06, 8.2));
+    let cosserat =
+        view(&robot, "cosserat", ViewStyle::Model(ModelKind::Cosserat), |s| towards(pull(s), 8.7));
+    let four_bar = view(&robot, "four-bar", ViewStyle::Model(ModelKind::FourBar), |s| {
+        towards(pull(s) + 0.06, 8.2)
+    });
     let views = [before(&robot), cosserat.clone(), four_bar];
     let measured = cosserat
         .disks
@@ -53,17 +56,23 @@ fn robots() -> Result<Pictures, Box<dyn Error>> {
     pictures.push(("case3_one", robot_figure(&robot, &views[..2], &titled("Case III"))?));
 
     let robot = prototype(&[4; 10])?;
-    let planar = view(&robot, "cosserat", ViewStyle::Model, |_| towards(PI / 2.0, PI / 2.0 / 0.18));
+    let planar = view(&robot, "cosserat", ViewStyle::Model(ModelKind::Cosserat), |_| {
+        towards(PI / 2.0, PI / 2.0 / 0.18)
+    });
     pictures.push(("case1", robot_figure(&robot, &[before(&robot), planar], &titled("Case I"))?));
 
     let robot = prototype(&[10, 10, 11, 12, 1, 2, 1, 12, 12, 1])?;
-    let still = RobotView { style: ViewStyle::Model, label: "cosserat".into(), ..before(&robot) };
+    let still = RobotView {
+        style: ViewStyle::Model(ModelKind::Cosserat),
+        label: "cosserat".into(),
+        ..before(&robot)
+    };
     let views = [before(&robot), still];
     pictures.push(("still", robot_figure(&robot, &views, &titled("No tension"))?));
 
     let robot = arm()?;
     let s_bend = |s: f64| if s < 1.0 { towards(0.4, 1.3) } else { towards(2.6, 1.9) };
-    let bent = view(&robot, "cosserat", ViewStyle::Model, s_bend);
+    let bent = view(&robot, "cosserat", ViewStyle::Model(ModelKind::Cosserat), s_bend);
     pictures.push((
         "arm",
         robot_figure(&robot, &[before(&robot), bent], &titled("Two segments, six cables"))?,
@@ -71,12 +80,14 @@ fn robots() -> Result<Pictures, Box<dyn Error>> {
 
     let robot = catheter()?;
     let hook = |s: f64| if s > 0.07 { towards(0.0, 60.0) } else { Vec3::ZERO };
-    let hook = view(&robot, "cosserat", ViewStyle::Model, hook);
+    let hook = view(&robot, "cosserat", ViewStyle::Model(ModelKind::Cosserat), hook);
     pictures
         .push(("catheter", robot_figure(&robot, &[before(&robot), hook], &titled("Catheter"))?));
 
     let finger = finger()?;
-    let curl = view(&finger, "cosserat", ViewStyle::Model, |s| towards(40.0 * s, 120.0 * s + 40.0));
+    let curl = view(&finger, "cosserat", ViewStyle::Model(ModelKind::Cosserat), |s| {
+        towards(40.0 * s, 120.0 * s + 40.0)
+    });
     let views = [before(&finger), curl];
     pictures.push(("finger", robot_figure(&finger, &views, &titled("Helical finger of 60 mm"))?));
     Ok(pictures)
@@ -88,6 +99,7 @@ fn charts() -> Result<Pictures, Box<dyn Error>> {
         label: label.into(),
         disks: (1..=10).map(|k| (k, end * (k as f64 - 1.0).powf(1.6) / 33.6)).collect(),
         look: None,
+        hollow: false,
     };
     let series = [
         distances("cosserat to four-bar", 3.1e-3),
@@ -101,6 +113,7 @@ fn charts() -> Result<Pictures, Box<dyn Error>> {
             label: format!("case {i}, cosserat to four-bar"),
             disks: (1..=41).map(|k| (k, 1e-6 * (i + 1) as f64 * (k as f64).sqrt())).collect(),
             look: None,
+            hollow: false,
         })
         .collect();
     pictures.push(("distance_many", distance_chart("Fine model", &many)?));

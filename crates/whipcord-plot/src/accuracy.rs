@@ -13,7 +13,7 @@ pub struct AccuracySeries {
     /// Number of steps or sections, and the largest error of a position relative to the length of
     /// the backbone.
     pub errors: Vec<(usize, f64)>,
-    /// Colour and sign; `None` for the next ones of the palette.
+    /// Colour and sign; `None` for the next ones that stand for no model.
     pub look: Option<(Colour, Marker)>,
 }
 

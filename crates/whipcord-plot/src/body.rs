@@ -2,9 +2,10 @@
 
 use core::f64::consts::TAU;
 
-use whipcord::{Pose, Robot, Routing, Section, Shape, UnitQuaternion, Vec3};
+use whipcord::{Pose, Robot, Section, Shape, UnitQuaternion, Vec3};
 
 use crate::error::{PlotError, finite};
+use crate::plates::plates_of;
 use crate::robot_figure::{CableCourse, RobotView};
 
 /// A stretch of backbone or cable between two disks.
@@ -16,10 +17,12 @@ pub(crate) struct Piece {
     pub points: Vec<Vec3>,
     /// Frames of the backbone at the points; none for a cable.
     pub frames: Vec<Pose>,
-    /// Cross-section of the backbone.
-    pub profile: Profile,
+    /// Cross-sections of the backbone at the frames.
+    pub profiles: Vec<Profile>,
     /// Whether it is the first or the last of the backbone.
     pub end: bool,
+    /// How much of its start and of its end lies inside a disk, in m.
+    pub hidden: [f64; 2],
 }
 
 /// What of a cross-section can be seen. Extents in m.
@@ -60,19 +63,10 @@ pub(crate) enum Part {
 pub(crate) struct Disk {
     pub pose: Pose,
     pub radius: f64,
+    /// Half of its thickness.
+    pub half: f64,
     /// Centres of the holes in space.
     pub holes: Vec<Vec3>,
-    pub hole_radius: f64,
-}
-
-/// A disk as pictures have it, in its own frame. Lengths in m.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plate {
-    /// Radius of its rim: what the robot gives, or enough for its holes, cables and backbone.
-    pub radius: f64,
-    /// Centres of its holes, (x, y); none where they would be a blur.
-    pub holes: Vec<[f64; 2]>,
-    /// Radius of its holes, which the robot does not give.
     pub hole_radius: f64,
 }
 
@@ -87,20 +81,48 @@ pub(crate) struct Body {
 const POINTS: usize = 192;
 /// About as many pieces as are put in order of depth along a backbone.
 const PIECES: usize = 32;
-/// With more holes than this on all disks none is drawn: they would be a blur.
-const MOST_HOLES: usize = 600;
-/// Rim outside the holes, relative to the radius of their circle.
-const RIM: f64 = 1.2;
-/// Radius of a hole, relative to its distance from the centre.
-const HOLE: f64 = 0.1;
-/// That relative to the distance from the next hole or the rim: a wall stays between.
-const APART: f64 = 0.45;
-/// A cable that ends this near to a disk, relative to the length, ends at it.
-const ONE_PLACE: f64 = 1e-9;
-
 impl Piece {
-    fn cable(part: Part, section: usize, points: Vec<Vec3>) -> Self {
-        Self { part, section, points, frames: vec![], profile: Profile::None, end: false }
+    fn cable(part: Part, section: usize, points: Vec<Vec3>, hidden: [f64; 2]) -> Self {
+        Self { part, section, points, frames: vec![], profiles: vec![], end: false, hidden }
+    }
+
+    /// What is not inside disks.
+    pub fn visible(&self) -> Self {
+        let lengths: Vec<f64> = self
+            .points
+            .iter()
+            .zip(self.points.iter().skip(1))
+            .scan(0.0, |along, (a, b)| {
+                *along += (*b - *a).norm();
+                Some(*along)
+            })
+            .collect();
+        let [start, end] = [self.hidden[0], lengths.last().unwrap_or(&0.0) - self.hidden[1]];
+        let mut seen =
+            Self { points: vec![], frames: vec![], profiles: vec![], hidden: [0.0; 2], ..*self };
+        for (i, &to) in lengths.iter().enumerate() {
+            let from = if i == 0 { 0.0 } else { lengths[i - 1] };
+            let [first, last] = [start, end].map(|s| ((s - from) / (to - from)).clamp(0.0, 1.0));
+            if from >= end || to <= start || first >= last {
+                continue;
+            }
+            if seen.points.is_empty() {
+                seen.push_between(self, i, first);
+            }
+            seen.push_between(self, i, last);
+        }
+        seen
+    }
+
+    /// Adds what lies between the points i and i + 1 of another piece.
+    fn push_between(&mut self, of: &Self, i: usize, t: f64) {
+        let position = of.points[i] * (1.0 - t) + of.points[i + 1] * t;
+        self.points.push(position);
+        let nearest = i + usize::from(t > 0.5);
+        if let (Some(frame), Some(profile)) = (of.frames.get(nearest), of.profiles.get(nearest)) {
+            self.frames.push(Pose { position, ..*frame });
+            self.profiles.push(*profile);
+        }
     }
 }
 
@@ -118,24 +140,27 @@ impl Body {
                 expected: knots.len(),
             });
         }
-        let mut pieces = pieces(robot, view);
-        pieces.extend(anchors(robot, shape));
-        Ok(Self { pieces, disks: plates(robot, disks) })
+        let disks = plates(robot, disks);
+        let mut pieces = pieces(robot, view, &disks);
+        pieces.extend(anchors(robot, shape, &disks));
+        Ok(Self { pieces, disks })
     }
 
     /// Points that between them span everything that is drawn.
     pub fn outline(&self) -> impl Iterator<Item = Vec3> + '_ {
         let rims = self.disks.iter().flat_map(|disk| {
-            (0..16).map(|k| {
-                let (sin, cos) = (TAU * f64::from(k) / 16.0).sin_cos();
-                disk.pose.transform(disk.radius * Vec3::new(cos, sin, 0.0))
+            (0..32).map(|k| {
+                let (sin, cos) = (TAU * f64::from(k / 2) / 16.0).sin_cos();
+                let face = if k % 2 == 0 { disk.half } else { -disk.half };
+                disk.pose.transform(disk.radius * Vec3::new(cos, sin, 0.0) + Vec3::Z * face)
             })
         });
         let sides = self.pieces.iter().flat_map(|piece| {
-            let [w, h] = piece.profile.half_extents();
-            let corners = [[w, h], [-w, h], [-w, -h], [w, -h]].map(|[x, y]| Vec3::new(x, y, 0.0));
-            let frames = piece.frames.iter().copied();
-            frames.flat_map(move |frame| corners.into_iter().map(move |c| frame.transform(c)))
+            piece.frames.iter().zip(&piece.profiles).flat_map(|(frame, profile)| {
+                let [w, h] = profile.half_extents();
+                [[w, h], [-w, h], [-w, -h], [w, -h]]
+                    .map(|[x, y]| frame.transform(Vec3::new(x, y, 0.0)))
+            })
         });
         self.pieces.iter().flat_map(|piece| piece.points.iter().copied()).chain(rims).chain(sides)
     }
@@ -163,7 +188,7 @@ fn check_shape(shape: &Shape, what: &str, least: usize) -> Result<(), PlotError>
     Ok(())
 }
 
-fn pieces(robot: &Robot, view: &RobotView) -> Vec<Piece> {
+fn pieces(robot: &Robot, view: &RobotView, disks: &[Disk]) -> Vec<Piece> {
     let shape = &view.shape;
     let knots = &robot.disks().arc_lengths;
     let sections = knots.len() - 1;
@@ -187,16 +212,26 @@ fn pieces(robot: &Robot, view: &RobotView) -> Vec<Piece> {
                     })
                     .collect()
             };
+            let hidden = [
+                if k == 0 { disks[section].half } else { 0.0 },
+                if k + 1 == per_section { disks[section + 1].half } else { 0.0 },
+            ];
             let frames = sample(start, end, &|_| Vec3::ZERO);
+            let along = |j: usize| {
+                let t = j as f64 / per_piece as f64;
+                start * (1.0 - t) + end * t
+            };
             pieces.push(Piece {
                 part: Part::Backbone,
                 section,
                 points: frames.iter().map(|frame| frame.position).collect(),
+                profiles: (0..frames.len()).map(|j| profile(robot, along(j))).collect(),
                 frames,
-                profile: profile(robot, 0.5 * (start + end)),
+                hidden,
                 end: (section == 0 && k == 0) || (section + 1 == sections && k + 1 == per_section),
             });
             for (i, route) in robot.routes().iter().enumerate() {
+                let hidden = [hidden[0], if end <= route.end() { hidden[1] } else { 0.0 }];
                 let end = end.min(route.end());
                 if end <= start {
                     continue;
@@ -217,7 +252,7 @@ fn pieces(robot: &Robot, view: &RobotView) -> Vec<Piece> {
                         vec![on_chord(start), on_chord(end)]
                     }
                 };
-                pieces.push(Piece::cable(Part::Cable(i), section, points));
+                pieces.push(Piece::cable(Part::Cable(i), section, points, hidden));
             }
         }
     }
@@ -225,13 +260,15 @@ fn pieces(robot: &Robot, view: &RobotView) -> Vec<Piece> {
 }
 
 /// Each cable ends in a knot on the upper face of a disk, or where it is anchored between disks.
-fn anchors(robot: &Robot, shape: &Shape) -> impl Iterator<Item = Piece> {
+fn anchors(robot: &Robot, shape: &Shape, disks: &[Disk]) -> impl Iterator<Item = Piece> {
     let knots = &robot.disks().arc_lengths;
     robot.routes().iter().enumerate().map(|(i, route)| {
         let s = route.end();
-        let at = pose_at(shape, s).transform(route.at(s).offset);
         let above = knots.iter().filter(|&&knot| knot <= s).count();
-        Piece::cable(Part::Anchor(i), above.saturating_sub(1), vec![at])
+        let disk = above.checked_sub(1).filter(|&disk| knots[disk] == s);
+        let face = disk.map_or(0.0, |disk| disks[disk].half);
+        let at = pose_at(shape, s).transform(route.at(s).offset + Vec3::Z * face);
+        Piece::cable(Part::Anchor(i), above.saturating_sub(1), vec![at], [0.0; 2])
     })
 }
 
@@ -241,94 +278,14 @@ fn plates(robot: &Robot, shape: &Shape) -> Vec<Disk> {
         .map(|(plate, &pose)| {
             let place = |&[x, y]: &[f64; 2]| pose.transform(Vec3::new(x, y, 0.0));
             let holes = plate.holes.iter().map(place).collect();
-            Disk { pose, radius: plate.radius, holes, hole_radius: plate.hole_radius }
+            let half = 0.5 * plate.thickness;
+            Disk { pose, radius: plate.radius, half, holes, hole_radius: plate.hole_radius }
         })
         .collect()
-}
-
-/// The disks of a robot as pictures have them, from the base on.
-#[must_use]
-pub fn plates_of(robot: &Robot) -> Vec<Plate> {
-    let disks = robot.disks();
-    let rings = &disks.hole_circle_radii;
-    let is_clear = |holes: usize| holes.saturating_mul(disks.count()) <= MOST_HOLES;
-    let given = disks.holes.filter(|&holes| !rings.is_empty() && is_clear(holes)).unwrap_or(0);
-    (0..disks.count())
-        .map(|i| {
-            let s = disks.arc_lengths[i];
-            // A disk reaches beyond its holes, the cables that pass it, and the backbone.
-            let passing = passing(robot, s);
-            let widest = passing.iter().map(|(_, at)| at.norm()).fold(0.0, f64::max);
-            let ring = rings.get(i).copied().unwrap_or(0.0);
-            let [w, h] = profile(robot, s).half_extents();
-            let mut radius = (RIM * ring.max(widest)).max(1.5 * w.max(h));
-            if radius == 0.0 {
-                radius = 0.02 * robot.backbone().length;
-            }
-            let radius = disks.outer_radius.unwrap_or(radius);
-            let centres = (0..given).map(|k| {
-                let (sin, cos) = (TAU * k as f64 / given as f64).sin_cos();
-                [ring * cos, ring * sin]
-            });
-            let mut plate = Plate { radius, holes: centres.collect(), hole_radius: 0.0 };
-            if given > 0 {
-                // Holes fill a third of their circle at most.
-                plate.hole_radius = (0.33 * 0.5 * TAU * ring / given as f64).min(HOLE * ring);
-            }
-            if is_clear(passing.len()) {
-                // Cables that are told to run through holes run through those that are given.
-                let curves = passing.iter().filter(|(by, _)| !matches!(by, Routing::Holes { .. }));
-                plate.pierce(curves.map(|&(_, at)| [at.x, at.y]).collect());
-            }
-            plate
-        })
-        .collect()
-}
-
-/// The cables that pass an arc length, and where.
-fn passing(robot: &Robot, s: f64) -> Vec<(&Routing, Vec3)> {
-    let reach = ONE_PLACE * robot.backbone().length;
-    let all = robot.cables().iter().zip(robot.routes());
-    let there = all.filter(|(_, route)| s <= route.end() + reach);
-    there.map(|(cable, route)| (&cable.routing, route.at(s.min(route.end())).offset)).collect()
-}
-
-impl Plate {
-    /// Makes holes at these places, where there is none yet. Holes keep within the rim and apart from one another, so that
-    /// a place beyond the rim gets none.
-    fn pierce(&mut self, mut places: Vec<[f64; 2]>) {
-        let from_centre = |[x, y]: [f64; 2]| x.hypot(y);
-        places.retain(|&place| from_centre(place) < self.radius);
-        if self.hole_radius == 0.0 {
-            self.hole_radius = HOLE * places.iter().map(|&p| from_centre(p)).fold(0.0, f64::max);
-        }
-        if self.hole_radius == 0.0 {
-            return;
-        }
-        // A new hole may make all smaller, and a cable that ran in one of them need its own.
-        let mut before = usize::MAX;
-        while before != self.holes.len() {
-            before = self.holes.len();
-            self.pierce_once(&places);
-        }
-    }
-
-    fn pierce_once(&mut self, places: &[[f64; 2]]) {
-        for &place in places {
-            let apart = |hole: &[f64; 2]| (hole[0] - place[0]).hypot(hole[1] - place[1]);
-            let nearest = self.holes.iter().map(apart).fold(f64::INFINITY, f64::min);
-            // A cable that runs in a hole needs no other.
-            if nearest > self.hole_radius {
-                self.holes.push(place);
-                let beside = APART * nearest.min(self.radius - place[0].hypot(place[1]));
-                self.hole_radius = self.hole_radius.min(beside);
-            }
-        }
-    }
 }
 
 /// What the backbone's cross-section looks like at an arc length.
-fn profile(robot: &Robot, s: f64) -> Profile {
+pub(crate) fn profile(robot: &Robot, s: f64) -> Profile {
     let disks = robot.disks();
     match &robot.backbone().section {
         None => Profile::None,
@@ -363,7 +320,7 @@ pub(crate) fn pose_at(shape: &Shape, s: f64) -> Pose {
 mod tests {
     use super::*;
     use crate::robot_figure::ViewStyle;
-    use whipcord::{Backbone, Cable, Disks};
+    use whipcord::{Backbone, Cable, Disks, Routing};
 
     #[test]
     fn cables_from_hole_to_hole_are_as_long_as_their_chords() {
@@ -373,8 +330,13 @@ mod tests {
         let shape = Shape::straight(&robot.disks().arc_lengths);
         let length = |cables| {
             let (shape, disks) = (shape.clone(), shape.clone());
-            let view =
-                RobotView { label: String::new(), shape, disks, cables, style: ViewStyle::Model };
+            let view = RobotView {
+                label: String::new(),
+                shape,
+                disks,
+                cables,
+                style: ViewStyle::Model(whipcord::ModelKind::Cosserat),
+            };
             let body = Body::new(&robot, &view).unwrap();
             let cable = body.pieces.iter().filter(|piece| matches!(piece.part, Part::Cable(_)));
             let along = cable.flat_map(|piece| piece.points.windows(2));
@@ -384,59 +346,5 @@ mod tests {
         let chords = 2.0 * (0.05_f64.powi(2) + 2.0 * 0.01_f64.powi(2)).sqrt();
         assert!((length(CableCourse::HoleToHole) - chords).abs() < 1e-15);
         assert!(length(CableCourse::Smooth) > 1.001 * chords);
-    }
-
-    fn plates(disks: Disks, routings: Vec<(Routing, Option<f64>)>) -> Vec<Plate> {
-        let cables = routings.into_iter().enumerate().map(|(k, (routing, ends_at))| Cable {
-            ends_at,
-            ..Cable::new(format!("{k}"), routing)
-        });
-        plates_of(&Robot::new(Backbone::new(0.1), disks, cables.collect()).unwrap())
-    }
-
-    #[test]
-    fn disks_have_holes_where_cables_pass_them() {
-        let straight = |angle, radius| Routing::Straight { angle, radius };
-        let helix = Routing::Helix { start_angle: 0.0, turns: 0.5, radius: 0.008 };
-        let found = plates(
-            Disks::equally_spaced(0.1, 3, 0.01),
-            vec![(helix, None), (straight(-1.0, 0.009), Some(0.05))],
-        );
-        let [sin, cos] = [-0.009 * 1_f64.sin(), 0.009 * 1_f64.cos()];
-        let expected = [
-            vec![[0.008, 0.0], [cos, sin]],
-            vec![[0.0, 0.008], [cos, sin]],
-            // The second cable ends below.
-            vec![[-0.008, 0.0]],
-        ];
-        for (plate, expected) in found.iter().zip(expected) {
-            assert_eq!(plate.holes.len(), expected.len(), "{plate:?}");
-            for (hole, [x, y]) in plate.holes.iter().zip(expected) {
-                assert!((hole[0] - x).hypot(hole[1] - y) < 1e-12, "{hole:?} {x} {y}");
-            }
-            assert!((5e-4..=9e-4).contains(&plate.hole_radius));
-        }
-    }
-
-    #[test]
-    fn holes_keep_apart_and_within_the_rim() {
-        let straight = |angle, radius| (Routing::Straight { angle, radius }, None);
-        let mut disks = Disks::equally_spaced(0.1, 2, 0.01).with_holes(4);
-        disks.outer_radius = Some(0.0105);
-        let cables = vec![
-            straight(0.0, 0.01),  // in the first hole
-            straight(0.13, 0.01), // beside it
-            straight(0.4, 0.02),  // beyond the rim
-            (Routing::holes(vec![2, 3]), None),
-        ];
-        for plate in plates(disks, cables) {
-            assert_eq!(plate.holes.len(), 5);
-            let (holes, r) = (&plate.holes, plate.hole_radius);
-            assert!(r > 1e-4);
-            for (i, [x, y]) in holes.iter().enumerate() {
-                assert!(x.hypot(*y) + r < plate.radius);
-                assert!(holes[..i].iter().all(|[a, b]| (a - x).hypot(b - y) > 2.0 * r));
-            }
-        }
     }
 }

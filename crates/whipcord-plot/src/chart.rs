@@ -95,6 +95,8 @@ pub enum Layer {
     Errors(Vec<[f64; 3]>),
     /// A column from zero to each point, beside those of other series at the same x.
     Columns(Vec<[f64; 2]>),
+    /// The same, of which only the outline has the full colour.
+    HollowColumns(Vec<[f64; 2]>),
 }
 
 impl Default for Chart {
@@ -154,6 +156,10 @@ impl Series {
 }
 
 impl Layer {
+    fn has_columns(&self) -> bool {
+        matches!(self, Self::Columns(_) | Self::HollowColumns(_))
+    }
+
     /// All numbers that must find a place: (x, y).
     fn extremes(&self, log: bool) -> Vec<Point> {
         match self {
@@ -161,7 +167,9 @@ impl Layer {
                 p.clone()
             }
             Self::Names(list) => list.iter().map(|(point, _)| *point).collect(),
-            Self::Columns(p) => p.iter().flat_map(|&[x, y]| [[x, y], [x, 0.0]]).collect(),
+            Self::Columns(p) | Self::HollowColumns(p) => {
+                p.iter().flat_map(|&[x, y]| [[x, y], [x, 0.0]]).collect()
+            }
             // Where the logarithm ends, the bar does.
             Self::Errors(list) => list
                 .iter()
@@ -185,7 +193,8 @@ impl Layer {
             | Self::Markers(p)
             | Self::Rings(p)
             | Self::Dots(p)
-            | Self::Columns(p) => p.clone(),
+            | Self::Columns(p)
+            | Self::HollowColumns(p) => p.clone(),
         };
         for point in numbers {
             for (i, axis) in ["x", "y"].into_iter().enumerate() {
@@ -337,7 +346,7 @@ impl Chart {
 
     fn draw_data(&self, svg: &mut Svg, frame: &Frame) {
         let with_columns: Vec<usize> = (0..self.series.len())
-            .filter(|&i| self.series[i].layers.iter().any(|l| matches!(l, Layer::Columns(_))))
+            .filter(|&i| self.series[i].layers.iter().any(Layer::has_columns))
             .collect();
         for (index, series) in self.series.iter().enumerate() {
             svg.open("series");
@@ -403,6 +412,8 @@ impl Chart {
 const SIGN: f64 = 3.6;
 const LINE: f64 = 1.6;
 const DASH: &str = "5 4";
+/// How much of its colour a hollow column is filled with.
+const HOLLOW: f64 = 0.15;
 
 impl Series {
     fn draw(&self, svg: &mut Svg, frame: &Frame, layer: &Layer, (slot, slots): (usize, usize)) {
@@ -444,15 +455,25 @@ impl Series {
                     }
                 }
             }
-            Layer::Columns(p) => {
+            Layer::Columns(p) | Layer::HollowColumns(p) => {
+                let (fill, rim) = self.column(matches!(layer, Layer::HollowColumns(_)));
                 let width = GROUP / slots.max(1) as f64;
                 for &[x, y] in p {
                     let start = x - 0.5 * GROUP + slot as f64 * width;
                     let [x0, y0] = frame.place([start + 0.04 * width, y.max(0.0)]);
                     let [x1, y1] = frame.place([start + 0.96 * width, y.min(0.0)]);
-                    svg.rect([x0, y0], [x1 - x0, y1 - y0], Some(Fill::new(self.colour)), None);
+                    svg.rect([x0, y0], [x1 - x0, y1 - y0], Some(fill), rim);
                 }
             }
+        }
+    }
+
+    /// How columns are drawn.
+    fn column(&self, hollow: bool) -> (Fill, Option<Stroke>) {
+        if hollow {
+            (Fill::new(self.colour.tint(HOLLOW)), Some(Stroke::new(self.colour, 1.0)))
+        } else {
+            (Fill::new(self.colour), None)
         }
     }
 
@@ -471,7 +492,10 @@ impl Series {
                     let rim = Some(Stroke::new(self.colour, LINE));
                     Swatch::Marker(self.marker, Fill::new(Colour::WHITE), rim)
                 }
-                Layer::Columns(_) => Swatch::Area(Fill::new(self.colour), None),
+                Layer::Columns(_) | Layer::HollowColumns(_) => {
+                    let (fill, rim) = self.column(matches!(layer, Layer::HollowColumns(_)));
+                    Swatch::Area(fill, rim)
+                }
                 Layer::Dots(_) | Layer::Errors(_) | Layer::Names(_) => continue,
             });
         }

@@ -13,9 +13,11 @@ pub struct DistanceSeries {
     pub label: String,
     /// Number of the disk, from 1, and distance in m.
     pub disks: Vec<(usize, f64)>,
-    /// Colour and sign; `None` for the next ones of the palette. With them, a model looks here as it
+    /// Colour and sign; `None` for the next ones that stand for no model. With them, a model looks here as it
     /// does in other figures.
     pub look: Option<(Colour, Marker)>,
+    /// Whether columns and signs are hollow, as for a variant of another series of the same look.
+    pub hollow: bool,
 }
 
 /// More columns than this beside each other cannot be read.
@@ -31,6 +33,7 @@ const MOST_COLUMNS: usize = 80;
 ///     label: "four-bar to cosserat".into(),
 ///     disks: (1..=10).map(|disk| (disk, 2e-5 * (disk * disk) as f64)).collect(),
 ///     look: None,
+///     hollow: false,
 /// };
 /// let svg = distance_chart("Case III", &[series])?;
 /// assert!(svg.contains("distance (mm)"));
@@ -53,10 +56,11 @@ pub fn distance_chart(title: &str, series: &[DistanceSeries]) -> Result<String, 
     let columns = series.iter().map(|s| s.disks.len()).sum::<usize>() <= MOST_COLUMNS;
     let series = series.iter().enumerate().map(|(i, one)| {
         let points: Vec<_> = one.disks.iter().map(|&(k, d)| [k as f64, factor * d]).collect();
-        let layers = if columns {
-            vec![Layer::Columns(points)]
-        } else {
-            vec![Layer::Line(points.clone()), Layer::Markers(points)]
+        let layers = match (columns, one.hollow) {
+            (true, false) => vec![Layer::Columns(points)],
+            (true, true) => vec![Layer::HollowColumns(points)],
+            (false, false) => vec![Layer::Line(points.clone()), Layer::Markers(points)],
+            (false, true) => vec![Layer::Dashed(points.clone()), Layer::Rings(points)],
         };
         let mut series = Series::new(one.label.clone(), i, layers);
         if let Some((colour, marker)) = one.look {

@@ -9,6 +9,7 @@ use crate::font;
 use crate::legend::{Entry, Swatch};
 use crate::projection::Projection;
 use crate::svg::{Anchor, Ellipse, Fill, Point, Stroke, Svg, Text};
+use crate::ticks;
 use crate::unit;
 
 /// How a place answers to forces or to its cables, along its principal directions.
@@ -37,6 +38,8 @@ pub enum Quantity {
 
 /// Length of the longest half axis relative to the extent of the robot.
 const LONGEST: f64 = 0.2;
+/// About this length of the robot, in m, has its value in the legend.
+const LEGEND_LENGTH: f64 = 0.01;
 /// Size of the labels, and their distance from the ends of the axes in px.
 const SIZE: f64 = 10.5;
 const GAP: f64 = 5.0;
@@ -55,6 +58,20 @@ impl Quantity {
             }
             Self::ByShortening => ("mm/mm".to_owned(), 1.0),
         }
+    }
+}
+
+impl Quantity {
+    /// What the value of a round length of the robot is at this scale, in m to the unit of the value.
+    fn scale_in_words(self, scale: f64) -> Option<String> {
+        if scale <= 0.0 {
+            return None;
+        }
+        let (digit, exponent) = ticks::round_up(LEGEND_LENGTH / scale);
+        let value = digit * ticks::power_of_ten(exponent);
+        let (name, factor) = self.unit(value);
+        let length = unit::digits(1e3 * value * scale);
+        Some(format!("scale: {} {name} drawn {length} mm long", unit::digits(value * factor)))
     }
 }
 
@@ -103,6 +120,8 @@ struct Drawn {
     at: Vec3,
     /// Half axes in m of the picture, the longest first.
     axes: [Vec3; 3],
+    /// What a length of the picture stands for, in words.
+    scale: Option<String>,
     labels: [String; 3],
     colour: Colour,
 }
@@ -119,6 +138,7 @@ impl Ellipsoids {
             Drawn {
                 at: ellipsoid.at,
                 axes: values.map(|(value, direction)| direction * (value * scale)),
+                scale: ellipsoid.quantity.scale_in_words(scale),
                 labels: values.map(|(value, _)| format!("{} {name}", unit::digits(value * factor))),
                 colour: Colour::nth(first + i),
             }
@@ -126,16 +146,17 @@ impl Ellipsoids {
         Self(drawn.collect())
     }
 
-    /// What they mean, with all their values.
-    pub fn legend(given: &[Ellipsoid], first: usize) -> Vec<Entry> {
+    /// What they mean, with all their values, and how long a value is drawn.
+    pub fn legend(&self, given: &[Ellipsoid]) -> Vec<Entry> {
         let mut entries = Vec::new();
-        for (i, ellipsoid) in given.iter().enumerate() {
-            let colour = Colour::nth(first + i);
+        for (ellipsoid, drawn) in given.iter().zip(&self.0) {
+            let colour = drawn.colour;
             let area = Swatch::Area(fill(colour), Some(Stroke::new(colour, 1.2)));
             entries.push(Entry { label: ellipsoid.label.clone(), swatches: vec![area] });
             let beneath = |label: String| Entry { label, swatches: vec![] };
             entries.push(beneath(ellipsoid.in_words()));
             entries.extend(ellipsoid.stiffness_in_words().map(beneath));
+            entries.extend(drawn.scale.clone().map(beneath));
         }
         entries
     }

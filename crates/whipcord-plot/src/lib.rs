@@ -28,6 +28,7 @@ mod obstacles;
 mod orthogonal;
 mod overlay;
 mod pareto;
+mod plates;
 mod png;
 mod projection;
 mod robot_figure;
@@ -43,15 +44,15 @@ mod unit;
 pub use accuracy::{AccuracySeries, accuracy_chart};
 pub use acting::Acting;
 pub use axis::Scale;
-pub use body::{Plate, plates_of};
 pub use chart::{AxisSpec, Chart, Layer, Series};
-pub use colour::{Colour, PALETTE};
+pub use colour::{CABLES, Colour, MODELS};
 pub use distance::{DistanceSeries, distance_chart};
 pub use ellipsoid::{Ellipsoid, Quantity};
 pub use error::PlotError;
 pub use marker::Marker;
 pub use overlay::{OverlayOptions, Photograph, overlay_figure};
 pub use pareto::{ParetoSeries, pareto_chart};
+pub use plates::{Plate, plates_of};
 pub use png::png;
 pub use robot_figure::{
     CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, label, robot_figure,

@@ -1,5 +1,8 @@
 //! Signs for single data.
 
+use whipcord::ModelKind;
+
+use crate::colour;
 use crate::svg::{Fill, Point, Stroke, Svg};
 
 /// The shape of a sign.
@@ -21,6 +24,12 @@ pub enum Marker {
 }
 
 impl Marker {
+    /// The sign of a model, the same in every picture.
+    #[must_use]
+    pub fn of_model(kind: ModelKind) -> Self {
+        Self::nth(colour::place(kind))
+    }
+
     /// Shape number `index`, from 0; they repeat.
     #[must_use]
     pub const fn nth(index: usize) -> Self {

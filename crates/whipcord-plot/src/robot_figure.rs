@@ -6,7 +6,7 @@ use whipcord::{ModelKind, Obstacle, Pose, Robot, Shape, Solution, Stations, Touc
 
 use crate::acting::Acting;
 use crate::body::{Body, Part};
-use crate::colour::{Colour, PALETTE};
+use crate::colour::Colour;
 use crate::ellipsoid::{Ellipsoid, Ellipsoids};
 use crate::error::{PlotError, finite, not_empty};
 use crate::legend::{Entry, Legend, Swatch};
@@ -15,7 +15,7 @@ use crate::marker::{self, Marker};
 use crate::obstacles::Obstacles;
 use crate::orthogonal;
 use crate::projection::Projection;
-use crate::scene::{self, Look};
+use crate::scene::{self, Form, Look};
 use crate::space;
 use crate::svg::{Fill, Point, Stroke, Svg};
 use crate::title::{LINE, Title};
@@ -47,11 +47,10 @@ pub enum CableCourse {
 }
 
 /// How a shape is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewStyle {
-    /// In the next colour of the palette.
-    #[default]
-    Model,
+    /// In the colour of this model. Of several shapes by one model the last has the full colour.
+    Model(ModelKind),
     /// Pale and grey, behind the others: the robot before actuation.
     Before,
 }
@@ -63,6 +62,8 @@ pub struct FigureOptions {
     pub title: String,
     /// Where the disks of the real robot were found, in m in the world.
     pub measured: Vec<Vec3>,
+    /// The same where something is wrong with the measurement; drawn apart.
+    pub outliers: Vec<Vec3>,
     /// What acts on one of the shapes, by [`Acting::on`]; drawn over all of them.
     pub loads: Acting,
     /// How places of it yield and move; drawn over the robot.
@@ -85,6 +86,7 @@ impl Default for FigureOptions {
         Self {
             title: String::new(),
             measured: Vec::new(),
+            outliers: Vec::new(),
             loads: Acting::default(),
             ellipsoids: Vec::new(),
             obstacles: Vec::new(),
@@ -128,7 +130,7 @@ impl RobotView {
             shape: solution.shape.clone(),
             disks: solution.disks.clone(),
             cables: CableCourse::of(solution.model),
-            style: ViewStyle::Model,
+            style: ViewStyle::Model(solution.model),
         }
     }
 
@@ -165,6 +167,7 @@ pub(crate) type Bodies = Vec<(Body, Look)>;
 pub(crate) struct Drawn<'a> {
     pub bodies: Bodies,
     pub measured: &'a [Vec3],
+    outliers: &'a [Vec3],
     pub loads: LoadMarks,
     pub ellipsoids: Ellipsoids,
     obstacles: Obstacles,
@@ -178,7 +181,7 @@ impl<'a> Drawn<'a> {
         let mut points: Vec<Vec3> = bodies
             .iter()
             .flat_map(|(body, _)| body.outline())
-            .chain(options.measured.iter().copied())
+            .chain(options.measured.iter().chain(&options.outliers).copied())
             .collect();
         let extent = |i: usize| {
             let [low, high] = range(&points, i);
@@ -186,13 +189,14 @@ impl<'a> Drawn<'a> {
         };
         let extent = extent(0).max(extent(1)).max(extent(2));
         let loads = LoadMarks::new(&options.loads, extent);
-        let ellipsoids = Ellipsoids::new(&options.ellipsoids, extent, colours.free);
+        let ellipsoids = Ellipsoids::new(&options.ellipsoids, extent, colours.cables.len());
         points.extend(loads.outline().chain(ellipsoids.outline()));
         let touches = TouchMarks::new(&options.touches, extent);
         points.extend(touches.outline());
         let obstacles = Obstacles::new(&options.obstacles, &points);
         points.extend(obstacles.outline());
-        Self { bodies, measured: &options.measured, loads, ellipsoids, obstacles, touches, points }
+        let (measured, outliers) = (options.measured.as_slice(), options.outliers.as_slice());
+        Self { bodies, measured, outliers, loads, ellipsoids, obstacles, touches, points }
     }
 
     /// All in a view of this name, which fills a box; measured positions of this radius in px.
@@ -209,12 +213,23 @@ impl<'a> Drawn<'a> {
         self.ellipsoids.draw(svg, view);
         self.loads.draw(svg, view);
         self.touches.draw(svg, view);
-        let rim = Some(Stroke::new(MEASURED, 1.1));
-        for &p in self.measured {
-            let at = view.place(p);
-            marker::draw(svg, Marker::Diamond, at, radius, Fill::new(Colour::WHITE), rim);
+        for (points, colour) in [(self.measured, MEASURED), (self.outliers, OUTLIER)] {
+            for &p in points {
+                let (at, rim) = (view.place(p), Some(Stroke::new(colour, 1.1)));
+                marker::draw(svg, Marker::Diamond, at, radius, Fill::new(Colour::WHITE), rim);
+            }
+        }
+        for at in self.outliers.iter().map(|&p| view.place(p)) {
+            strike(svg, at, 2.2 * radius);
         }
     }
+}
+
+/// Crosses out what lies here.
+fn strike(svg: &mut Svg, [x, y]: Point, reach: f64) {
+    let stroke = Stroke::new(OUTLIER, 1.3);
+    svg.line([x - reach, y - reach], [x + reach, y + reach], stroke);
+    svg.line([x - reach, y + reach], [x + reach, y - reach], stroke);
 }
 
 /// Least and largest coordinate along this axis.
@@ -230,10 +245,13 @@ const MARGIN: f64 = 14.0;
 const LEGEND_WIDTH: f64 = 210.0;
 /// Colour of the measured positions.
 pub(crate) const MEASURED: Colour = Colour::INK;
+/// Colour of those that are outliers.
+const OUTLIER: Colour = Colour::new(0xb0, 0x00, 0x20);
 
 /// The robot in space and in three orthogonal views of one scale: backbone (in its true diameter
-/// where that is known), disks with their holes, and cables; several models in different colours,
-/// and what was before actuation pale behind them.
+/// where that is known), disks with their holes, and cables; each model in its colour, and what was
+/// before actuation pale behind them. Of more than two shapes by several models the backbones are
+/// lines, with the disks and cables of the first.
 ///
 /// ```
 /// use whipcord::{Backbone, Cable, Disks, Pose, Robot, Routing, Shape, Vec3};
@@ -273,7 +291,7 @@ pub fn robot_figure(
     let title = Title::new(&options.title, options.width - 2.0 * MARGIN);
     let top = MARGIN + title.height();
     let space_width = (0.46 * (options.width - 2.0 * MARGIN)).round();
-    let entries = colours.legend(robot, views, options);
+    let entries = colours.legend(robot, views, options, &drawn);
     let left = MARGIN + space_width + 16.0;
     let plan = orthogonal::Plan::new(
         &drawn.points,
@@ -294,7 +312,7 @@ pub fn robot_figure(
 }
 
 fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
-    for p in &options.measured {
+    for p in options.measured.iter().chain(&options.outliers) {
         for value in p.to_array() {
             finite(|| "a measured position".to_owned(), value)?;
         }
@@ -317,36 +335,74 @@ fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
     }
 }
 
-/// Who has which colour.
+/// Who has which colour, and how much is drawn of whom.
 pub(crate) struct Colours {
-    views: Vec<Colour>,
+    views: Vec<(Colour, Form)>,
     cables: Vec<Colour>,
-    /// Number of the first colour that is left.
-    free: usize,
 }
+
+/// With more shapes than this, of several models, backbones are lines.
+const MOST_WHOLE: usize = 2;
+/// Width in px of the line that is drawn last, and how much wider each one below it is: where several
+/// run together, all are seen.
+const LINE_WIDTH: f64 = 1.5;
+const WIDER: f64 = 0.7;
+/// Of the first, second … shape by the same model that is drawn as a line.
+const DASHES: [&str; 4] = ["", "6 4", "2 4", "9 3 2 3"];
+/// Of the first of several shapes by the same model: how much it has of the model's colour.
+const FIRST_TINT: f64 = 0.4;
 
 impl Colours {
     pub fn new(robot: &Robot, views: &[RobotView]) -> Self {
-        let mut models = 0;
-        let views = views
+        let kinds: Vec<ModelKind> = views
             .iter()
-            .map(|view| match view.style {
-                ViewStyle::Before => Colour::GREY,
-                ViewStyle::Model => {
-                    models += 1;
-                    Colour::nth(models - 1)
-                }
+            .filter_map(|view| match view.style {
+                ViewStyle::Model(kind) => Some(kind),
+                ViewStyle::Before => None,
             })
             .collect();
-        // Cables take what the models leave, so that a line's colour says which it is.
-        let free = PALETTE.len().saturating_sub(models).max(1);
-        let cables = (0..robot.cables().len()).map(|i| Colour::nth(models + i % free)).collect();
-        Self { views, free: models + robot.cables().len().min(free), cables }
+        let lines = kinds.len() > MOST_WHOLE && kinds.iter().any(|kind| *kind != kinds[0]);
+        let mut seen = 0;
+        let look = |view: &RobotView| {
+            let ViewStyle::Model(kind) = view.style else { return (Colour::GREY, Form::Whole) };
+            let index = seen;
+            seen += 1;
+            let colour = Colour::of_model(kind);
+            let alike = |kinds: &[ModelKind]| kinds.iter().filter(|one| **one == kind).count();
+            let (before, all) = (alike(&kinds[..index]), alike(&kinds));
+            if !lines {
+                let share = (before + 1) as f64 / all as f64;
+                let first = 1.0 / all as f64;
+                let tint = match all {
+                    1 => 1.0,
+                    _ => FIRST_TINT + (1.0 - FIRST_TINT) * (share - first) / (1.0 - first),
+                };
+                return (colour.tint(tint), Form::Whole);
+            }
+            let width = LINE_WIDTH + WIDER * (kinds.len() - 1 - index) as f64;
+            let stroke = Stroke::new(colour, width).dash(DASHES[before % DASHES.len()]);
+            let marker = Marker::of_model(kind);
+            (colour, Form::Line { stroke, marker, dressed: index == 0 })
+        };
+        let views = views.iter().map(look).collect();
+        Self { views, cables: (0..robot.cables().len()).map(Colour::nth).collect() }
     }
 
-    fn legend(&self, robot: &Robot, views: &[RobotView], options: &FigureOptions) -> Vec<Entry> {
+    fn legend(
+        &self,
+        robot: &Robot,
+        views: &[RobotView],
+        options: &FigureOptions,
+        drawn: &Drawn<'_>,
+    ) -> Vec<Entry> {
         let mut entries = self.legend_of(robot, views, !options.measured.is_empty());
-        entries.extend(Ellipsoids::legend(&options.ellipsoids, self.free));
+        if !options.outliers.is_empty() {
+            let rim = Some(Stroke::new(OUTLIER, 1.2));
+            let marker = Swatch::Marker(Marker::Diamond, Fill::new(Colour::WHITE), rim);
+            let label = "measured, outlier (crossed out)".to_owned();
+            entries.push(Entry { label, swatches: vec![marker] });
+        }
+        entries.extend(drawn.ellipsoids.legend(&options.ellipsoids));
         entries.extend(LoadMarks::legend(&options.loads));
         entries.extend(Obstacles::legend(&options.obstacles));
         entries.extend(TouchMarks::legend(&options.touches));
@@ -356,12 +412,16 @@ impl Colours {
     /// The views, the cables, and what was measured if anything was.
     pub fn legend_of(&self, robot: &Robot, views: &[RobotView], measured: bool) -> Vec<Entry> {
         let mut entries = Vec::new();
-        for (view, &colour) in views.iter().zip(&self.views) {
-            let colour = match view.style {
-                ViewStyle::Before => colour.tint(0.5),
-                ViewStyle::Model => colour,
+        for (view, &(colour, form)) in views.iter().zip(&self.views) {
+            let swatches = match (view.style, form) {
+                (ViewStyle::Before, _) => vec![Swatch::Line(Stroke::new(colour.tint(0.5), 4.0))],
+                (_, Form::Whole) => vec![Swatch::Line(Stroke::new(colour, 4.0))],
+                (_, Form::Line { stroke, marker, .. }) => {
+                    let stroke = Stroke { width: stroke.width.min(4.0), ..stroke };
+                    let rim = Some(Stroke::new(Colour::WHITE, 0.7));
+                    vec![Swatch::Line(stroke), Swatch::Marker(marker, Fill::new(colour), rim)]
+                }
             };
-            let swatches = vec![Swatch::Line(Stroke::new(colour, 4.0))];
             entries.push(Entry { label: view.label.clone(), swatches });
         }
         for (cable, &colour) in robot.cables().iter().zip(&self.cables) {
@@ -387,10 +447,10 @@ pub(crate) fn bodies(
     colours: &Colours,
 ) -> Result<Bodies, PlotError> {
     let mut bodies = Vec::with_capacity(views.len());
-    for (view, &colour) in views.iter().zip(&colours.views) {
+    for (view, &(colour, form)) in views.iter().zip(&colours.views) {
         let body = Body::new(robot, view)?;
         let pale = view.style == ViewStyle::Before;
-        bodies.push((body, Look { colour, cables: colours.cables.clone(), pale }));
+        bodies.push((body, Look { colour, cables: colours.cables.clone(), pale, form }));
     }
     Ok(bodies)
 }

@@ -3,10 +3,11 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use whipcord::Vec3;
+use whipcord::{Pose, Vec3};
 
 use crate::body::{Body, Disk, Part, Piece, Profile};
 use crate::colour::Colour;
+use crate::marker::{self, Marker};
 use crate::projection::Projection;
 use crate::svg::{Ellipse, Fill, Point, Stroke, Svg};
 
@@ -19,8 +20,28 @@ pub(crate) struct Look {
     pub cables: Vec<Colour>,
     /// Drawn as what was there before.
     pub pale: bool,
+    /// How much of it is drawn.
+    pub form: Form,
 }
 
+/// How much of a body is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Form {
+    /// All of it, in its true size.
+    Whole,
+    /// Its backbone as a line, over all else, with a sign at the tip: one of many models.
+    Line {
+        stroke: Stroke,
+        marker: Marker,
+        /// Whether disks and cables are drawn below the lines.
+        dressed: bool,
+    },
+}
+
+/// Radius of the sign at the tip of a line in px.
+const TIP: f64 = 3.4;
+/// Thinnest disk, from face to face in px, whose side is drawn.
+const THINNEST_DISK: f64 = 0.8;
 /// Thinnest backbone in px.
 const THINNEST: f64 = 1.8;
 /// Width of a cable in px.
@@ -54,7 +75,9 @@ pub(crate) fn draw(svg: &mut Svg, bodies: &[(Body, Look)], view: &Projection) {
     for pale in [true, false] {
         let mut nodes = Vec::new();
         for (body, look) in bodies.iter().filter(|(_, look)| look.pale == pale) {
-            add(&mut nodes, body, look, view);
+            if !matches!(look.form, Form::Line { dressed: false, .. }) {
+                add(&mut nodes, body, look, view);
+            }
         }
         for item in in_order(nodes) {
             match item {
@@ -62,6 +85,24 @@ pub(crate) fn draw(svg: &mut Svg, bodies: &[(Body, Look)], view: &Projection) {
                 Item::Piece(piece, look) => draw_piece(svg, piece, look, view),
             }
         }
+    }
+    draw_lines(svg, bodies, view);
+}
+
+/// The backbones that are lines, and on top of them the signs at their tips.
+fn draw_lines(svg: &mut Svg, bodies: &[(Body, Look)], view: &Projection) {
+    let mut tips = Vec::new();
+    for (body, look) in bodies {
+        let Form::Line { stroke, marker, .. } = look.form else { continue };
+        let points = body.pieces.iter().filter(|piece| piece.part == Part::Backbone);
+        let points: Vec<Point> =
+            points.flat_map(|piece| &piece.points).map(|&p| view.place(p)).collect();
+        svg.polyline(&simplified(&points, TOLERANCE), stroke, "backbone");
+        tips.extend(points.last().map(|&tip| (tip, marker, stroke.colour)));
+    }
+    for (tip, marker, colour) in tips {
+        let rim = Some(Stroke::new(Colour::WHITE, 0.7));
+        marker::draw(svg, marker, tip, TIP, Fill::new(colour), rim);
     }
 }
 
@@ -136,21 +177,36 @@ fn in_order(mut nodes: Vec<Node<'_>>) -> Vec<Item<'_>> {
 }
 
 fn draw_disk(svg: &mut Svg, disk: &Disk, look: &Look, view: &Projection) {
-    let [u, v] = [Vec3::X, Vec3::Y].map(|axis| disk.pose.rotation.rotate(axis));
-    let rim = view.circle(disk.pose.position, disk.radius, u, v);
+    let [u, v, n] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| disk.pose.rotation.rotate(axis));
+    // From the middle to the face that is seen.
+    let out = n * if n.dot(view.towards()) >= 0.0 { disk.half } else { -disk.half };
+    let face = |offset: Vec3| view.circle(disk.pose.position + offset, disk.radius, u, v);
+    let (rim, far) = (face(out), face(-out));
     let holes: Vec<Ellipse> = disk
         .holes
         .iter()
-        .map(|&centre| view.circle(centre, disk.hole_radius, u, v))
+        .map(|&centre| view.circle(centre + out, disk.hole_radius, u, v))
         .filter(|hole| hole.radii[0] >= SMALLEST_HOLE && hole.radii[1] >= 0.1)
         .collect();
-    let (fill, stroke) = if look.pale {
-        let fill = Fill::new(look.colour.tint(0.2)).opacity(0.35);
-        (fill, Stroke::new(look.colour.tint(0.55), 0.6))
-    } else {
-        let fill = Fill::new(look.colour.tint(0.22)).opacity(0.72);
-        (fill, Stroke::new(look.colour.tint(0.85), 0.8))
+    let (fill, side, stroke) = match look.form {
+        _ if look.pale => {
+            let fill = |tint| Fill::new(look.colour.tint(tint)).opacity(0.35);
+            (fill(0.2), fill(0.4), Stroke::new(look.colour.tint(0.55), 0.6))
+        }
+        Form::Whole => {
+            let fill = |tint| Fill::new(look.colour.tint(tint)).opacity(0.72);
+            (fill(0.22), fill(0.45), Stroke::new(look.colour.tint(0.85), 0.8))
+        }
+        // Lines of other colours run over it.
+        Form::Line { .. } => {
+            let fill = |tint| Fill::new(Colour::GREY.tint(tint)).opacity(0.72);
+            (fill(0.18), fill(0.4), Stroke::new(Colour::GREY.tint(0.7), 0.6))
+        }
     };
+    let apart = [0, 1].map(|i| far.centre[i] - rim.centre[i]);
+    if apart[0].hypot(apart[1]) >= THINNEST_DISK {
+        svg.wall(rim.visible(), far.visible(), side, stroke);
+    }
     svg.plate(rim.visible(), &holes, fill, stroke);
 }
 
@@ -161,24 +217,32 @@ fn draw_piece(svg: &mut Svg, piece: &Piece, look: &Look, view: &Projection) {
         simplified(&points, TOLERANCE)
     };
     match piece.part {
+        // Its line comes last.
+        Part::Backbone if look.form != Form::Whole => {}
         Part::Backbone => {
             let colour = look.colour.tint(strength(PALE_BACKBONE));
-            let [half, _] = match piece.profile {
+            // Stretches that follow one another share a cross-section.
+            let open = piece.hidden[0] == 0.0 && !piece.end;
+            let piece = piece.visible();
+            let widest = piece.profiles.iter().map(|profile| match profile {
                 // Its sides come on top of a line, without which a thin strip could vanish.
-                Profile::Bar { .. } => [0.0; 2],
-                profile => profile.half_extents(),
-            };
-            let width = (2.0 * half * view.scale()).max(THINNEST);
+                Profile::Bar { .. } => 0.0,
+                profile => 2.0 * profile.half_extents()[0] * view.scale(),
+            });
+            if widest.fold(0.0, f64::max) > THINNEST {
+                draw_tube(svg, (&piece, open), colour, view);
+                return;
+            }
             // Round ends close the gaps at bends; at base and tip there is nothing to close.
-            let stroke = Stroke { flat: piece.end, ..Stroke::new(colour, width) };
+            let stroke = Stroke { flat: piece.end, ..Stroke::new(colour, THINNEST) };
             svg.polyline(&line(&piece.points), stroke, "backbone");
-            if let Profile::Bar { .. } = piece.profile {
-                draw_sides(svg, piece, colour, view);
+            if let Some(Profile::Bar { .. }) = piece.profiles.first() {
+                draw_sides(svg, &piece, colour, view);
             }
         }
         Part::Cable(i) => {
             let colour = look.cables[i].tint(strength(PALE_CABLE));
-            svg.polyline(&line(&piece.points), Stroke::new(colour, CABLE), "cable");
+            svg.polyline(&line(&piece.visible().points), Stroke::new(colour, CABLE), "cable");
         }
         Part::Anchor(i) => {
             let colour = look.cables[i].tint(strength(PALE_CABLE));
@@ -187,22 +251,58 @@ fn draw_piece(svg: &mut Svg, piece: &Piece, look: &Look, view: &Projection) {
     }
 }
 
+/// A round backbone of any taper: its outline, and the cross-sections that close it.
+fn draw_tube(svg: &mut Svg, (piece, open): (&Piece, bool), colour: Colour, view: &Projection) {
+    let rims: Vec<Ellipse> = piece
+        .frames
+        .iter()
+        .zip(&piece.profiles)
+        .map(|(frame, profile)| {
+            let [u, v] = [Vec3::X, Vec3::Y].map(|axis| frame.rotation.rotate(axis));
+            let least = 0.5 * THINNEST / view.scale();
+            view.circle(frame.position, profile.half_extents()[0].max(least), u, v)
+        })
+        .collect();
+    let (Some(first), Some(last)) = (rims.first(), rims.last()) else { return };
+    let mut sides = [Vec::with_capacity(rims.len()), Vec::with_capacity(rims.len())];
+    for (rim, frame) in rims.iter().zip(&piece.frames) {
+        // The outline touches each cross-section at the ends of its long axis, left and right of
+        // the tangent.
+        let (dx, dy) = (rim.radii[0] * rim.angle.cos(), rim.radii[0] * rim.angle.sin());
+        let tangent = view.place(frame.transform(Vec3::Z));
+        let at = view.place(frame.position);
+        let left = (tangent[0] - at[0]) * dy - (tangent[1] - at[1]) * dx >= 0.0;
+        let [a, b] = [[at[0] + dx, at[1] + dy], [at[0] - dx, at[1] - dy]];
+        sides[usize::from(left)].push(a);
+        sides[usize::from(!left)].push(b);
+    }
+    let mut outline = simplified(&sides[0], TOLERANCE);
+    outline.extend(simplified(&sides[1], TOLERANCE).into_iter().rev());
+    let ends = [first.visible(), last.visible()];
+    svg.tube(&outline, if open { &ends[1..] } else { &ends }, colour);
+}
+
 /// The sides of a bar that the viewer sees, each in its shade.
 fn draw_sides(svg: &mut Svg, piece: &Piece, colour: Colour, view: &Projection) {
-    let [w, h] = piece.profile.half_extents();
-    let middle = piece.frames[piece.frames.len() / 2].rotation;
-    // Outward normal, and the two edges of each side.
+    let Some(middle) = piece.frames.get(piece.frames.len() / 2) else { return };
+    let middle = middle.rotation;
+    // Outward normal, and the two edges of each side, as signs of the half extents.
     let sides = [
-        (Vec3::X, [w, -h], [w, h]),
-        (Vec3::Y, [w, h], [-w, h]),
-        (-Vec3::X, [-w, h], [-w, -h]),
-        (-Vec3::Y, [-w, -h], [w, -h]),
+        (Vec3::X, [1.0, -1.0], [1.0, 1.0]),
+        (Vec3::Y, [1.0, 1.0], [-1.0, 1.0]),
+        (-Vec3::X, [-1.0, 1.0], [-1.0, -1.0]),
+        (-Vec3::Y, [-1.0, -1.0], [1.0, -1.0]),
     ];
+    let corner = |frame: &Pose, profile: &Profile, [x, y]: [f64; 2]| {
+        let [w, h] = profile.half_extents();
+        view.place(frame.transform(Vec3::new(x * w, y * h, 0.0)))
+    };
+    let sections = || piece.frames.iter().zip(&piece.profiles);
     if piece.end {
         // Base and tip are closed; what faces away disappears under the sides.
-        for frame in [piece.frames.first(), piece.frames.last()].into_iter().flatten() {
-            let corner = |[x, y]: [f64; 2]| view.place(frame.transform(Vec3::new(x, y, 0.0)));
-            svg.polygon(&sides.map(|(_, a, _)| corner(a)), Some(Fill::new(colour)), None);
+        for (frame, profile) in [sections().next(), sections().last()].into_iter().flatten() {
+            let face = sides.map(|(_, a, _)| corner(frame, profile, a));
+            svg.polygon(&face, Some(Fill::new(colour)), None);
         }
     }
     for (normal, a, b) in sides {
@@ -210,10 +310,9 @@ fn draw_sides(svg: &mut Svg, piece: &Piece, colour: Colour, view: &Projection) {
         if facing <= 0.0 {
             continue;
         }
-        let edge = |[x, y]: [f64; 2]| -> Vec<Point> {
-            let corner = Vec3::new(x, y, 0.0);
+        let edge = |signs: [f64; 2]| -> Vec<Point> {
             let points: Vec<Point> =
-                piece.frames.iter().map(|frame| view.place(frame.transform(corner))).collect();
+                sections().map(|(frame, profile)| corner(frame, profile, signs)).collect();
             simplified(&points, TOLERANCE)
         };
         let mut outline = edge(a);
@@ -286,8 +385,8 @@ mod tests {
     #[test]
     fn the_far_is_drawn_first_unless_a_neighbour_says_otherwise() {
         let disk =
-            Disk { pose: whipcord::Pose::IDENTITY, radius: 1.0, holes: vec![], hole_radius: 0.0 };
-        let look = Look { colour: Colour::INK, cables: vec![], pale: false };
+            Disk { pose: Pose::IDENTITY, radius: 1.0, half: 0.0, holes: vec![], hole_radius: 0.0 };
+        let look = Look { colour: Colour::INK, cables: vec![], pale: false, form: Form::Whole };
         let node = |depth, before, waits_for| Node {
             item: Item::Disk(&disk, &look),
             depth,

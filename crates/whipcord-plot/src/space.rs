@@ -21,6 +21,9 @@ const LETTER: f64 = 8.0;
 /// Distance of the arrow of gravity from the axes in px.
 const GRAVITY: f64 = 76.0;
 
+/// What may reach below the floor, relative to the side of a square.
+const BASE: f64 = 0.2;
+
 /// A floor of whole squares.
 struct Floor {
     z: f64,
@@ -42,7 +45,9 @@ impl Floor {
         };
         // A base at the origin stands on the floor, unless the robot reaches below it; a robot that
         // is mounted higher has the floor not far below.
-        let z = if z[0].abs() > 0.05 * largest { whole(z)[0] } else { 0.0 };
+        // The lower half of the base disk does not count.
+        let below = ((z[0] / step) + BASE).floor() * step;
+        let z = if z[0].abs() > 0.05 * largest { below } else { 0.0 };
         Self { z, step, x: whole(x), y: whole(y) }
     }
 

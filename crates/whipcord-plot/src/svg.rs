@@ -10,7 +10,7 @@ use crate::font;
 pub(crate) type Point = [f64; 2];
 
 /// How a line is drawn.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stroke {
     pub colour: Colour,
     pub width: f64,
@@ -219,6 +219,59 @@ impl Svg {
             self.paint(None, Some(stroke));
             self.end();
         }
+    }
+
+    /// The side of a disk: what lies between the rims of its near and its far face.
+    pub fn wall(&mut self, near: Ellipse, far: Ellipse, fill: Fill, stroke: Stroke) {
+        let end = |of: Ellipse, sign: f64| {
+            let (dx, dy) = (of.radii[0] * of.angle.cos(), of.radii[0] * of.angle.sin());
+            [of.centre[0] + sign * dx, of.centre[1] + sign * dy]
+        };
+        // On which side of the long axis the far face lies.
+        let [dx, dy] = [0, 1].map(|i| far.centre[i] - near.centre[i]);
+        let beyond = dy * near.angle.cos() - dx * near.angle.sin() >= 0.0;
+        let (there, back) = if beyond { (1, 0) } else { (0, 1) };
+        self.body.push_str("<path d=\"");
+        self.path_data(&[end(near, 1.0), end(far, 1.0)], false);
+        self.arc_data(far, there, end(far, -1.0));
+        let [x, y] = end(near, -1.0).map(|v| self.number(v));
+        let _ = write!(self.body, "L{x} {y}");
+        self.arc_data(near, back, end(near, 1.0));
+        self.body.push_str("Z\"");
+        self.paint(Some(fill), Some(stroke));
+        self.end();
+    }
+
+    /// Half of an ellipse, to the other end of its long axis.
+    fn arc_data(&mut self, ellipse: Ellipse, sweep: u8, to: Point) {
+        let [a, b, turn, x, y] =
+            [ellipse.radii[0], ellipse.radii[1], ellipse.angle.to_degrees(), to[0], to[1]]
+                .map(|v| self.number(v));
+        let _ = write!(self.body, "A{a} {b} {turn} 0 {sweep} {x} {y}");
+    }
+
+    /// A stretch of a round body: its outline, and the ellipses that close it.
+    pub fn tube(&mut self, outline: &[Point], ends: &[Ellipse], colour: Colour) {
+        // As the ellipses turn, so that what both cover is filled.
+        let area: f64 = (0..outline.len())
+            .map(|i| {
+                let ([x0, y0], [x1, y1]) = (outline[i], outline[(i + 1) % outline.len()]);
+                x0 * y1 - x1 * y0
+            })
+            .sum();
+        let mut outline = outline.to_vec();
+        if area > 0.0 {
+            outline.reverse();
+        }
+        self.body.push_str("<path class=\"backbone\" d=\"");
+        self.path_data(&outline, true);
+        for &end in ends {
+            self.ellipse_data(end);
+        }
+        self.body.push('"');
+        // The rim closes the seams between stretches.
+        self.paint(Some(Fill::new(colour)), Some(Stroke::new(colour, 0.4)));
+        self.end();
     }
 
     pub fn text(&mut self, at: Point, text: &Text<'_>) {

@@ -15,7 +15,7 @@ pub struct TimingSeries {
     pub label: String,
     /// Number of sections or steps, and solve time in s; one for each run.
     pub runs: Vec<(usize, f64)>,
-    /// Colour and sign; `None` for the next ones of the palette. With them, what belongs together
+    /// Colour and sign; `None` for the next ones that stand for no model. With them, what belongs together
     /// can look alike: a colour for each model, say, and a sign for each robot.
     pub look: Option<(Colour, Marker)>,
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use common::{before, prototype, towards, view};
 use resvg::usvg::roxmltree::{Document, Node};
 use whipcord::obstacle::{Bends, Mesh, Pipe, Superellipsoid};
-use whipcord::{Form, Obstacle, Part, Pose, Robot, Touch, UnitQuaternion, Vec3};
+use whipcord::{Form, ModelKind, Obstacle, Part, Pose, Robot, Touch, UnitQuaternion, Vec3};
 use whipcord_plot::{FigureOptions, PlotError, RobotView, ViewStyle, png, robot_figure};
 
 /// One of every form, in a row before and behind the robot.
@@ -58,7 +58,8 @@ fn touch(obstacle: usize, force: Option<f64>) -> Touch {
 
 fn robot() -> (Robot, Vec<RobotView>) {
     let robot = prototype(&[4; 10]).unwrap();
-    let bent = view(&robot, "cosserat", ViewStyle::Model, |_| towards(0.4, 6.0));
+    let bent =
+        view(&robot, "cosserat", ViewStyle::Model(ModelKind::Cosserat), |_| towards(0.4, 6.0));
     let views = vec![before(&robot), bent];
     (robot, views)
 }

@@ -8,7 +8,7 @@ use common::{before, prototype, towards, view};
 use resvg::tiny_skia::Pixmap;
 use resvg::usvg::roxmltree::Document;
 use whipcord::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
-use whipcord::{Pose, Robot, UnitQuaternion, Vec3};
+use whipcord::{ModelKind, Pose, Robot, UnitQuaternion, Vec3};
 use whipcord_plot::{
     OverlayOptions, Photograph, PlotError, RobotView, ViewStyle, overlay_figure, png,
 };
@@ -23,7 +23,8 @@ fn photograph() -> Vec<u8> {
 
 fn robot() -> (Robot, [RobotView; 2]) {
     let robot = prototype(&[4; 10]).unwrap();
-    let bent = view(&robot, "cosserat", ViewStyle::Model, |_| towards(1.5, 8.0));
+    let bent =
+        view(&robot, "cosserat", ViewStyle::Model(ModelKind::Cosserat), |_| towards(1.5, 8.0));
     let rest = before(&robot);
     (robot, [rest, bent])
 }

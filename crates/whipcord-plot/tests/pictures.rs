@@ -13,8 +13,8 @@ use resvg::tiny_skia::Pixmap;
 use resvg::usvg::{Group, Node, Options, Rect, Tree, fontdb, roxmltree};
 use whipcord::kinematics::PrincipalAxes;
 use whipcord::{
-    Backbone, Cable, Case, Disks, DistributedLoad, LoadFrame, Loads, PointLoad, PointMass, Pose,
-    Profile, Robot, Routing, Section, UnitQuaternion, Vec3,
+    Backbone, Cable, Case, Disks, DistributedLoad, LoadFrame, Loads, ModelKind, PointLoad,
+    PointMass, Pose, Profile, Robot, Routing, Section, UnitQuaternion, Vec3,
 };
 use whipcord_plot::{
     AccuracySeries, Acting, AxisSpec, Chart, Colour, DistanceSeries, Ellipsoid, FigureOptions,
@@ -89,8 +89,10 @@ fn legend(svg: &str) -> Vec<String> {
 
 fn case_three() -> (Robot, [RobotView; 3]) {
     let robot = prototype(&[1, 2, 3, 4, 4, 4, 4, 3, 2, 1]).unwrap();
-    let a = view(&robot, "cosserat", ViewStyle::Model, |s| towards(20.0 * s, 8.7));
-    let b = view(&robot, "four-bar", ViewStyle::Model, |s| towards(21.0 * s, 8.2));
+    let a =
+        view(&robot, "cosserat", ViewStyle::Model(ModelKind::Cosserat), |s| towards(20.0 * s, 8.7));
+    let b =
+        view(&robot, "four-bar", ViewStyle::Model(ModelKind::FourBar), |s| towards(21.0 * s, 8.2));
     let views = [before(&robot), a, b];
     (robot, views)
 }
@@ -118,7 +120,8 @@ fn a_robot_has_all_its_parts_in_all_views() {
 #[test]
 fn cables_that_end_midway_end_in_the_picture() {
     let robot = arm().unwrap();
-    let bent = view(&robot, "cosserat", ViewStyle::Model, |s| towards(3.0 * s, 1.3));
+    let bent =
+        view(&robot, "cosserat", ViewStyle::Model(ModelKind::Cosserat), |s| towards(3.0 * s, 1.3));
     let svg = robot_figure(&robot, std::slice::from_ref(&bent), &FigureOptions::default()).unwrap();
     check(&svg);
     // 16 sections of two pieces each; three cables end after the eighth.
@@ -130,11 +133,11 @@ fn cables_that_end_midway_end_in_the_picture() {
 #[test]
 fn robots_without_holes_and_robots_that_stand_still_are_drawn() {
     let robot = catheter().unwrap();
-    let hook = view(&robot, "hook", ViewStyle::Model, |s| Vec3::Y * 500.0 * s);
+    let hook = view(&robot, "hook", ViewStyle::Model(ModelKind::Cosserat), |s| Vec3::Y * 500.0 * s);
     check(&robot_figure(&robot, &[before(&robot), hook], &FigureOptions::default()).unwrap());
 
     let robot = prototype(&[4; 10]).unwrap();
-    let still = RobotView { style: ViewStyle::Model, ..before(&robot) };
+    let still = RobotView { style: ViewStyle::Model(ModelKind::Cosserat), ..before(&robot) };
     check(&robot_figure(&robot, &[before(&robot), still], &FigureOptions::default()).unwrap());
 
     let bare = Robot::new(
@@ -143,7 +146,7 @@ fn robots_without_holes_and_robots_that_stand_still_are_drawn() {
         vec![],
     )
     .unwrap();
-    let alone = view(&bare, "bare", ViewStyle::Model, |_| Vec3::X * 30.0);
+    let alone = view(&bare, "bare", ViewStyle::Model(ModelKind::Cosserat), |_| Vec3::X * 30.0);
     check(&robot_figure(&bare, &[alone], &FigureOptions::default()).unwrap());
 }
 
@@ -227,7 +230,14 @@ fn ellipsoids_are_drawn_in_all_views_with_their_values() {
     assert_eq!((count(&svg, "ellipsoids"), count(&svg, "values")), (4, 1));
     assert_eq!(
         legend(&svg)[3..],
-        ["compliance", "12.3, 2, 0 mm/N", "manipulability", "0.0123, 0.002, 0 mm/mm"]
+        [
+            "compliance",
+            "12.3, 2, 0 mm/N",
+            "scale: 5 mm/N drawn 14.7 mm long",
+            "manipulability",
+            "0.0123, 0.002, 0 mm/mm",
+            "scale: 0.005 mm/mm drawn 14.7 mm long",
+        ]
     );
     let lost = Ellipsoid { at: Vec3::X * f64::NAN, ..options.ellipsoids[0].clone() };
     let lost = FigureOptions { ellipsoids: vec![lost], ..options };
@@ -241,7 +251,8 @@ fn loads_point_where_they_act() {
     let turn = UnitQuaternion::exp(Vec3::Y * std::f64::consts::FRAC_PI_2);
     let base = Pose { rotation: turn, ..Pose::IDENTITY };
     let robot = prototype(&[4; 10]).unwrap();
-    let shape = view(&robot, "", ViewStyle::Model, |_| Vec3::ZERO).shape.moved(base);
+    let shape =
+        view(&robot, "", ViewStyle::Model(ModelKind::Cosserat), |_| Vec3::ZERO).shape.moved(base);
     let drawn = |frame, tip_follower, force| {
         let loads = Loads { frame, tip_follower, tip_force: force, ..Loads::default() };
         Acting::on(&Case { loads, base, ..Case::with_tensions(&[0.0]) }, &shape)
@@ -249,7 +260,7 @@ fn loads_point_where_they_act() {
     // The base's x is the world's −z.
     let down = drawn(LoadFrame::World, false, -Vec3::Z);
     assert_ne!(drawn(LoadFrame::Base, false, -Vec3::Z), down);
-    let turned = view(&robot, "", ViewStyle::Model, |_| Vec3::ZERO);
+    let turned = view(&robot, "", ViewStyle::Model(ModelKind::Cosserat), |_| Vec3::ZERO);
     let turned =
         RobotView { shape: shape.clone(), disks: turned.disks.clone().moved(base), ..turned };
     let picture = |loads: Acting| {
@@ -265,7 +276,7 @@ fn loads_point_where_they_act() {
 #[test]
 fn a_raised_robot_fills_its_picture_as_one_on_the_floor_does() {
     let robot = prototype(&[4; 10]).unwrap();
-    let bent = view(&robot, "", ViewStyle::Model, |_| towards(0.4, 8.0));
+    let bent = view(&robot, "", ViewStyle::Model(ModelKind::Cosserat), |_| towards(0.4, 8.0));
     let floor = |height: f64| -> Vec<f64> {
         let base = Pose { position: Vec3::Z * height, ..Pose::IDENTITY };
         let raised = RobotView {
@@ -286,7 +297,7 @@ fn a_raised_robot_fills_its_picture_as_one_on_the_floor_does() {
 #[test]
 fn a_picture_from_stations_at_the_disks_alone_is_as_round() {
     let robot = prototype(&[4; 10]).unwrap();
-    let dense = view(&robot, "a", ViewStyle::Model, |_| towards(1.5, 8.7));
+    let dense = view(&robot, "a", ViewStyle::Model(ModelKind::Cosserat), |_| towards(1.5, 8.7));
     let coarse = RobotView { shape: dense.disks.clone(), ..dense.clone() };
     let [dense, coarse] = [dense, coarse]
         .map(|v| tree(&robot_figure(&robot, &[v], &FigureOptions::default()).unwrap()));
@@ -306,6 +317,7 @@ fn long_and_hostile_labels_stay_in_their_places() {
         label: views[1].label.clone(),
         disks: vec![(1, 0.0), (2, 1e-3)],
         look: None,
+        hollow: false,
     };
     check(&distance_chart(&options.title, &[series]).unwrap());
 }
@@ -316,6 +328,7 @@ fn distances_are_columns_in_millimetres() {
         label: label.into(),
         disks: (1..=10).map(|k| (k, 2e-4 * k as f64)).collect(),
         look: None,
+        hollow: false,
     });
     let svg = distance_chart("Distances", &series).unwrap();
     check(&svg);
@@ -324,13 +337,18 @@ fn distances_are_columns_in_millimetres() {
     // The ground, two swatches and the columns.
     assert_eq!(svg.matches("<rect").count(), 1 + 2 + 20);
 
-    let nothing =
-        DistanceSeries { label: "same".into(), disks: vec![(1, 0.0), (2, 0.0)], look: None };
+    let nothing = DistanceSeries {
+        label: "same".into(),
+        disks: vec![(1, 0.0), (2, 0.0)],
+        look: None,
+        hollow: false,
+    };
     check(&distance_chart("", &[nothing]).unwrap());
     let many = DistanceSeries {
         label: "many".into(),
         disks: (1..=321).map(|k| (k, 1e-9 * k as f64)).collect(),
         look: None,
+        hollow: false,
     };
     let svg = distance_chart("", &[many]).unwrap();
     check(&svg);
@@ -455,9 +473,11 @@ fn what_cannot_be_drawn_is_refused() {
     assert!(matches!(refused(&views, &slim), PlotError::Size { .. }));
 
     assert!(matches!(distance_chart("", &[]), Err(PlotError::Empty { .. })));
-    let nan = DistanceSeries { label: "a".into(), disks: vec![(1, f64::NAN)], look: None };
+    let nan =
+        DistanceSeries { label: "a".into(), disks: vec![(1, f64::NAN)], look: None, hollow: false };
     assert!(matches!(distance_chart("", &[nan]), Err(PlotError::NotFinite { .. })));
-    let huge = DistanceSeries { label: "a".into(), disks: vec![(1, 1e300)], look: None };
+    let huge =
+        DistanceSeries { label: "a".into(), disks: vec![(1, 1e300)], look: None, hollow: false };
     assert!(matches!(distance_chart("", &[huge]), Err(PlotError::NotFinite { .. })));
     let zero = TimingSeries { label: "a".into(), runs: vec![(5, 0.0)], look: None };
     let error = timing_chart("", &[zero], Scale::Log);
@@ -504,7 +524,7 @@ impl SomeRobot {
         let curvature = |s: f64| {
             (towards(direction + twist * s / length, bend) + Vec3::Z * twist) * (1.0 / length)
         };
-        let bent = view(&robot, "model", ViewStyle::Model, curvature);
+        let bent = view(&robot, "model", ViewStyle::Model(ModelKind::Cosserat), curvature);
         let mut case = all_loads();
         let place = |s: f64| s * length / 0.18;
         for point in &mut case.loads.points {
@@ -580,4 +600,35 @@ proptest! {
         };
         check(&chart.svg().unwrap());
     }
+}
+
+/// Eight whole robots in one place cannot be read.
+#[test]
+fn many_models_are_lines_over_the_disks_of_the_first() {
+    let robot = prototype(&[4; 10]).unwrap();
+    let kinds =
+        [ModelKind::PseudoRigidBody, ModelKind::FourBar, ModelKind::Cosserat, ModelKind::FourBar];
+    let bent = kinds.iter().zip(0..).map(|(&kind, i)| {
+        view(&robot, &format!("{kind} {i}"), ViewStyle::Model(kind), |_| {
+            towards(0.4, 8.0 + 0.3 * f64::from(i))
+        })
+    });
+    let views: Vec<RobotView> = [before(&robot)].into_iter().chain(bent).collect();
+    let svg = robot_figure(&robot, &views, &FigureOptions::default()).unwrap();
+    check(&svg);
+    // Before actuation and of the first model, in four views.
+    assert_eq!(count(&svg, "disk"), 4 * 2 * 10);
+    let lines: Vec<&str> =
+        svg.lines().filter(|line| line.contains("backbone") && line.contains("stroke=")).collect();
+    for kind in kinds {
+        let stroke = format!("fill=\"none\" stroke=\"{}\"", Colour::of_model(kind));
+        let own: Vec<&&str> = lines.iter().filter(|line| line.contains(&stroke)).collect();
+        let times = kinds.iter().filter(|other| **other == kind).count();
+        assert_eq!(own.len(), 4 * times, "{kind}");
+        let dashed = own.iter().filter(|line| line.contains("stroke-dasharray")).count();
+        assert_eq!(dashed, 4 * (times - 1), "{kind}");
+    }
+    // Two are drawn whole.
+    let two = robot_figure(&robot, &views[..3], &FigureOptions::default()).unwrap();
+    assert_eq!(count(&two, "disk"), 4 * 3 * 10);
 }

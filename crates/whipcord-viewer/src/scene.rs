@@ -16,9 +16,6 @@ use crate::protocol::{self, Command, Disk, ModelChoice, Pose, Request, Scene};
 use crate::ranges::ranges;
 use crate::stations::Places;
 
-/// Thickness of disks that have none, relative to their radius.
-const THICKNESS: f64 = 0.1;
-
 /// What the page is told of a file.
 pub fn scene(file: &CaseFile) -> Scene {
     let (robot, case) = (&file.robot, &file.case);
@@ -121,7 +118,7 @@ fn disks(robot: &Robot, places: &Places) -> Vec<Disk> {
         .map(|(plate, &station)| Disk {
             station,
             radius: plate.radius,
-            thickness: robot.disks().thickness.unwrap_or(THICKNESS * plate.radius),
+            thickness: plate.thickness,
             holes: plate.holes,
             hole_radius: plate.hole_radius,
         })

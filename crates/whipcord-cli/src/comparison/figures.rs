@@ -5,7 +5,7 @@ use whipcord_plot::{
     ViewStyle, distance_chart, label, robot_figure,
 };
 
-use super::study::Study;
+use super::study::{Commands, Study};
 use crate::failure::Failure;
 use crate::files::plot_failure;
 use crate::html::Figure;
@@ -25,7 +25,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         shape: solved.fine.clone(),
         disks: solved.solution.disks.clone(),
         cables: CableCourse::of(solved.solution.model),
-        style: ViewStyle::Model,
+        style: ViewStyle::Model(solved.solution.model),
     }));
     // Moved, where that was asked for, onto the first model.
     let last = study.file.case.before.len();
@@ -40,7 +40,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         ..FigureOptions::default()
     };
     figures.push(Figure {
-        name: "robot",
+        name: "robot".into(),
         caption: String::from(
             "The robot before actuation (grey) and as each model bends it: in space, and in three orthogonal views of one scale.",
         ),
@@ -50,7 +50,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
     if !distances.is_empty() {
         let title = format!("Distance at each disk: {}", study.file.title);
         figures.push(Figure {
-            name: "distances",
+            name: "distances".into(),
             caption: String::from(
                 "Distance at each disk: between models, and to the measurement where there is one; of a case in steps the root mean square over all steps.",
             ),
@@ -63,16 +63,17 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
 fn distances(study: &Study) -> Vec<DistanceSeries> {
     let mut series = Vec::new();
     let Some((first, reference)) = study.reference() else { return series };
-    for (index, (run, solved)) in study.solved().enumerate() {
-        // As in the figure of the robot; paler where the colour is taken by the distance to the
-        // measurement.
-        let (colour, marker) = (Colour::nth(index), Marker::nth(index));
+    for (run, solved) in study.solved() {
+        // Paler where the colour is taken by the distance to the measurement.
+        let (colour, marker) = (Colour::of_model(run.model), Marker::of_model(run.model));
+        let hollow = run.commands != Commands::File;
         let pale = if solved.measured.is_some() { colour.tint(0.5) } else { colour };
         if study.distance_to_reference(run, solved).is_some() {
             series.push(DistanceSeries {
                 label: format!("{} to {}", run.label(), first.label()),
                 disks: (1..).zip(solved.distances(reference)).collect(),
                 look: Some((pale, marker)),
+                hollow,
             });
         }
         let to_measured: Vec<(usize, f64)> = (1..=study.file.robot.disks().count())
@@ -80,7 +81,8 @@ fn distances(study: &Study) -> Vec<DistanceSeries> {
             .collect();
         if !to_measured.is_empty() {
             let label = format!("{} to measured", run.label());
-            series.push(DistanceSeries { label, disks: to_measured, look: Some((colour, marker)) });
+            let look = Some((colour, marker));
+            series.push(DistanceSeries { label, disks: to_measured, look, hollow });
         }
     }
     series

@@ -3,24 +3,29 @@
 use whipcord::CableState;
 use whipcord::observation::Distances;
 
-use super::study::{Commands, Study};
-use super::tables::{self, each_once, not_compared};
+use super::study::{Commands, FAR, Study};
+use super::tables::{self, OUTLIER, each_once, not_compared, with_mark};
 use crate::html::{Figure, escape, footer, list, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
 use crate::touches;
 use crate::words::{describe, instability};
 
-/// The report of these cases with the figures of each; `accuracy` is the section about all of them.
+/// The report of these cases with the figures of each; `verdict` says which model to use for what, `accuracy` is the
+/// section about all cases.
 pub fn html(
     studies: &[Study],
     figures: &[Vec<Figure>],
+    verdict: &str,
     accuracy: &str,
     passed_over: &[String],
 ) -> String {
     let mut body = String::from("<h1>Models side by side</h1>\n");
-    body += &tables::summary(studies).html();
-    body += &list(tables::notes(studies).iter().chain(passed_over));
+    body += verdict;
+    body += "<h2>Answers</h2>\n";
+    body += &tables::summary(studies, true).html();
+    let outliers = studies.iter().any(Study::has_outliers).then(outlier_note);
+    body += &list(outliers.iter().chain(&tables::notes(studies)).chain(passed_over));
     if studies.len() > 1 {
         body += "<nav><ul>\n";
         for (i, study) in studies.iter().enumerate() {
@@ -39,6 +44,11 @@ pub fn html(
     }
     body += &footer();
     page("Whipcord: models side by side", &body)
+}
+
+/// What the mark of outliers means.
+fn outlier_note() -> String {
+    format!("{OUTLIER} outlier: farther off than {} of the backbone's length.", percent(FAR))
 }
 
 fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
@@ -97,27 +107,35 @@ fn place(study: &Study) -> String {
 /// Distance in mm of each run to the reference and to the measurement, disk by disk; the root mean square over all
 /// steps.
 fn disk_table(study: &Study) -> Table {
-    let mut columns = vec![(String::from("model"), Align::Left)];
     let count = study.file.robot.disks().count();
-    columns.extend((1..=count).map(|disk| (format!("disk {disk}"), Align::Right)));
-    let mut table = Table::new(columns);
-    let Some((first, reference)) = study.reference() else { return table };
-    table.group();
+    let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
+    let Some((first, reference)) = study.reference() else {
+        return Table::new([("disk", Align::Left)]);
+    };
     for (run, solved) in study.solved() {
         if run.model != first.model || run.commands != first.commands {
-            let mut row = vec![format!("{} to {}, mm", run.label(), first.label())];
-            let distances = solved.distances(reference);
-            row.extend(distances.into_iter().map(|d| fixed_millimetres(d, 2)));
-            table.row(row);
+            let distances = solved.distances(reference).into_iter().map(Some).collect();
+            columns.push((format!("{} to {}", run.label(), first.label()), distances));
         }
         if let Some(compared) = solved.compared() {
-            let mut row = vec![format!("{} to measured, mm", run.label())];
-            row.extend((1..=count).map(|disk| {
-                let rms = compared.rms_of_disk(disk);
-                rms.map_or_else(|| String::from("–"), |rms| fixed_millimetres(rms, 2))
-            }));
-            table.row(row);
+            let distances = (1..=count).map(|disk| compared.rms_of_disk(disk)).collect();
+            columns.push((format!("{} to measured", run.label()), distances));
         }
+    }
+    let names = columns.iter().map(|(name, _)| (name.clone(), Align::Right));
+    let mut table = Table::new([(String::from("disk"), Align::Left)].into_iter().chain(names))
+        .with_units([""].into_iter().chain(columns.iter().map(|_| "mm")));
+    if columns.is_empty() {
+        return table;
+    }
+    table.group();
+    for disk in 0..count {
+        let distance = |of: &[Option<f64>]| match of.get(disk).copied().flatten() {
+            Some(distance) => with_mark(study, distance),
+            None => String::from("–"),
+        };
+        let cells = columns.iter().map(|(_, of)| distance(of));
+        table.row([(disk + 1).to_string()].into_iter().chain(cells).collect());
     }
     table
 }
@@ -149,11 +167,12 @@ fn cable_table(study: &Study) -> Table {
         ("model", Align::Left),
         ("cable", Align::Left),
         ("tension", Align::Right),
-        ("length, mm", Align::Right),
-        ("shortening, mm", Align::Right),
+        ("length", Align::Right),
+        ("shortening", Align::Right),
         ("shortening", Align::Right),
         ("", Align::Left),
-    ]);
+    ])
+    .with_units(["", "", "with its unit", "mm", "mm", "%"]);
     table.group();
     for (run, solved) in study.solved() {
         for cable in &solved.solution.cables {

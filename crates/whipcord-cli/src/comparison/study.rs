@@ -12,6 +12,10 @@ use crate::words::driven_by;
 use whipcord_io::{CaseFile, FileWarning, Measured};
 use whipcord_plot::FINE_STATIONS;
 
+/// Distance relative to the backbone's length beyond which an answer is marked as an outlier: what the models are
+/// judged by.
+pub const FAR: f64 = crate::trial::verdict::TOLERANCE;
+
 /// A case and what the models say of it.
 #[derive(Clone, Debug)]
 pub struct Study {
@@ -150,6 +154,26 @@ impl Study {
     /// The answer that the others are compared with: that of the first model that has one.
     pub fn reference(&self) -> Option<(&Run, &Solved)> {
         self.solved().next()
+    }
+
+    /// Whether a distance in m is too large for the models, or a model and the measurement, to agree.
+    pub fn is_far(&self, distance: f64) -> bool {
+        distance > FAR * self.file.robot.backbone().length
+    }
+
+    /// Whether there is such a distance, of a model to the reference or to the measurement, over all disks or at
+    /// one of them.
+    pub fn has_outliers(&self) -> bool {
+        let disks = self.file.robot.disks().count();
+        self.solved().any(|(run, solved)| {
+            let compared = solved.compared();
+            let to_measured = compared.and_then(Distances::rms);
+            let at_disks = (1..=disks).filter_map(|disk| compared?.rms_of_disk(disk));
+            let to_reference =
+                self.reference().map_or_else(Vec::new, |(_, first)| solved.distances(first));
+            let all = self.distance_to_reference(run, solved).into_iter().chain(to_measured);
+            all.chain(at_disks).chain(to_reference).any(|distance| self.is_far(distance))
+        })
     }
 
     /// RMS distance in m over the disks and all steps to the reference; `None` for the reference itself.

@@ -12,41 +12,45 @@ use crate::words::{REVERSED_HELP, reversed};
 
 /// Marks an answer that the robot leaves.
 const UNSTABLE: &str = "†";
+/// Marks a distance that is an outlier.
+pub const OUTLIER: &str = "▲";
 
 /// The one table: a group for each case, a row for each model. Columns for measurements and published
-/// values are there when any case has them.
-pub fn summary(studies: &[Study]) -> Table {
+/// values are there when any case has them. `marked` marks outliers.
+pub fn summary(studies: &[Study], marked: bool) -> Table {
     let solved = || studies.iter().flat_map(Study::solved);
     let measured = solved().any(|(_, solved)| solved.measured.is_some());
     let published = studies.iter().any(|s| s.file.reference.is_some());
     let mut columns = vec![
-        ("case", Align::Left),
-        ("model", Align::Left),
-        ("driven by", Align::Left),
-        ("tip x", Align::Right),
-        ("y", Align::Right),
-        ("z", Align::Right),
-        ("bend", Align::Right),
-        ("RMS", Align::Right),
+        ("case", Align::Left, ""),
+        ("model", Align::Left, ""),
+        ("driven by", Align::Left, ""),
+        ("tip x", Align::Right, "mm"),
+        ("y", Align::Right, "mm"),
+        ("z", Align::Right, "mm"),
+        ("bend", Align::Right, "degrees"),
+        ("RMS", Align::Right, "mm"),
     ];
     if measured {
-        columns.push(("to measured", Align::Right));
-        columns.push(("steps", Align::Right));
-        columns.push(("points", Align::Right));
+        columns.push(("to measured", Align::Right, "mm"));
+        columns.push(("steps", Align::Right, "count"));
+        columns.push(("points", Align::Right, "count"));
     }
-    columns.push(("time", Align::Right));
+    columns.push(("time", Align::Right, "with its unit"));
     if published {
-        columns.push(("paper: RMS", Align::Right));
-        columns.push(("paper: time", Align::Right));
+        columns.push(("paper: RMS", Align::Right, "mm"));
+        columns.push(("paper: time", Align::Right, "with its unit"));
     }
-    let mut table = Table::new(columns);
+    let units = columns.iter().map(|(_, _, unit)| *unit).collect::<Vec<_>>();
+    let columns = columns.into_iter().map(|(name, align, _)| (name, align));
+    let mut table = Table::new(columns).with_units(units);
     for study in studies {
         table.group();
         for (i, run) in study.runs.iter().enumerate() {
             let title = if i == 0 { study.file.title.clone() } else { String::new() };
             let mark = if run.is_unstable() { format!(" {UNSTABLE}") } else { String::new() };
             let mut row = vec![title, format!("{}{mark}", run.model), drive_words(run)];
-            row.extend(answer_cells(study, run, measured));
+            row.extend(answer_cells(study, run, measured, marked));
             if published {
                 row.extend(published_cells(study, run));
             }
@@ -64,21 +68,25 @@ fn drive_words(run: &Run) -> String {
     }
 }
 
-fn answer_cells(study: &Study, run: &Run, measured: bool) -> Vec<String> {
+fn answer_cells(study: &Study, run: &Run, measured: bool, marked: bool) -> Vec<String> {
     let Ok(solved) = &run.outcome else {
         let count = if measured { 9 } else { 6 };
         return vec![String::from("–"); count];
+    };
+    let in_mm = |distance: f64| match marked {
+        true => with_mark(study, distance),
+        false => fixed_millimetres(distance, 2),
     };
     let tip = solved.solution.disks.tip();
     let mut cells: Vec<String> =
         tip.position.to_array().map(|x| fixed_millimetres(x, 2)).into_iter().collect();
     cells.push(format!("{}°", fixed(solved.solution.disks.bend().0.to_degrees(), 1)));
     let distance = study.distance_to_reference(run, solved);
-    cells.push(distance.map_or_else(|| String::from("–"), |d| fixed_millimetres(d, 2)));
+    cells.push(distance.map_or_else(|| String::from("–"), in_mm));
     if measured {
         match solved.compared().and_then(|compared| Some((compared, compared.rms()?))) {
             Some((compared, rms)) => cells.extend([
-                fixed_millimetres(rms, 2),
+                in_mm(rms),
                 compared.steps().to_string(),
                 compared.moving().count().to_string(),
             ]),
@@ -87,6 +95,12 @@ fn answer_cells(study: &Study, run: &Run, measured: bool) -> Vec<String> {
     }
     cells.push(duration(solved.solve.median));
     cells
+}
+
+/// A distance in mm, marked where it is an outlier.
+pub fn with_mark(study: &Study, distance: f64) -> String {
+    let text = fixed_millimetres(distance, 2);
+    if study.is_far(distance) { format!("{OUTLIER} {text}") } else { text }
 }
 
 /// Values that others published, beside the run that they belong to: the one driven by the file.

@@ -36,6 +36,8 @@ pub struct Remark {
 /// A fit, and what it is of.
 #[derive(Clone, Debug)]
 pub struct Fit {
+    /// The model, as it was fitted.
+    pub model: Model,
     /// The files.
     pub cases: Vec<CaseFile>,
     /// A name for each.
@@ -80,7 +82,8 @@ impl Fit {
         for of in &mut notices {
             of.retain(|notice| !matches!(notice.warning, Warning::Unstable { .. }));
         }
-        Self { cases, names, experiments, found, validated, reversed, compared, notices }
+        let model = model.clone();
+        Self { model, cases, names, experiments, found, validated, reversed, compared, notices }
     }
 
     /// All of it as the JSON object that `whipcord fit --json` prints.
@@ -164,15 +167,17 @@ impl Fit {
             let text = table.to_csv().map_err(|error| no_result(&error))?;
             files.push((name.to_owned(), text.into_bytes()));
         }
-        let figures = figures::figures(self).map_err(|e| plot_failure(Path::new("figures"), &e))?;
-        for figure in &figures {
+        let failed = |e| plot_failure(Path::new("figures"), &e);
+        let robots = figures::robots(self).map_err(failed)?;
+        let figures = figures::figures(self).map_err(failed)?;
+        for figure in robots.iter().chain(&figures) {
             for kind in ["svg", "png"] {
                 let name = format!("{}.{kind}", figure.name);
                 let bytes = picture(&figure.svg, Path::new(&name))?;
                 files.push((name, bytes));
             }
         }
-        files.push((REPORT.to_owned(), report::html(self, &figures).into_bytes()));
+        files.push((REPORT.to_owned(), report::html(self, &robots, &figures).into_bytes()));
         Ok(files)
     }
 }

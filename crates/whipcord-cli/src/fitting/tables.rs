@@ -5,6 +5,7 @@ use whipcord::{Observation, Seen};
 use whipcord_io::{CaseFile, Cell, CsvTable};
 
 use super::Fit;
+use super::figures::is_outlier;
 use crate::quantity::{fixed, number, percent};
 use crate::style::Style;
 use crate::table::{Align, Table};
@@ -58,7 +59,7 @@ pub fn estimates(fit: &Fit) -> Table {
         ("±", Align::Right),
         ("95 % from", Align::Right),
         ("to", Align::Right),
-        ("", Align::Left),
+        ("unit", Align::Left),
         ("derivatives", Align::Left),
     ]);
     table.group();
@@ -161,7 +162,7 @@ pub fn held_out(fit: &Fit) -> Table {
     let mut table = Table::new([
         ("without", Align::Left),
         ("RMS of it, mm", Align::Right),
-        ("pixels", Align::Right),
+        ("RMS of it, pixels", Align::Right),
     ]);
     let Some(validated) = &fit.validated else { return table };
     let row = |what: String, mm: Option<f64>, pixels: Option<f64>| {
@@ -197,7 +198,7 @@ pub fn notes(fit: &Fit) -> Vec<String> {
             Ok(_) => {}
         }
     }
-    let doubted = fit.found.residuals.iter().filter(|residual| residual.weight < 0.5).count();
+    let doubted = fit.found.residuals.iter().filter(|residual| is_outlier(residual.weight)).count();
     if doubted > 0 {
         let share = doubted as f64 / fit.found.residuals.len() as f64;
         notes.push(format!(

@@ -43,6 +43,5 @@ fn point(contender: Contender, trial: &Trial) -> Option<[f64; 2]> {
 
 /// Of every model its own, whichever take part.
 fn look(kind: ModelKind) -> (Colour, Marker) {
-    let index = ModelKind::ALL.iter().position(|&other| other == kind).unwrap_or(0);
-    (Colour::nth(index), Marker::nth(index))
+    (Colour::of_model(kind), Marker::of_model(kind))
 }

@@ -4,7 +4,21 @@ use super::results::Results;
 use super::{summary, tables};
 use crate::html::{Figure, escape, list};
 
-/// How the models did: tables, picture and verdict.
+/// Which model to use for what; nothing where that cannot be said.
+pub fn verdict(results: &Results) -> String {
+    let verdict = results.verdict();
+    if verdict.is_empty() {
+        return String::new();
+    }
+    let mut html = String::from("<h2>Which model for what</h2>\n<dl>\n");
+    for finding in &verdict {
+        let (topic, text) = (finding.topic.words(), escape(&finding.text));
+        html += &format!("<dt>{topic}</dt><dd>{text}</dd>\n");
+    }
+    html + "</dl>\n"
+}
+
+/// How the models did: tables and picture.
 pub fn section(results: &Results, pareto: Option<&Figure>) -> String {
     let mut html = String::from("<section id=\"accuracy\"><h2>Accuracy and time</h2>\n");
     html += &tables::standings(results).html();
@@ -12,15 +26,6 @@ pub fn section(results: &Results, pareto: Option<&Figure>) -> String {
     html += &pareto.map(Figure::html).unwrap_or_default();
     for (heading, table) in summary::tables(&results.trials, &results.contenders) {
         html += &format!("<h3>{}</h3>\n{}", escape(&heading), table.html());
-    }
-    let verdict = results.verdict();
-    if !verdict.is_empty() {
-        html += "<h3>Which model for what</h3>\n<dl>\n";
-        for finding in &verdict {
-            let (topic, text) = (finding.topic.words(), escape(&finding.text));
-            html += &format!("<dt>{topic}</dt><dd>{text}</dd>\n");
-        }
-        html += "</dl>\n";
     }
     html += "<h3>Case by case</h3>\n";
     html += &tables::entries(&results.trials).html();

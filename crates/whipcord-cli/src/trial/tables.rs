@@ -26,7 +26,8 @@ pub fn standings(results: &Results) -> Table {
         ("iterations", Align::Right),
         ("derivatives", Align::Left),
         ("material", Align::Left),
-    ]);
+    ])
+    .with_units(["", "of cases", "median", "%", "cases", "with its unit", "median", "", ""]);
     table.group();
     for standing in results.standings() {
         table.row(row(&standing));
@@ -78,7 +79,8 @@ pub fn entries(trials: &[Trial]) -> Table {
         ("iterations", Align::Right),
         ("steps", Align::Right),
         ("points", Align::Right),
-    ]);
+    ])
+    .with_units(["", "", "", "", "mm", "mm", "", "with its unit", "count", "count", "count"]);
     for trial in trials {
         table.group();
         for (i, entry) in trial.entries.iter().enumerate() {

@@ -145,8 +145,7 @@ fn figures(
     // A colour for each model, a sign for each robot.
     let timings: Vec<TimingSeries> = ModelKind::ALL
         .into_iter()
-        .enumerate()
-        .flat_map(|(colour, model)| {
+        .flat_map(|model| {
             let looks = examples.iter().enumerate();
             looks.map(move |(index, example)| TimingSeries {
                 label: format!("{model}, {}", example.title),
@@ -156,7 +155,7 @@ fn figures(
                     .filter_map(|cost| Some((cost.sections, cost.samples.as_ref().ok()?)))
                     .flat_map(|(sections, s)| s.times.iter().map(move |&time| (sections, time)))
                     .collect(),
-                look: Some((Colour::nth(colour), Marker::nth(index))),
+                look: Some((Colour::of_model(model), Marker::nth(index))),
             })
         })
         .filter(|series| !series.runs.is_empty())

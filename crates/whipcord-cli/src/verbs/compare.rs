@@ -165,7 +165,9 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     let figures = write_figures(&folder, &studies)?;
     write_numbers(&folder, &studies)?;
     let (accuracy, trials) = accuracy(args, &folder, &results, style)?;
-    folder.write("report.html", &report::html(&studies, &figures, &accuracy, &passed_over))?;
+    let verdict = trial::report::verdict(&results);
+    let report = report::html(&studies, &figures, &verdict, &accuracy, &passed_over);
+    folder.write("report.html", &report)?;
 
     if !unsolved.is_empty() {
         return Err(Failure::Solve(format!(
@@ -173,7 +175,7 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
             folder.path().join("report.html").display()
         )));
     }
-    let mut text = tables::summary(&studies).text(style) + "\n";
+    let mut text = tables::summary(&studies, false).text(style) + "\n";
     for note in tables::notes(&studies).iter().chain(&passed_over) {
         text += &format!("{note}\n");
     }
@@ -230,7 +232,7 @@ fn accuracy(
     }
     folder.write_table("accuracy.csv", &trial::output::csv(results))?;
     let figure = pareto.map(|svg| Figure {
-        name: "pareto",
+        name: "pareto".into(),
         caption: "Error, relative to the length of the backbone, against the time of a solve: each case as a dot, the medians of each model as its sign, hollow for a variant. Pale is what another model betters in both.".into(),
         svg,
     });

@@ -179,8 +179,9 @@ fn chart(
             .filter_map(|(marker, miss)| Some((marker.disk()?, (*miss)?.distance)))
             .collect();
         if !disks.is_empty() {
-            let look = Some((Colour::nth(series.len()), Sign::nth(series.len())));
-            series.push(DistanceSeries { label: run.model.to_string(), disks, look });
+            let look = Some((Colour::of_model(run.model), Sign::of_model(run.model)));
+            let label = run.model.to_string();
+            series.push(DistanceSeries { label, disks, look, hollow: false });
         }
     }
     (!series.is_empty()).then(|| distance_chart(&file.title, &series))

@@ -1,11 +1,12 @@
 // The page: what the user does becomes a state, a state a request, an answer a picture.
 
+import { modelColour } from "./colours";
 import { ellipsoid } from "./ellipsoid";
 import { Controls } from "./controls";
 import { byId, element } from "./dom";
 import { add, conjugate, rotate, scale, tipFrame } from "./geometry";
 import { key, show, type Legend } from "./legend";
-import { modelColour, paints } from "./paint";
+import { paints } from "./paint";
 import type { Answer, Frame, Quaternion, Scene, Solved, Vector } from "./protocol";
 import { readout } from "./readout";
 import { RobotMesh } from "./robot";
@@ -169,7 +170,7 @@ export class App {
           this.#catchUp();
         },
       },
-      (model) => modelColour(scene, model),
+      modelColour,
       this.#recording?.axes,
     );
     if (this.#recording) {
@@ -358,7 +359,7 @@ export class App {
     this.#reading = 0;
     this.#readAt = performance.now();
     const scene = this.#scene;
-    if (scene) byId("answers").replaceChildren(...readout(scene, this.#answers, (model) => modelColour(scene, model)));
+    if (scene) byId("answers").replaceChildren(...readout(scene, this.#answers, modelColour));
   }
 
   /** Robots in the shapes of the answers; one without an answer keeps its last shape, in grey. */
@@ -384,7 +385,7 @@ export class App {
     this.#stage.touches(solved.flatMap((answer) => answer.touches));
     const yields = solved.flatMap(({ compliance }) => (compliance?.status === "known" ? compliance.values : []));
     const bodies = solved.map(({ compliance, positions, model }) =>
-      compliance ? ellipsoid(compliance, Math.max(...yields), positions.at(-1)!, scene, modelColour(scene, model)) : undefined,
+      compliance ? ellipsoid(compliance, Math.max(...yields), positions.at(-1)!, scene, modelColour(model)) : undefined,
     );
     this.#stage.marks(bodies.filter((body) => body !== undefined));
     // What the frames of an exported page are loaded with does not change.

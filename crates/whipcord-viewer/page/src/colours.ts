@@ -2,16 +2,36 @@
 
 export type Rgb = readonly [number, number, number];
 
-/** The colours of Okabe and Ito, in the order of the figures that the command line draws. */
-const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#999933"] as const;
+/** The colour of each model: as in the figures of the command, which define it. */
+const MODELS: Readonly<Record<string, string>> = {
+  "cosserat": "#0072b2",
+  "cosserat-disks": "#d55e00",
+  "four-bar": "#009e73",
+  "constant-curvature": "#cc79a7",
+  "piecewise-constant-curvature": "#e69f00",
+  "pseudo-rigid-body": "#56b4e9",
+};
+
+/** The colours of cables, none of which is the colour of a model: as in those figures. */
+const CABLES = ["#a0522d", "#8e5bd0", "#5c8f1f", "#ee6677", "#01665e", "#c51b7d"] as const;
 
 /** Of what touches an obstacle, and of how that pushes. */
-export const TOUCHING = PALETTE[1];
+export const TOUCHING = "#c41a1a";
 /** Of what the tip is held by, and of the force that pulls at it. */
-export const HANDLE = PALETTE[4];
+export const HANDLE = "#e69f00";
 
-export function paletteColour(index: number): string {
-  return PALETTE[index % PALETTE.length] ?? PALETTE[0];
+/** The colour that a model has wherever it is shown; a variant has that of its model, lighter or darker. */
+export function modelColour(name: string): string {
+  const own = MODELS[name];
+  if (own) return own;
+  const model = Object.keys(MODELS).filter((each) => name.startsWith(`${each}-`)).sort((a, b) => b.length - a.length)[0];
+  const towards = name.endsWith("-sliding") ? 1 : 0;
+  const parts = parse(MODELS[model ?? "cosserat"]!).map((part) => Math.round(255 * (0.6 * part + 0.4 * towards)));
+  return `#${parts.map((part) => part.toString(16).padStart(2, "0")).join("")}`;
+}
+
+export function cableColour(index: number): string {
+  return CABLES[index % CABLES.length] ?? CABLES[0];
 }
 
 /** Points of cividis, which rises in lightness and looks nearly the same to all kinds of colour vision (Nuñez et al. 2018). */

@@ -1,7 +1,7 @@
 import { Color } from "three";
 import { describe, expect, it } from "vitest";
 
-import { linear, parse } from "./colours";
+import { linear, modelColour, parse } from "./colours";
 import { course, place, rotate, spans, strainsOf, tensions, tipFrame } from "./geometry";
 import interpolation from "./interpolation.json";
 import { extent, ticks } from "./plots";
@@ -61,6 +61,13 @@ describe("colours", () => {
       const expected = new Color(css).toArray();
       linear(parse(css)).forEach((c, i) => expect(c).toBeCloseTo(expected[i]!, 6));
     }
+  });
+
+  it("of a variant are those of its model, lighter or darker", () => {
+    expect(modelColour("four-bar")).toBe("#009e73");
+    expect(modelColour("cosserat-disks")).toBe("#d55e00");
+    expect(modelColour("four-bar-sliding")).toBe("#66c5ab");
+    expect(modelColour("four-bar-strain-energy")).toBe("#005f45");
   });
 });
 

@@ -1,6 +1,6 @@
 // What the robot is coloured by.
 
-import { paletteColour, parse, ramp, TOUCHING, type Rgb } from "./colours";
+import { cableColour, modelColour, parse, ramp, TOUCHING, type Rgb } from "./colours";
 import { atStations, strainsOf, tensions } from "./geometry";
 import type { Scene, Solved } from "./protocol";
 import { NEUTRAL, type Legend } from "./legend";
@@ -17,7 +17,7 @@ export function paints(
 ): { paints: Paint[]; legend: Legend | undefined } {
   switch (colouring) {
     case "model":
-      return { paints: all.map((solved) => byModel(scene, solved, all.length > 1)), legend: all.length > 1 ? modelLegend(scene, all) : undefined };
+      return { paints: all.map((solved) => byModel(scene, solved, all.length > 1)), legend: all.length > 1 ? modelLegend(all) : undefined };
     case "tension": {
       const values = all.map((solved) =>
         scene.cables.map((cable, k) => tensions(scene, solved, k, cable.course.map((_, i) => i))),
@@ -44,18 +44,13 @@ export function paints(
 }
 
 function byModel(scene: Scene, solved: Solved, several: boolean): Paint {
-  const own = parse(modelColour(scene, solved.model));
-  const cables = scene.cables.map((_, k) => (several ? own : parse(paletteColour(k))));
+  const own = parse(modelColour(solved.model));
+  const cables = scene.cables.map((_, k) => (several ? own : parse(cableColour(k))));
   return {
     backbone: () => (several ? own : [0.35, 0.38, 0.42]),
     disk: () => (several ? mix(own, DISK, 0.7) : DISK),
     cable: (k) => (solved.cables[k]?.slack ? mix(cables[k]!, GREY, 0.75) : cables[k]!),
   };
-}
-
-/** The colour that a model has wherever it is shown. */
-export function modelColour(scene: Scene, model: string): string {
-  return paletteColour(Math.max(scene.models.findIndex((choice) => choice.name === model), 0));
 }
 
 function onBackbone(
@@ -78,8 +73,8 @@ function onBackbone(
   return { paints: values.map(paint), legend: { title, unit, least: least * factor, most: most * factor, unknown: false } };
 }
 
-function modelLegend(scene: Scene, all: readonly Solved[]): Legend {
-  return { keys: all.map(({ model }) => ({ colour: modelColour(scene, model), label: model })) };
+function modelLegend(all: readonly Solved[]): Legend {
+  return { keys: all.map(({ model }) => ({ colour: modelColour(model), label: model })) };
 }
 
 function contactLegend(scene: Scene): Legend {

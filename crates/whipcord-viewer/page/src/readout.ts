@@ -1,6 +1,6 @@
 // The panel with the numbers of each answer.
 
-import { paletteColour } from "./colours";
+import { cableColour } from "./colours";
 import { element } from "./dom";
 import { spans, strainsOf } from "./geometry";
 import { keys, swatch } from "./legend";
@@ -110,7 +110,7 @@ function charts(scene: Scene, all: readonly Solved[], colourOf: (model: string) 
   if (first) {
     const lines = scene.cables.map((cable, k): Line => ({
       label: cable.name,
-      colour: paletteColour(k),
+      colour: cableColour(k),
       points: spans(scene, first, k).map(([station, tension]) => [at[station]!, tension]),
     }));
     const figure = chart(all.length > 1 ? `Tension by ${first.model}` : "Tension", "N", lines, length);

@@ -247,8 +247,8 @@ test("a variant of a model is chosen", async ({ page, viewer }) => {
   await expect(page.locator('.answer[data-model="four-bar-strain-energy"]')).toHaveAttribute("data-status", "solved");
 });
 
-/** How many points of the view have the colour of the second cable, #d55e00, in light or shade: six times as much red light as green. */
-async function vermillion(page: Page): Promise<number> {
+/** How many points of the view have the colour of the second cable, #8e5bd0, in light or shade: six times as much blue light as green, and red between them. */
+async function violet(page: Page): Promise<number> {
   return page.locator("#canvas").evaluate((view) => {
     const canvas = view as HTMLCanvasElement;
     const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d")!;
@@ -257,7 +257,7 @@ async function vermillion(page: Page): Promise<number> {
     const light = (k: number): number => (data[k]! / 255) ** 2.2;
     let count = 0;
     for (let k = 0; k < data.length; k += 4) {
-      if (light(k) > 0.1 && light(k + 1) < 0.25 * light(k) && light(k + 2) < 0.1 * light(k)) count++;
+      if (light(k + 2) > 0.1 && light(k + 1) < 0.35 * light(k + 2) && light(k) > 0.2 * light(k + 2)) count++;
     }
     return count;
   });
@@ -265,7 +265,7 @@ async function vermillion(page: Page): Promise<number> {
 
 test("colours stand for what they say", async ({ page, viewer }) => {
   void viewer;
-  await expect.poll(() => vermillion(page)).toBeGreaterThan(20);
+  await expect.poll(() => violet(page)).toBeGreaterThan(20);
   for (const [colouring, legend] of [["tension", "tension in N"], ["curvature", "curvature in 1/m"], ["strain", "stretch in %"]] as const) {
     await page.getByLabel("Colour by").selectOption(colouring);
     await expect(page.locator("#legend")).toContainText(legend);
