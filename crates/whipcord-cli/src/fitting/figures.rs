@@ -181,10 +181,12 @@ pub fn figures(fit: &Fit) -> Result<Vec<Figure>, PlotError> {
 fn signs(points: impl Iterator<Item = ([f64; 2], bool)>) -> Vec<Layer> {
     let (outliers, others): (Vec<_>, Vec<_>) = points.partition(|(_, outlier)| *outlier);
     let places = |of: Vec<([f64; 2], bool)>| of.into_iter().map(|(at, _)| at).collect();
-    let mut layers = vec![Layer::Markers(places(others))];
+    // The legend shows the sign of the layer that is drawn last.
+    let mut layers = Vec::new();
     if !outliers.is_empty() {
         layers.push(Layer::Rings(places(outliers)));
     }
+    layers.push(Layer::Markers(places(others)));
     layers
 }
 
