@@ -95,6 +95,9 @@ fn the_report_needs_no_other_file_and_no_network() {
     }
     assert!(!rest.contains("http://") && !rest.contains("https://"));
     assert_eq!(html.matches("<svg").count(), 3);
+    let place = |words: &str| html.find(words).unwrap();
+    assert!(place("Which model for what") < place("<h2>Answers"));
+    assert!(html.contains("RMS<small>mm</small>") && html.contains("tip x<small>mm</small>"));
     for words in ["not public", "Mahapatra", "from hole to hole", "10.07 s", "prefers-color-scheme"]
     {
         assert!(html.contains(words), "the report does not say {words}");

@@ -53,7 +53,9 @@ fn a_fit_is_printed_written_and_reported() {
     settings(Some(&out)).bind(|| insta::assert_snapshot!("two_cases", text));
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(report.contains("<svg") && !report.contains("NaN"));
-    for name in ["estimates.csv", "residuals.csv", "distances.png", "coordinates.svg"] {
+    assert!(report.contains("Measured and fitted") && report.contains("The fitted robot of two"));
+    let written = ["estimates.csv", "residuals.csv", "distances.png", "coordinates.svg"];
+    for name in written.into_iter().chain(["fitted-a.svg", "fitted-two.png"]) {
         assert!(out.join(name).is_file(), "{name}");
     }
     // The fitted files keep their text but for what was fitted, find their measurements, and solve.

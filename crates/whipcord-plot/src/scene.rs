@@ -300,7 +300,7 @@ fn draw_sides(svg: &mut Svg, piece: &Piece, colour: Colour, view: &Projection) {
     let sections = || piece.frames.iter().zip(&piece.profiles);
     if piece.end {
         // Base and tip are closed; what faces away disappears under the sides.
-        for (frame, profile) in [sections().next(), sections().last()].into_iter().flatten() {
+        for (frame, profile) in [sections().next(), sections().next_back()].into_iter().flatten() {
             let face = sides.map(|(_, a, _)| corner(frame, profile, a));
             svg.polygon(&face, Some(Fill::new(colour)), None);
         }
