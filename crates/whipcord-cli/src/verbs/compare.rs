@@ -111,7 +111,8 @@ fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, F
     not_ended()?;
     let folder = Folder::create(&args.out)?;
     let (accuracy, text) = accuracy(args, &folder, &results, style)?;
-    let body = format!("<h1>Models on trial</h1>\n{accuracy}{}", crate::html::footer());
+    let verdict = trial::report::verdict(&results);
+    let body = format!("<h1>Models on trial</h1>\n{verdict}{accuracy}{}", crate::html::footer());
     folder.write("report.html", &page("Whipcord: models on trial", &body))?;
     finish(args, &results, Vec::new(), text, &folder)
 }
