@@ -3,7 +3,7 @@
 One robot file, every model of the robot:
 
 >>> import whipcord
->>> case = whipcord.load("examples/table1/case-3.toml")
+>>> case = whipcord.load(whipcord.examples.path("table1/case-3.toml"))
 >>> solution = case.solve()
 >>> solution.position.shape
 (10, 3)
@@ -14,7 +14,7 @@ frame of the base has z along the backbone's tangent there; quaternions are (w, 
 
 from typing import TYPE_CHECKING
 
-from . import errors, models
+from . import errors, examples, models
 from ._core import VERSION as __version__
 from .batch import Batch, Gradients
 from .benchmarking import Benchmark, Finding, Row, Standing, benchmark, suite
@@ -124,6 +124,7 @@ __all__ = [
     "benchmark",
     "compare",
     "errors",
+    "examples",
     "fit",
     "load",
     "measure",

@@ -10,6 +10,7 @@ use whipcord_io::{CsvTable, NonFinite, write_atomically};
 use whipcord_plot::{PlotError, png};
 
 use crate::failure::Failure;
+use crate::inputs::STANDARD_INPUT;
 
 /// Takes a path, in any encoding, whose name ends in one of these.
 pub fn path_ending_in(
@@ -133,7 +134,11 @@ pub fn keep<'a>(out: &Path, read: impl IntoIterator<Item = &'a Path>) -> Result<
 /// it and the others get a number that makes it the name of no other file. Names that differ in
 /// capitals alone are the same, as they are to some file systems.
 pub fn unique_names<'a>(files: impl Iterator<Item = &'a Path>) -> Vec<String> {
-    let stem = |file: &Path| file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = |file: &Path| match file == Path::new(STANDARD_INPUT) {
+        // Some systems do not allow angle brackets in file names.
+        true => "stdin".to_owned(),
+        false => file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+    };
     let stems: Vec<String> = files.map(stem).collect();
     let mut taken: HashSet<String> = stems.iter().map(|stem| stem.to_lowercase()).collect();
     let mut kept = HashSet::new();

@@ -1,11 +1,12 @@
 //! Robot files, and folders of them.
 
 use std::collections::BTreeSet;
+use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use clap::Args;
-use whipcord_io::{CaseFile, FileError, load_with, render};
+use whipcord_io::{CaseFile, FileError, load_stream, load_with, render};
 
 use crate::failure::Failure;
 use crate::style::Style;
@@ -20,13 +21,44 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Reads a robot file with these keys.
+    /// Reads a robot file, or standard input for `-`, with these keys.
     ///
     /// # Errors
     /// What is wrong with the file or with a key.
     pub fn load(&self, path: &Path) -> Result<CaseFile, FileError> {
-        load_with(path, &self.set)
+        if !is_standard_input(path) {
+            return load_with(path, &self.set);
+        }
+        let stdin = io::stdin();
+        if stdin.is_terminal() {
+            // A closed standard error is no reason not to read.
+            let _ = writeln!(
+                io::stderr(),
+                "reading a robot file from the terminal; {END_OF_INPUT} ends it"
+            );
+        }
+        load_stream(stdin.lock(), STANDARD_INPUT, &self.set)
     }
+}
+
+/// Name of standard input in messages.
+pub const STANDARD_INPUT: &str = "<stdin>";
+/// The keys that end the input of a terminal.
+pub const END_OF_INPUT: &str = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
+
+fn is_standard_input(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Checks that standard input is given at most once.
+///
+/// # Errors
+/// [`Failure::Input`] where it is.
+pub fn check_standard_input(paths: &[PathBuf]) -> Result<(), Failure> {
+    if paths.iter().filter(|path| is_standard_input(path)).count() < 2 {
+        return Ok(());
+    }
+    Err(Failure::Input("error: standard input (-) can be read only once: give - once".to_owned()))
 }
 
 /// The cases of several files and folders.
@@ -45,6 +77,7 @@ impl Inputs {
     /// # Errors
     /// What is wrong with each file that cannot be used; or that there is nothing to solve.
     pub fn read(paths: &[PathBuf], settings: &Settings) -> Result<Self, Failure> {
+        check_standard_input(paths)?;
         let mut inputs = Self::default();
         let mut messages = Vec::new();
         for path in paths {
@@ -107,7 +140,7 @@ pub fn message(error: &FileError) -> String {
 /// # Errors
 /// [`Failure::Input`] when the folder cannot be read.
 pub fn robot_files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    if path.is_dir() {
+    if path.is_dir() && !is_standard_input(path) {
         toml_files(path).map_err(|error| Failure::path("read", path, &error))
     } else {
         Ok(vec![path.to_owned()])

@@ -7,6 +7,7 @@ mod benchmark;
 mod chosen;
 mod comparison;
 mod deadline;
+pub mod examples;
 mod failure;
 mod files;
 pub mod fitting;
@@ -24,6 +25,7 @@ mod style;
 mod suite;
 mod superposition;
 mod table;
+mod template;
 mod timing;
 mod tips;
 mod touches;
@@ -43,7 +45,8 @@ use crate::deadline::{Deadline, Limit};
 use crate::failure::Failure;
 use crate::style::Style;
 use crate::verbs::{
-    bench, camera, check, compare, fit, measure, overlay, schema, solve, stiffness, view,
+    bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure, new,
+    overlay, schema, solve, stiffness, view,
 };
 
 /// Mechanics of cable-driven continuum robots with any cable routing
@@ -71,6 +74,10 @@ enum Verb {
     Check(check::CheckArgs),
     View(view::ViewArgs),
     Schema(schema::SchemaArgs),
+    New(new::NewArgs),
+    Examples(examples_verb::ExamplesArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 /// What a verb may take whose answer somebody waits for.
@@ -91,6 +98,10 @@ impl Verb {
             Self::Bench(_) => ("bench", Limit::None),
             Self::View(_) => ("view", Limit::None),
             Self::Schema(_) => ("schema", Limit::None),
+            Self::New(_) => ("new", Limit::None),
+            Self::Examples(_) => ("examples", Limit::None),
+            Self::Completions(_) => ("completions", Limit::None),
+            Self::Man(_) => ("man", Limit::None),
         }
     }
 }
@@ -139,6 +150,10 @@ where
         Verb::Check(args) => check::run(&args, style),
         Verb::View(args) => view::run(&args),
         Verb::Schema(args) => schema::run(&args),
+        Verb::New(args) => new::run(&args),
+        Verb::Examples(args) => examples_verb::run(&args, style),
+        Verb::Completions(args) => completions::run(&args),
+        Verb::Man(args) => man::run(&args),
     };
     match deadline.end(outcome) {
         Ok(text) => print(&text),

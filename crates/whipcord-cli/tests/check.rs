@@ -148,6 +148,10 @@ fn help_is_plain() {
         vec!["check"],
         vec!["view"],
         vec!["schema"],
+        vec!["new"],
+        vec!["examples"],
+        vec!["completions"],
+        vec!["man"],
     ];
     for mut args in verbs {
         args.push("--help");

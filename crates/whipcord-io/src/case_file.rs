@@ -1,5 +1,6 @@
 //! A robot file, read.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use whipcord::robot::limits;
@@ -98,6 +99,30 @@ pub fn load_with(path: impl AsRef<Path>, settings: &[String]) -> Result<CaseFile
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
     match files::read_first(path, &mut sources, &mut problems) {
         Some(text) => parse_with(&text, path, settings),
+        None => Err(problems.into_error(sources)),
+    }
+}
+
+/// Reads a robot file from a stream, such as standard input, with the same limit of size as a file. Messages show `name`, and
+/// relative paths are relative to the folder of `name`.
+///
+/// ```
+/// let text = "extends = 'nothing.toml'";
+/// let error = whipcord_io::load_stream(text.as_bytes(), "<stdin>", &[]).unwrap_err();
+/// assert!(error.to_string().contains("<stdin>:1:11: error: cannot read `nothing.toml`"));
+/// ```
+///
+/// # Errors
+/// [`FileError`] with all that is wrong, where, and what to do about it.
+pub fn load_stream(
+    stream: impl Read,
+    name: impl AsRef<Path>,
+    settings: &[String],
+) -> Result<CaseFile, FileError> {
+    let name = name.as_ref();
+    let (mut sources, mut problems) = (Sources::default(), Problems::default());
+    match files::read_stream(stream, name, &mut sources, &mut problems) {
+        Some(text) => parse_with(&text, name, settings),
         None => Err(problems.into_error(sources)),
     }
 }

@@ -1,5 +1,6 @@
 //! Reads files, and the files they extend.
 
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -17,6 +18,8 @@ pub(crate) const LARGEST: usize = 1 << 20;
 pub(crate) const LARGEST_TABLE: usize = 1 << 26;
 /// A mesh: two million triangles in binary STL.
 pub(crate) const LARGEST_MESH: usize = 1 << 27;
+/// The name of standard input on the command line.
+const STANDARD_INPUT: &str = "-";
 /// Files that may extend one another.
 const LONGEST_CHAIN: usize = 16;
 
@@ -46,26 +49,34 @@ fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
     text_of(read_bytes(path, limit)?)
 }
 
-fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Refusal> {
-    let unreadable = |error: &io::Error| Refusal {
-        problem: FileProblem::Unreadable {
-            reason: reason(error),
-            missing: error.kind() == io::ErrorKind::NotFound,
-        },
-        text: None,
-        at: 0,
+fn unreadable(path: &Path, error: &io::Error) -> Refusal {
+    let missing = error.kind() == io::ErrorKind::NotFound;
+    let reason = if missing && path.file_name() == Some(OsStr::new(STANDARD_INPUT)) {
+        "there is no file of this name, and standard input is not read here".to_owned()
+    } else {
+        reason(error)
     };
+    Refusal { problem: FileProblem::Unreadable { reason, missing }, text: None, at: 0 }
+}
+
+fn read_bytes(path: &Path, limit: usize) -> Result<Vec<u8>, Refusal> {
     // A pipe without a writer would be waited for, and a device may have no end.
-    let kind = fs::metadata(path).map_err(|error| unreadable(&error))?.file_type();
+    let kind = fs::metadata(path).map_err(|error| unreadable(path, &error))?.file_type();
     if !kind.is_file() && !kind.is_dir() {
         let reason = "it is not a file with content of its own, but a pipe or a device".to_owned();
         let problem = FileProblem::Unreadable { reason, missing: false };
         return Err(Refusal { problem, text: None, at: 0 });
     }
+    let file = File::open(path).map_err(|error| unreadable(path, &error))?;
+    read_limited(file, path, limit)
+}
+
+fn read_limited(reader: impl Read, path: &Path, limit: usize) -> Result<Vec<u8>, Refusal> {
     let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes))
-        .map_err(|error| unreadable(&error))?;
+    reader
+        .take(limit as u64 + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| unreadable(path, &error))?;
     if bytes.len() > limit {
         return Err(Refusal { problem: FileProblem::TooLarge { limit }, text: None, at: 0 });
     }
@@ -156,7 +167,26 @@ pub(crate) fn read_first(
     sources: &mut Sources,
     problems: &mut Problems,
 ) -> Option<String> {
-    match read(path, LARGEST) {
+    first(read(path, LARGEST), path, sources, problems)
+}
+
+/// Reads a stream instead of a file; messages show this name.
+pub(crate) fn read_stream(
+    stream: impl Read,
+    name: &Path,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<String> {
+    first(read_limited(stream, name, LARGEST).and_then(text_of), name, sources, problems)
+}
+
+fn first(
+    read: Result<String, Refusal>,
+    path: &Path,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<String> {
+    match read {
         Ok(text) => Some(text),
         Err(refusal) => {
             refuse(path, refusal, None, sources, problems);

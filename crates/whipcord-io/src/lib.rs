@@ -26,7 +26,7 @@ mod validate;
 mod warnings;
 
 pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
-pub use case_file::{CaseFile, load, load_with, parse};
+pub use case_file::{CaseFile, load, load_stream, load_with, parse};
 pub use document::{
     FittedFile, Inexpressible, Item, Table, describe, describe_fit, table_in_si, toml,
 };

@@ -26,11 +26,18 @@ mod wait;
 use std::ffi::OsString;
 
 use pyo3::prelude::*;
+use whipcord_cli::examples::EXAMPLES;
 
 /// Runs the command line with these arguments, the first being its own name; returns its exit status.
 #[pyfunction]
 fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| whipcord_cli::run(arguments))
+}
+
+/// The example files: relative path and content of each.
+#[pyfunction]
+fn examples() -> Vec<(&'static str, &'static [u8])> {
+    EXAMPLES.iter().map(|example| (example.name, example.content)).collect()
 }
 
 #[pymodule]
@@ -47,6 +54,8 @@ mod _core {
     use super::convert::{parse_quantity, table_in_si, toml, write_file};
     #[pymodule_export]
     use super::derivatives::{Derivatives, derivatives};
+    #[pymodule_export]
+    use super::examples;
     #[pymodule_export]
     use super::figure::svg;
     #[pymodule_export]

@@ -21,7 +21,7 @@ use crate::words::{describe, driven_by, instability, markers};
 /// them has an error; valid files are still described, and the exit status is then 2.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Robot files, or folders of them
+    /// Robot files, or folders of them, or - for standard input
     #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -45,6 +45,7 @@ type Answers = Vec<(ModelKind, Result<Solution, SolveError>)>;
 
 /// Checks the files and returns what standard output shows.
 pub fn run(args: &CheckArgs, style: Style) -> Result<String, Failure> {
+    inputs::check_standard_input(&args.files)?;
     let mut checked = Vec::new();
     let mut messages = Vec::new();
     let mut objects = Vec::new();

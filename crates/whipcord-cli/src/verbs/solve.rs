@@ -31,7 +31,7 @@ use crate::words::{compromise, driven_by, instability};
 /// solution is found, standard error gives the reason and standard output stays empty.
 #[derive(Debug, Args)]
 pub struct SolveArgs {
-    /// Robot file
+    /// Robot file, or - for standard input
     file: PathBuf,
     #[command(flatten)]
     settings: Settings,

@@ -32,7 +32,7 @@ use crate::words::{driven_by, instability};
 /// units.
 #[derive(Debug, Args)]
 pub struct StiffnessArgs {
-    /// Robot file
+    /// Robot file, or - for standard input
     file: PathBuf,
     #[command(flatten)]
     settings: Settings,
