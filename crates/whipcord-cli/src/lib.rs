@@ -51,7 +51,7 @@ use crate::verbs::{
 
 /// Mechanics of cable-driven continuum robots with any cable routing
 #[derive(Debug, Parser)]
-#[command(name = "whipcord", version, propagate_version = true)]
+#[command(name = "whipcord", version, propagate_version = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,

@@ -124,8 +124,8 @@ fn holes(plan: &Plan) -> usize {
 
 pub fn cables(plan: &Plan) -> String {
     let mut text = String::from(
-        "# One [[cables]] table for each cable. The tension drives the models with forces, the shortening (of the cable's part inside
-# the robot) those without; a negative shortening pays cable out.\n",
+        "# One [[cables]] table for each cable. The models with forces use the tension, the geometric models the shortening of the
+# part of the cable inside the robot. A negative shortening releases cable.\n",
     );
     text += match plan.kind {
         Kind::Arm => {
