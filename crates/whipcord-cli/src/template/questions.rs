@@ -40,14 +40,15 @@ pub fn ask(input: &mut impl BufRead, output: &mut impl Write) -> Result<Plan, Un
     })?;
     let default = kind.plan();
     let length = one(input, output, "Length of the backbone", &default.length.text, |text| {
-        quantity(text, Dimension::Length, LENGTH, "180 mm")
+        quantity(text, Dimension::Length, LENGTH, "a length with a unit, such as 180 mm")
     })?;
     let (thickest, name) = match kind {
         Kind::Gripper => (THICKEST_STRIP * length.value, "strip"),
         _ => (THICKEST * length.value, "backbone"),
     };
     let diameter = one(input, output, kind.diameter_name(), &default.diameter.text, |text| {
-        let diameter = quantity(text, Dimension::Length, LENGTH, "1.5 mm")?;
+        let diameter =
+            quantity(text, Dimension::Length, LENGTH, "a length with a unit, such as 1.5 mm")?;
         if diameter.value <= thickest {
             return Ok(diameter);
         }
@@ -63,7 +64,13 @@ pub fn ask(input: &mut impl BufRead, output: &mut impl Write) -> Result<Plan, Un
         None if !text.starts_with(|c: char| c.is_ascii_digit()) => Err(format!(
             "`{text}` is not one of {names}: give one of them, or Young's modulus such as 60 GPa"
         )),
-        None => quantity(text, Dimension::Pressure, MODULUS, "60 GPa").map(Material::of_modulus),
+        None => quantity(
+            text,
+            Dimension::Pressure,
+            MODULUS,
+            "Young's modulus with a unit, such as 60 GPa",
+        )
+        .map(Material::of_modulus),
     })?;
     let disks = one(input, output, "Number of disks", &default.disks.to_string(), |text| {
         count(text, kind.least_disks(), MOST_DISKS)
@@ -101,9 +108,9 @@ fn one<T>(
     }
 }
 
-fn quantity(text: &str, of: Dimension, range: Range, example: &str) -> Result<Given, String> {
-    let (value, _) = parse_quantity(text, &[of])
-        .map_err(|error| format!("{error}: write {of} with a unit, such as {example}"))?;
+fn quantity(text: &str, of: Dimension, range: Range, expected: &str) -> Result<Given, String> {
+    let (value, _) =
+        parse_quantity(text, &[of]).map_err(|error| format!("{error}: give {expected}"))?;
     match range.problem(value) {
         None => Ok(Given { text: text.to_owned(), value }),
         Some(problem) => Err(format!("`{text}` {problem}")),
@@ -151,7 +158,7 @@ mod tests {
         assert_eq!(plan, Some(expected), "{asked}");
         for reason in [
             "`leg` is not one of arm, helical, tapered, gripper",
-            "`180` has no unit: write a length with a unit, such as 180 mm",
+            "`180` has no unit: give a length with a unit, such as 180 mm",
             "`N` is a unit of force",
             "`-18 cm` must be positive",
             "a backbone of this length is at most 18 mm thick",
