@@ -160,7 +160,7 @@ mod tests {
             "`leg` is not one of arm, helical, tapered, gripper",
             "`180` has no unit: give a length with a unit, such as 180 mm",
             "`N` is a unit of force",
-            "`-18 cm` must be positive",
+            "`-18 cm` must be greater than zero",
             "a backbone of this length is at most 18 mm thick",
             "`rubber` is not one of nitinol",
             "give a whole number from 3 to 100",
