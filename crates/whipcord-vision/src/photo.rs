@@ -60,7 +60,8 @@ pub enum PhotoError {
 impl Photo {
     /// Greatest number of columns and of rows.
     pub const LARGEST_SIDE: u32 = 12_000;
-    /// Greatest number of pixels: those of the largest full-frame cameras. Decoding takes at most 20 bytes for each.
+    /// Greatest number of pixels: those of the largest full-frame cameras. For each, decoding takes at most 20 bytes of
+    /// memory, and finding something, the photograph itself included, at most 36.
     pub const MOST_PIXELS: u64 = 64_000_000;
 
     /// A photograph of one colour.

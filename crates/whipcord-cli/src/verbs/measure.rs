@@ -125,8 +125,9 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
     }
     let photograph = Photograph::read(&args.photo)?;
     let photo = &photograph.photo;
-    let mask = args.mask.as_deref().map(Photograph::read).transpose()?;
-    let mask = mask.as_ref().map(|mask| Mask::light_of(&mask.photo));
+    // The mask's own photograph takes as much memory as the other, and is not kept.
+    let mask_of = |path: &PathBuf| Photograph::read(path).map(|mask| Mask::light_of(&mask.photo));
+    let mask = args.mask.as_ref().map(mask_of).transpose()?;
     let camera = match &args.camera {
         None => None,
         Some(path) => {

@@ -6,7 +6,7 @@
 
 use whipcord_numerics::DenseLu;
 
-use super::{DetectError, Mask};
+use super::{DetectError, Mask, median, median_of, quantile_of};
 use crate::photo::Photo;
 use crate::plane::Plane;
 
@@ -58,8 +58,8 @@ impl Background {
                 }
                 if !values[0].is_empty() {
                     places.push([0.5 * (left + right) as f64, 0.5 * (top + bottom) as f64]);
-                    for (median, values) in medians.iter_mut().zip(&mut values) {
-                        median.push(f64::from(super::median(values)));
+                    for (all, values) in medians.iter_mut().zip(&mut values) {
+                        all.push(f64::from(median(values)));
                     }
                 }
             }
@@ -70,14 +70,35 @@ impl Background {
     }
 
     pub fn at(&self, column: usize, row: usize) -> [f64; 3] {
-        let terms = terms([column as f64, row as f64], self.width, self.height);
-        self.channels.map(|c| c.iter().zip(terms).map(|(c, t)| c * t).sum::<f64>().max(DARKEST))
+        self.along(row)(column)
+    }
+
+    /// The same at each column of a row, where it is a cubic in one variable.
+    pub fn along(&self, row: usize) -> impl Fn(usize) -> [f64; 3] + use<> {
+        let y = scaled(row as f64, self.height);
+        let width = self.width;
+        let cubics = self.channels.map(|c| {
+            [
+                ((c[9] * y + c[5]) * y + c[2]) * y + c[0],
+                (c[8] * y + c[4]) * y + c[1],
+                c[7] * y + c[3],
+                c[6],
+            ]
+        });
+        move |column| {
+            let x = scaled(column as f64, width);
+            cubics.map(|c| (((c[3] * x + c[2]) * x + c[1]) * x + c[0]).max(DARKEST))
+        }
     }
 }
 
+/// From −1 at one end of the picture to 1 at the other.
+fn scaled(at: f64, length: usize) -> f64 {
+    2.0 * at / length as f64 - 1.0
+}
+
 fn terms([u, v]: [f64; 2], width: usize, height: usize) -> [f64; TERMS] {
-    let x = 2.0 * u / width as f64 - 1.0;
-    let y = 2.0 * v / height as f64 - 1.0;
+    let (x, y) = (scaled(u, width), scaled(v, height));
     [1.0, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y]
 }
 
@@ -85,7 +106,7 @@ fn terms([u, v]: [f64; 2], width: usize, height: usize) -> [f64; TERMS] {
 /// residual (Geman and McClure's), from a scale that shrinks to that of the middle of the residuals.
 fn fit(terms: &[[f64; TERMS]], values: &[f64]) -> [f64; TERMS] {
     let mut coefficients = [0.0; TERMS];
-    coefficients[0] = super::median(&mut values.to_vec());
+    coefficients[0] = median(&mut values.to_vec());
     let residual = |c: &[f64; TERMS], i: usize| {
         values[i] - terms[i].iter().zip(c).map(|(t, c)| t * c).sum::<f64>()
     };
@@ -94,7 +115,7 @@ fn fit(terms: &[[f64; TERMS]], values: &[f64]) -> [f64; TERMS] {
         let mut sizes: Vec<f64> =
             (0..values.len()).map(|i| residual(&coefficients, i).abs()).collect();
         let slack = [8.0, 4.0, 2.5][round.min(2)];
-        let scale = slack * super::median(&mut sizes).max(1e-4);
+        let scale = slack * median(&mut sizes).max(1e-4);
         let mut matrix = [0.0; TERMS * TERMS];
         let mut right = [0.0; TERMS];
         for (i, t) in terms.iter().enumerate() {
@@ -137,15 +158,64 @@ pub(super) fn standing(
 
 /// Deviation of what varies between places this many pixels apart: on the background that is noise.
 pub(super) fn noise(plane: &Plane, apart: usize) -> f64 {
-    let mut differences: Vec<f32> = (0..plane.values.len().saturating_sub(apart))
-        .step_by(7)
-        .map(|i| [plane.values[i], plane.values[i + apart]])
-        // Zeros are outside the mask.
-        .filter(|pair| !pair.contains(&0.0))
-        .map(|[a, b]| (b - a).abs())
-        .collect();
+    let differences = || {
+        (0..plane.values.len().saturating_sub(apart))
+            .step_by(7)
+            .map(|i| [plane.values[i], plane.values[i + apart]])
+            // Zeros are outside the mask.
+            .filter(|pair| !pair.contains(&0.0))
+            .map(|[a, b]| (b - a).abs())
+    };
     // The median of |a − b| is 0.954 deviations of either.
-    f64::from(super::median(&mut differences)) / 0.954
+    f64::from(median_of(differences)) / 0.954
+}
+
+/// Relative differences to the background, in each channel. They are computed where they are needed, each time anew: all
+/// of them take as much memory as the photograph.
+struct Ratios<'a> {
+    photo: &'a Photo,
+    mask: Option<&'a Mask>,
+    background: &'a Background,
+}
+
+impl Ratios<'_> {
+    fn is_seen(&self, column: usize, row: usize) -> bool {
+        self.mask.is_none_or(|mask| mask.contains(column, row))
+    }
+
+    /// Those in a row.
+    fn along(&self, row: usize) -> impl Fn(usize) -> [f32; 3] {
+        let behind = self.background.along(row);
+        let pixels = &self.photo.pixels()[row * self.photo.width()..][..self.photo.width()];
+        move |column| {
+            let (pixel, behind) = (pixels[column], behind(column));
+            core::array::from_fn(|c| pixel[c] / behind[c] as f32 - 1.0)
+        }
+    }
+
+    /// Writes what comes of them to a plane; 0 outside the mask.
+    fn write(&self, plane: &mut Plane, of: impl Fn([f32; 3]) -> f32) {
+        for (row, values) in plane.values.chunks_exact_mut(plane.width).enumerate() {
+            let ratio = self.along(row);
+            for (column, value) in values.iter_mut().enumerate() {
+                *value = if self.is_seen(column, row) { of(ratio(column)) } else { 0.0 };
+            }
+        }
+    }
+
+    /// Their median in each channel where the plane's values are chosen.
+    fn medians(&self, plane: &Plane, is_chosen: impl Fn(f32) -> bool + Copy) -> [f32; 3] {
+        core::array::from_fn(|c| {
+            median_of(|| {
+                plane.values.chunks_exact(plane.width).enumerate().flat_map(move |(row, values)| {
+                    let ratio = self.along(row);
+                    let chosen =
+                        values.iter().enumerate().filter(move |(_, value)| is_chosen(**value));
+                    chosen.map(move |(column, _)| ratio(column)[c])
+                })
+            })
+        })
+    }
 }
 
 /// Relative differences to the background along the one that most of what stands out has.
@@ -155,54 +225,50 @@ fn of_any(
     background: &Background,
 ) -> Result<Plane, DetectError> {
     let (width, height) = (photo.width(), photo.height());
-    let ratios: Vec<[f32; 3]> = (0..width * height)
-        .map(|i| {
-            let behind = background.at(i % width, i / width);
-            let pixel = photo.pixels()[i];
-            core::array::from_fn(|c| pixel[c] / behind[c] as f32 - 1.0)
-        })
-        .collect();
-    let seen = |i: usize| mask.is_none_or(|mask| mask.contains(i % width, i / width));
-    let visible = (0..ratios.len()).filter(|&i| seen(i)).count();
-    let mean = |ratio: &[f32; 3]| f64::from(ratio.iter().sum::<f32>()) / 3.0;
-    let mut sample: Vec<f64> = (0..ratios.len())
-        .filter(|&i| seen(i))
-        .step_by(11)
-        .map(|i| mean(&ratios[i]).abs())
-        .collect();
-    if sample.is_empty() {
+    let ratios = Ratios { photo, mask, background };
+    let mut share = Plane::new(width, height);
+    // First of all three times the means over the channels.
+    ratios.write(&mut share, |ratio| ratio.iter().sum());
+    let mean = |sum: f32| f64::from(sum) / 3.0;
+    let seen = || {
+        let is_seen = |&(i, _): &(usize, &f32)| ratios.is_seen(i % width, i / width);
+        share.values.iter().enumerate().filter(is_seen).map(|(_, &sum)| sum)
+    };
+    let visible = seen().count();
+    if visible == 0 {
         return Err(DetectError::NothingStandsOut);
     }
     // Six deviations of the background's noise, of which the median of the magnitude is 0.67.
-    let least = (6.0 / 0.67 * super::median(&mut sample)).clamp(LEAST_CONTRAST, 0.6);
-    let beyond = |sign: f64| -> Vec<usize> {
-        (0..ratios.len()).filter(|&i| seen(i) && sign * mean(&ratios[i]) > least).collect()
-    };
+    let middle = mean(median_of(|| seen().step_by(11).map(f32::abs)));
+    let least = (6.0 / 0.67 * middle).clamp(LEAST_CONTRAST, 0.6);
     // Dark before light or light before dark: what is more.
+    let beyond = |sign: f64| share.values.iter().filter(|&&sum| sign * mean(sum) > least).count();
     let (darker, lighter) = (beyond(-1.0), beyond(1.0));
-    let mut members = if darker.len() >= lighter.len() { darker } else { lighter };
-    let mut typical = [0.0_f32; 3];
-    let mut share = Plane::new(width, height);
-    for _ in 0..3 {
-        if members.len() < 20 {
+    let (sign, mut members) = if darker >= lighter { (-1.0, darker) } else { (1.0, lighter) };
+    for round in 0..3 {
+        if members < 20 {
             return Err(DetectError::NothingStandsOut);
         }
-        for (c, value) in typical.iter_mut().enumerate() {
-            let mut values: Vec<f32> = members.iter().map(|&i| ratios[i][c]).collect();
-            *value = super::median(&mut values);
-        }
+        let typical = match round {
+            0 => ratios.medians(&share, |sum| sign * mean(sum) > least),
+            _ => ratios.medians(&share, stands_out),
+        };
         let square: f32 = typical.iter().map(|t| t * t).sum();
-        for (i, value) in share.values.iter_mut().enumerate() {
-            let along: f32 = ratios[i].iter().zip(typical).map(|(r, t)| r * t).sum();
-            *value = if seen(i) { (along / square).clamp(-1.0, 1.5) } else { 0.0 };
-        }
-        members = (0..ratios.len()).filter(|&i| share.values[i] > 0.5).collect();
+        ratios.write(&mut share, |ratio| {
+            let along: f32 = ratio.iter().zip(typical).map(|(r, t)| r * t).sum();
+            (along / square).clamp(-1.0, 1.5)
+        });
+        members = share.values.iter().filter(|&&value| stands_out(value)).count();
     }
-    let part = members.len() as f64 / visible as f64;
+    let part = members as f64 / visible as f64;
     if part > MOST_FOREGROUND {
         return Err(DetectError::NoEvenBackground { share: part });
     }
     Ok(share)
+}
+
+fn stands_out(share: f32) -> bool {
+    share > 0.5
 }
 
 /// How much of a colour is in each pixel, mixed with any amount of black and of the background.
@@ -223,31 +289,33 @@ fn of_colour(
         return Err(DetectError::ColourLikeBackground);
     }
     let mut plane = Plane::new(width, height);
-    for (i, value) in plane.values.iter_mut().enumerate() {
-        let (column, row) = (i % width, i / width);
-        if mask.is_some_and(|mask| !mask.contains(column, row)) {
-            continue;
+    let pixels = photo.pixels().chunks_exact(width);
+    for (row, (values, pixels)) in plane.values.chunks_exact_mut(width).zip(pixels).enumerate() {
+        let behind = background.along(row);
+        for (column, (value, pixel)) in values.iter_mut().zip(pixels).enumerate() {
+            if mask.is_some_and(|mask| !mask.contains(column, row)) {
+                continue;
+            }
+            let (pixel, behind) = (pixel.map(f64::from), behind(column));
+            // Least squares for the two amounts.
+            let (cc, cb, bb) = (dot(wanted, wanted), dot(wanted, behind), dot(behind, behind));
+            let (pc, pb) = (dot(pixel, wanted), dot(pixel, behind));
+            let determinant = cc * bb - cb * cb;
+            let amount = (pc * bb - pb * cb) / determinant;
+            let rest = (cc * pb - cb * pc) / determinant;
+            let left = core::array::from_fn(|c| pixel[c] - amount * wanted[c] - rest * behind[c]);
+            // What neither explains is another colour.
+            *value = (amount - 1.5 * length(left) / length(wanted)).clamp(-1.0, 4.0) as f32;
         }
-        let behind = background.at(column, row);
-        let pixel = photo.pixels()[i].map(f64::from);
-        // Least squares for the two amounts.
-        let (cc, cb, bb) = (dot(wanted, wanted), dot(wanted, behind), dot(behind, behind));
-        let (pc, pb) = (dot(pixel, wanted), dot(pixel, behind));
-        let determinant = cc * bb - cb * cb;
-        let amount = (pc * bb - pb * cb) / determinant;
-        let rest = (cc * pb - cb * pc) / determinant;
-        let left = core::array::from_fn(|c| pixel[c] - amount * wanted[c] - rest * behind[c]);
-        // What neither explains is another colour.
-        *value = (amount - 1.5 * length(left) / length(wanted)).clamp(-1.0, 4.0) as f32;
     }
     // How brightly the colour is lit is not known: its typical amount counts as all of it.
-    let smooth = plane.blurred(1.0);
+    let smooth = plane.clone().blurred(1.0);
     let least = (5.0 * noise(&smooth, 9)).max(0.15) as f32;
-    let mut strong: Vec<f32> = smooth.values.into_iter().filter(|&a| a > least).collect();
-    if strong.len() < 12 {
+    let strong = || smooth.values.iter().copied().filter(|&amount| amount > least);
+    if strong().count() < 12 {
         return Err(DetectError::NothingStandsOut);
     }
-    let typical = super::quantile(&mut strong, 0.7);
+    let typical = quantile_of(strong, 0.7);
     plane.values.iter_mut().for_each(|value| *value = (*value / typical).clamp(-1.0, 1.5));
     Ok(plane)
 }

@@ -8,7 +8,10 @@ use std::borrow::Cow;
 
 use super::background::{Background, noise, standing};
 use super::bars::distance;
-use super::{DetectError, Mark, Mask, Search, luminance, usual_radius};
+use super::components::{Component, components};
+use super::{
+    DetectError, Mark, Mask, Search, luminance, median, median_of, quantile_of, usual_radius,
+};
 use crate::photo::{Photo, linear};
 use crate::plane::Plane;
 
@@ -30,13 +33,15 @@ const QUIET: f64 = 0.07;
 
 /// Dots of one colour.
 pub(super) fn dots(photo: &Photo, search: &Search<'_>) -> Result<Vec<Mark>, DetectError> {
-    let (photo, spread) = calmed(photo);
-    let photo = photo.as_ref();
-    let colour = match search.colour {
-        Some(colour) => colour,
-        None => vivid(photo, search.mask)?,
+    let (share, spread) = {
+        // The calm copy of the photograph takes as much memory as all that follows.
+        let (photo, spread) = calmed(photo);
+        let colour = match search.colour {
+            Some(colour) => colour,
+            None => vivid(&photo, search.mask)?,
+        };
+        (standing(&photo, search.mask, Some(colour))?.share, spread)
     };
-    let share = standing(photo, search.mask, Some(colour))?.share;
     // A blur of deviation σ leaves one independent value for each 4πσ² pixels.
     let noise = noise(&share, 5) * (2.0 * core::f64::consts::PI.sqrt() * spread).max(1.0);
     Ok(usual(spots(&share, noise, 0.3, search), search))
@@ -45,9 +50,11 @@ pub(super) fn dots(photo: &Photo, search: &Search<'_>) -> Result<Vec<Mark>, Dete
 /// The photograph, blurred so far that noise leaves colours what they are: under strong noise each pixel has another. With the
 /// deviation of that blur.
 fn calmed(photo: &Photo) -> (Cow<'_, Photo>, f64) {
-    let light = luminance(photo);
-    let middle = super::median(&mut light.values.clone());
-    let relative = noise(&light, 1) / f64::from(middle).max(1e-3);
+    let relative = {
+        let light = luminance(photo);
+        let middle = median_of(|| light.values.iter().copied());
+        noise(&light, 1) / f64::from(middle).max(1e-3)
+    };
     if relative < QUIET {
         return (Cow::Borrowed(photo), 0.0);
     }
@@ -65,22 +72,20 @@ pub(super) fn circles(photo: &Photo, search: &Search<'_>) -> Result<Vec<Mark>, D
     };
     if let Some(mask) = search.mask {
         // What is outside the mask is as what surrounds it: nothing begins at the mask's edge.
-        let mut inside: Vec<f32> = (0..light.values.len())
-            .filter(|i| mask.contains(i % light.width, i / light.width))
-            .map(|i| light.values[i])
-            .collect();
-        let middle = super::median(&mut inside);
-        for i in 0..light.values.len() {
-            if !mask.contains(i % light.width, i / light.width) {
-                light.values[i] = middle;
-            }
+        let is_inside = |i: usize| mask.contains(i % light.width, i / light.width);
+        let all = || light.values.iter().copied().enumerate();
+        let middle = median_of(|| all().filter(|&(i, _)| is_inside(i)).map(|(_, value)| value));
+        let (width, values) = (light.width, light.values.iter_mut().enumerate());
+        for (_, value) in values.filter(|(i, _)| !mask.contains(i % width, i / width)) {
+            *value = middle;
         }
     }
     let noise = noise(&light, 1);
-    let dark = Plane { values: light.values.iter().map(|v| 1.0 - v).collect(), ..light };
-    let light = Plane { values: dark.values.iter().map(|v| 1.0 - v).collect(), ..dark };
-    let found = [dark, light].map(|plane| usual(spots(&plane, noise, 0.08, search), search));
-    let [dark, light] = found;
+    // The dark ones as light ones of the negative, and then the others.
+    let [dark, light] = core::array::from_fn(|_| {
+        light.values.iter_mut().for_each(|value| *value = 1.0 - *value);
+        usual(spots(&light, noise, 0.08, search), search)
+    });
     let weight = |marks: &[Mark]| marks.iter().map(|mark| mark.confidence).sum::<f64>();
     Ok(if weight(&light) > weight(&dark) { light } else { dark })
 }
@@ -89,15 +94,17 @@ pub(super) fn circles(photo: &Photo, search: &Search<'_>) -> Result<Vec<Mark>, D
 fn vivid(photo: &Photo, mask: Option<&Mask>) -> Result<[f32; 3], DetectError> {
     const HUES: usize = 24;
     let background = Background::of(photo, mask);
-    let width = photo.width();
     let mut weights = [0.0; HUES];
     let mut sums = [[0.0; 3]; HUES];
-    for (i, pixel) in photo.pixels().iter().enumerate() {
-        let (column, row) = (i % width, i / width);
-        if mask.is_some_and(|mask| !mask.contains(column, row)) {
-            continue;
-        }
-        let behind = background.at(column, row);
+    let rows = photo.pixels().chunks_exact(photo.width()).enumerate();
+    let pixels = rows.flat_map(|(row, pixels)| {
+        let behind = background.along(row);
+        let seen =
+            move |&(column, _): &(usize, _)| mask.is_none_or(|mask| mask.contains(column, row));
+        let pixels = pixels.iter().enumerate().filter(seen);
+        pixels.map(move |(column, pixel)| (pixel, behind(column)))
+    });
+    for (pixel, behind) in pixels {
         let white = behind.iter().sum::<f64>() / 3.0;
         let balanced: [f64; 3] = core::array::from_fn(|c| f64::from(pixel[c]) * white / behind[c]);
         let most = balanced.iter().copied().fold(0.0, f64::max);
@@ -139,7 +146,7 @@ fn usual(mut marks: Vec<Mark>, search: &Search<'_>) -> Vec<Mark> {
     marks
 }
 
-/// A connected part above a level.
+/// A component above a level, as the ellipse that it fills.
 struct Spot {
     centre: [f64; 2],
     /// Half axes of the ellipse with its moments, the greater first.
@@ -155,14 +162,18 @@ fn spots(plane: &Plane, noise: f64, least: f64, search: &Search<'_>) -> Vec<Mark
         None => GREATEST * plane.width.max(plane.height) as f64,
     };
     let blur = if noise < 0.01 { 0.7 } else { 1.0 };
-    let smooth = plane.blurred(blur);
-    let mut values = smooth.values.clone();
-    let (low, high) = (super::quantile(&mut values, 0.001), super::quantile(&mut values, 0.9999));
+    let smooth = plane.clone().blurred(blur);
+    let [low, high] =
+        [0.001, 0.9999].map(|share| quantile_of(|| smooth.values.iter().copied(), share));
+    let most_area = (4.0 * greatest * greatest) as u64;
+    let is_candidate =
+        |part: &Component| !part.at_edge && (LEAST_AREA as u64..=most_area).contains(&part.area);
     let mut best: Vec<(Spot, f64, usize)> = Vec::new();
-    let mut seen = vec![usize::MAX; smooth.values.len()];
     for level in 0..LEVELS {
         let cut = low + (high - low) * (level as f32 + 0.5) / LEVELS as f32;
-        for spot in components(&smooth, cut, level, &mut seen, greatest) {
+        let spots =
+            components(&smooth, cut, is_candidate).into_iter().filter_map(|part| spot(&part));
+        for spot in spots.filter(|spot| spot.radii[0] <= greatest) {
             let clean = cleanness(&spot);
             let near = best
                 .iter_mut()
@@ -195,70 +206,11 @@ fn cleanness(spot: &Spot) -> f64 {
     full * (spot.radii[1] / spot.radii[0]).sqrt()
 }
 
-/// Round parts above the level. `seen` remembers at which level a pixel was last looked at.
-fn components(
-    plane: &Plane,
-    cut: f32,
-    level: usize,
-    seen: &mut [usize],
-    greatest: f64,
-) -> Vec<Spot> {
-    let (width, height) = (plane.width, plane.height);
-    let most_area = (4.0 * greatest * greatest) as usize;
-    let mut spots = Vec::new();
-    let mut members: Vec<usize> = Vec::new();
-    for start in 0..plane.values.len() {
-        if plane.values[start] <= cut || seen[start] == level {
-            continue;
-        }
-        members.clear();
-        members.push(start);
-        seen[start] = level;
-        let mut next = 0;
-        let mut at_edge = false;
-        while next < members.len() {
-            let (i, j) = (members[next] % width, members[next] / width);
-            next += 1;
-            at_edge |= i == 0 || j == 0 || i + 1 == width || j + 1 == height;
-            let mut visit = |index: usize| {
-                if plane.values[index] > cut && seen[index] != level {
-                    seen[index] = level;
-                    members.push(index);
-                }
-            };
-            if i > 0 {
-                visit(j * width + i - 1);
-            }
-            if i + 1 < width {
-                visit(j * width + i + 1);
-            }
-            if j > 0 {
-                visit((j - 1) * width + i);
-            }
-            if j + 1 < height {
-                visit((j + 1) * width + i);
-            }
-        }
-        if !at_edge && (LEAST_AREA..=most_area).contains(&members.len()) {
-            spots.extend(spot(&members, width).filter(|spot| spot.radii[0] <= greatest));
-        }
-    }
-    spots
-}
-
-/// The ellipse of these pixels, if they fill it.
-fn spot(members: &[usize], width: usize) -> Option<Spot> {
-    let area = members.len() as f64;
-    let places = || members.iter().map(|&i| [(i % width) as f64, (i / width) as f64]);
-    let mut centre = [0.0; 2];
-    places().for_each(|p| (0..2).for_each(|k| centre[k] += p[k] / area));
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for [u, v] in places() {
-        let (x, y) = (u - centre[0], v - centre[1]);
-        xx += x * x / area;
-        xy += x * y / area;
-        yy += y * y / area;
-    }
+/// The ellipse of a component, if it fills it.
+fn spot(part: &Component) -> Option<Spot> {
+    let area = part.area as f64;
+    let centre = part.centre();
+    let [mut xx, xy, mut yy] = part.moments();
     // Each pixel is a square of second moment 1/12.
     (xx, yy) = (xx + 1.0 / 12.0, yy + 1.0 / 12.0);
     let (mean, difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
@@ -274,35 +226,33 @@ fn spot(members: &[usize], width: usize) -> Option<Spot> {
 
 /// The spot's centre to a fraction of a pixel; `None` when it does not stand out enough.
 fn refined(plane: &Plane, noise: f64, least: f64, spot: &Spot, clean: f64) -> Option<Mark> {
-    let around = |from: f64, to: f64, centre: [f64; 2]| -> Vec<([f64; 2], f32)> {
+    let around = |from: f64, to: f64, centre: [f64; 2]| {
         let reach = to * spot.radii[0] + 3.0;
-        let first = |c: f64| (c - reach).max(0.0).ceil() as usize;
-        let last = |c: f64, n: usize| ((c + reach).floor().max(0.0) as usize).min(n - 1);
-        let mut out = Vec::new();
-        for row in first(centre[1])..=last(centre[1], plane.height) {
-            for column in first(centre[0])..=last(centre[0], plane.width) {
-                let place = [column as f64, row as f64];
-                // In radii of the ellipse, with two pixels for its blurred edge.
-                let (x, y) = (place[0] - centre[0], place[1] - centre[1]);
-                let along = x * spot.axis[0] + y * spot.axis[1];
-                let across = y * spot.axis[0] - x * spot.axis[1];
-                let away = (along / spot.radii[0]).hypot(across / spot.radii[1]);
-                if away >= from && away < to {
-                    out.push((place, plane.get(column, row)));
-                }
-            }
-        }
-        out
+        let range = move |c: f64, n: usize| {
+            (c - reach).max(0.0).ceil() as usize
+                ..=((c + reach).floor().max(0.0) as usize).min(n - 1)
+        };
+        let columns = range(centre[0], plane.width);
+        let rows = range(centre[1], plane.height);
+        let places = rows.flat_map(move |row| columns.clone().map(move |column| (column, row)));
+        places.filter_map(move |(column, row)| {
+            let place = [column as f64, row as f64];
+            // In radii of the ellipse, with two pixels for its blurred edge.
+            let (x, y) = (place[0] - centre[0], place[1] - centre[1]);
+            let along = x * spot.axis[0] + y * spot.axis[1];
+            let across = y * spot.axis[0] - x * spot.axis[1];
+            let away = (along / spot.radii[0]).hypot(across / spot.radii[1]);
+            (away >= from && away < to).then(|| (place, plane.get(column, row)))
+        })
     };
-    let mut inner: Vec<f32> = around(0.0, 0.6, spot.centre).into_iter().map(|(_, v)| v).collect();
+    let mut inner: Vec<f32> = around(0.0, 0.6, spot.centre).map(|(_, value)| value).collect();
     let edge = 1.0 + 2.0 / spot.radii[1].max(1.0);
     let mut outer: Vec<f32> =
-        around(edge, edge + 0.5, spot.centre).into_iter().map(|(_, v)| v).collect();
+        around(edge, edge + 0.5, spot.centre).map(|(_, value)| value).collect();
     if inner.is_empty() || outer.is_empty() {
         return None;
     }
-    let (top, bottom) =
-        (f64::from(super::median(&mut inner)), f64::from(super::median(&mut outer)));
+    let (top, bottom) = (f64::from(median(&mut inner)), f64::from(median(&mut outer)));
     let contrast = top - bottom;
     // Nine deviations of the mean over the middle: of all places in pure noise some have five.
     let sure = 9.0 * noise / (inner.len() as f64).sqrt();

@@ -8,8 +8,10 @@ mod bar;
 mod bars;
 mod blobs;
 mod chain;
+mod components;
 mod error;
 mod numbered;
+mod quantile;
 
 use core::str::FromStr;
 
@@ -19,6 +21,7 @@ pub use blobs::colour;
 pub use chain::{Base, Expected, in_order};
 pub use error::DetectError;
 pub use numbered::{Row, find_row};
+use quantile::{median, median_of, quantile_of};
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,21 +135,6 @@ pub fn find(photo: &Photo, search: &Search<'_>) -> Result<Vec<Mark>, DetectError
         Kind::Circles => blobs::circles(photo, search)?,
     };
     if marks.is_empty() { Err(DetectError::NoneFound { kind: search.kind }) } else { Ok(marks) }
-}
-
-/// The middle value; the values are sorted in part. NaN-free and not empty.
-fn median<T: Copy + PartialOrd + Default>(values: &mut [T]) -> T {
-    quantile(values, 0.5)
-}
-
-/// The value that this share of the values lie below.
-fn quantile<T: Copy + PartialOrd + Default>(values: &mut [T], share: f64) -> T {
-    if values.is_empty() {
-        return T::default();
-    }
-    let k = ((values.len() - 1) as f64 * share).round() as usize;
-    let order = |a: &T, b: &T| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal);
-    *values.select_nth_unstable_by(k, order).1
 }
 
 /// Middle size among marks, each with a weight: that which most have within a sixth.
