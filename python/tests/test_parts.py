@@ -41,7 +41,7 @@ def test_every_example_comes_back_from_its_text_parts_and_pickle(path: Path) -> 
     assert again.reference == case.reference
     robot = Robot(
         backbone=case.robot.backbone.replace(),
-        disks=case.robot.disks.replace(),
+        disks=None if case.robot.disks is None else case.robot.disks.replace(),
         cables=[cable.replace() for cable in case.robot.cables],
     )
     assert robot == case.robot and hash(robot) == hash(case.robot)
@@ -67,7 +67,7 @@ def test_obstacles_come_and_go_with_a_case() -> None:
     case = whipcord.load(Path(__file__).resolve().parents[2] / "examples/contact/arm-at-wall.toml")
     (wall,) = case.obstacles
     assert wall.kind == "half-space" and wall.name == "wall" and wall.position == (0.04, 0.0, 0.0)
-    assert case.robot.disks.outer_radius == 0.01
+    assert case.robot.disks is not None and case.robot.disks.outer_radius == 0.01
     ball = Obstacle(kind="sphere", radius="5 mm", rotation={"axis": [0, 0, 1], "angle": 1.0})
     assert pickle.loads(pickle.dumps(ball)) == ball and hash(ball) == hash(ball.replace())
     both = case.replace(obstacles=[wall, ball])
@@ -77,6 +77,50 @@ def test_obstacles_come_and_go_with_a_case() -> None:
         Obstacle(kind="sphere")
     with pytest.raises(whipcord.InputError, match="there is no such file"):
         case.replace(obstacles=[Obstacle(kind="mesh", file="none.stl", unit="mm")])
+
+
+def test_materials_have_their_numbers_and_keep_their_names(tmp_path: Path) -> None:
+    known = whipcord.materials()
+    assert len(known) >= 15 and all(name == material.name for name, material in known.items())
+    nitinol = known["nitinol"]
+    rod = Backbone(length="180 mm", diameter="1 mm", material="nitinol", density="6.4 g/cm^3")
+    assert (rod.young_modulus, rod.poisson_ratio) == (nitinol.young_modulus, nitinol.poisson_ratio)
+    assert rod.density == 6400 and rod.yield_strain == nitinol.yield_strain
+    # Another material takes the place of all numbers, a number that of one.
+    assert rod.replace(material="PTFE").density == known["PTFE"].density
+    assert rod.replace(young_modulus="58 GPa").material == "nitinol"
+    fibres = rod.replace(material="carbon fibre rod")
+    assert fibres.poisson_ratio is None and fibres.shear_modulus == known["carbon fibre rod"].shear_modulus
+    pull = Cable(name="pull", routing=Routing.straight(angle=0, radius="8 mm"))
+    case = Case(Robot(backbone=rod, disks=Disks(count=10), cables=[pull]), tension=1)
+    assert case.warnings == [] and case.robot.backbone == rod
+    case.save(tmp_path / "case.toml")
+    assert 'material = "nitinol"' in (tmp_path / "case.toml").read_text()
+    again = whipcord.load(tmp_path / "case.toml")
+    assert again == case and again.warnings == []
+    softer = case.with_parameters({"backbone.young_modulus": 5e10}).robot.backbone
+    assert (softer.material, softer.young_modulus) == ("nitinol", 5e10)
+    with pytest.raises(whipcord.InputError, match="did you mean `nitinol`"):
+        Backbone(length=1, material="Nitinol")
+
+
+def test_a_robot_without_disks() -> None:
+    body = Backbone(length="150 mm", diameter="14 mm", material="Dragon Skin 30")
+    flexor = Cable(name="flexor", routing=Routing.straight(angle="90 deg", radius="5 mm"))
+    robot = Robot(backbone=body, cables=[flexor])
+    assert robot.disks is None and "disks=None" in repr(robot)
+    assert eval(repr(robot), dict(vars(whipcord))) == robot == pickle.loads(pickle.dumps(robot))
+    case = Case(robot, tension="2 N")
+    assert "disks" not in case.to_toml() and Case.from_toml(case.to_toml()) == case
+    solution = case.solve()
+    assert solution.position.shape == (21, 3) and solution.position[-1, 1] > 0.05
+    assert whipcord.plot.solution(solution) is not None
+    with pytest.raises(whipcord.SolveError, match="add \\[disks\\]"):
+        case.solve(model="four-bar")
+    with pytest.raises(whipcord.InputError, match="the robot has no disks"):
+        Robot(backbone=body, cables=[Cable(name="a", holes=[1, 2])])
+    with_disks = robot.replace(disks=Disks(count=10))
+    assert with_disks.disks is not None and with_disks.replace(disks=None) == robot
 
 
 def everything() -> Case:

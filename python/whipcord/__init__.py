@@ -46,6 +46,7 @@ from .fitting import (
     fit,
 )
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
+from .materials import Material, materials
 from .obstacles import Obstacle
 from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
@@ -91,6 +92,7 @@ __all__ = [
     "Loads",
     "Located",
     "Marks",
+    "Material",
     "Measured",
     "ModelError",
     "ModelFit",
@@ -127,6 +129,7 @@ __all__ = [
     "examples",
     "fit",
     "load",
+    "materials",
     "measure",
     "models",
     "overlay",

@@ -51,7 +51,7 @@ class Description:
         tables = {
             "title": title,
             "backbone": plain(robot.backbone),
-            "disks": plain(robot.disks),
+            "disks": plain(robot.disks) if robot.disks is not None else None,
             "cables": cables or None,
             "base": part(base, Base, "base") or None,
             "loads": part(loads, Loads, "loads") or None,

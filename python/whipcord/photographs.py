@@ -223,13 +223,14 @@ def picture(photo: PhotoLike, name: str) -> _core.Photo:
 
 
 def _row(robot: Case | Robot | None) -> tuple[list[float] | None, Case | None]:
-    """Arc lengths of the disks in m, and the case."""
+    """Arc lengths of the disks in m, where there are any, and the case."""
     if robot is None:
         return None, None
     if not isinstance(robot, (Case, Robot)):
         raise InputError(f"robot must be a Case or a Robot, but is {robot!r}", path="robot")
     case = robot if isinstance(robot, Case) else Case(robot)
-    return case._setup.disks(), case if isinstance(robot, Case) else None
+    places = None if case.robot.disks is None else case._setup.disks()
+    return places, case if isinstance(robot, Case) else None
 
 
 def _base(case: Case, camera: Camera) -> list[float]:

@@ -252,8 +252,10 @@ def _outlines(robot: Robot, s: Array) -> Array:
 
 
 def _stations(robot: Robot) -> Array:
-    """Arc lengths of the disks in m."""
+    """Arc lengths of the disks in m; both ends of a robot without disks."""
     disks = robot.disks
+    if disks is None:
+        return np.array([0.0, robot.backbone.length])
     if disks.positions is not None:
         return np.asarray(disks.positions, dtype=float)
     return np.linspace(0.0, robot.backbone.length, disks.count or 2)
@@ -320,6 +322,8 @@ def _smooth(answer: Solution) -> Solution:
 def _radii(robot: Robot, count: int) -> Array | None:
     """Radius of the rim of each disk in m; None where the robot has none."""
     disks = robot.disks
+    if disks is None:
+        return None
     if disks.outer_radius is not None:
         return np.full(count, disks.outer_radius)
     if disks.hole_circle_radius is None:
@@ -334,7 +338,7 @@ def _plates(robot: Robot, disks: Shape) -> list[tuple[Array, Array, float, float
     if radii is None:
         return []
     least = float(np.min(np.diff(_stations(robot))))
-    given = robot.disks.thickness
+    given = None if robot.disks is None else robot.disks.thickness
     thickness = np.minimum(0.1 * radii if given is None else given, 0.5 * least)
     sizes = np.broadcast_to(thickness, len(radii))
     return [

@@ -131,13 +131,18 @@ def _seen_from(folder: str | None, path: str) -> str:
     return os.path.relpath(there, folder) if folder else there
 
 
+def _places(case: Description) -> tuple[Any, ...] | None:
+    """Where the disks are; None of a body without."""
+    disks = case.robot.disks
+    return None if disks is None else (disks.count, disks.positions)
+
+
 def still_true(case: Description, other: Description) -> tuple[bool, bool]:
     """Whether what was measured and what was published for a case is so for another."""
     if case.measured is None and case.reference is None:
         return False, False
     asked = ("tension", "shortening", "steps", "loads", "base", "obstacles")
     same = all(getattr(case, name) == getattr(other, name) for name in asked)
-    disks = ("count", "positions")
-    if not same or any(getattr(case.robot.disks, n) != getattr(other.robot.disks, n) for n in disks):
+    if not same or _places(case) != _places(other):
         return False, False
     return True, case.robot == other.robot

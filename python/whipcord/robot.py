@@ -138,6 +138,9 @@ class Backbone(Table):
         Inner diameter in m of a tube: one value, one for each disk, or :class:`Along`.
     section
         A rectangular cross-section, instead of diameters.
+    material
+        Name of a material (see :func:`materials`). It gives `young_modulus`, `poisson_ratio` or `shear_modulus`,
+        `density` and, where it is known, `yield_strain`; those that are given beside it take the place of its own.
     young_modulus, poisson_ratio, shear_modulus
         Of the material, in Pa; Poisson's ratio or the shear modulus.
     shear_correction
@@ -164,6 +167,11 @@ class Backbone(Table):
     Backbone(length=0.18, diameter=0.003, young_modulus=1100000000.0, poisson_ratio=0.3)
     >>> rod.replace(diameter="4 mm").diameter
     0.004
+    >>> wire = Backbone(length="180 mm", diameter="1 mm", material="nitinol", young_modulus="58 GPa")
+    >>> wire.young_modulus, wire.density
+    (58000000000.0, 6450.0)
+    >>> wire.replace(material="PTFE").young_modulus
+    500000000.0
     """
 
     length: float
@@ -171,6 +179,7 @@ class Backbone(Table):
     inner_diameter: float | tuple[float, ...] | Along | None = None
     diameters: tuple[float, ...] | Along | None = None
     section: Section | None = None
+    material: str | None = None
     young_modulus: float | None = None
     poisson_ratio: float | None = None
     shear_modulus: float | None = None
@@ -201,6 +210,7 @@ class Backbone(Table):
         inner_diameter: Quantity | Sequence[Quantity] | Along | None = None,
         diameters: Sequence[Quantity] | Along | None = None,
         section: Section | Mapping[str, Any] | None = None,
+        material: str | None = None,
         young_modulus: Quantity | None = None,
         poisson_ratio: Quantity | None = None,
         shear_modulus: Quantity | None = None,
@@ -219,6 +229,7 @@ class Backbone(Table):
             inner_diameter=inner_diameter,
             diameters=diameters,
             section=part(section, Section, "section"),
+            material=material,
             young_modulus=young_modulus,
             poisson_ratio=poisson_ratio,
             shear_modulus=shear_modulus,
@@ -231,6 +242,27 @@ class Backbone(Table):
             extensible=extensible,
             shearable=shearable,
         )
+
+    def replace(self, **changes: Any) -> Backbone:
+        """The same with these entries changed; None takes one out.
+
+        Another material takes the place of all numbers that were those of the old one.
+        """
+        if changes.get("material") is not None:
+            changes = {**dict.fromkeys(_OF_MATERIAL), **changes}
+        return super().replace(**changes)
+
+
+_OF_MATERIAL = (
+    "young_modulus",
+    "poisson_ratio",
+    "shear_modulus",
+    "density",
+    "linear_density",
+    "yield_strain",
+    "stiffness",
+)
+"""What a material takes the place of, as it does in a robot file that is laid over another one."""
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -451,7 +483,9 @@ class Robot:
     Parameters
     ----------
     backbone, disks, cables
-        What it is made of.
+        What it is made of. Without disks it is a body in whose channels the cables run: each cable then has a
+        `routing`, and the models ``"cosserat"`` and ``"constant-curvature"`` take it. Answers are given at 21 equally spaced
+        stations instead of the disks.
 
     Examples
     --------
@@ -465,6 +499,12 @@ class Robot:
     >>> stiffer = robot.replace(backbone=robot.backbone.replace(diameter="3.5 mm"))
     >>> stiffer.backbone.diameter, robot.backbone.diameter
     (0.0035, 0.003)
+    >>> finger = Robot(
+    ...     backbone=Backbone(length="100 mm", diameter="20 mm", material="Dragon Skin 30"),
+    ...     cables=[Cable(name="pull", routing=Routing.straight(angle=0, radius="6 mm"))],
+    ... )
+    >>> finger.disks is None
+    True
     """
 
     @suggests
@@ -472,7 +512,7 @@ class Robot:
         self,
         *,
         backbone: Backbone,
-        disks: Disks,
+        disks: Disks | None = None,
         cables: Sequence[Cable] = (),
     ) -> None:
         tables = {
@@ -493,7 +533,7 @@ class Robot:
             for cable in tables.get("cables", ())
         ]
         self = cls.__new__(cls)
-        own = {"backbone": tables["backbone"], "disks": tables["disks"], "cables": cables or None}
+        own = {"backbone": tables["backbone"], "disks": tables.get("disks"), "cables": cables or None}
         object.__setattr__(self, "_setup", _core.Setup.of_tables(own, "Robot"))
         return self
 
@@ -509,9 +549,10 @@ class Robot:
         return Backbone._of(self._tables["backbone"])
 
     @cached_property
-    def disks(self) -> Disks:
-        """The disks, base disk first."""
-        return Disks._of(self._tables["disks"])
+    def disks(self) -> Disks | None:
+        """The disks, base disk first; None of a body without."""
+        disks = self._tables.get("disks")
+        return None if disks is None else Disks._of(disks)
 
     @cached_property
     def cables(self) -> tuple[Cable, ...]:

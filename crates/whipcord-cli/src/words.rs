@@ -120,8 +120,9 @@ fn backbone(robot: &Robot) -> String {
         let (from, to) = along.ends();
         format!("{} g/m", from_to(from * 1e3, to * 1e3))
     });
-    let parts =
-        [Some(format!("{} long", millimetres(backbone.length))), section, Some(rest), weight];
+    let length = Some(format!("{} long", millimetres(backbone.length)));
+    let material = backbone.material.name.map(str::to_owned);
+    let parts = [length, section, material, Some(rest), weight];
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
@@ -227,6 +228,9 @@ fn material_stiffness(robot: &Robot) -> Vec<String> {
 fn disks(disks: &Disks) -> String {
     let s = &disks.arc_lengths;
     let pitch = s[s.len() - 1] / (s.len() - 1) as f64;
+    if !disks.are_present {
+        return format!("none; {} stations, every {}", disks.count(), millimetres(pitch));
+    }
     let equal = s.windows(2).all(|w| (w[1] - w[0] - pitch).abs() < 1e-9 * pitch);
     let spacing = if equal {
         format!("every {}", millimetres(pitch))

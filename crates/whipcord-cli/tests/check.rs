@@ -19,10 +19,39 @@ fn a_robot_is_put_in_words() {
         "tapered-arm",
         "composite-finger",
         "rubbing-finger",
+        "soft-finger",
     ] {
         let text = succeed(&["check", &format!("examples/{name}.toml")]);
         insta::assert_snapshot!(name.replace('/', "_"), text);
     }
+}
+
+/// Stations stand for the disks that a body does not have, but are not drawn.
+#[test]
+fn a_body_without_disks_is_solved_drawn_and_compared() {
+    let scratch = Scratch::new();
+    let file = "examples/soft-finger.toml";
+    let json: Value = serde_json::from_str(&succeed(&["solve", file, "--json"])).unwrap();
+    assert_eq!(json["disks"].as_array().unwrap().len(), 21);
+    assert_eq!(json["shape"]["position"].as_array().unwrap().len(), 21);
+    let at = |key: usize| json["shape"]["position"][20][key].as_f64().unwrap();
+    // The flexor lies in y, and bends the finger there.
+    assert!(at(0).abs() < 1e-9 && at(1) > 0.05 && at(2) < 0.14, "{json}");
+    let picture = |file: &str, name: &str| {
+        let picture = scratch.file(name);
+        succeed(&["solve", file, "--plot", &picture]);
+        std::fs::read_to_string(picture).unwrap().matches("class=\"disk").count()
+    };
+    let disks = scratch.write(
+        "disks.toml",
+        &(std::fs::read_to_string(support::root().join(file)).unwrap() + "\n[disks]\ncount = 5\n"),
+    );
+    assert_eq!(picture(file, "none.svg"), 0);
+    assert_eq!(picture(&disks, "five.svg"), 5);
+    let text = succeed(&["compare", file, "--out", &scratch.file("out")]);
+    assert!(text.contains("cosserat") && text.contains("add [disks]"), "{text}");
+    let message = fail(2, &["solve", file, "--model", "four-bar"]);
+    assert!(message.contains("needs `disks`") && message.contains("count = 10"), "{message}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ use crate::check::{self, Fields};
 use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::{Node, Value};
+use crate::overlay::take_out;
 use crate::read::{self, Fit, Measured, Reference};
 use crate::schema::{DURATION, ROOT};
 use crate::settings;
@@ -140,6 +141,7 @@ fn parse_with(text: &str, path: &Path, settings: &[String]) -> Result<CaseFile, 
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
     let file = files::document(path, text, &mut sources, &mut problems).and_then(|mut document| {
         settings::apply(&mut document, settings, &mut sources, &mut problems);
+        document.entries_mut().into_iter().for_each(|entries| take_out(entries, &ROOT));
         read(document, path, &mut sources, &mut problems)
     });
     match file {
@@ -171,7 +173,7 @@ fn read(
         parts.obstacles = obstacles;
     }
     let robot = read::Extent {
-        disks: parts.as_ref().map(|parts| parts.disks.count()),
+        disks: parts.as_ref().map(|parts| read::Extent::disks_of(&parts.disks)),
         length: parts.as_ref().map(|parts| parts.backbone.length),
         steps: fields.tables("steps").len(),
         at_origin: parts.as_ref().is_some_and(|parts| parts.base == Pose::IDENTITY),
@@ -207,7 +209,10 @@ fn read(
 /// The parts that the tables describe; `None` when one is missing or was refused.
 fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Parts> {
     let backbone = read::backbone(fields.table("backbone")?)?;
-    let disks = read::disks(fields.table("disks")?, backbone.length)?;
+    let disks = match document.has("disks") {
+        true => read::disks(Some(fields.table("disks")?), backbone.length)?,
+        false => read::disks(None, backbone.length)?,
+    };
     let loads = fields.table("loads").map(|table| read::loads(table, backbone.length));
     let loads = loads.unwrap_or_default();
     let base = match fields.table("base").map(read::pose) {
@@ -236,7 +241,7 @@ fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Pa
 }
 
 /// Refuses steps that do not say what each cable does, and cables that have something of their own
-/// to say beside the steps of the same file.
+/// to say beside the steps of the same file or of one that it extends.
 fn steps(fields: &Fields, document: &Node, sources: &Sources, problems: &mut Problems) {
     const COMMANDS: [&str; 2] = ["tension", "shortening"];
     let cables = fields.tables("cables");
@@ -258,13 +263,15 @@ fn steps(fields: &Fields, document: &Node, sources: &Sources, problems: &mut Pro
     for (i, cable) in cables.iter().enumerate() {
         for second in COMMANDS.into_iter().filter(|key| cable.quantity(key).is_some()) {
             let own = span(format!("cables[{i}].{second}"));
-            // A file that is extended gives way to what is laid over it.
-            if own.file == first.file || sources.is_setting(own.file) {
+            // A file that is extended gives way to what is laid over it, and comes later among the files.
+            if own.file <= first.file || sources.is_setting(own.file) {
                 let related = Some((first, "the steps say what each cable does"));
+                let in_one = own.file == first.file || sources.is_setting(own.file);
+                let table = if in_one { "one file" } else { "a file that extends one with steps" };
                 problems.push_related(own, related, || FileProblem::Exclusive {
                     first: "steps",
                     second,
-                    table: "one file",
+                    table,
                 });
             }
         }

@@ -121,6 +121,22 @@ pub enum FileProblem {
         /// The path.
         path: String,
     },
+    /// An entry without a name in a file that extends one with entries.
+    #[error("{table} needs a `name` here: the file that this one extends has cables")]
+    NoNameToMerge {
+        /// Title of the table.
+        table: &'static str,
+        /// Names of the entries of the other file.
+        names: Vec<String>,
+    },
+    /// An entry is to be removed that is not there.
+    #[error("there is no cable `{name}` to remove")]
+    NothingToRemove {
+        /// Its name.
+        name: String,
+        /// Names of those that there are.
+        names: Vec<String>,
+    },
     /// A key that must be there.
     #[error("{table} has no {key}")]
     Missing {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::check::{self, Data};
 use crate::error::{FileError, FileProblem, Problems};
 use crate::node::{self, Node, Value};
-use crate::overlay::overlay;
+use crate::overlay::{overlay, refuse_removals};
 use crate::schema::ROOT;
 use crate::source::{Sources, Span};
 
@@ -216,9 +216,10 @@ pub(crate) fn document(
     problems: &mut Problems,
 ) -> Option<Node> {
     let first = sources.add(path, Some(text.to_owned()));
-    let mut root = node::parse(first, text, problems)?;
+    let root = node::parse(first, text, problems)?;
     let mut chain = vec![Link::new(path)];
     let mut extends = extended(&root, problems)?;
+    let mut layers = vec![root];
     while let Some((named, target)) = extends {
         let path = sources.resolve(named.file, &target);
         let link = Link::new(&path);
@@ -234,13 +235,19 @@ pub(crate) fn document(
         }
         chain.push(link);
         let (file, text) = read_named(&path, LARGEST, named, sources, problems)?;
-        let mut lower = node::parse(file, &text, problems)?;
+        let lower = node::parse(file, &text, problems)?;
         extends = extended(&lower, problems)?;
-        let lower = core::mem::take(lower.entries_mut()?);
-        let upper = root.entries_mut()?;
-        overlay(upper, lower, Some(&ROOT));
+        layers.push(lower);
     }
-    Some(root)
+    // From the bottom up, so that each file changes what all those below it say together.
+    let mut below = layers.pop()?;
+    refuse_removals(below.entries_mut()?, &ROOT, problems);
+    while let Some(mut layer) = layers.pop() {
+        overlay(layer.entries_mut()?, core::mem::take(below.entries_mut()?), Some(&ROOT), problems);
+        refuse_removals(layer.entries_mut()?, &ROOT, problems);
+        below = layer;
+    }
+    Some(below)
 }
 
 /// The file that a document extends, if any, and where it says so; `None` when that cannot be told.

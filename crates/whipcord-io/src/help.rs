@@ -4,7 +4,11 @@ use whipcord::Problem;
 use whipcord::robot::limits::number;
 
 use crate::error::FileProblem;
+use crate::source::quoted;
 use crate::units::{Dimension, QuantityError, listed, parse_quantity};
+
+/// So many words are not listed where one of them is meant.
+const FEW_CHOICES: usize = 10;
 
 impl FileProblem {
     /// What to do about it.
@@ -44,6 +48,19 @@ impl FileProblem {
                 format!("give {how_many} of them, for example {}", line(example))
             }
             Self::Exclusive { .. } => "remove one of the two".to_owned(),
+            Self::NoNameToMerge { names, .. } => {
+                let names = names.iter().map(|name| quoted(name)).collect::<Vec<_>>();
+                let names = listed(names.iter().map(String::as_str), "or");
+                format!("give a `name`: {names} to change that cable, or a new one to add a cable")
+            }
+            Self::NothingToRemove { names, .. } if names.is_empty() => {
+                "remove this entry: no file that this one extends has cables".to_owned()
+            }
+            Self::NothingToRemove { names, .. } => {
+                let names = names.iter().map(|name| quoted(name)).collect::<Vec<_>>();
+                let names = listed(names.iter().map(String::as_str), "and");
+                format!("the files that this one extends have {names}")
+            }
             Self::Needs { key, example, .. } => format!("add {}, or remove `{key}`", line(example)),
             Self::Quantity { key, error, expected } => quantity_help(key, error, expected),
             Self::NotFinite { .. } => "write a finite number".to_owned(),
@@ -66,6 +83,11 @@ impl FileProblem {
             }
             Self::Empty { example, .. } => format!("write for example `{example}`"),
             Self::UnknownChoice { choices, near, .. } => match near {
+                // Of many the nearest may well not be the one.
+                Some(near) if choices.len() > FEW_CHOICES => {
+                    let all = listed(choices.iter().copied(), "and");
+                    format!("did you mean `{near}`? There are {all}")
+                }
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("choose {}", listed(choices.iter().copied(), "or")),
             },
@@ -218,6 +240,12 @@ fn physical_help(problem: &Problem) -> String {
         }
         Problem::DisksWithoutHoles => {
             "for example `holes = 12` and `hole_circle_radius = \"8 mm\"` under [disks]".to_owned()
+        }
+        Problem::HolesWithoutDisks => {
+            "give the cable a `routing` instead of `holes`, such as `routing = { kind = \"straight\", angle = \"90 deg\", radius = \"8 mm\" }`, or add [disks] with `count`, `holes` and `hole_circle_radius`".to_owned()
+        }
+        Problem::ListWithoutDisks => {
+            "give arc lengths as well, in a table `{ at = [...], values = [...] }` or in `at` beside it, or add [disks]".to_owned()
         }
         Problem::NotIncreasing { .. } => {
             "put the positions in ascending order, each once".to_owned()

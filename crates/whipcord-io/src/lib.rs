@@ -11,6 +11,7 @@ mod document;
 mod error;
 mod files;
 mod help;
+mod materials;
 mod node;
 mod output;
 mod overlay;
@@ -32,6 +33,7 @@ pub use document::{
 };
 pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
+pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
     Beside, Cell, CsvTable, NonFinite, answer_json, fit_json, json_number, json_optional,
     marks_csv, problems_json, remove_unfinished, shape_csv, solution_json, status_words, steps_csv,

@@ -1,11 +1,24 @@
 //! One file's tables laid over another's.
 
-use crate::node::{Entries, Node, Value};
+use crate::error::{FileProblem, Problems};
+use crate::node::{Entries, Entry, Node, Value};
 use crate::schema::{Kind, Table};
+use crate::source::quoted;
 
-/// Lays the upper entries over the lower ones: tables are merged key by key, anything else
-/// replaces what lies below. A key also replaces its rivals: `diameters` above, `diameter` below.
-pub(crate) fn overlay(upper: &mut Entries, mut lower: Entries, table: Option<&Table>) {
+/// The key of an entry of a list that takes the entry of the same name out of the list below.
+const REMOVE: &str = "remove";
+
+/// Most entries that a message names.
+const MOST_NAMED: usize = 8;
+
+/// Lays the upper entries over the lower ones: tables are merged key by key, lists of tables that have names by name, anything
+/// else, and a table that says which kind it is, replaces what lies below. A key also replaces its rivals: `diameters` above, `diameter` below.
+pub(crate) fn overlay(
+    upper: &mut Entries,
+    mut lower: Entries,
+    table: Option<&Table>,
+    problems: &mut Problems,
+) {
     if let Some(table) = table {
         for name in upper.keys() {
             for rival in table.rivals(name) {
@@ -19,15 +32,133 @@ pub(crate) fn overlay(upper: &mut Entries, mut lower: Entries, table: Option<&Ta
             upper.insert(name, below);
             continue;
         };
-        if let (Value::Table(up), Value::Table(low)) =
-            (&mut above.node.value, &mut below.node.value)
-        {
-            let inner = table.and_then(|table| table.key(&name)).and_then(|key| match &key.kind {
-                Kind::Table(inner) => Some(*inner),
-                _ => None,
-            });
-            overlay(up, core::mem::take(low), inner);
+        let kind = table.and_then(|table| table.key(&name)).map(|key| &key.kind);
+        match (&mut above.node.value, &mut below.node.value) {
+            // Another kind has other keys.
+            (Value::Table(up), _) if matches!(kind, Some(Kind::Variants { tag, .. }) if up.contains_key(tag.name)) =>
+                {}
+            (Value::Table(up), Value::Table(low)) => {
+                let inner = match kind {
+                    Some(Kind::Table(inner)) => Some(*inner),
+                    _ => None,
+                };
+                overlay(up, core::mem::take(low), inner, problems);
+            }
+            (Value::List(up), Value::List(low)) => {
+                if let Some(Kind::Tables(inner)) = kind
+                    && let Some(key) = inner.merged_by()
+                    && !up.is_empty()
+                {
+                    let (added, below) = (core::mem::take(up), core::mem::take(low));
+                    *up = merge(added, below, inner, key, problems);
+                }
+            }
+            _ => {}
         }
+    }
+}
+
+/// Takes out the entries that are marked so.
+pub(crate) fn take_out(entries: &mut Entries, table: &Table) {
+    for (name, entry) in entries.iter_mut() {
+        if let Some(Kind::Tables(inner)) = table.key(name).map(|key| &key.kind)
+            && let Value::List(items) = &mut entry.node.value
+            && inner.merged_by().is_some()
+        {
+            items.retain(|item| !removes(item));
+        }
+    }
+}
+
+/// Refuses entries that are to be removed from a list below, where none of that name is left below.
+pub(crate) fn refuse_removals(entries: &mut Entries, table: &Table, problems: &mut Problems) {
+    for (name, entry) in entries.iter_mut() {
+        let Some(Kind::Tables(inner)) = table.key(name).map(|key| &key.kind) else { continue };
+        let (Some(key), Value::List(items)) = (inner.merged_by(), &mut entry.node.value) else {
+            continue;
+        };
+        for item in items.iter().filter(|item| removes(item)) {
+            let name = quoted(&text(item, key).unwrap_or_default());
+            problems.push(item.span, || FileProblem::NothingToRemove { name, names: Vec::new() });
+        }
+    }
+    take_out(entries, table);
+}
+
+fn removes(item: &Node) -> bool {
+    matches!(item.find(REMOVE).map(|of| &of.value), Some(Value::Flag(true)))
+}
+
+/// The entries of the lower list, each with what the upper one says of its name, and behind them those of new names.
+fn merge(
+    upper: Vec<Node>,
+    lower: Vec<Node>,
+    table: &Table,
+    key: &'static str,
+    problems: &mut Problems,
+) -> Vec<Node> {
+    let mut merged: Vec<Node> =
+        lower.into_iter().enumerate().map(|(i, item)| with_name(item, key, i)).collect();
+    // Those that a name of the upper list stands for no longer, so that a name given twice there is not merged twice.
+    let mut open: Vec<String> = merged.iter().filter_map(|item| text(item, key)).collect();
+    let of_lower: Vec<String> = open.iter().take(MOST_NAMED).cloned().collect();
+    for mut item in upper {
+        let Some(name) = text(&item, key) else {
+            // What is no table is for the checks to refuse.
+            if matches!(item.value, Value::Table(_)) && !merged.is_empty() && !item.has(key) {
+                problems.push(item.span, || FileProblem::NoNameToMerge {
+                    table: table.title,
+                    names: of_lower.clone(),
+                });
+            } else {
+                merged.push(item);
+            }
+            continue;
+        };
+        let found = open.iter().position(|of| *of == name).map(|k| open.remove(k));
+        let place = found.and_then(|name| {
+            merged.iter().position(|below| text(below, key).as_ref() == Some(&name))
+        });
+        match place {
+            Some(place) if removes(&item) => _ = merged.remove(place),
+            Some(place) => {
+                let below = &mut merged[place];
+                if let (Some(up), Some(low)) = (item.entries_mut(), below.entries_mut()) {
+                    overlay(up, core::mem::take(low), Some(table), problems);
+                    core::mem::swap(up, low);
+                }
+            }
+            None if removes(&item) => problems.push(item.span, || FileProblem::NothingToRemove {
+                name: quoted(&name),
+                names: of_lower.clone(),
+            }),
+            None => merged.push(item),
+        }
+    }
+    merged
+}
+
+/// An entry with a name: the one that it has by its place where it is given none.
+fn with_name(mut item: Node, key: &str, index: usize) -> Node {
+    let span = item.span;
+    if let Value::Table(entries) = &mut item.value
+        && !entries.contains_key(key)
+    {
+        let node = Node { span, value: Value::Text(default_name(index)) };
+        entries.insert(key.to_owned(), Entry { key_span: span, node });
+    }
+    item
+}
+
+/// What the cable of this number, from 0, is called where the file does not say.
+pub(crate) fn default_name(index: usize) -> String {
+    format!("cable-{}", index + 1)
+}
+
+fn text(item: &Node, key: &str) -> Option<String> {
+    match &item.find(key)?.value {
+        Value::Text(text) => Some(text.clone()),
+        _ => None,
     }
 }
 

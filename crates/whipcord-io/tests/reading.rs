@@ -6,9 +6,9 @@ mod common;
 use std::path::Path;
 
 use whipcord::{
-    Along, CableCommand, DistributedLoad, Interpolation, LoadFrame, Observation, Place, PointLoad,
-    PointMass, Pose, Profile, RestCurvature, Robot, Routing, Section, Seen, Shortening, Stiffness,
-    UnitQuaternion, Vec3,
+    Along, CableCommand, DistributedLoad, Drive, Interpolation, LoadFrame, Model, ModelKind,
+    Observation, Place, PointLoad, PointMass, Pose, Profile, RestCurvature, Robot, Routing,
+    Section, Seen, Shortening, Statics as _, Stations, Stiffness, UnitQuaternion, Vec3,
 };
 use whipcord_io::{CaseFile, MeasuredDisk, load, parse};
 
@@ -190,8 +190,119 @@ fn tables_are_laid_over_one_another() {
     assert_eq!(robot.backbone().length, 0.2);
     assert_eq!(robot.backbone().section, Some(Section::tube(0.003, 0.001)));
     assert_eq!(robot.disks().arc_lengths, [0.0, 0.1, 0.2]);
-    assert_eq!(robot.cables().len(), 1);
-    assert_eq!(robot.cables()[0].name, "c");
+    let names: Vec<&str> = robot.cables().iter().map(|cable| cable.name.as_str()).collect();
+    assert_eq!(names, ["a", "b", "c"]);
+}
+
+fn names(robot: &Robot) -> Vec<&str> {
+    robot.cables().iter().map(|cable| cable.name.as_str()).collect()
+}
+
+fn holes(robot: &Robot, cable: usize) -> &[usize] {
+    match &robot.cables()[cable].routing {
+        Routing::Holes { holes, .. } => holes,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn cables_are_laid_over_those_of_the_same_name() {
+    let robot = over_base("[[cables]]\nname = 'b'\nfriction = 0.1\nholes = [3, 3, 3]\n");
+    assert_eq!(names(&robot), ["a", "b"]);
+    assert_eq!((holes(&robot, 0), holes(&robot, 1)), (&[1, 1][..], &[3, 3, 3][..]));
+    assert_eq!(robot.cables()[1].friction, Some(0.1));
+    // A routing takes the place of holes, as rivals do everywhere.
+    let curve = "routing = { kind = 'straight', angle = 0, radius = 0.008 }";
+    let robot = over_base(&format!("[[cables]]\nname = 'a'\n{curve}\n"));
+    assert!(matches!(robot.cables()[0].routing, Routing::Straight { .. }));
+    assert_eq!(names(&robot), ["a", "b"]);
+    // A routing of another kind takes the place of the other's, one without its kind changes it.
+    let base = BASE.replace("holes = [1, 1]", curve);
+    let turned = |lines: &str| {
+        let folder = folder(&[
+            ("base.toml", base.as_str()),
+            ("robot.toml", &format!("extends = 'base.toml'\n[[cables]]\nname = 'a'\n{lines}\n")),
+        ]);
+        let robot = load(folder.path().join("robot.toml")).unwrap_or_else(|e| panic!("{e}")).robot;
+        robot.cables()[0].routing.clone()
+    };
+    let straight = |radius| Routing::Straight { angle: 0.0, radius };
+    assert_eq!(turned("routing = { radius = 0.007 }"), straight(0.007));
+    assert_eq!(turned("routing.radius = 0.006"), straight(0.006));
+    let helix = Routing::Helix { start_angle: 0.0, turns: 1.0, radius: 0.005 };
+    assert_eq!(turned("routing = { kind = 'helix', turns = 1, radius = 0.005 }"), helix);
+    // The order is that of the file below, new ones behind.
+    let two = "[[cables]]\nname = 'new'\nholes = [5, 5]\n[[cables]]\nname = 'a'\nends_at = 0.05\n";
+    let robot = over_base(two);
+    assert_eq!(names(&robot), ["a", "b", "new"]);
+    assert_eq!(robot.cables()[0].ends_at, Some(0.05));
+    // Some or all of them are taken out.
+    let without = over_base("[[cables]]\nname = 'a'\nremove = true\n");
+    assert_eq!(names(&without), ["b"]);
+    assert_eq!(over_base("cables = []").cables(), []);
+    let folder = folder(&[("base.toml", BASE)]);
+    let settings = ["cables.a.remove=true".to_owned()];
+    let set = whipcord_io::load_with(folder.path().join("base.toml"), &settings).unwrap();
+    assert_eq!(names(&set.robot), ["b"]);
+    // An entry that is not to be removed is one like others.
+    let kept = over_base("[[cables]]\nname = 'a'\nremove = false\n");
+    assert_eq!(names(&kept), ["a", "b"]);
+}
+
+/// Each file changes what all those below it say together.
+#[test]
+fn cables_are_laid_over_one_another_along_a_chain() {
+    let base =
+        "[backbone]\nlength = 0.18\n[disks]\ncount = 3\nholes = 12\nhole_circle_radius = 0.008\n";
+    let cables = "[[cables]]\nholes = [1, 1]\n[[cables]]\nholes = [2, 2]\n[[cables]]\nname = 'c'\nholes = [3, 3]\n";
+    let chain = |middle: &str, top: &str| {
+        let folder = folder(&[
+            ("base.toml", format!("{base}{cables}")),
+            ("middle.toml", format!("extends = 'base.toml'\n{middle}\n")),
+            ("top.toml", format!("extends = 'middle.toml'\n{top}\n")),
+        ]);
+        load(folder.path().join("top.toml")).unwrap_or_else(|error| panic!("{error}")).robot
+    };
+    // Cables without a name keep the one that their place gave them.
+    let first = "[[cables]]\nname = 'cable-1'\nremove = true";
+    let robot = chain(first, "[[cables]]\nname = 'cable-2'\nfriction = 0.2");
+    assert_eq!(names(&robot), ["cable-2", "c"]);
+    assert_eq!((holes(&robot, 0), robot.cables()[0].friction), (&[2, 2][..], Some(0.2)));
+    // One that was taken out is added anew.
+    let robot = chain(first, "[[cables]]\nname = 'cable-1'\nholes = [7, 7]");
+    assert_eq!(names(&robot), ["cable-2", "c", "cable-1"]);
+    // All of them are replaced by way of a file that takes them out.
+    let robot = chain("cables = []", "[[cables]]\nname = 'c'\nholes = [8, 8]");
+    assert_eq!((names(&robot), holes(&robot, 0)), (vec!["c"], &[8, 8][..]));
+}
+
+#[test]
+fn a_body_without_disks_has_stations() {
+    let text = "[backbone]\nlength = '100 mm'\ndiameter = '20 mm'\nmaterial = 'Dragon Skin 30'\n[[cables]]\nname = 'pull'\nrouting = { kind = 'straight', angle = 0, radius = '6 mm' }\ntension = '0.5 N'\n";
+    let file = read(text);
+    let disks = file.robot.disks();
+    assert!(!file.robot.has_disks());
+    assert_eq!((disks.count(), disks.arc_lengths.last()), (21, Some(&0.1)));
+    // It takes the shape that it has with massless disks at the stations, and with fewer; one straight cable bends it by
+    // u = τ r / EI.
+    let solve = |text: &str| {
+        let file = read(text);
+        let model = Model::new(ModelKind::Cosserat, Stations::Disks, Drive::Natural);
+        model.solve(&file.robot, &file.case).unwrap().disks
+    };
+    let shape = solve(text);
+    assert_eq!(solve(&format!("{text}[disks]\ncount = 21\n")), shape);
+    let fewer = solve(&format!("{text}[disks]\ncount = 2\n")).tip();
+    assert!((fewer.position - shape.tip().position).norm() < 1e-6 * 0.1);
+    let stiffness = 593e3 * std::f64::consts::PI * 0.02_f64.powi(4) / 64.0;
+    let bend = 0.5 * 0.006 * 0.1 / stiffness;
+    assert!((shape.tip().rotation.log().norm() / bend - 1.0).abs() < 1e-6);
+    // What is written has no disks either, and is read as the same.
+    let table = whipcord_io::describe(None, &file.robot, &file.case).unwrap();
+    assert_eq!(table.get("disks"), None);
+    let again = read(&whipcord_io::toml(&table));
+    assert_eq!(again.robot.disks(), disks);
+    assert_eq!(again.robot.cables(), file.robot.cables());
 }
 
 #[test]

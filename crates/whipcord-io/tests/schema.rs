@@ -87,6 +87,11 @@ fn schema_and_reader_agree() {
         ROBOT.replace("length", "rest_curvature = { at = [0], values = [[0, 1, 0]] }\nlength"),
         ROBOT.replace("length", "linear_density = \"7.4 g/m\"\nextensible = false\nlength"),
         ROBOT.replace("length", "shear_correction = 0.9\nlength"),
+        ROBOT.replace("length", "material = \"nitinol\"\nlength"),
+        ROBOT.replace("length", "material = \"PTFE\"\nyoung_modulus = \"0.4 GPa\"\nlength"),
+        format!("[backbone]\nlength = 0.18\n{helix}"),
+        "[backbone]\nlength = 0.18\n".to_owned(),
+        robot_and("[[cables]]\nholes = [1, 2]\nremove = false\n"),
         ROBOT.replace("[disks]", "shearable = false\n[backbone.stiffness]\naxial = \"8 kN\"\nbending = [\"4e3 N*mm^2\", 0.004]\ntorsion = \"0.003 N·m²\"\n[disks]"),
         ROBOT.replace("[disks]", &format!("[backbone.stiffness]\nmatrix = {MATRIX}\n[disks]")),
         ROBOT.replace("[disks]", &format!("[backbone.stiffness]\nat = [0, 0.1]\nmatrix = [{MATRIX}, {MATRIX}]\n[disks]")),
@@ -99,7 +104,10 @@ fn schema_and_reader_agree() {
     }
     let bad = [
         String::new(),
-        "[backbone]\nlength = 0.18\n".to_owned(),
+        "[disks]\ncount = 3\n".to_owned(),
+        ROBOT.replace("length", "material = \"unobtainium\"\nlength"),
+        ROBOT.replace("length", "material = \"nitinol\"\nlength").replace("[disks]", "stiffness = { bending = [1, 1], torsion = 1, axial = 1, shear = [1, 1] }\n[disks]"),
+        robot_and("[[cables]]\nname = \"a\"\nremove = true\n"),
         ROBOT.replace("length", "lenght"),
         ROBOT.replace("0.18", "\"180\""),
         ROBOT.replace("0.18", "\"180 GPa\""),
@@ -165,6 +173,10 @@ fn a_file_that_extends_another_may_be_incomplete() {
     ));
     assert!(!takes("extends = \"a.toml\"\n[disks]\nhole = 6\n"));
     assert!(!takes("extends = \"a.toml\"\n[disks]\ncount = 2\npositions = [0, 1]\n"));
-    // Arrays replace, so what they hold is complete.
-    assert!(!takes("extends = \"a.toml\"\n[[cables]]\ntension = 4\n"));
+    // An entry of [[cables]] may change a cable of the other file. Other arrays replace, so what they hold is complete.
+    assert!(takes("extends = \"a.toml\"\n[[cables]]\nname = \"a\"\ntension = 4\n"));
+    assert!(takes("extends = \"a.toml\"\n[[cables]]\nname = \"a\"\nremove = true\n"));
+    assert!(!takes("extends = \"a.toml\"\n[[cables]]\nname = \"a\"\ntensoin = 4\n"));
+    assert!(!takes("extends = \"a.toml\"\n[[loads.point]]\nat = 0.1\n"));
+    assert!(!takes("extends = \"a.toml\"\n[[obstacles]]\nkind = \"sphere\"\n"));
 }

@@ -213,8 +213,8 @@ fn pieces(robot: &Robot, view: &RobotView, disks: &[Disk]) -> Vec<Piece> {
                     .collect()
             };
             let hidden = [
-                if k == 0 { disks[section].half } else { 0.0 },
-                if k + 1 == per_section { disks[section + 1].half } else { 0.0 },
+                if k == 0 { half(disks, section) } else { 0.0 },
+                if k + 1 == per_section { half(disks, section + 1) } else { 0.0 },
             ];
             let frames = sample(start, end, &|_| Vec3::ZERO);
             let along = |j: usize| {
@@ -259,6 +259,11 @@ fn pieces(robot: &Robot, view: &RobotView, disks: &[Disk]) -> Vec<Piece> {
     pieces
 }
 
+/// Half the thickness of a disk; 0 where there is none.
+fn half(disks: &[Disk], disk: usize) -> f64 {
+    disks.get(disk).map_or(0.0, |disk| disk.half)
+}
+
 /// Each cable ends in a knot on the upper face of a disk, or where it is anchored between disks.
 fn anchors(robot: &Robot, shape: &Shape, disks: &[Disk]) -> impl Iterator<Item = Piece> {
     let knots = &robot.disks().arc_lengths;
@@ -266,7 +271,7 @@ fn anchors(robot: &Robot, shape: &Shape, disks: &[Disk]) -> impl Iterator<Item =
         let s = route.end();
         let above = knots.iter().filter(|&&knot| knot <= s).count();
         let disk = above.checked_sub(1).filter(|&disk| knots[disk] == s);
-        let face = disk.map_or(0.0, |disk| disks[disk].half);
+        let face = disk.map_or(0.0, |disk| half(disks, disk));
         let at = pose_at(shape, s).transform(route.at(s).offset + Vec3::Z * face);
         Piece::cable(Part::Anchor(i), above.saturating_sub(1), vec![at], [0.0; 2])
     })

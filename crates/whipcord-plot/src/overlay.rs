@@ -169,11 +169,15 @@ impl View<'_> {
 
     /// Refuses a model of which nothing is in the photograph.
     fn check(&self, label: &str, body: &Body) -> Result<(), PlotError> {
-        let inside = |disk: &Disk| {
-            let pixel = self.camera.project(disk.pose.position);
+        let inside = |point: Vec3| {
+            let pixel = self.camera.project(point);
             pixel.is_ok_and(|pixel| (0..2).all(|i| (-0.5..=self.size[i] - 0.5).contains(&pixel[i])))
         };
-        if body.disks.iter().any(inside) {
+        let disks = body.disks.iter().map(|disk| disk.pose.position);
+        // A body without disks is seen by its backbone.
+        let backbone = body.pieces.iter().filter(|_| body.disks.is_empty());
+        let ends = backbone.flat_map(|piece| piece.points.first().copied());
+        if disks.chain(ends).any(inside) {
             Ok(())
         } else {
             Err(PlotError::NotSeen { what: label.to_owned() })

@@ -34,9 +34,12 @@ const THICKEST: f64 = 0.5;
 /// A cable that ends this near to a disk, relative to the length, ends at it.
 const ONE_PLACE: f64 = 1e-9;
 
-/// The disks of a robot as pictures have them, from the base on.
+/// The disks of a robot as pictures have them, from the base on; none for a robot without disks.
 #[must_use]
 pub fn plates_of(robot: &Robot) -> Vec<Plate> {
+    if !robot.has_disks() {
+        return Vec::new();
+    }
     let disks = robot.disks();
     let rings = &disks.hole_circle_radii;
     let is_clear = |holes: usize| holes.saturating_mul(disks.count()) <= MOST_HOLES;

@@ -126,10 +126,8 @@ fn add<'a>(nodes: &mut Vec<Node<'a>>, body: &'a Body, look: &'a Look, view: &Pro
         };
         let (below, above) = (piece.section, piece.section + 1);
         // A disk that shows its upper face hides what is below it.
-        if faces(below) {
-            order(first + below, index)
-        } else {
-            order(index, first + below)
+        if below < body.disks.len() {
+            if faces(below) { order(first + below, index) } else { order(index, first + below) }
         }
         if above < body.disks.len() {
             if faces(above) { order(index, first + above) } else { order(first + above, index) }

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use whipcord::kinematics::Matrix6;
 use whipcord::{CableCommand, Robot, Shortening, Twist, Vec3};
-use whipcord_io::{Dimension, Item, Table};
+use whipcord_io::{Dimension, Item, Shear, Table};
 
 use crate::errors;
 
@@ -39,6 +39,29 @@ pub fn table_in_si<'py>(
     let table = to_table(table, name)?;
     let table = whipcord_io::table_in_si(name, &table);
     from_table(py, &table.map_err(|error| errors::arguments(py, &error, name))?)
+}
+
+/// The materials that a backbone may name.
+#[pyfunction]
+pub fn materials(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    let all = whipcord_io::materials().iter().map(|preset| {
+        let (ratio, modulus) = match preset.shear {
+            Shear::PoissonRatio(ratio) => (Some(ratio), None),
+            Shear::Modulus(modulus) => (None, Some(modulus)),
+        };
+        let [least, greatest] = preset.young_modulus_range;
+        let dict = PyDict::new(py);
+        dict.set_item("name", preset.name)?;
+        dict.set_item("young_modulus", preset.young_modulus)?;
+        dict.set_item("young_modulus_range", (least, greatest))?;
+        dict.set_item("poisson_ratio", ratio)?;
+        dict.set_item("shear_modulus", modulus)?;
+        dict.set_item("density", preset.density)?;
+        dict.set_item("yield_strain", preset.yield_strain)?;
+        dict.set_item("source", preset.source)?;
+        Ok(dict)
+    });
+    all.collect()
 }
 
 /// The text of a robot file with these tables.

@@ -51,7 +51,7 @@ mod _core {
     #[pymodule_export]
     use super::camera::{Camera, locate_orthographic};
     #[pymodule_export]
-    use super::convert::{parse_quantity, table_in_si, toml, write_file};
+    use super::convert::{materials, parse_quantity, table_in_si, toml, write_file};
     #[pymodule_export]
     use super::derivatives::{Derivatives, derivatives};
     #[pymodule_export]

@@ -171,7 +171,12 @@ fn marker(
     (number, pixel): (usize, [f64; 2]),
     step: usize,
 ) -> PyResult<InImage> {
-    let disks = &setup.robot.disks().arc_lengths;
+    let disks = setup.robot.disks();
+    if !disks.are_present {
+        let message = "a robot without disks takes no marks: give a table with arc lengths";
+        return Err(errors::input(py, "marks", message.to_owned()));
+    }
+    let disks = &disks.arc_lengths;
     let disk = number.checked_sub(1).filter(|disk| *disk < disks.len());
     let disk = disk.ok_or_else(|| {
         let message =

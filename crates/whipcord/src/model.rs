@@ -57,6 +57,18 @@ impl ModelKind {
         }
     }
 
+    /// Refuses a robot without disks, for a model whose robots consist of them.
+    pub(crate) fn needs_disks(self, robot: &Robot) -> Result<(), SolveError> {
+        if robot.has_disks() {
+            return Ok(());
+        }
+        Err(SolveError::Missing {
+            model: self,
+            path: "disks".to_owned(),
+            advice: "add [disks], for example with `count = 10`; a body without disks, in whose channels the cables run, is one for cosserat or constant-curvature",
+        })
+    }
+
     /// What it is driven by where a cable has both commands, never [`Drive::Natural`]: tensions by a model
     /// that knows forces, shortenings by a geometric one.
     #[must_use]

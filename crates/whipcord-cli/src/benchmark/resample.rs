@@ -19,6 +19,7 @@ pub fn resample(robot: &Robot, sections: usize) -> Result<Robot, RobotError> {
     let old = robot.disks();
     let length = robot.backbone().length;
     let mut disks = Disks::equally_spaced(length, sections + 1, 0.0);
+    disks.are_present = old.are_present;
     disks.mass = old.mass * old.count() as f64 / disks.count() as f64;
     disks.hole_circle_radii = if old.hole_circle_radii.is_empty() {
         Vec::new()

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
+use whipcord::Disks;
 use whipcord_io::{load_camera, marks_csv};
 use whipcord_vision::detect::{Base, DetectError, Kind, Mark, Mask, Row, Search, colour, find_row};
 use whipcord_vision::{Photo, annotated};
@@ -142,11 +143,13 @@ pub fn run(args: &MeasureArgs, style: Style) -> Result<String, Failure> {
         (Some(camera), Some(file)) => camera.project(file.case.base.position).ok(),
         _ => None,
     };
-    let count = robot.as_ref().map(|file| file.robot.disks().count()).or(args.count);
+    // A body without disks may bear any number of markers.
+    let disks = robot.as_ref().map(|file| file.robot.disks()).filter(|disks| disks.are_present);
+    let count = disks.map(Disks::count).or(args.count);
     let hidden: Vec<usize> = args.hidden.iter().map(|&number| number as usize).collect();
     let row = Row {
         count,
-        places: robot.as_ref().map(|file| file.robot.disks().arc_lengths.as_slice()),
+        places: disks.map(|disks| disks.arc_lengths.as_slice()),
         hidden: &hidden,
         base: args.base.or(seen_base.map(Base::Near)),
     };

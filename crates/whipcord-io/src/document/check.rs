@@ -2,17 +2,20 @@
 
 use std::path::Path;
 
+use whipcord::Material;
+
 use super::{Item, Table, toml};
 use crate::check::{self, Data, Fields};
 use crate::error::{FileError, FileProblem, Problems};
 use crate::node::{self, Node, Value};
+use crate::read;
 use crate::schema::{Key, Kind, ROOT, Table as Declared};
 use crate::source::Sources;
 use crate::units::{Dimension, percent};
 
 /// A table such as `[backbone]` with all quantities in SI; of `[[cables]]`, `[[steps]]` and the tables
 /// of `[loads]` one entry: `name` is that of the key, with dots between nested ones. It checks names,
-/// types, units, the ranges of single numbers and what excludes what; what does not fit the rest of the robot shows when that is read.
+/// types, units, the ranges of single numbers and what excludes what, and adds the numbers of a material that is named; what does not fit the rest of the robot shows when that is read.
 ///
 /// ```
 /// use whipcord_io::{Item, Table, table_in_si};
@@ -38,7 +41,11 @@ pub fn table_in_si(name: &str, table: &Table) -> Result<Table, FileError> {
                 let fields = check::table(entries, root.span, declared, &mut problems);
                 let mut ranges = Ranges { name, root: &root, problems: &mut problems };
                 ranges.of_table("", &fields, declared);
-                plain(&fields, declared)
+                let mut table = plain(&fields, declared);
+                if name == "backbone" {
+                    complete(&mut table, &read::material(&fields));
+                }
+                table
             }
             Declaration::OfKinds { title, tag, variants } => {
                 let of_kind = check::variant(&root, entries, title, tag, variants, &mut problems);
@@ -143,6 +150,24 @@ fn declared(name: &str) -> Option<Declaration> {
         }
     }
     Some(Declaration::Table(table))
+}
+
+/// Adds what a material that is named gives besides what the table says.
+fn complete(table: &mut Table, material: &Material) {
+    if material.name.is_none() {
+        return;
+    }
+    for (key, value) in [
+        ("young_modulus", material.young_modulus),
+        ("poisson_ratio", material.poisson_ratio),
+        ("shear_modulus", material.shear_modulus),
+        ("density", material.density),
+        ("yield_strain", material.yield_strain),
+    ] {
+        if table.get(key).is_none() {
+            table.insert_some(key, value);
+        }
+    }
 }
 
 /// The entries in the order in which they are declared.

@@ -4,12 +4,13 @@ use thiserror::Error;
 use whipcord::robot::StiffnessMatrix;
 use whipcord::{
     Along, Backbone, Cable, CableCommand, Case, Disks, DistributedLoad, Interpolation, LoadFrame,
-    Loads, PointLoad, Pose, Profile, RestCurvature, Robot, Routing, Section, Shortening, Stiffness,
-    UnitQuaternion, Vec3,
+    Loads, Material, PointLoad, Pose, Profile, RestCurvature, Robot, Routing, Section, Shortening,
+    Stiffness, UnitQuaternion, Vec3,
 };
 
 use super::obstacle::obstacle;
 use super::{Item, Table};
+use crate::materials::preset;
 use crate::units::percent;
 
 /// What a robot file has no words for; a robot that was read from one has nothing of the kind.
@@ -29,7 +30,9 @@ pub fn describe(title: Option<&str>, robot: &Robot, case: &Case) -> Result<Table
     let mut file = Table::default();
     file.insert_some("title", title);
     file.insert("backbone", backbone(robot.backbone())?);
-    file.insert("disks", disks(robot.disks(), robot.backbone().length));
+    if robot.has_disks() {
+        file.insert("disks", disks(robot.disks(), robot.backbone().length));
+    }
     let in_steps = !case.before.is_empty();
     let cables = robot.cables().iter().enumerate().map(|(i, cable)| {
         let own = if in_steps { None } else { case.commands.get(i) };
@@ -139,6 +142,7 @@ fn backbone(backbone: &Backbone) -> Result<Table, Inexpressible> {
         }
     }
     let material = &backbone.material;
+    table.insert_some("material", name_of(backbone));
     table.insert_some("young_modulus", material.young_modulus);
     table.insert_some("poisson_ratio", material.poisson_ratio);
     table.insert_some("shear_modulus", material.shear_modulus);
@@ -160,6 +164,15 @@ fn backbone(backbone: &Backbone) -> Result<Table, Inexpressible> {
         }
     }
     Ok(table)
+}
+
+/// The name of the material, where its constants are read again as they are beside that name.
+fn name_of(backbone: &Backbone) -> Option<&'static str> {
+    let material = backbone.material;
+    let preset = preset(material.name?).filter(|_| backbone.stiffness.is_none())?;
+    let given = Material { name: None, ..material };
+    let again = preset.beside(given, backbone.linear_density.is_some());
+    (again == material).then_some(preset.name)
 }
 
 fn stiffness(stiffness: &Stiffness) -> Result<Table, Inexpressible> {

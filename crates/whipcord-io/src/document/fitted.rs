@@ -103,6 +103,14 @@ impl CaseFile {
         Some(text)
     }
 
+    /// Whether this is a number that the file gives by the name of the material alone.
+    fn is_of_material(&self, path: &str) -> bool {
+        let name = self.document().find("backbone.material");
+        path.starts_with("backbone.")
+            && name.is_some_and(|name| name.span.file == 0)
+            && self.document().find(path).is_none()
+    }
+
     /// Where the numbers differ, and what is to stand there.
     fn differ(
         &self,
@@ -132,6 +140,13 @@ impl CaseFile {
                     .zip(b)
                     .enumerate()
                     .try_for_each(|(i, (a, b))| self.differ(&format!("{path}[{i}]"), a, b, edits))
+            }
+            (Item::Number(_), Item::Number(_)) if self.is_of_material(path) => {
+                let name = self.document().find("backbone.material")?;
+                let (_, key) = path.rsplit_once('.')?;
+                let end = Span { start: name.span.end, ..name.span };
+                edits.push((end, format!("\n{key} = {}", short(in_si(new)?))));
+                Some(())
             }
             (Item::Number(_) | Item::Text(_), Item::Number(_) | Item::Text(_)) => {
                 let node = self.document().find(path).filter(|node| node.span.file == 0)?;

@@ -2,19 +2,14 @@ use whipcord::robot::StiffnessMatrix;
 use whipcord::{Along, Backbone, Material, RestCurvature, Section, Stiffness, Vec3};
 
 use crate::check::{Data, Fields};
+use crate::materials::preset;
 
 /// `[backbone]`; `None` when the length is missing.
 pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
     let length = fields.number("length")?;
     Some(Backbone {
         section: section(fields),
-        material: Material {
-            young_modulus: fields.number("young_modulus"),
-            poisson_ratio: fields.number("poisson_ratio"),
-            shear_modulus: fields.number("shear_modulus"),
-            density: fields.number("density"),
-            yield_strain: fields.number("yield_strain"),
-        },
+        material: material(fields),
         shear_correction: fields.number("shear_correction").unwrap_or(1.0),
         stiffness: fields.table("stiffness").and_then(stiffness),
         linear_density: along(fields, "linear_density", None, &Data::as_number),
@@ -24,6 +19,22 @@ pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
         shearable: fields.truth("shearable").unwrap_or(true),
         ..Backbone::new(length)
     })
+}
+
+/// The material that `[backbone]` names or describes, or both.
+pub(crate) fn material(fields: &Fields) -> Material {
+    let given = Material {
+        name: None,
+        young_modulus: fields.number("young_modulus"),
+        poisson_ratio: fields.number("poisson_ratio"),
+        shear_modulus: fields.number("shear_modulus"),
+        density: fields.number("density"),
+        yield_strain: fields.number("yield_strain"),
+    };
+    match fields.text("material").and_then(preset) {
+        Some(preset) => preset.beside(given, fields.data("linear_density").is_some()),
+        None => given,
+    }
 }
 
 fn section(fields: &Fields) -> Option<Section> {

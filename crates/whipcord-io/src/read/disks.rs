@@ -2,8 +2,9 @@ use whipcord::Disks;
 
 use crate::check::Fields;
 
-/// `[disks]` of a backbone of this length; `None` when neither number nor positions are given.
-pub(crate) fn disks(fields: &Fields, length: f64) -> Option<Disks> {
+/// `[disks]` of a backbone of this length, none where the table is left out; `None` when neither number nor positions are given.
+pub(crate) fn disks(fields: Option<&Fields>, length: f64) -> Option<Disks> {
+    let Some(fields) = fields else { return Some(Disks::none(length)) };
     let arc_lengths = match fields.numbers("positions") {
         Some(positions) => positions,
         None => Disks::equally_spaced(length, fields.count("count")?, 0.0).arc_lengths,
@@ -14,6 +15,7 @@ pub(crate) fn disks(fields: &Fields, length: f64) -> Option<Disks> {
     };
     Some(Disks {
         arc_lengths,
+        are_present: true,
         hole_circle_radii,
         holes: fields.count("holes"),
         mass: fields.number("mass").unwrap_or(0.0),

@@ -11,7 +11,7 @@ mod obstacles;
 mod pose;
 mod reference;
 
-pub(crate) use backbone::backbone;
+pub(crate) use backbone::{backbone, material};
 pub(crate) use cables::{cable, command, step};
 pub(crate) use disks::disks;
 pub(crate) use fit::fit;

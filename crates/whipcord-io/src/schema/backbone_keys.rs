@@ -4,6 +4,7 @@ use whipcord::robot::limits;
 
 use super::keys::{DISTANCE, LENGTH, force, key, ratio};
 use super::{Key, Kind, Rule, Table};
+use crate::materials::NAMES;
 use crate::units::Dimension;
 
 const PRESSURE: Kind = Kind::Quantity(&[Dimension::Pressure], limits::MODULUS);
@@ -43,6 +44,12 @@ pub(super) static BACKBONE: Table = Table {
             Kind::Table(&SECTION),
             r#"{ width = "6 mm", height = "4 mm" }"#,
             SECTION.doc,
+        ),
+        key(
+            "material",
+            Kind::Choice(&NAMES),
+            r#""nitinol""#,
+            "A material by name, instead of its numbers: it gives `young_modulus`, `poisson_ratio` or `shear_modulus`, `density` and, where it is known, `yield_strain`. Those that are written beside it take the place of its own. The values, their ranges and sources are in the documentation, under Materials.",
         ),
         key("young_modulus", PRESSURE, r#""1.1 GPa""#, "Young's modulus."),
         key(
@@ -115,11 +122,23 @@ pub(super) static BACKBONE: Table = Table {
         Rule::AtMostOne(&["inner_diameter", "section"]),
         Rule::Needs("inner_diameter", &["diameter", "diameters"]),
         Rule::AtMostOne(&["poisson_ratio", "shear_modulus"]),
+        Rule::AtMostOne(&["material", "stiffness"]),
         Rule::AtMostOne(&["young_modulus", "stiffness"]),
         Rule::AtMostOne(&["poisson_ratio", "stiffness"]),
         Rule::AtMostOne(&["shear_modulus", "stiffness"]),
         Rule::AtMostOne(&["shear_correction", "stiffness"]),
         Rule::AtMostOne(&["density", "linear_density"]),
+        Rule::Replaces(
+            "material",
+            &[
+                "young_modulus",
+                "poisson_ratio",
+                "shear_modulus",
+                "density",
+                "linear_density",
+                "yield_strain",
+            ],
+        ),
     ],
 };
 

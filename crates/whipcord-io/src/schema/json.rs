@@ -76,7 +76,7 @@ fn complete(declared: &Table) -> Value {
                 "if": { "required": [name] },
                 "then": { "anyOf": any_of(names) },
             })),
-            Rule::AtMostOne(_) => {}
+            Rule::AtMostOne(_) | Rule::Replaces(..) | Rule::MergedBy(_) => {}
         }
     }
     let inner: Map<_, _> = declared
@@ -84,6 +84,12 @@ fn complete(declared: &Table) -> Value {
         .iter()
         .filter_map(|key| match &key.kind {
             Kind::Table(inner) => Some((key.name.to_owned(), complete(inner))),
+            // Nothing lies below from which an entry could be removed.
+            Kind::Tables(inner) if inner.merged_by().is_some() => {
+                let mut items = complete(inner);
+                items["properties"] = json!({ "remove": { "const": false } });
+                Some((key.name.to_owned(), json!({ "items": items })))
+            }
             _ => None,
         })
         .filter(|(_, schema)| schema.as_object().is_some_and(|schema| !schema.is_empty()))
@@ -101,7 +107,7 @@ fn complete(declared: &Table) -> Value {
     Value::Object(schema)
 }
 
-/// A table that stands in an array, which replaces that of another file: it is always complete.
+/// A table that stands in an array which replaces that of another file: it is always complete.
 fn whole(declared: &Table) -> Value {
     let mut schema = table(declared);
     let rest = complete(declared);
@@ -150,6 +156,9 @@ fn kind(declared: &Kind) -> Value {
             json!({ "anyOf": any_of })
         }
         Kind::Table(inner) => table(inner),
+        Kind::Tables(inner) if inner.merged_by().is_some() => {
+            json!({ "type": "array", "items": table(inner) })
+        }
         Kind::Tables(inner) => json!({ "type": "array", "items": whole(inner) }),
         Kind::Variants { tag, variants } => of_kinds(tag.name, variants),
         Kind::TablesOfKinds { tag, variants, .. } => {

@@ -55,7 +55,7 @@ pub(crate) static ROOT: Table = Table {
             "extends",
             Kind::Text,
             r#""prototype.toml""#,
-            "Another robot file, relative to this one, over whose tables this file's are laid. Arrays, [[cables]] among them, replace those of the other file.",
+            "Another robot file, relative to this one, over whose tables this file's are laid, key by key. An entry of [[cables]] with the name of a cable of the other file changes the keys of that cable, one with a new name adds a cable. Other arrays replace those of the other file.",
         ),
         key("backbone", Kind::Table(&BACKBONE), BACKBONE.title, BACKBONE.doc),
         key("disks", Kind::Table(&DISKS), DISKS.title, DISKS.doc),
@@ -68,12 +68,12 @@ pub(crate) static ROOT: Table = Table {
         key("reference", Kind::Table(&REFERENCE), REFERENCE.title, REFERENCE.doc),
         key("fit", Kind::Table(&FIT), FIT.title, FIT.doc),
     ],
-    rules: &[Rule::Required("backbone"), Rule::Required("disks")],
+    rules: &[Rule::Required("backbone")],
 };
 
 static DISKS: Table = Table {
     title: "[disks]",
-    doc: "The perforated disks, base disk first. The first sits at the base, the last at the tip.",
+    doc: "The perforated disks, base disk first. The first sits at the base, the last at the tip. Left out for a body without disks, in whose channels the cables run.",
     keys: &[
         key(
             "count",
@@ -129,13 +129,13 @@ static CABLE: Table = Table {
             "name",
             Kind::Text,
             r#""pull""#,
-            "Name, unique in the file; by default `cable-1`, `cable-2`, ...",
+            "Name, unique in the file; by default `cable-1`, `cable-2`, ... In a file that extends one with cables: the cable whose keys are changed, or a new name.",
         ),
         key(
             "holes",
             Kind::List(&Kind::Count { least: 1, greatest: MOST_HOLES }, 2),
             "[1, 2, 3, 4]",
-            "The hole it passes at each disk, from the base disk on, counted from 1. A list shorter than the disks ends the cable at its last hole.",
+            "The hole it passes at each disk, from the base disk on, counted from 1. A list shorter than the disks ends the cable at its last hole. Without [disks] a cable needs a `routing` instead.",
         ),
         key(
             "interpolation",
@@ -174,8 +174,15 @@ static CABLE: Table = Table {
             r#""5.7 %""#,
             "By how much its part inside the robot is shortened, for models driven by length: a length, or `%` of its own initial length. Negative is paid out. With `axial_stiffness` the part is longer than that by its stretch.",
         ),
+        key(
+            "remove",
+            Kind::Flag,
+            "true",
+            "In a file that extends another: takes the cable of this name out. `cables = []` takes out all.",
+        ),
     ],
     rules: &[
+        Rule::MergedBy("name"),
         Rule::ExactlyOne(&["holes", "routing"]),
         Rule::AtMostOne(&["interpolation", "routing"]),
     ],

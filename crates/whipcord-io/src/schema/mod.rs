@@ -83,6 +83,10 @@ pub(crate) enum Rule {
     AtLeastOne(&'static [&'static str]),
     /// The first makes sense only with one of the others.
     Needs(&'static str, &'static [&'static str]),
+    /// The first, laid over another file, takes the place of the others there; in one file they may stand beside it.
+    Replaces(&'static str, &'static [&'static str]),
+    /// Entries of the list, laid over those of another file, change those of the same value of this key.
+    MergedBy(&'static str),
 }
 
 impl Table {
@@ -90,15 +94,25 @@ impl Table {
         self.keys.iter().find(|key| key.name == name)
     }
 
-    /// Keys that must not stand beside this one.
+    /// The key by which entries of a list of such tables are laid over those of another file.
+    pub(crate) fn merged_by(&self) -> Option<&'static str> {
+        self.rules.iter().find_map(|rule| match rule {
+            Rule::MergedBy(key) => Some(*key),
+            _ => None,
+        })
+    }
+
+    /// Keys of another file that this one takes the place of, laid over it.
     pub(crate) fn rivals(&self, name: &str) -> impl Iterator<Item = &'static str> {
         self.rules
             .iter()
-            .filter_map(|rule| match rule {
-                Rule::ExactlyOne(names) | Rule::AtMostOne(names) => Some(*names),
+            .filter_map(move |rule| match rule {
+                Rule::ExactlyOne(names) | Rule::AtMostOne(names) if names.contains(&name) => {
+                    Some(*names)
+                }
+                Rule::Replaces(key, names) if *key == name => Some(*names),
                 _ => None,
             })
-            .filter(move |names| names.contains(&name))
             .flatten()
             .copied()
             .filter(move |rival| *rival != name)

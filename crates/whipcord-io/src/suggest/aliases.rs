@@ -75,7 +75,7 @@ static ALIASES: &[Alias] = &[
         FILE,
         &["material", "materials"],
         Say(
-            "write the numbers of the material under [backbone]: `young_modulus`, `poisson_ratio` and `density`",
+            "write `material` under [backbone], such as `material = \"nitinol\"`, or the numbers `young_modulus`, `poisson_ratio` and `density`",
         ),
     ),
     alias(
@@ -200,11 +200,7 @@ static ALIASES: &[Alias] = &[
             "write `rest_curvature`, 1 over the radius: `rest_curvature = [\"0 1/m\", \"4 1/m\", \"0 1/m\"]` bends about y with a radius of 250 mm",
         ),
     ),
-    alias(
-        BACKBONE,
-        &["material"],
-        Say("write the numbers of the material: `young_modulus`, `poisson_ratio` and `density`"),
-    ),
+    alias(BACKBONE, &["materials", "preset", "alloy", "material_name"], Key("material")),
     alias(
         DISKS,
         &[

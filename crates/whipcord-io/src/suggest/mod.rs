@@ -22,13 +22,15 @@ pub(crate) fn nearest<'a>(
     if name.len() > LONGEST {
         return None;
     }
-    let lower = name.to_lowercase().replace('-', "_");
+    let normal = |name: &str| name.to_lowercase().replace(['-', ' '], "_");
+    let lower = normal(name);
     candidates
         .into_iter()
         .filter_map(|candidate| {
-            let distance = strsim::damerau_levenshtein(&lower, candidate);
+            let known = normal(candidate);
+            let distance = strsim::damerau_levenshtein(&lower, &known);
             // `radius` for `hole_circle_radius`: a part of the name, left out.
-            let part = lower.len() >= 4 && candidate.contains(&lower);
+            let part = lower.len() >= 4 && known.contains(&lower);
             let close = distance <= (candidate.len().max(lower.len()) / 3).max(1);
             (close || part).then_some((distance, candidate))
         })

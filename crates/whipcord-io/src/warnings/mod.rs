@@ -7,6 +7,7 @@ use whipcord::warning::{of_answer, of_case, of_spacing};
 use whipcord::{Model, ModelKind, Robot, Solution, Warning};
 
 use crate::case_file::CaseFile;
+use crate::materials::preset;
 use crate::source::{Position, Span};
 
 use bare_numbers::bare_numbers;
@@ -82,7 +83,7 @@ impl CaseFile {
     }
 
     fn warnings_with(&self, softest: f64, zero_loads: Vec<Warning>) -> Vec<FileWarning> {
-        let mut all = bare_numbers(self.document(), softest);
+        let mut all = bare_numbers(self.document(), self.softest(softest));
         let bare: Vec<String> = all.iter().filter_map(Warning::path).collect();
         let of_case = of_case(&self.robot, &self.case).into_iter();
         // What a unit explains needs no second explanation.
@@ -99,6 +100,13 @@ impl CaseFile {
             all.into_iter().map(|warning| self.placed(warning)).collect();
         all.sort_by_key(|warning| warning.span);
         all
+    }
+
+    /// The modulus in Pa below which a bare number looks like megapascals: beside the name of a soft material a far lower one.
+    fn softest(&self, usual: f64) -> f64 {
+        const FAR_BELOW: f64 = 1e-2;
+        let named = self.robot.backbone().material.name.and_then(preset);
+        named.map_or(usual, |preset| usual.min(FAR_BELOW * preset.young_modulus))
     }
 
     /// Warnings about these answers to the case: each kind once, with the first answer

@@ -86,7 +86,9 @@ fn frame(file: &CaseFile) -> Option<Warning> {
 
 fn yield_strain(file: &CaseFile) -> Option<Warning> {
     let backbone = file.robot.backbone();
-    let is_unused = backbone.material.yield_strain.is_some() && backbone.section.is_none();
+    let material = &backbone.material;
+    let is_given = material.yield_strain.is_some() && material.name.is_none();
+    let is_unused = is_given && backbone.section.is_none();
     is_unused.then(|| {
         let help = "give `diameter` or `section`, or leave it out";
         unused("backbone.yield_strain", "the cross-section is not given", help)

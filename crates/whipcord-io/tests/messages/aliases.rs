@@ -22,6 +22,19 @@ fn the_backbone_by_other_names() {
         ("a curvature", with("curvature = [0, 4, 0]")),
         ("a radius of curvature", with("radius_of_curvature = \"250 mm\"")),
         ("a material", with("material = \"steel\"")),
+        ("a material in other letters", with("material = \"Ptfe\"")),
+        ("a material by another name", with("material = \"teflon\"")),
+        ("a slip of the pen", with("material = \"nitinoll\"")),
+        ("no material", with("material = \"unobtainium\"")),
+        ("materials", with("materials = \"PTFE\"")),
+        ("a material of the file", format!("material = \"PTFE\"\n{BACKBONE}{DISKS}{CABLE}")),
+        (
+            "a material beside a stiffness",
+            with(
+                "material = \"PTFE\"\nstiffness = { bending = [1, 1], torsion = 1, axial = 1, shear = [1, 1] }",
+            ),
+        ),
+        ("a number as a material", with("material = 3")),
     ]);
     insta::assert_snapshot!(text);
 }

@@ -85,6 +85,61 @@ fn files_that_extend_others() {
 
 #[cfg(unix)]
 #[test]
+fn cables_of_files_that_extend_others() {
+    let cable = |name: &str, lines: &str| format!("[[cables]]\nname = \"{name}\"\n{lines}\n");
+    let base = format!(
+        "{BACKBONE}{DISKS}{}{}",
+        cable("left", "holes = [1, 1, 1]"),
+        cable("right", "holes = [7, 7, 7]\ntension = \"1 N\"")
+    );
+    let steps = "[[steps]]\ntension = [1, 2]\n";
+    let cases = [
+        ("without a name", "[[cables]]\nholes = [2, 2, 2]\n".to_owned()),
+        ("nothing to remove", cable("middle", "remove = true")),
+        ("removed twice", cable("left", "remove = true") + &cable("left", "remove = true")),
+        ("given twice", cable("left", "friction = 0.1") + &cable("left", "friction = 0.2")),
+        ("a hole of this file", cable("left", "holes = [2, 13]")),
+        ("a key of this file", cable("right", "tenison = 3")),
+        ("incomplete", cable("middle", "tension = 3")),
+        ("a value", cable("right", "remove = \"yes\"")),
+        ("single brackets", "[cables]\nname = \"right\"\n".to_owned()),
+        ("beside steps", cable("right", "tension = 3") + steps),
+        ("too few in steps", cable("left", "remove = true") + steps),
+    ];
+    let mut files: Vec<(String, Vec<u8>)> = cases
+        .iter()
+        .map(|(name, text)| {
+            (format!("{name}.toml"), format!("extends = \"base.toml\"\n{text}").into_bytes())
+        })
+        .collect();
+    let with_steps = format!("{base}{steps}").replace("tension = \"1 N\"\n", "");
+    let over = format!("extends = \"steps.toml\"\n{}", cable("right", "tension = 3"));
+    // What lies below gives way, but not the other way round.
+    files.push(("steps.toml".to_owned(), with_steps.into_bytes()));
+    files.push(("over steps.toml".to_owned(), over.into_bytes()));
+    files.push(("base.toml".to_owned(), base.replace("holes = [7, 7, 7]", "holes = [7]").into()));
+    files.push(("in the base.toml".to_owned(), {
+        let text = cable("left", "friction = 0.1");
+        format!("extends = \"base.toml\"\n{text}").into_bytes()
+    }));
+    files.push((
+        "alone.toml".to_owned(),
+        format!("{BACKBONE}{DISKS}{}", cable("a", "remove = true")).into(),
+    ));
+    let all: Vec<(&str, &[u8])> =
+        files.iter().map(|(name, text)| (name.as_str(), text.as_slice())).collect();
+    let folder = folder(&all);
+    let broken = loaded(folder.path(), "in the base.toml");
+    fs::write(folder.path().join("base.toml"), &base).unwrap();
+    let names = cases.iter().map(|(name, _)| *name).chain(["over steps", "alone"]);
+    let mut told: Vec<(&str, String)> =
+        names.map(|name| (name, loaded(folder.path(), &format!("{name}.toml")))).collect();
+    told.push(("in the base", broken));
+    insta::assert_snapshot!(crate::sections(told.into_iter()));
+}
+
+#[cfg(unix)]
+#[test]
 fn files_that_cannot_be_read() {
     let garbage: Vec<u8> =
         (0..10_000_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();

@@ -63,6 +63,38 @@ fn what_a_model_refuses() {
     insta::assert_snapshot!(told.join("\n"));
 }
 
+/// What needs disks says so, and where they are to be given.
+#[test]
+fn a_body_without_disks() {
+    let body =
+        "[backbone]\nlength = \"100 mm\"\ndiameter = \"20 mm\"\nmaterial = \"Dragon Skin 30\"\n";
+    let curve = "[[cables]]\nname = \"pull\"\nrouting = { kind = \"straight\", angle = 0, radius = \"6 mm\" }\ntension = \"0.5 N\"\nshortening = \"2 mm\"\n";
+    let file = parse(format!("{body}{curve}").as_str(), "robot.toml").unwrap();
+    assert_eq!(file.warnings(), []);
+    let told = ModelKind::ALL.map(|kind| {
+        let model = Model::new(kind, Stations::Disks, Drive::Natural);
+        let told = match model.solve(&file.robot, &file.case) {
+            Ok(_) => "takes it\n".to_owned(),
+            Err(error) => file.locate(&error).unwrap().to_string(),
+        };
+        format!("{kind}\n{}\n{told}", "=".repeat(kind.name().len()))
+    });
+    let holes = curve.replace(
+        "routing = { kind = \"straight\", angle = 0, radius = \"6 mm\" }",
+        "holes = [1, 1]",
+    );
+    let taper = body.replace("diameter = \"20 mm\"", "diameters = [\"20 mm\", \"10 mm\"]");
+    let bar =
+        body.replace("diameter = \"20 mm\"", "section = { width = [0.01, 0.02], height = 0.01 }");
+    let refused = crate::messages(&[
+        ("holes", format!("{body}{holes}")),
+        ("one diameter for each disk", format!("{taper}{curve}")),
+        ("one width for each disk", format!("{bar}{curve}")),
+        ("an empty table", format!("{body}[disks]\n{curve}")),
+    ]);
+    insta::assert_snapshot!(format!("{}\n{refused}", told.join("\n")));
+}
+
 #[test]
 fn what_a_model_refuses_of_a_file_that_extends_another() {
     let folder = folder(&[

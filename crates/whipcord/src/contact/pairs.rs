@@ -71,7 +71,11 @@ impl Pairs {
             Member { part: Part::Disk(k), arc_length, body }
         };
         Self {
-            disks: (1..disks.count()).map(disk).filter(|m| m.body.reach() > 0.0).collect(),
+            disks: (1..disks.count())
+                .filter(|_| disks.are_present)
+                .map(disk)
+                .filter(|m| m.body.reach() > 0.0)
+                .collect(),
             watched: watched.to_vec(),
             radii: watched.iter().map(|&s| radius(s)).collect(),
             length: backbone.length,

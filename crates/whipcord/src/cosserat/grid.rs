@@ -330,10 +330,13 @@ pub(crate) fn of_material(robot: &Robot, s: f64, inside: f64) -> Result<Stiffnes
         missing("diameter", "give the backbone's cross-section or stiffness, or use four-bar")
     })?;
     let young = backbone.material.young_modulus.ok_or_else(|| {
-        missing("young_modulus", "give the backbone's Young's modulus, or use four-bar")
+        missing(
+            "young_modulus",
+            "give the backbone's `material` or Young's modulus, or use four-bar",
+        )
     })?;
     let shear = backbone.material.shear_modulus().ok_or_else(|| {
-        missing("poisson_ratio", "give poisson_ratio or shear_modulus, or use four-bar")
+        missing("poisson_ratio", "give `poisson_ratio` or `shear_modulus`, or use four-bar")
     })?;
     let area = section.at_end(robot.disks(), s, inside);
     let across = backbone.shear_correction * shear * area.area;

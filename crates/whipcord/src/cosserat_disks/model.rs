@@ -120,6 +120,7 @@ impl CosseratDisks {
     /// [`SolveError::Missing`] when the robot's stiffness is not given, and
     /// [`SolveError::Unsupported`] when a cable is anchored between two disks.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
+        ModelKind::CosseratDisks.needs_disks(robot)?;
         let frame = Frame::new(robot, options.stations.arc_lengths(robot), loads)?;
         let meshes = match options.accuracy {
             Accuracy::Steps(steps) => vec![frame.mesh(steps, 0)?],

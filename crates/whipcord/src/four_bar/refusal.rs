@@ -23,6 +23,7 @@ pub(super) fn unsupported(
 
 /// Refuses a robot or options.
 pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> {
+    ModelKind::FourBar.needs_disks(robot)?;
     if options.drive == Drive::Tension {
         return Err(unsupported("actuation", "tension", GIVE_SHORTENING));
     }

@@ -29,6 +29,7 @@ pub(super) fn sections(
     model: ModelKind,
     division: &Division,
 ) -> Result<(Vec<Section>, Vec<f64>), SolveError> {
+    model.needs_disks(robot)?;
     let at = &robot.disks().arc_lengths;
     let mut sections = Vec::with_capacity(at.len() - 1);
     let mut lengths = vec![0.0; robot.cables().len()];

@@ -155,6 +155,7 @@ fn disk_at(place: Place, disks: &Disks) -> Option<usize> {
     const ROUNDING: f64 = 1e-9;
     match place {
         Place::Disk(disk) => Some(disk),
+        Place::ArcLength(_) if !disks.are_present => None,
         Place::ArcLength(s) => {
             let near = ROUNDING * disks.arc_lengths.last()?;
             disks.arc_lengths.iter().position(|disk| (disk - s).abs() <= near)

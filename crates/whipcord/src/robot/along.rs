@@ -181,7 +181,7 @@ impl<T: Linear> Along<T> {
 
     pub(super) fn check(
         &self,
-        disks: usize,
+        disks: &Disks,
         length: f64,
         paths: Paths,
         each: impl Fn(&str, &T) -> Result<(), RobotError>,
@@ -193,8 +193,11 @@ impl<T: Linear> Along<T> {
         match self {
             Self::Uniform(value) => each(paths.value, value),
             Self::PerDisk(values) => {
-                if values.len() != disks {
-                    let problem = Problem::Count { given: values.len(), expected: disks };
+                if !disks.are_present {
+                    return Err(RobotError::new(paths.value, Problem::ListWithoutDisks));
+                }
+                if values.len() != disks.count() {
+                    let problem = Problem::Count { given: values.len(), expected: disks.count() };
                     return Err(RobotError::new(paths.value, problem));
                 }
                 all(paths.value, values)

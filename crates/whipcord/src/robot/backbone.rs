@@ -60,6 +60,8 @@ pub struct Backbone {
 /// Elastic constants, each optional: a model says which it needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Material {
+    /// What it is called, where it has one of the names that robot files know. No model computes with it.
+    pub name: Option<&'static str>,
     /// Young's modulus in Pa.
     pub young_modulus: Option<f64>,
     /// Poisson's ratio.
@@ -207,21 +209,21 @@ impl Backbone {
 
     pub(super) fn check(&self, disks: &Disks) -> Result<(), RobotError> {
         LENGTH.check("backbone.length", self.length)?;
-        let (count, length) = (disks.arc_lengths.len(), self.length);
+        let length = self.length;
         if let Some(section) = &self.section {
-            section.check(count, length)?;
+            section.check(disks, length)?;
         }
         self.check_material()?;
         if let Some(stiffness) = &self.stiffness {
             let held = Held { shear: !self.shearable, axial: !self.extensible };
-            stiffness.check(count, length, held)?;
+            stiffness.check(disks, length, held)?;
         }
         if let Some(along) = &self.linear_density {
-            along.check(count, length, MASS_PER_LENGTH, |path, &value| {
+            along.check(disks, length, MASS_PER_LENGTH, |path, &value| {
                 LINEAR_DENSITY.check(path, value)
             })?;
         }
-        self.rest_curvature.check(count, length, CURVED, |path, u| CURVATURE.check_vector(path, *u))
+        self.rest_curvature.check(disks, length, CURVED, |path, u| CURVATURE.check_vector(path, *u))
     }
 
     /// What can only be checked once the disks are known to be valid.

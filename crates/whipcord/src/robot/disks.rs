@@ -4,11 +4,14 @@ use super::backbone::Backbone;
 use super::error::{Problem, RobotError};
 use super::limits::{COORDINATE, LEAST_PITCH, LENGTH, MASS, MOST_DISKS, check_count};
 
-/// The perforated disks, base disk first.
+/// The perforated disks, base disk first; or none, of a body in whose channels the cables run ([`Disks::none`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disks {
-    /// Arc length of each disk in m; the first is 0 and the last the backbone's length.
+    /// Arc length of each disk in m; the first is 0 and the last the backbone's length. Where there are no disks these are the
+    /// stations that stand for them where answers are given.
     pub arc_lengths: Vec<f64>,
+    /// Whether there are disks at these arc lengths.
+    pub are_present: bool,
     /// Radius in m of the circle on which each disk's holes lie; empty when the disks have none.
     pub hole_circle_radii: Vec<f64>,
     /// Number of holes of each disk, equally spaced, hole 1 on the x axis.
@@ -31,6 +34,7 @@ impl Disks {
     pub fn equally_spaced(length: f64, count: usize, hole_circle_radius: f64) -> Self {
         Self {
             arc_lengths: equally_spaced(0.0, length, count).collect(),
+            are_present: true,
             hole_circle_radii: vec![hole_circle_radius; count],
             holes: None,
             mass: 0.0,
@@ -39,21 +43,36 @@ impl Disks {
         }
     }
 
+    /// No disks on a backbone of length `length`, and [`Self::STATIONS`] equally spaced stations instead. Cables then have a curve for
+    /// their routing, and nothing is given by a list with one value for each disk. Models of robots that consist of disks refuse
+    /// such a robot.
+    #[must_use]
+    pub fn none(length: f64) -> Self {
+        let stations = Self::equally_spaced(length, Self::STATIONS, 0.0);
+        Self { are_present: false, hole_circle_radii: Vec::new(), ..stations }
+    }
+
     /// The same disks with this many equally spaced holes.
     #[must_use]
     pub fn with_holes(self, holes: usize) -> Self {
         Self { holes: Some(holes), ..self }
     }
 
-    /// Number of disks.
+    /// Number of stations of a body without disks, both ends included.
+    pub const STATIONS: usize = 21;
+
+    /// Number of disks, or of the stations that stand for them.
     #[must_use]
     pub fn count(&self) -> usize {
         self.arc_lengths.len()
     }
 
-    /// Radius in m of the rim of a disk; 0 where neither it nor the hole circle is given.
+    /// Radius in m of the rim of a disk; 0 where neither it nor the hole circle is given, and where there is no disk.
     #[must_use]
     pub fn rim_radius(&self, disk: usize) -> f64 {
+        if !self.are_present {
+            return 0.0;
+        }
         let circle = self.hole_circle_radii.get(disk).copied().unwrap_or(0.0);
         self.outer_radius.unwrap_or(circle)
     }

@@ -281,6 +281,12 @@ pub enum Problem {
         "names holes, but the number of holes of a disk is not given: set disks.holes and disks.hole_circle_radius"
     )]
     DisksWithoutHoles,
+    /// Holes are named, but there are no disks.
+    #[error("names holes, but the robot has no disks")]
+    HolesWithoutDisks,
+    /// A list with one value for each disk, but there are no disks.
+    #[error("has one value for each disk, but the robot has no disks")]
+    ListWithoutDisks,
     /// Positions that do not increase.
     #[error("must increase from the base to the tip, but {} follows {}", number(*value), number(*previous))]
     NotIncreasing {

@@ -88,10 +88,16 @@ impl Robot {
         &self.backbone
     }
 
-    /// The disks, base disk first.
+    /// The disks, base disk first, or the stations that stand for them where there are none.
     #[must_use]
     pub fn disks(&self) -> &Disks {
         &self.disks
+    }
+
+    /// Whether it has disks. A body without has cables in channels.
+    #[must_use]
+    pub fn has_disks(&self) -> bool {
+        self.disks.are_present
     }
 
     /// The cables.

@@ -144,6 +144,9 @@ impl Route {
 
 /// Arc lengths of the disks whose holes the cable passes.
 fn hole_disks<'a>(holes: &[usize], disks: &'a Disks) -> Result<&'a [f64], RobotError> {
+    if !disks.are_present {
+        return Err(RobotError::new("holes", Problem::HolesWithoutDisks));
+    }
     let Some(count) = disks.holes.filter(|_| !disks.hole_circle_radii.is_empty()) else {
         return Err(RobotError::new("holes", Problem::DisksWithoutHoles));
     };

@@ -126,7 +126,7 @@ impl Section {
         }
     }
 
-    pub(super) fn check(&self, disks: usize, length: f64) -> Result<(), RobotError> {
+    pub(super) fn check(&self, disks: &Disks, length: f64) -> Result<(), RobotError> {
         let positive = |path: &str, &value: &f64| LENGTH.check(path, value);
         match self {
             Self::Round { outer, inner } => {

@@ -131,7 +131,7 @@ impl Stiffness {
         }
     }
 
-    pub(super) fn check(&self, disks: usize, length: f64, held: Held) -> Result<(), RobotError> {
+    pub(super) fn check(&self, disks: &Disks, length: f64, held: Held) -> Result<(), RobotError> {
         match self {
             Self::Diagonal { shear, axial, bending, torsion } => {
                 let forces = |path: &str, k: &[f64; 2]| {

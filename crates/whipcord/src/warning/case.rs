@@ -33,7 +33,9 @@ fn unused(robot: &Robot, case: &Case) -> Vec<Warning> {
         found.push(Warning::UnusedKey { path: path.to_owned(), reason, help });
     };
     if loads.gravity.is_none() {
-        if backbone.material.density.is_some_and(|density| density > 0.0) {
+        // A material that is known by its name has a density, whether that is needed or not.
+        let density = backbone.material.density.filter(|_| backbone.material.name.is_none());
+        if density.is_some_and(|density| density > 0.0) {
             unused("backbone.density", NO_GRAVITY, GRAVITY);
         }
         if backbone.linear_density.as_ref().is_some_and(|of| of.values().iter().any(|v| *v > 0.0)) {

@@ -86,9 +86,10 @@ fn outside(robot: &Robot) -> Vec<Warning> {
     found.into_iter().map(|(_, warning)| warning).collect()
 }
 
-/// Not for a soft body, in which cables run in channels.
+/// Not for a body in which cables run in channels: a soft one, or one without disks.
 fn inside(robot: &Robot) -> Vec<Warning> {
-    let Some(section) = robot.backbone().section.as_ref().filter(|_| !is_soft(robot)) else {
+    let has_channels = is_soft(robot) || !robot.has_disks();
+    let Some(section) = robot.backbone().section.as_ref().filter(|_| !has_channels) else {
         return Vec::new();
     };
     let mut found: Vec<(String, Warning)> = Vec::new();

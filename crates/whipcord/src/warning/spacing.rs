@@ -43,6 +43,7 @@ fn with_half_the_spacing(robot: &Robot, case: &Case) -> Option<(Robot, Case)> {
     let disks = robot.disks();
     let finer = Disks {
         arc_lengths: with_means(&disks.arc_lengths),
+        are_present: disks.are_present,
         hole_circle_radii: with_means(&disks.hole_circle_radii),
         holes: disks.holes.map(|holes| 2 * holes),
         mass: 0.0,

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use whipcord::camera::Camera;
 use whipcord::registration::Alignment;
-use whipcord::{Observation, Place, Robot, Seen, Vec3};
+use whipcord::{Disks, Observation, Place, Robot, Seen, Vec3};
 
 use crate::check::Fields;
 use crate::error::{FileError, FileProblem, Problems};
@@ -66,7 +66,7 @@ pub struct MeasuredDisk {
 /// The robot that was measured, as far as what was seen refers to it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
-    /// Number of its disks, where that is known.
+    /// Number of its disks, where that is known; 0 of a body without.
     pub disks: Option<usize>,
     /// Length of its backbone in m, where that is known.
     pub length: Option<f64>,
@@ -74,6 +74,13 @@ pub(crate) struct Extent {
     pub steps: usize,
     /// Whether its base is at the origin of the frame of the measurement.
     pub at_origin: bool,
+}
+
+impl Extent {
+    /// How many disks markers may sit on.
+    pub(crate) fn disks_of(disks: &Disks) -> usize {
+        if disks.are_present { disks.count() } else { 0 }
+    }
 }
 
 /// Units that lengths may have in a table.
@@ -168,7 +175,7 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
     let known = Known {
         robot: Extent {
-            disks: Some(robot.disks().arc_lengths.len()),
+            disks: Some(Extent::disks_of(robot.disks())),
             length: Some(robot.backbone().length),
             steps: 0,
             at_origin: false,

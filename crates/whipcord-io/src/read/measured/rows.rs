@@ -286,6 +286,8 @@ impl Reader<'_> {
 
     fn place(&mut self, row: &Row) -> Option<Place> {
         const HELP: &str = "disks are numbered from 1, the base disk";
+        const NO_DISKS: &str =
+            "give the column `arc_length` instead of `disk`, or add [disks] to the robot file";
         let given = |reader: &Self, column| {
             reader.cell(row, column).filter(|cell| cell.value.text().is_some())
         };
@@ -295,6 +297,10 @@ impl Reader<'_> {
                 let most = self.known.robot.disks.unwrap_or(usize::MAX);
                 if disk.fract() != 0.0 || disk < 1.0 || disk > most as f64 {
                     let message = match self.known.robot.disks {
+                        Some(0) => {
+                            self.refuse(cell.span, "the robot has no disks".to_owned(), NO_DISKS);
+                            return None;
+                        }
                         Some(count) => {
                             format!("there is no disk {disk}: the robot has disks 1 to {count}")
                         }
