@@ -1,4 +1,4 @@
-"""Materials that a backbone may be made of, by name."""
+"""Material presets of backbones."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ __all__ = ["Material", "materials"]
 
 @dataclass(frozen=True)
 class Material:
-    """A material that `material` of a :class:`Backbone` names. Along the fibres where there are any."""
+    """A preset for `material` of a :class:`Backbone`. Moduli of rods with fibres are those along the fibres."""
 
     name: str
     """Its name."""
     young_modulus: float
     """Young's modulus in Pa."""
     young_modulus_range: tuple[float, float]
-    """Least and greatest Young's modulus in Pa of what is sold under the name."""
+    """Least and greatest Young's modulus in Pa of materials of this name."""
     poisson_ratio: float | None
     """Poisson's ratio; None where `shear_modulus` is given."""
     shear_modulus: float | None
@@ -26,13 +26,13 @@ class Material:
     density: float
     """Density in kg/m³."""
     yield_strain: float | None
-    """Strain up to which it springs back, where that is known."""
+    """Largest strain without permanent deformation or fracture; None if it is not known."""
     source: str
-    """Where the values stand, and what to mind."""
+    """Source of the values, and remarks."""
 
 
 def materials() -> dict[str, Material]:
-    """All materials by their names.
+    """All material presets by name.
 
     Examples
     --------

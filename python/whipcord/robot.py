@@ -139,8 +139,8 @@ class Backbone(Table):
     section
         A rectangular cross-section, instead of diameters.
     material
-        Name of a material (see :func:`materials`). It gives `young_modulus`, `poisson_ratio` or `shear_modulus`,
-        `density` and, where it is known, `yield_strain`; those that are given beside it take the place of its own.
+        Name of a material preset (see :func:`materials`). It sets `young_modulus`, `poisson_ratio` or `shear_modulus`,
+        `density` and, if it is known, `yield_strain`; entries beside it override single values.
     young_modulus, poisson_ratio, shear_modulus
         Of the material, in Pa; Poisson's ratio or the shear modulus.
     shear_correction
@@ -244,9 +244,12 @@ class Backbone(Table):
         )
 
     def replace(self, **changes: Any) -> Backbone:
-        """The same with these entries changed; None takes one out.
+        """The same backbone with other entries.
 
-        Another material takes the place of all numbers that were those of the old one.
+        Parameters
+        ----------
+        changes
+            Entries by their names; None removes an entry. Another ``material`` also replaces all constants of the old one.
         """
         if changes.get("material") is not None:
             changes = {**dict.fromkeys(_OF_MATERIAL), **changes}
@@ -262,7 +265,7 @@ _OF_MATERIAL = (
     "yield_strain",
     "stiffness",
 )
-"""What a material takes the place of, as it does in a robot file that is laid over another one."""
+"""What another material replaces, as in a robot file that extends another file."""
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -483,9 +486,9 @@ class Robot:
     Parameters
     ----------
     backbone, disks, cables
-        What it is made of. Without disks it is a body in whose channels the cables run: each cable then has a
-        `routing`, and the models ``"cosserat"`` and ``"constant-curvature"`` take it. Answers are given at 21 equally spaced
-        stations instead of the disks.
+        What it is made of. Without disks the robot is a body with cables in channels: each cable needs a
+        `routing`, and only the models ``"cosserat"`` and ``"constant-curvature"`` accept it. Solutions are given at 21 equally
+        spaced stations instead of the disks.
 
     Examples
     --------

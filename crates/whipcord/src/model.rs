@@ -65,7 +65,7 @@ impl ModelKind {
         Err(SolveError::Missing {
             model: self,
             path: "disks".to_owned(),
-            advice: "add [disks], for example with `count = 10`; a body without disks, in whose channels the cables run, is one for cosserat or constant-curvature",
+            advice: "add [disks], for example with `count = 10`, or use cosserat or constant-curvature, which model cables in channels",
         })
     }
 

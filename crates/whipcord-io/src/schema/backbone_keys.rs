@@ -49,7 +49,7 @@ pub(super) static BACKBONE: Table = Table {
             "material",
             Kind::Choice(&NAMES),
             r#""nitinol""#,
-            "A material by name, instead of its numbers: it gives `young_modulus`, `poisson_ratio` or `shear_modulus`, `density` and, where it is known, `yield_strain`. Those that are written beside it take the place of its own. The values, their ranges and sources are in the documentation, under Materials.",
+            "Name of a material preset: it sets `young_modulus`, `poisson_ratio` or `shear_modulus`, `density` and, if it is known, `yield_strain`. Keys beside it override single values. The documentation lists the values, their ranges and sources under Materials.",
         ),
         key("young_modulus", PRESSURE, r#""1.1 GPa""#, "Young's modulus."),
         key(

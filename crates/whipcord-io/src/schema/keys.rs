@@ -55,7 +55,7 @@ pub(crate) static ROOT: Table = Table {
             "extends",
             Kind::Text,
             r#""prototype.toml""#,
-            "Another robot file, relative to this one, over whose tables this file's are laid, key by key. An entry of [[cables]] with the name of a cable of the other file changes the keys of that cable, one with a new name adds a cable. Other arrays replace those of the other file.",
+            "Another robot file, relative to this one, whose keys this file overrides. An entry of [[cables]] with the name of a cable of the other file changes the keys of that cable; an entry with a new name adds a cable. Other arrays replace those of the other file.",
         ),
         key("backbone", Kind::Table(&BACKBONE), BACKBONE.title, BACKBONE.doc),
         key("disks", Kind::Table(&DISKS), DISKS.title, DISKS.doc),
@@ -73,7 +73,7 @@ pub(crate) static ROOT: Table = Table {
 
 static DISKS: Table = Table {
     title: "[disks]",
-    doc: "The perforated disks, base disk first. The first sits at the base, the last at the tip. Left out for a body without disks, in whose channels the cables run.",
+    doc: "The perforated disks, base disk first. The first sits at the base, the last at the tip. Without this table the robot is a body with cables in channels.",
     keys: &[
         key(
             "count",
@@ -178,7 +178,7 @@ static CABLE: Table = Table {
             "remove",
             Kind::Flag,
             "true",
-            "In a file that extends another: takes the cable of this name out. `cables = []` takes out all.",
+            "In a file that extends another one: removes the cable of this name. `cables = []` removes all cables.",
         ),
     ],
     rules: &[
