@@ -129,6 +129,12 @@ pub enum FileProblem {
         /// Names of the entries of the other file.
         names: Vec<String>,
     },
+    /// Two entries of one file for the same cable of a file that it extends.
+    #[error("cable `{name}` has two entries in this file")]
+    GivenTwice {
+        /// Its name.
+        name: String,
+    },
     /// An entry is to be removed that is not there.
     #[error("there is no cable `{name}` to remove")]
     NothingToRemove {

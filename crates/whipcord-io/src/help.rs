@@ -4,11 +4,9 @@ use whipcord::Problem;
 use whipcord::robot::limits::number;
 
 use crate::error::FileProblem;
+use crate::schema::FEW_CHOICES;
 use crate::source::quoted;
 use crate::units::{Dimension, QuantityError, listed, parse_quantity};
-
-/// So many words are not listed where one of them is meant.
-const FEW_CHOICES: usize = 10;
 
 impl FileProblem {
     /// What to do about it.
@@ -48,18 +46,19 @@ impl FileProblem {
                 format!("give {how_many} of them, for example {}", line(example))
             }
             Self::Exclusive { .. } => "remove one of the two".to_owned(),
+            Self::GivenTwice { .. } => "merge the two entries".to_owned(),
             Self::NoNameToMerge { names, .. } => {
-                let names = names.iter().map(|name| quoted(name)).collect::<Vec<_>>();
+                let names = names.iter().map(|name| format!("`{}`", quoted(name))).collect::<Vec<_>>();
                 let names = listed(names.iter().map(String::as_str), "or");
-                format!("give a `name`: {names} to change that cable, or a new one to add a cable")
+                format!("give it the `name` {names} to change that cable, or a new name to add a cable")
             }
             Self::NothingToRemove { names, .. } if names.is_empty() => {
-                "remove this entry: no file that this one extends has cables".to_owned()
+                "remove this entry: there is no cable of this name in a file that this one extends".to_owned()
             }
             Self::NothingToRemove { names, .. } => {
-                let names = names.iter().map(|name| quoted(name)).collect::<Vec<_>>();
+                let names = names.iter().map(|name| format!("`{}`", quoted(name))).collect::<Vec<_>>();
                 let names = listed(names.iter().map(String::as_str), "and");
-                format!("the files that this one extends have {names}")
+                format!("the cables of the file that this one extends are {names}")
             }
             Self::Needs { key, example, .. } => format!("add {}, or remove `{key}`", line(example)),
             Self::Quantity { key, error, expected } => quantity_help(key, error, expected),
@@ -86,7 +85,7 @@ impl FileProblem {
                 // Of many the nearest may well not be the one.
                 Some(near) if choices.len() > FEW_CHOICES => {
                     let all = listed(choices.iter().copied(), "and");
-                    format!("did you mean `{near}`? There are {all}")
+                    format!("did you mean `{near}`? The choices are {all}")
                 }
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("choose {}", listed(choices.iter().copied(), "or")),

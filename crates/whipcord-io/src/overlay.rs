@@ -101,6 +101,7 @@ fn merge(
         lower.into_iter().enumerate().map(|(i, item)| with_name(item, key, i)).collect();
     // Those that a name of the upper list stands for no longer, so that a name given twice there is not merged twice.
     let mut open: Vec<String> = merged.iter().filter_map(|item| text(item, key)).collect();
+    let mut given: Vec<String> = Vec::new();
     let of_lower: Vec<String> = open.iter().take(MOST_NAMED).cloned().collect();
     for mut item in upper {
         let Some(name) = text(&item, key) else {
@@ -115,6 +116,11 @@ fn merge(
             }
             continue;
         };
+        if of_lower.contains(&name) && given.contains(&name) {
+            problems.push(item.span, || FileProblem::GivenTwice { name: quoted(&name) });
+            continue;
+        }
+        given.push(name.clone());
         let found = open.iter().position(|of| *of == name).map(|k| open.remove(k));
         let place = found.and_then(|name| {
             merged.iter().position(|below| text(below, key).as_ref() == Some(&name))

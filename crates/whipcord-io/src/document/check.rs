@@ -44,6 +44,8 @@ pub fn table_in_si(name: &str, table: &Table) -> Result<Table, FileError> {
                 let mut table = plain(&fields, declared);
                 if name == "backbone" {
                     complete(&mut table, &read::material(&fields));
+                    let place = |name: &str| declared.keys.iter().position(|key| key.name == name);
+                    table.entries.sort_by_key(|(name, _)| place(name));
                 }
                 table
             }

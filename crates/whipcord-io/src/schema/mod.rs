@@ -14,6 +14,9 @@ use crate::units::Dimension;
 pub use json::schema;
 pub(crate) use keys::{DURATION, ROOT};
 
+/// Choices of more words are described by an example, and listed in the remedy.
+pub(crate) const FEW_CHOICES: usize = 10;
+
 /// A table of the file.
 #[derive(Debug)]
 pub(crate) struct Table {
@@ -147,6 +150,7 @@ impl Kind {
     /// What messages say that a value must be.
     pub(crate) fn description(&self) -> String {
         match self {
+            Self::Choice(words) if words.len() > FEW_CHOICES => "a text".to_owned(),
             Self::Text => "a text".to_owned(),
             Self::Flag => "true or false".to_owned(),
             Self::Choice(words) => crate::units::listed(words.iter().copied(), "or"),

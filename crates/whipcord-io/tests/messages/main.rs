@@ -82,7 +82,7 @@ fn no_robot_file_at_all() {
         ("YAML", "backbone:\n  length: 180 mm\n".to_owned()),
         ("one long line", "x".repeat(1_000_000)),
         ("control characters", "\u{1}\u{1b}[31m\u{7}".to_owned()),
-        ("no [disks]", BACKBONE.to_owned()),
+        ("no [backbone]", DISKS.to_owned()),
     ]);
     insta::assert_snapshot!(text);
 }

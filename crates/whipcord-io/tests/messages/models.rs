@@ -67,8 +67,8 @@ fn what_a_model_refuses() {
 #[test]
 fn a_body_without_disks() {
     let body =
-        "[backbone]\nlength = \"100 mm\"\ndiameter = \"20 mm\"\nmaterial = \"Dragon Skin 30\"\n";
-    let curve = "[[cables]]\nname = \"pull\"\nrouting = { kind = \"straight\", angle = 0, radius = \"6 mm\" }\ntension = \"0.5 N\"\nshortening = \"2 mm\"\n";
+        "[backbone]\nlength = \"150 mm\"\ndiameter = \"14 mm\"\nmaterial = \"Dragon Skin 30\"\n";
+    let curve = "[[cables]]\nname = \"pull\"\nrouting = { kind = \"straight\", angle = 0, radius = \"5 mm\" }\ntension = \"0.5 N\"\nshortening = \"2 mm\"\n";
     let file = parse(format!("{body}{curve}").as_str(), "robot.toml").unwrap();
     assert_eq!(file.warnings(), []);
     let told = ModelKind::ALL.map(|kind| {
@@ -80,12 +80,12 @@ fn a_body_without_disks() {
         format!("{kind}\n{}\n{told}", "=".repeat(kind.name().len()))
     });
     let holes = curve.replace(
-        "routing = { kind = \"straight\", angle = 0, radius = \"6 mm\" }",
+        "routing = { kind = \"straight\", angle = 0, radius = \"5 mm\" }",
         "holes = [1, 1]",
     );
-    let taper = body.replace("diameter = \"20 mm\"", "diameters = [\"20 mm\", \"10 mm\"]");
+    let taper = body.replace("diameter = \"14 mm\"", "diameters = [\"14 mm\", \"10 mm\"]");
     let bar =
-        body.replace("diameter = \"20 mm\"", "section = { width = [0.01, 0.02], height = 0.01 }");
+        body.replace("diameter = \"14 mm\"", "section = { width = [0.01, 0.02], height = 0.01 }");
     let refused = crate::messages(&[
         ("holes", format!("{body}{holes}")),
         ("one diameter for each disk", format!("{taper}{curve}")),
