@@ -93,6 +93,59 @@ impl DenseLu {
     }
 }
 
+/// Columns that are solved for side by side.
+const LANES: usize = 8;
+
+impl DenseLu {
+    /// Overwrites each column `b` by the solution of `A x = b`, to the bits of [`Self::solve`], in less time than one by one.
+    ///
+    /// ```
+    /// use whipcord_numerics::DenseLu;
+    /// let mut lu = DenseLu::default();
+    /// lu.factor(2, &[0.0, 2.0, 1.0, 1.0])?; // by rows
+    /// let mut columns = [vec![2.0, 3.0], vec![4.0, 1.0]];
+    /// lu.solve_columns(&mut columns);
+    /// assert_eq!(columns, [vec![2.0, 1.0], vec![-1.0, 2.0]]);
+    /// # Ok::<(), whipcord_numerics::Singular>(())
+    /// ```
+    pub fn solve_columns(&self, columns: &mut [Vec<f64>]) {
+        let n = self.n;
+        let mut block = vec![[0.0; LANES]; n];
+        for columns in columns.chunks_mut(LANES) {
+            for (i, lanes) in block.iter_mut().enumerate() {
+                for (x, column) in lanes.iter_mut().zip(columns.iter()) {
+                    *x = column[i];
+                }
+            }
+            for k in 0..n {
+                block.swap(k, self.pivots[k]);
+            }
+            for i in 1..n {
+                block[i] = less(block[i], &self.factors[i * n..i * n + i], &block[..i]);
+            }
+            for i in (0..n).rev() {
+                let row = &self.factors[i * n..(i + 1) * n];
+                block[i] = less(block[i], &row[i + 1..], &block[i + 1..]).map(|x| x / row[i]);
+            }
+            for (l, column) in columns.iter_mut().enumerate() {
+                for (x, lanes) in column.iter_mut().zip(&block) {
+                    *x = lanes[l];
+                }
+            }
+        }
+    }
+}
+
+/// `lanes` less the sum of the rows by these factors, one after the other.
+fn less(mut lanes: [f64; LANES], factors: &[f64], rows: &[[f64; LANES]]) -> [f64; LANES] {
+    for (f, row) in factors.iter().zip(rows) {
+        for (x, y) in lanes.iter_mut().zip(row) {
+            *x -= f * y;
+        }
+    }
+    lanes
+}
+
 /// The eigenvalues of a symmetric `n`×`n` matrix, given by rows and overwritten, in no particular
 /// order: by Jacobi's rotations, each accurate to rounding relative to the largest.
 ///
@@ -169,6 +222,23 @@ mod tests {
         lu.solve(&mut b);
         for i in 0..n {
             assert!((b[i] - x[i]).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn columns_side_by_side_are_those_one_by_one() {
+        let n = 13;
+        let noise = |k: usize| ((k * k + 7) as f64).sin();
+        let a: Vec<f64> = (0..n * n).map(noise).collect();
+        let mut lu = DenseLu::default();
+        lu.factor(n, &a).unwrap();
+        for count in [0, 1, 8, 19] {
+            let column = |c: usize| (0..n).map(|i| noise(1000 + c * n + i)).collect::<Vec<f64>>();
+            let mut together: Vec<Vec<f64>> = (0..count).map(column).collect();
+            let mut single = together.clone();
+            lu.solve_columns(&mut together);
+            single.iter_mut().for_each(|b| lu.solve(b));
+            assert_eq!(together, single);
         }
     }
 

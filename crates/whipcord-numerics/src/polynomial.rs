@@ -90,10 +90,23 @@ impl PiecewiseCubic {
     /// at a knot it is the piece on its right that answers.
     #[must_use]
     pub fn evaluate(&self, x: f64) -> [f64; 3] {
+        self.evaluate_piece(self.piece(x), x)
+    }
+
+    /// The number of the cubic that answers at `x`, for those who ask several functions of the same knots.
+    #[must_use]
+    #[inline]
+    pub fn piece(&self, x: f64) -> usize {
         let last = self.pieces.len() - 1;
-        let i = self.knots[1..=last].partition_point(|&k| k <= x);
-        let [a, b, c, d] = self.pieces[i];
-        let t = x - self.knots[i];
+        self.knots[1..=last].partition_point(|&k| k <= x)
+    }
+
+    /// Value, first and second derivative at `x` of the cubic of this number.
+    #[must_use]
+    #[inline]
+    pub fn evaluate_piece(&self, piece: usize, x: f64) -> [f64; 3] {
+        let [a, b, c, d] = self.pieces[piece];
+        let t = x - self.knots[piece];
         [a + t * (b + t * (c + t * d)), b + t * (2.0 * c + 3.0 * t * d), 2.0 * c + 6.0 * t * d]
     }
 }

@@ -245,11 +245,14 @@ pub enum Obstruction {
     Leaps,
     /// The search took more iterations than a solve may spend on the whole way.
     #[error(
-        "there the search was given up after {iterations} iterations, with {contacts} contacts: check the units of length and tension, pull the cables less, or take away obstacles that are not needed"
+        "there the search was given up after {iterations} iterations, with {contacts} contacts (residual {}): check the units of length and tension, pull the cables less or in several `[[steps]]`, make obstacles less narrow or less bent, or take away those that are not needed",
+        significant(*residual, 3, Round::Nearest)
     )]
     BudgetSpent {
         /// Iterations on the whole way.
         iterations: usize,
+        /// What was left of the conditions of contact, relative to length and forces of the robot.
+        residual: f64,
         /// Contacts and parts close to an obstacle at the end.
         contacts: usize,
     },

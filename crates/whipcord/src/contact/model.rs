@@ -31,7 +31,7 @@ pub(crate) trait Yielding {
     /// What ends the solve from outside.
     fn cancel(&self) -> &Cancel;
 
-    /// What an iteration without contacts costs, relative to one of a rod that is watched at 100 places.
+    /// What an iteration without contacts costs, relative to one of a rod of 100 steps.
     fn effort(&self) -> f64;
 
     /// Makes its equations finer where the answer is not yet as accurate as was asked for; `true` where it then

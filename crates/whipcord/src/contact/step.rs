@@ -111,8 +111,8 @@ impl Scratch {
                     }
                 }
             }));
-            self.lu.solve(column);
         }
+        self.lu.solve_columns(&mut self.moves);
         let problem = &mut self.complementarity;
         problem.reset(total);
         let approach = |line: &Line, column: &[f64]| {
@@ -201,7 +201,7 @@ fn add_lines(
         let nearest = member.body.track(scene.get(pair.obstacle), pose, nearest.local);
         [grip.slip_at(pose, &nearest, rounding)]
     };
-    let rates = differences(&model.pose(member.arc_length), member.body.reach(), slip);
+    let rates = differences(6, &model.pose(member.arc_length), member.body.reach(), slip);
     for axis in tangents(nearest.normal) {
         lines.push(Line {
             pair: number,
@@ -236,7 +236,10 @@ fn geometric(pair: &Pair, model: &impl Yielding, scene: &Scene) -> [[f64; 6]; 6]
         [Vec3::new(x, y, z), Vec3::new(u, v, w)]
     };
     let pose = model.pose(pair.member.arc_length);
-    for (b, [force, moment]) in differences(&pose, body.reach(), push).into_iter().enumerate() {
+    // A ball looks the same from all sides.
+    let motions = if body.is_ball() { 3 } else { 6 };
+    let rates = differences(motions, &pose, body.reach(), push);
+    for (b, [force, moment]) in rates.into_iter().enumerate() {
         let column = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
         for (row, value) in matrix.iter_mut().zip(column) {
             row[b] = value;
@@ -245,14 +248,19 @@ fn geometric(pair: &Pair, model: &impl Yielding, scene: &Scene) -> [[f64; 6]; 6]
     matrix
 }
 
-/// Central differences by the motions of a cross-section, of something that is smooth and quick.
+/// Central differences by the first so many motions of a cross-section, of something that is smooth and quick and does
+/// not change with the others.
 fn differences<const N: usize>(
+    motions: usize,
     pose: &Pose,
     reach: f64,
     value: impl Fn(&Pose) -> [Vec3; N],
 ) -> [[Vec3; N]; 6] {
     let size = reach.max(1e-9);
     core::array::from_fn(|b| {
+        if b >= motions {
+            return [Vec3::ZERO; N];
+        }
         let mut axis = [0.0; 3];
         axis[b % 3] = 1.0;
         let h = if b < 3 { STEP * size } else { STEP };

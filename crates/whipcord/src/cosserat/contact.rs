@@ -115,7 +115,7 @@ impl Yielding for Touched<'_> {
     }
 
     fn effort(&self) -> f64 {
-        self.watched.len() as f64 / 100.0
+        self.found.steps().max(self.watched.len()) as f64 / 100.0
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {

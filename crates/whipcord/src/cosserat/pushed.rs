@@ -74,7 +74,11 @@ struct Linear {
     derivatives: Derivatives,
     /// Newton's step while the wrenches stay as they are.
     closing: Motion,
-    /// How everything moves with each component of each push.
+    /// The nodes that are pushed, each once: several pushes may act on one.
+    nodes: Vec<usize>,
+    /// The place in these of each push.
+    place_of: Vec<usize>,
+    /// How everything moves with each component of a wrench on each of these nodes.
     pushed: Vec<Motion>,
 }
 
@@ -165,6 +169,11 @@ impl Pushed {
         Ok(())
     }
 
+    /// How many steps it has from base to tip.
+    pub fn steps(&self) -> usize {
+        self.site.as_ref().map_or(0, |site| site.grid.len())
+    }
+
     /// The frame of a station or place of a push.
     pub fn pose(&self, arc_length: f64) -> Pose {
         let Some(site) = &self.site else { return Pose::IDENTITY };
@@ -225,7 +234,8 @@ impl Pushed {
             .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
             .collect();
         let closing = derivatives.closing(&gaps, tensions, &taut, &slackness);
-        self.linear = Some(Linear { derivatives, closing, pushed: Vec::new() });
+        let (nodes, place_of, pushed) = (Vec::new(), Vec::new(), Vec::new());
+        self.linear = Some(Linear { derivatives, closing, nodes, place_of, pushed });
         Ok(())
     }
 
@@ -240,30 +250,44 @@ impl Pushed {
         compliance.clear();
         drift.clear();
         let (Some(site), Some(linear)) = (&self.site, &mut self.linear) else { return };
-        let Linear { derivatives, closing, pushed } = linear;
-        let nodes: Vec<usize> = places.map(|at| site.node(at)).collect();
-        let components = nodes.iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
+        let Linear { derivatives, closing, nodes, place_of, pushed } = linear;
+        let of_pushes: Vec<usize> = places.map(|at| site.node(at)).collect();
+        nodes.clone_from(&of_pushes);
+        nodes.sort_unstable();
+        nodes.dedup();
+        place_of.clear();
+        place_of.extend(of_pushes.iter().map(|node| nodes.partition_point(|other| other < node)));
         pushed.clear();
+        let components = nodes.iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
         pushed.extend(components.map(|(node, i)| derivatives.pushed(node, unit_wrench(i))));
-        for &node in &nodes {
-            let rates = |motion: &Motion| {
-                let twist = motion.nodes[node].twist();
-                let parts = [twist.linear, twist.angular].map(<[f64; 3]>::from);
-                core::array::from_fn::<f64, 6, _>(|a| parts[a / 3][a % 3])
-            };
-            drift.extend(rates(closing));
-            let columns: Vec<[f64; 6]> = pushed.iter().map(rates).collect();
+        let rates = |motion: &Motion, node: usize| {
+            let twist = motion.nodes[node].twist();
+            let parts = [twist.linear, twist.angular].map(<[f64; 3]>::from);
+            core::array::from_fn::<f64, 6, _>(|a| parts[a / 3][a % 3])
+        };
+        let mut columns: Vec<[f64; 6]> = Vec::with_capacity(pushed.len());
+        for &node in &of_pushes {
+            drift.extend(rates(closing, node));
+            columns.clear();
+            columns.extend(pushed.iter().map(|motion| rates(motion, node)));
             for a in 0..6 {
-                compliance.extend(columns.iter().map(|column| column[a]));
+                for &place in place_of.iter() {
+                    compliance.extend(columns[6 * place..6 * place + 6].iter().map(|x| x[a]));
+                }
             }
         }
     }
 
     /// Takes a part of Newton's step, with what changes of the pushes do.
     pub fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
-        let Some(Linear { closing, pushed, .. }) = &self.linear else { return };
+        let Some(Linear { closing, place_of, pushed, .. }) = &self.linear else { return };
         let mut motion = closing.clone();
-        for (column, &change) in pushed.iter().zip(changes.iter().flatten()) {
+        let mut together = vec![0.0; pushed.len()];
+        for (&place, change) in place_of.iter().zip(changes) {
+            let of_node = &mut together[6 * place..6 * place + 6];
+            of_node.iter_mut().zip(change).for_each(|(sum, change)| *sum += change);
+        }
+        for (column, &change) in pushed.iter().zip(&together) {
             motion.add(change, column);
         }
         let most = motion.nodes.iter().map(|node| node.turn.norm()).fold(0.0, f64::max);

@@ -139,9 +139,10 @@ impl Yielding for Touched<'_> {
     }
 
     fn effort(&self) -> f64 {
-        // Its equations are dense: those of so many sections take as long to solve.
+        // To look where it is, and to solve its equations, which are dense: those of so many sections take as long.
+        const LOOK: f64 = 0.4;
         const SECTIONS: f64 = 60.0;
-        (self.model.sections.len() as f64 / SECTIONS).powi(3).max(0.1)
+        LOOK + (self.model.sections.len() as f64 / SECTIONS).powi(3)
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {

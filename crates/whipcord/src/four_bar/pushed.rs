@@ -306,6 +306,11 @@ impl Pushed {
     /// lengths, and adds what it changes of their multipliers.
     fn yield_to(&self, column: &mut [f64], pulls: Option<&mut Vec<f64>>) {
         self.lu.solve(column);
+        self.hold_cables(column, pulls);
+    }
+
+    /// Takes off a motion at constant multipliers what keeps the cables that pull at their lengths.
+    fn hold_cables(&self, column: &mut [f64], pulls: Option<&mut Vec<f64>>) {
         let mut changes: Vec<f64> =
             self.active.iter().map(|&c| dot(&self.arms[c], column)).collect();
         self.schur_lu.solve(&mut changes);
@@ -353,12 +358,29 @@ impl Pushed {
         drift.extend(jacobian.chunks(n).map(|row| dot(row, &self.left)));
         compliance.clear();
         compliance.resize(rows * rows, 0.0);
-        let mut column = vec![0.0; n];
-        for (j, row) in jacobian.chunks(n).enumerate() {
-            column.copy_from_slice(row);
-            self.yield_to(&mut column, None);
+        let mut columns: Vec<Vec<f64>> = jacobian.chunks(n).map(<[f64]>::to_vec).collect();
+        self.lu.solve_columns(&mut columns);
+        for column in &mut columns {
+            self.hold_cables(column, None);
+        }
+        // Several columns side by side: the sums do not wait for one another.
+        const LANES: usize = 8;
+        let mut block = vec![[0.0; LANES]; n];
+        for (first, columns) in (0..rows).step_by(LANES).zip(columns.chunks(LANES)) {
+            for (k, lanes) in block.iter_mut().enumerate() {
+                for (x, column) in lanes.iter_mut().zip(columns) {
+                    *x = column[k];
+                }
+            }
             for (i, row) in jacobian.chunks(n).enumerate() {
-                compliance[i * rows + j] = dot(row, &column);
+                let mut sums = [0.0; LANES];
+                for (f, lanes) in row.iter().zip(&block) {
+                    for (sum, x) in sums.iter_mut().zip(lanes) {
+                        *sum += f * x;
+                    }
+                }
+                let at = i * rows + first;
+                compliance[at..at + columns.len()].copy_from_slice(&sums[..columns.len()]);
             }
         }
         self.jacobian = jacobian;

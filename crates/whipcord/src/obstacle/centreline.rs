@@ -30,6 +30,15 @@ pub(super) struct Centreline {
     tangents: Vec<Vec3>,
     /// The smooth line by its coordinates; none of a line with corners.
     smooth: Option<[PiecewiseCubic; 3]>,
+    /// Balls that hold the samples, so many to each in their order; the last holds what is left.
+    balls: Vec<Ball>,
+}
+
+/// A ball around some of the samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ball {
+    centre: Vec3,
+    radius: f64,
 }
 
 /// The nearest point of a line.
@@ -79,7 +88,7 @@ impl Centreline {
                 (points[b] - points[a]) / (at[b] - at[a])
             });
             let tangents = tangents.collect();
-            return Ok(Self { bends, at, samples: points.to_vec(), tangents, smooth: None });
+            return Ok(Self { bends, at, samples: points.to_vec(), tangents, smooth: None, balls: Vec::new() });
         };
         let between = |w: &[f64]| {
             let (a, b) = (w[0], w[1]);
@@ -93,7 +102,9 @@ impl Centreline {
                 (c, dc / dc.norm())
             })
             .unzip();
-        let line = Self { bends, at: fine, samples, tangents, smooth: Some(smooth) };
+        let samples: Vec<Vec3> = samples;
+        let balls = samples.chunks(SAMPLES).map(Ball::around).collect();
+        let line = Self { bends, at: fine, samples, tangents, smooth: Some(smooth), balls };
         match line.tangents.iter().position(|t| !t.is_finite()) {
             // Points that go back the way they came.
             Some(k) => {
@@ -159,15 +170,40 @@ impl Centreline {
         Foot { foot, tangent, place }
     }
 
-    fn nearest_smooth(&self, smooth: &[PiecewiseCubic; 3], point: Vec3) -> Foot {
-        let mut nearest = 0;
-        let mut best = f64::INFINITY;
-        for (k, &sample) in self.samples.iter().enumerate() {
-            let squared = (point - sample).norm_squared();
-            if squared < best {
-                (best, nearest) = (squared, k);
+    /// The nearest of the samples, the first of several: only balls that may hold it are looked into, the nearest first.
+    fn nearest_sample(&self, point: Vec3) -> usize {
+        let squared = |ball: &Ball| (point - ball.centre).norm_squared();
+        let mut first = (f64::INFINITY, 0);
+        for (k, ball) in self.balls.iter().enumerate() {
+            let here = squared(ball);
+            if here < first.0 {
+                first = (here, k);
             }
         }
+        let mut best = (f64::INFINITY, 0);
+        let look = |best: &mut (f64, usize), k: usize| {
+            let from = k * SAMPLES;
+            let to = (from + SAMPLES).min(self.samples.len());
+            for (i, &sample) in self.samples[from..to].iter().enumerate() {
+                let here = (point - sample).norm_squared();
+                if here < best.0 || here == best.0 && from + i < best.1 {
+                    *best = (here, from + i);
+                }
+            }
+        };
+        look(&mut best, first.1);
+        for (k, ball) in self.balls.iter().enumerate() {
+            // With room for rounding.
+            let farthest = (best.0.sqrt() + ball.radius) * (1.0 + 1e-9);
+            if k != first.1 && squared(ball) <= farthest * farthest {
+                look(&mut best, k);
+            }
+        }
+        best.1
+    }
+
+    fn nearest_smooth(&self, smooth: &[PiecewiseCubic; 3], point: Vec3) -> Foot {
+        let nearest = self.nearest_sample(point);
         let last = self.samples.len() - 1;
         // How fast the squared distance grows, by half: its root is the nearest point.
         let growth = |u: f64| {
@@ -214,6 +250,15 @@ impl Centreline {
     }
 }
 
+impl Ball {
+    fn around(samples: &[Vec3]) -> Self {
+        let sum = samples.iter().fold(Vec3::ZERO, |sum, &sample| sum + sample);
+        let centre = sum / samples.len() as f64;
+        let apart = |&sample: &Vec3| (sample - centre).norm();
+        Self { centre, radius: samples.iter().map(apart).fold(0.0, f64::max) }
+    }
+}
+
 /// The spline of each coordinate; `None` never with increasing parameters.
 fn coordinates(at: &[f64], points: &[Vec3]) -> Option<[PiecewiseCubic; 3]> {
     let coordinate = |i: usize| {
@@ -224,7 +269,12 @@ fn coordinates(at: &[f64], points: &[Vec3]) -> Option<[PiecewiseCubic; 3]> {
 }
 
 /// A point of a smooth line and its first two derivatives.
+#[inline]
 fn evaluate(smooth: &[PiecewiseCubic; 3], u: f64) -> [Vec3; 3] {
-    let [x, y, z] = [0, 1, 2].map(|i| smooth[i].evaluate(u));
-    [0, 1, 2].map(|d| Vec3::new(x[d], y[d], z[d]))
+    let piece = smooth[0].piece(u);
+    let [x, y, z] = smooth;
+    let x = x.evaluate_piece(piece, u);
+    let y = y.evaluate_piece(piece, u);
+    let z = z.evaluate_piece(piece, u);
+    [Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]), Vec3::new(x[2], y[2], z[2])]
 }

@@ -152,6 +152,36 @@ fn bent_pipes_become_a_torus() {
     assert!(errors[0] / errors[1] > 10.0 && errors[1] / errors[2] > 10.0, "{errors:?}");
 }
 
+/// In a coil of many points, whose turns lie side by side, no place of the middle is nearer than the one that is found.
+#[test]
+fn the_nearest_place_of_a_coil_is_found() {
+    let radius = 0.006;
+    let at = |k: u32| {
+        let angle = f64::from(k) * core::f64::consts::PI / 12.0;
+        [0.03 * angle.cos(), 0.03 * angle.sin(), 0.014 * angle / core::f64::consts::TAU]
+    };
+    let points: Vec<[f64; 3]> = (0..=120).map(at).collect();
+    let coil = pipe(radius, &points, Bends::Smooth);
+    let middle = coil.middle().0.to_vec();
+    let apart = (middle[1] - middle[0]).norm();
+    let obstacle = at_origin(Form::Pipe(coil));
+    let mut draws = Draws::new(11);
+    let mut inside = 0;
+    for _ in 0..4000 {
+        let k = 30 + (draws.number() * (middle.len() - 60) as f64) as usize;
+        let p = middle[k] + draws.vector(0.012);
+        let from_middle = middle.iter().map(|&q| (p - q).norm()).fold(f64::INFINITY, f64::min);
+        let distance = obstacle.surface(p).distance;
+        let least = radius - from_middle;
+        assert!(distance >= least - 1e-15, "{p:?} {distance} {least}");
+        if least > 0.0 {
+            inside += 1;
+            assert!(distance <= least + 0.5 * apart, "{p:?} {distance} {least}");
+        }
+    }
+    assert!(inside > 500, "{inside}");
+}
+
 /// A cornered pipe against the dense sampling of its middle.
 #[test]
 fn cornered_pipes_are_exact() {

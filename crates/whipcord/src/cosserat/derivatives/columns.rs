@@ -49,7 +49,7 @@ impl Derivatives {
             Some((at, wrench)) if at == node => wrench,
             _ => Wrench::default(),
         };
-        let mut raw = self.answer_to(effect, wrench);
+        let mut raw = self.answer_to(0, effect, wrench);
         for (place, length) in raw.lengths.iter_mut().enumerate() {
             if let Source::Parameter(p) = source {
                 *length += self.partials[p].lengths[place];
@@ -64,15 +64,16 @@ impl Derivatives {
     }
 
     /// The change that goes with something that acts within the steps, and wrenches added at the nodes, at
-    /// constant tensions.
+    /// constant tensions; nothing acts in the steps before `first`.
     pub(super) fn answer_to(
         &self,
+        first: usize,
         effect: impl Fn(usize) -> Effect,
         added: impl Fn(usize) -> Wrench,
     ) -> Raw {
         let cables = self.place_of.len();
         let mut raw = Raw { nodes: Vec::new(), lengths: vec![0.0; cables] };
-        self.elimination.solve(effect, added, &mut raw.nodes);
+        self.elimination.solve(first, effect, added, &mut raw.nodes);
         for (k, node) in raw.nodes.iter().take(self.steps.len()).enumerate() {
             for (place, length) in raw.lengths.iter_mut().enumerate() {
                 let [turn, moment, force] = &self.maps.length_by_state[k * cables + place];

@@ -145,18 +145,21 @@ impl Elimination {
         Ok(())
     }
 
-    /// How every node moves with what acts on the end of each step and what is added at each node.
+    /// How every node moves with what acts on the end of each step and what is added at each node; nothing does in the
+    /// steps before `first`.
     pub fn solve(
         &self,
+        first: usize,
         effect: impl Fn(usize) -> Effect,
         added: impl Fn(usize) -> Wrench,
         nodes: &mut Vec<NodeChange>,
     ) {
         // On the way out a node holds `q` and the offset `w` of the step before it.
         nodes.clear();
-        nodes.push(NodeChange::default());
+        nodes.reserve(self.steps.len() + 1);
+        nodes.resize(first + 1, NodeChange::default());
         let mut free = Vec3::ZERO;
-        for (k, (step, map)) in self.steps.iter().zip(&self.maps).enumerate() {
+        for (k, (step, map)) in self.steps.iter().zip(&self.maps).enumerate().skip(first) {
             let Effect { turn, moment, force, .. } = effect(k);
             let turn = map.turn[0] * free + turn;
             let Wrench { force: added_force, moment: added_moment } = added(k + 1);

@@ -53,7 +53,7 @@ impl Derivatives {
             let StepGap { turn, moment, force } = gaps[k];
             Effect { turn, moment, force, shift: Vec3::ZERO }
         };
-        let raw = self.answer_to(effect, |_| Wrench::default());
+        let raw = self.answer_to(0, effect, |_| Wrench::default());
         let release = |place: usize| match self.commands[place] {
             Command::Length { .. } if !taut[place] => -tensions[place],
             _ => 0.0,
@@ -65,7 +65,8 @@ impl Derivatives {
     pub(in crate::cosserat) fn pushed(&self, node: usize, wrench: Wrench) -> Motion {
         let added = |at: usize| if at == node { wrench } else { Wrench::default() };
         let cables = self.place_of.len();
-        let raw = self.answer_to(|_| Effect::default(), added);
+        let steps = self.steps.len();
+        let raw = self.answer_to(node.saturating_sub(1).min(steps), |_| Effect::default(), added);
         self.complete(raw, vec![0.0; cables], &vec![0.0; cables])
     }
 
