@@ -98,6 +98,8 @@ impl Body {
     pub fn track(&self, obstacle: &Obstacle, pose: &Pose, from: [f64; 2]) -> Nearest {
         const STEPS: usize = 60;
         const HALVINGS: usize = 40;
+        // What is left after a step of Newton's method this short is rounding.
+        const SETTLED: f64 = 1e-9;
         let axes = [pose.rotation.rotate(Vec3::X), pose.rotation.rotate(Vec3::Y)];
         let see = |[x, y]: [f64; 2]| {
             let surface = obstacle.surface(pose.position + axes[0] * x + axes[1] * y);
@@ -145,7 +147,7 @@ impl Body {
             let Some((next, seen, sloping)) = lower else { break };
             let moved = (next[0] - local[0]).hypot(next[1] - local[1]);
             (local, surface, slope) = (next, seen, sloping);
-            if moved < 1e-13 * self.flat {
+            if size < SETTLED * self.flat || moved < 1e-13 * self.flat {
                 break;
             }
         }

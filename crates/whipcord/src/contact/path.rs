@@ -35,7 +35,7 @@ const LONGEST_STEP: f64 = 0.2;
 const LEAST_STEP: f64 = 1e-4;
 /// What a solve may spend over the whole way, in iterations of a robot of ordinary size with few contacts: a few seconds. The
 /// catheter in a bent pipe of the examples takes about 800.
-const BUDGET: f64 = 3000.0;
+const BUDGET: f64 = 4000.0;
 /// So many contacts double the cost of an iteration.
 const COSTLY: f64 = 20.0;
 

@@ -88,7 +88,14 @@ impl Centreline {
                 (points[b] - points[a]) / (at[b] - at[a])
             });
             let tangents = tangents.collect();
-            return Ok(Self { bends, at, samples: points.to_vec(), tangents, smooth: None, balls: Vec::new() });
+            return Ok(Self {
+                bends,
+                at,
+                samples: points.to_vec(),
+                tangents,
+                smooth: None,
+                balls: Vec::new(),
+            });
         };
         let between = |w: &[f64]| {
             let (a, b) = (w[0], w[1]);

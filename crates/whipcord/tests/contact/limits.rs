@@ -112,8 +112,8 @@ fn a_robot_that_curls_up_ends_within_its_budget() {
             let Obstruction::BudgetSpent { iterations, contacts, residual } = why else {
                 panic!("{why}")
             };
-            // An iteration of a rod in 80 steps or more costs 0.8 at least, of the 3000 that a solve may spend.
-            assert!((100..=3751).contains(&iterations) && contacts > 12, "{iterations} {contacts}");
+            // An iteration of a rod in 80 steps or more costs 0.8 at least, of the 4000 that a solve may spend.
+            assert!((100..=5001).contains(&iterations) && contacts > 12, "{iterations} {contacts}");
             assert!(residual > 1e-9 && residual.is_finite(), "{residual}");
         }
         Err(other) => panic!("{other}"),
