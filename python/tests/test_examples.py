@@ -121,8 +121,8 @@ class TestQuestions:
         assert status == 0, said
         assert "`180` has no unit" in said and "Number of disks [11]: " in said
         robot = whipcord.load(tmp_path / "robot.toml").robot
-        assert (robot.backbone.length, len(robot.cables)) == ("18 cm", 3)
-        assert robot.backbone.young_modulus == "26 MPa"
+        assert (robot.backbone.length, len(robot.cables)) == (0.18, 3)
+        assert robot.backbone.young_modulus == 26e6
 
     def test_the_end_of_the_input_writes_nothing(self, tmp_path: Path) -> None:
         status, said = self.ask("arm\n\x04", tmp_path)
