@@ -369,6 +369,7 @@ fn assemble(wild: Wildness, parts: Parts) -> (Robot, Case) {
         parts;
     let rest_curvature = sized(&rest, length, |&u| u / length);
     let material = Material {
+        name: None,
         young_modulus: Some(young),
         poisson_ratio: Some(poisson),
         shear_modulus: None,
@@ -388,6 +389,7 @@ fn assemble(wild: Wildness, parts: Parts) -> (Robot, Case) {
             .enumerate()
             .map(|(i, p)| if i + 1 == count { length } else { p * length })
             .collect(),
+        are_present: true,
         hole_circle_radii: radii.iter().map(|f| f * radius).collect(),
         holes: Some(12),
         mass: 0.0,
