@@ -10,6 +10,7 @@ pub fn robot() -> Robot {
     let backbone = Backbone {
         section: Some(Section::circle(0.003)),
         material: Material {
+            name: None,
             young_modulus: Some(1.1e9),
             poisson_ratio: Some(0.3),
             shear_modulus: None,

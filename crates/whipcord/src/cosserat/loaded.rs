@@ -334,6 +334,7 @@ mod tests {
         let backbone = Backbone {
             section: Some(Bar::circle(0.003)),
             material: Material {
+                name: None,
                 young_modulus: Some(1.1e9),
                 poisson_ratio: Some(0.3),
                 shear_modulus: None,

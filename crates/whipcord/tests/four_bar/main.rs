@@ -29,6 +29,7 @@ fn robot(disks: &[f64], routings: Vec<Routing>) -> Robot {
     let backbone = Backbone { material, section, ..Backbone::new(length) };
     let disks = Disks {
         arc_lengths: disks.to_vec(),
+        are_present: true,
         hole_circle_radii: vec![0.008; disks.len()],
         holes: Some(12),
         mass: 0.0,
