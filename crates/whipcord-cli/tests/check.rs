@@ -47,7 +47,9 @@ fn a_body_without_disks_is_solved_drawn_and_compared() {
         &(std::fs::read_to_string(support::root().join(file)).unwrap() + "\n[disks]\ncount = 5\n"),
     );
     assert_eq!(picture(file, "none.svg"), 0);
-    assert_eq!(picture(&disks, "five.svg"), 5);
+    // As many pieces of each disk in each of the views.
+    let five = picture(&disks, "five.svg");
+    assert!(five > 0 && five.is_multiple_of(5), "{five}");
     let text = succeed(&["compare", file, "--out", &scratch.file("out")]);
     assert!(text.contains("cosserat") && text.contains("add [disks]"), "{text}");
     let message = fail(2, &["solve", file, "--model", "four-bar"]);
