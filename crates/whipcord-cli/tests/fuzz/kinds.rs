@@ -10,7 +10,7 @@ use whipcord_vision::Photo;
 
 use crate::document::Item;
 use crate::random::Random;
-use crate::text;
+use crate::{tables, text};
 
 /// Files with their names.
 type Seeds = Vec<(PathBuf, Vec<u8>)>;
@@ -56,12 +56,7 @@ impl Kind {
             Self::Robot | Self::Solve => robots(),
             Self::Camera => found("crates/whipcord-io/tests/data", &["yml", "json"]),
             Self::Csv => tables(),
-            Self::Parquet => {
-                let all = found("crates/whipcord-io/tests/data/parquet", &["parquet"]);
-                let is_whole = |name: &Path| name.ends_with("steps.parquet");
-                let whole = all.iter().filter(|(name, _)| is_whole(name)).cloned();
-                whole.cycle().take(4).chain(all.iter().cloned()).collect()
-            }
+            Self::Parquet => found("crates/whipcord-io/tests/data/parquet", &["parquet"]),
             Self::Mesh => meshes(),
             Self::Photograph => photographs(),
         })
@@ -74,13 +69,12 @@ impl Kind {
         let times = 1 + random.below(3);
         let (mut bytes, mut mild) = (
             bytes,
-            random.chance(
-                if matches!(self, Self::Robot | Self::Parquet | Self::Mesh | Self::Photograph) {
-                    65
-                } else {
-                    85
-                },
-            ),
+            random.chance(match self {
+                Self::Parquet => 50,
+                Self::Robot | Self::Mesh | Self::Photograph => 65,
+                Self::Solve | Self::Camera => 85,
+                Self::Csv => 92,
+            }),
         );
         match self {
             Self::Robot | Self::Solve => {
@@ -130,16 +124,16 @@ impl Kind {
             }
             // Triangles of 50 bytes each after a header of 84: a normal, three corners and two bytes that are not used.
             Self::Mesh if mild => text::floats(&mut bytes, 84, 50, 12..48, &mut random),
-            Self::Parquet if mild => {
-                let is_whole = |(name, _): &&(PathBuf, Vec<u8>)| name.ends_with("steps.parquet");
-                bytes.clone_from(&self.seeds().iter().find(is_whole).expect("it is there").1);
-                (0..times).for_each(|_| text::doubles(&mut bytes, &mut random));
-            }
+            Self::Parquet if mild => bytes = tables::parquet(&mut random),
             Self::Photograph if mild && random.chance(60) => {
                 bytes = changed_picture(bytes.starts_with(PNG), &mut random);
             }
             Self::Parquet | Self::Mesh | Self::Photograph => {
                 let times = if mild { 1 } else { times };
+                // Of what is generated nothing but the damage is wrong.
+                if self == Self::Parquet && random.chance(50) {
+                    bytes = tables::parquet(&mut random);
+                }
                 (0..times).for_each(|_| text::bytes(&mut bytes, &mut random));
                 // Else hardly anything of a picture would be read.
                 if bytes.starts_with(PNG) && random.chance(80) {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -40,19 +40,39 @@ pub struct Tally {
     pub failures: Vec<String>,
 }
 
+/// What is run, and the folder for what it does not answer.
+#[derive(Debug)]
+pub struct Programs {
+    /// Reads one mutant after another, as [`work`] does.
+    pub worker: PathBuf,
+    /// The command itself.
+    pub command: PathBuf,
+    pub kept: PathBuf,
+}
+
 const WORKER: &str = "WHIPCORD_FUZZ_WORKER";
 
 /// Runs all executions of a plan.
 pub fn run(plan: Plan, seed: u64) -> Tally {
+    let programs = Programs {
+        worker: std::env::current_exe().expect("the path of the test"),
+        command: PathBuf::from(env!("CARGO_BIN_EXE_whipcord")),
+        kept: root().join("target/fuzz"),
+    };
+    run_programs(&programs, plan, seed)
+}
+
+/// The same with these programs.
+pub fn run_programs(programs: &Programs, plan: Plan, seed: u64) -> Tally {
     let mut tally = Tally::default();
     match plan.kind {
         Kind::Solve => {
-            (0..plan.executions).for_each(|index| command(plan, seed, index, &mut tally))
+            (0..plan.executions).for_each(|index| command(programs, plan, seed, index, &mut tally))
         }
         _ => {
             let mut next = 0;
             while next < plan.executions {
-                next = workers(plan, seed, next, &mut tally);
+                next = workers(programs, plan, seed, next, &mut tally);
             }
         }
     }
@@ -60,7 +80,7 @@ pub fn run(plan: Plan, seed: u64) -> Tally {
 }
 
 /// A process under limits: seconds of processor time as well, in case it is orphaned.
-fn limited(program: &Path, memory: u64) -> Command {
+pub fn limited(program: &Path, memory: u64) -> Command {
     let script = format!(
         "ulimit -c 0 && ulimit -v {} && ulimit -t 120 && exec \"$0\" \"$@\"",
         memory * 1024
@@ -70,26 +90,34 @@ fn limited(program: &Path, memory: u64) -> Command {
     command
 }
 
+/// Whether a line of standard error may say why a process ended: after a panic, a note on backtraces follows its message.
+fn is_reason(line: &str) -> bool {
+    !line.trim().is_empty() && !line.starts_with("note: ")
+}
+
 /// Keeps a mutant that was not answered.
-fn keep(plan: Plan, seed: u64, index: usize, what: &str, tally: &mut Tally) {
-    let folder = root().join("target/fuzz");
+fn keep(folder: &Path, plan: Plan, seed: u64, index: usize, what: &str, tally: &mut Tally) {
+    tally.failures.push(save(folder, plan, seed, index, what));
+}
+
+/// Writes a mutant to the folder, and returns the line that names it, what happened, and its file; which is printed as well.
+fn save(folder: &Path, plan: Plan, seed: u64, index: usize, what: &str) -> String {
     let (name, bytes) = plan.kind.mutant(seed, index);
     let kind = plan.kind.name().replace(' ', "-");
     let mut file = folder.join(format!("{kind}-{seed}-{index}"));
     file.set_extension(name.extension().unwrap_or_default());
-    let kept = fs::create_dir_all(&folder).and_then(|()| fs::write(&file, bytes));
+    let kept = fs::create_dir_all(folder).and_then(|()| fs::write(&file, bytes));
     let place = kept.map_or_else(|error| error.to_string(), |()| file.display().to_string());
     let line = format!("{} {index} of seed {seed}: {what}: {place}", plan.kind.name());
     println!("{line}");
-    tally.failures.push(line);
+    line
 }
 
 /// Runs executions in one process until it ends or is ended, and returns the number of the next.
-fn workers(plan: Plan, seed: u64, first: usize, tally: &mut Tally) -> usize {
-    let program = std::env::current_exe().expect("the path of the test");
+fn workers(programs: &Programs, plan: Plan, seed: u64, first: usize, tally: &mut Tally) -> usize {
     let task = format!("{};{seed};{first};{}", plan.kind.name(), plan.executions);
     let scratch = tempfile::tempdir().expect("a folder");
-    let mut child = limited(&program, plan.memory)
+    let mut child = limited(&programs.worker, plan.memory)
         .args(["--ignored", "--exact", "worker", "--nocapture", "--test-threads=1"])
         .env(WORKER, task)
         .env("TMPDIR", scratch.path())
@@ -101,7 +129,7 @@ fn workers(plan: Plan, seed: u64, first: usize, tally: &mut Tally) -> usize {
     let errors = child.stderr.take();
     let said = thread::spawn(move || {
         let lines = errors.map(|errors| BufReader::new(errors).lines().map_while(Result::ok));
-        lines.into_iter().flatten().filter(|line| !line.trim().is_empty()).last()
+        lines.into_iter().flatten().filter(|line| is_reason(line)).last()
     });
     let mut index = first;
     let mut begun = Instant::now();
@@ -140,10 +168,10 @@ fn workers(plan: Plan, seed: u64, first: usize, tally: &mut Tally) -> usize {
     match outcome {
         Some(text) if timed_out => {
             tally.timeouts += 1;
-            keep(plan, seed, index, &text, tally);
+            keep(&programs.kept, plan, seed, index, &text, tally);
         }
         Some(_) => return index,
-        None => keep(plan, seed, index, &format!("{status}: {said}"), tally),
+        None => keep(&programs.kept, plan, seed, index, &format!("{status}: {said}"), tally),
     }
     tally.executions += 1;
     index + 1
@@ -189,8 +217,38 @@ fn peak(process: &str) -> Option<u64> {
     line.split_whitespace().nth(1)?.parse().ok()
 }
 
+/// What was seen of a process.
+#[derive(Debug)]
+pub struct Watched {
+    /// None of one that was ended for its time.
+    pub status: Option<ExitStatus>,
+    pub time: Duration,
+    /// MiB.
+    pub memory: u64,
+}
+
+/// Waits for a process for at most this long.
+pub fn watch(command: &mut Command, most: Duration) -> Watched {
+    let begun = Instant::now();
+    let mut memory = 0;
+    let mut child = command.spawn().expect("the command starts");
+    let status = loop {
+        memory = memory.max(peak(&child.id().to_string()).unwrap_or(0) / 1024);
+        if let Some(status) = child.try_wait().expect("the command is watched") {
+            break Some(status);
+        }
+        if begun.elapsed() > most {
+            let _ = child.kill();
+            let _ = child.wait();
+            break None;
+        }
+        thread::sleep(Duration::from_millis(4));
+    };
+    Watched { status, time: begun.elapsed(), memory }
+}
+
 /// Lets the command itself answer a mutant: its exit status is 0, 1 or 2, and no number that it prints is none.
-fn command(plan: Plan, seed: u64, index: usize, tally: &mut Tally) {
+fn command(programs: &Programs, plan: Plan, seed: u64, index: usize, tally: &mut Tally) {
     let (name, bytes) = plan.kind.mutant(seed, index);
     let mut random = Random::new(seed, plan.kind as usize + 1, index);
     let verbs: [&[&str]; 4] = [
@@ -205,14 +263,9 @@ fn command(plan: Plan, seed: u64, index: usize, tally: &mut Tally) {
     let file = scratch.path().join(relative).with_file_name("mutant.toml");
     fs::write(&file, bytes).expect("the mutant is written");
     let out = |name: &str| fs::File::create(scratch.path().join(name)).expect("a file");
-    let mut child = limited(Path::new(env!("CARGO_BIN_EXE_whipcord")), plan.memory);
-    let own = format!("{} s", plan.time.as_secs_f64() / 2.0);
-    child
-        .args(verb)
-        .args(["--timeout", &own])
-        .arg(&file)
-        .stdout(out("stdout"))
-        .stderr(out("stderr"));
+    let mut child = limited(&programs.command, plan.memory);
+    let own = format!("{}s", plan.time.as_secs_f64() / 2.0);
+    let mut arguments = verb.to_vec();
     if verb[0] == "solve" {
         let models = [
             "cosserat",
@@ -222,37 +275,28 @@ fn command(plan: Plan, seed: u64, index: usize, tally: &mut Tally) {
             "piecewise-constant-curvature",
             "pseudo-rigid-body",
         ];
-        child.args(["--model", *random.pick(&models)]);
+        arguments.extend(["--model", *random.pick(&models)]);
     }
-    let begun = Instant::now();
-    let mut child = child.spawn().expect("the command starts");
-    let status = loop {
-        tally.worst_memory =
-            tally.worst_memory.max(peak(&child.id().to_string()).unwrap_or(0) / 1024);
-        if let Some(status) = child.try_wait().expect("the command is watched") {
-            break Some(status);
-        }
-        if begun.elapsed() > plan.time {
-            let _ = child.kill();
-            let _ = child.wait();
-            break None;
-        }
-        thread::sleep(Duration::from_millis(4));
-    };
+    arguments.extend(["--timeout", &own]);
+    child.args(&arguments).arg(&file).stdout(out("stdout")).stderr(out("stderr"));
+    let Watched { status, time, memory } = watch(&mut child, plan.time);
     tally.executions += 1;
-    tally.worst_time = tally.worst_time.max(begun.elapsed());
+    tally.worst_time = tally.worst_time.max(time);
+    tally.worst_memory = tally.worst_memory.max(memory);
     let read = |name: &str| {
         String::from_utf8_lossy(&fs::read(scratch.path().join(name)).unwrap_or_default())
             .into_owned()
     };
     let (stdout, stderr) = (read("stdout"), read("stderr"));
-    let verb = verb.join(" ");
+    // As it is typed beside the examples.
+    let mutant = relative.with_file_name("mutant.toml");
+    let verb = format!("{} {}", arguments.join(" "), mutant.display());
     match status.map(|status| (status, status.code())) {
         // The command has stopped its own solves in half of that time.
         None => {
             tally.timeouts += 1;
-            let what = format!("`{verb} --timeout '{own}'` has not ended in {:?}", plan.time);
-            keep(plan, seed, index, &what, tally);
+            let what = format!("`{verb}` has not ended in {:?}", plan.time);
+            keep(&programs.kept, plan, seed, index, &what, tally);
         }
         Some((_, Some(0))) => {
             tally.taken += 1;
@@ -261,6 +305,7 @@ fn command(plan: Plan, seed: u64, index: usize, tally: &mut Tally) {
             let found = cells.filter(|cell| ["NaN", "inf", "-inf"].contains(cell)).count();
             if found > 0 {
                 keep(
+                    &programs.kept,
                     plan,
                     seed,
                     index,
@@ -271,12 +316,24 @@ fn command(plan: Plan, seed: u64, index: usize, tally: &mut Tally) {
         }
         Some((_, Some(1))) if stderr.contains("error: ") => {
             tally.unsolved += 1;
-            tally.cut += usize::from(stderr.contains("(--timeout)"));
+            if stderr.contains("(--timeout)") {
+                tally.cut += 1;
+                // No failure: that the command stops itself is an answer. What is slow is worth a look.
+                let what = format!("`{verb}` is stopped after {own}");
+                save(&programs.kept, plan, seed, index, &what);
+            }
         }
         Some((_, Some(2))) => {}
         Some((status, _)) => {
-            let last = stderr.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default();
-            keep(plan, seed, index, &format!("`{verb}` ends with {status}: {last}"), tally);
+            let last = stderr.lines().rfind(|line| is_reason(line)).unwrap_or_default();
+            keep(
+                &programs.kept,
+                plan,
+                seed,
+                index,
+                &format!("`{verb}` ends with {status}: {last}"),
+                tally,
+            );
         }
     }
 }

@@ -186,17 +186,3 @@ pub fn coordinates(text: &str, keyword: &str, random: &mut Random) -> String {
     };
     text.lines().map(line).collect()
 }
-
-/// One of the numbers of eight bytes, least byte first, that stand one after another, changed mildly.
-pub fn doubles(bytes: &mut [u8], random: &mut Random) {
-    let value = |at: usize| {
-        let number = bytes.get(at..at + 8)?.try_into().ok().map(f64::from_le_bytes)?;
-        (1e-6..1e6).contains(&number.abs()).then_some(number)
-    };
-    let found: Vec<(usize, f64)> =
-        (0..bytes.len()).filter_map(|at| value(at + 8).and(value(at)).map(|v| (at, v))).collect();
-    if !found.is_empty() {
-        let (at, old) = *random.pick(&found);
-        bytes[at..at + 8].copy_from_slice(&(old * (0.5 + random.unit())).to_le_bytes());
-    }
-}
