@@ -73,7 +73,7 @@ pub fn measure(size: [usize; 2], wall: Wall, kinds: &[&str]) {
             .arg(&path)
             .stdout(out("stdout"))
             .stderr(out("stderr"));
-        let watched = watch(&mut command, Duration::from_secs(600));
+        let watched = watch(&mut command, Duration::from_secs(1800));
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a text");
         let (stdout, stderr) = (read("stdout"), read("stderr"));
         assert!(watched.status.is_some_and(|status| status.success()), "{watched:?}: {stderr}");
