@@ -115,7 +115,7 @@ def test_a_robot_without_disks() -> None:
     solution = case.solve()
     assert solution.position.shape == (21, 3) and solution.position[-1, 1] > 0.05
     assert whipcord.plot.solution(solution) is not None
-    with pytest.raises(whipcord.SolveError, match="add \\[disks\\]"):
+    with pytest.raises(whipcord.ModelError, match="add \\[disks\\]"):
         case.solve(model="four-bar")
     with pytest.raises(whipcord.InputError, match="the robot has no disks"):
         Robot(backbone=body, cables=[Cable(name="a", holes=[1, 2])])
