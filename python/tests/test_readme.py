@@ -104,3 +104,13 @@ def test_broken_links_are_found(tmp_path: Path) -> None:
         "none.png",
         "other.md#no-heading",
     ]
+
+
+def test_the_package_and_the_crates_name_one_address() -> None:
+    crates = re.search(r'^repository = "(.*)"$', (ROOT / "Cargo.toml").read_text("utf-8"), re.MULTILINE)
+    urls = (
+        (ROOT / "pyproject.toml").read_text("utf-8").split("[project.urls]")[1].split("[project.scripts]")[0]
+    )
+    named = re.findall(r'"(https://.*)"', urls)
+    assert crates is not None and len(named) == 3
+    assert all(url.startswith(crates[1]) for url in named)
