@@ -46,7 +46,7 @@ from .fitting import (
     fit,
 )
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
-from .materials import Material, materials
+from .material import Material, materials
 from .obstacles import Obstacle
 from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
