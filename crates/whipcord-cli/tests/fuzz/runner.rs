@@ -8,6 +8,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use whipcord::ModelKind;
+
 use crate::kinds::{Kind, root};
 use crate::random::Random;
 
@@ -267,14 +269,7 @@ fn command(programs: &Programs, plan: Plan, seed: u64, index: usize, tally: &mut
     let own = format!("{}s", plan.time.as_secs_f64() / 2.0);
     let mut arguments = verb.to_vec();
     if verb[0] == "solve" {
-        let models = [
-            "cosserat",
-            "cosserat-disks",
-            "four-bar",
-            "constant-curvature",
-            "piecewise-constant-curvature",
-            "pseudo-rigid-body",
-        ];
+        let models = ModelKind::ALL.map(ModelKind::name);
         arguments.extend(["--model", *random.pick(&models)]);
     }
     arguments.extend(["--timeout", &own]);
