@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
 
 EXAMPLE = """
 import numpy as np
@@ -35,6 +38,17 @@ except whipcord.FileError as error:
 """
 
 
+CONFIGURATION = """
+[mypy]
+strict = true
+# JAX has annotations, but not on all functions.
+untyped_calls_exclude = jax
+
+[mypy-pandas.*,matplotlib.*,mpl_toolkits.*,jax.*,torch.*]
+ignore_missing_imports = true
+"""
+
+
 def mypy(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", *arguments]
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
@@ -50,6 +64,31 @@ def test_an_example_is_typed_strictly(tmp_path: Path) -> None:
     assert len(revealed) == len(words)
     for kind, expected in zip(revealed, words):
         assert all(word in kind for word in expected) and "Any]]" not in kind, revealed
+
+
+def python_of(page: Path) -> str:
+    """The Python on a page, each line at its number on the page; without commands of the shell and options of cells."""
+    lines, inside = [], False
+    for line in page.read_text("utf-8").splitlines():
+        if line.startswith("```"):
+            inside = not inside and re.fullmatch(r"```(python|\{code-cell\} \w+)", line) is not None
+            lines.append("")
+        else:
+            lines.append(line if inside and not re.match(r"[!%]|:[\w-]+:", line) else "")
+    return "\n".join(lines) + "\n"
+
+
+def test_the_python_of_all_pages_is_typed_strictly(tmp_path: Path) -> None:
+    (tmp_path / "mypy.ini").write_text(CONFIGURATION)
+    names = []
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+        code = python_of(page)
+        if code.strip():
+            names.append("_".join(page.relative_to(ROOT).with_suffix("").parts).replace("-", "_") + ".py")
+            (tmp_path / names[-1]).write_text(code, "utf-8")
+    assert {"README.py", "docs_python.py", "docs_tutorials_own_robot.py"} <= set(names)
+    done = mypy("mypy", "--config-file", "mypy.ini", *names, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_wrong_types_are_found(tmp_path: Path) -> None:
