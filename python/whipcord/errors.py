@@ -139,7 +139,7 @@ class TooManyFoundError(DetectionError):
 
 
 class GapError(DetectionError):
-    """A gap in the row, and no count that would settle it."""
+    """A gap in the row, and no count that would determine it."""
 
     found: Sequence[tuple[float, float]]
     """Pixel of each from base to tip."""

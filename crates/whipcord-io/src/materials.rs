@@ -19,7 +19,7 @@ pub struct MaterialPreset {
     pub density: f64,
     /// Strain up to which it springs back, where that is known.
     pub yield_strain: Option<f64>,
-    /// Where the values stand, and what to mind.
+    /// Sources of the values, and remarks.
     pub source: &'static str,
 }
 
@@ -86,16 +86,16 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.33),
         density: 6450.0,
         yield_strain: Some(0.06),
-        source: "Superelastic, austenite. Properties of NiTi, SMA Inc.: 83 GPa, 6.45 g/cm³, 6 % recovered a hundred times; wires are given with 40 to 75 GPa. Linear up to about 1 %; the plateau beyond is in no model.",
+        source: "Superelastic, austenite. Selected Properties of NiTi, Shape Memory Applications Inc.: 83 GPa, 6.45 g/cm³, ν = 0.33, 6 % recovered in 100 cycles; typical values of superelastic wire are 40 to 75 GPa. Linear up to about 1 %; no model describes the plateau beyond.",
     },
     MaterialPreset {
         name: "spring steel",
         young_modulus: 206.0 * GPA,
-        young_modulus_range: [193.0 * GPA, 210.0 * GPA],
+        young_modulus_range: [196.0 * GPA, 210.0 * GPA],
         shear: Shear::PoissonRatio(0.28),
         density: 7850.0,
         yield_strain: Some(0.006),
-        source: "Patented wire, EN 10270-1, with the modulus of EN 13906-1; range from Shigley, table of spring materials (music wire, ASTM A228). Yield strain: 65 % of a strength of 1.9 GPa over the modulus.",
+        source: "Patented wire, EN 10270-1, with the modulus of EN 13906-1. Typical range of carbon steels; Shigley, table of spring materials, gives 197 to 203 GPa for music wire (ASTM A228). Yield strain: 65 % of a strength of 1.9 GPa over the modulus.",
     },
     MaterialPreset {
         name: "stainless steel",
@@ -131,7 +131,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::Modulus(4.5 * GPA),
         density: 1500.0,
         yield_strain: Some(0.01),
-        source: "Pultruded, fibres of standard modulus, 60 % by volume: data sheet of Goodwinds (134 GPa in tension, 127 GPa in bending, 1.5 g/cm³). Shear modulus of unidirectional laminates, 4 to 7 GPa. It breaks and does not yield: below 1 % in compression.",
+        source: "Pultruded, fibres of standard modulus, 60 % by volume: data sheet of Goodwinds (134 GPa in tension, 127 GPa in bending, 1.5 g/cm³). Typical shear modulus of unidirectional laminates: 4 to 7 GPa. It breaks and does not yield: below 1 % in compression.",
     },
     MaterialPreset {
         name: "glass fibre rod",
@@ -140,7 +140,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::Modulus(4.2 * GPA),
         density: 2000.0,
         yield_strain: Some(0.012),
-        source: "Pultruded E-glass, 75 % by weight: data sheet of Goodwinds (41 GPa in tension and bending, 2.0 g/cm³; 483 MPa in compression). Shear modulus of unidirectional laminates, 3.5 to 4.5 GPa. It breaks and does not yield.",
+        source: "Pultruded E-glass, 75 % by weight: data sheet of Goodwinds (41 GPa in tension and bending, 2.0 g/cm³; 483 MPa in compression). Typical shear modulus of unidirectional laminates: 3.5 to 4.5 GPa. It breaks and does not yield.",
     },
     MaterialPreset {
         name: "PEEK",
@@ -167,7 +167,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.46),
         density: 2160.0,
         yield_strain: Some(0.02),
-        source: "Unfilled: Teflon PTFE Properties Handbook (bending modulus 340 to 620 MPa, Poisson's ratio 0.46, 2.13 to 2.19 g/cm³). It creeps under lasting loads.",
+        source: "Unfilled: Teflon PTFE Properties Handbook (bending modulus 340 to 620 MPa, Poisson's ratio 0.46, 2.13 to 2.19 g/cm³); typical values in tension are up to 750 MPa. It creeps under lasting loads.",
     },
     MaterialPreset {
         name: "polyimide",
@@ -185,7 +185,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.39),
         density: 930.0,
         yield_strain: Some(0.025),
-        source: "Laser-sintered nylon 12: data sheet of EOS PA 2200 (1.65 GPa, 48 MPa, 0.93 g/cm³); other machines give 1.3 to 1.9 GPa.",
+        source: "Laser-sintered nylon 12: data sheet of EOS PA 2200 (1.65 GPa, 48 MPa, 0.93 g/cm³); typical values of other machines are 1.3 to 1.9 GPa.",
     },
     MaterialPreset {
         name: "PLA",
@@ -194,7 +194,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.35),
         density: 1240.0,
         yield_strain: Some(0.015),
-        source: "Printed solid, along the layers: data sheets of NatureWorks Ingeo and of filaments (50 to 60 MPa, 1.24 g/cm³).",
+        source: "Printed solid, along the layers: typical values of filaments (50 to 60 MPa, 1.24 g/cm³).",
     },
     MaterialPreset {
         name: "ABS",
@@ -203,7 +203,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.37),
         density: 1050.0,
         yield_strain: Some(0.018),
-        source: "Data sheets of filaments (1.6 to 2.1 GPa along the layers, 35 to 40 MPa) and of moulding grades (up to 2.6 GPa).",
+        source: "Typical values of filaments (1.6 to 2.1 GPa along the layers, 35 to 40 MPa) and of moulding grades (up to 2.6 GPa).",
     },
     MaterialPreset {
         name: "TPU 95A",
@@ -212,7 +212,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.48),
         density: 1220.0,
         yield_strain: None,
-        source: "Data sheet of NinjaTek Cheetah (26 MPa, 1.22 g/cm³); others of the same hardness are given with up to 70 MPa. Nonlinear beyond some 10 %.",
+        source: "Data sheet of NinjaTek Cheetah (26 MPa, 1.22 g/cm³); typical values of others of the same hardness are up to 70 MPa. Nonlinear beyond some 10 %.",
     },
     MaterialPreset {
         name: "TPU 85A",
@@ -239,7 +239,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.495),
         density: 1080.0,
         yield_strain: None,
-        source: "Secant modulus at 100 %, 86 psi, and 1.08 g/cm³: technical bulletin of Smooth-On. The upper end is what Gent's formula gives for Shore 30A.",
+        source: "Secant modulus at 100 %, 86 psi, and 1.08 g/cm³: technical bulletin of Smooth-On. The upper end follows from the hardness, Shore 30A, by Gent's formula.",
     },
     MaterialPreset {
         name: "Dragon Skin 10",
@@ -248,7 +248,7 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.495),
         density: 1070.0,
         yield_strain: None,
-        source: "Secant modulus at 100 %, 22 psi, and 1.07 g/cm³: technical bulletin of Smooth-On. The upper end is what Gent's formula gives for Shore 10A.",
+        source: "Secant modulus at 100 %, 22 psi, and 1.07 g/cm³: technical bulletin of Smooth-On. The upper end follows from the hardness, Shore 10A, by Gent's formula.",
     },
     MaterialPreset {
         name: "Ecoflex 00-30",
@@ -257,6 +257,6 @@ const PRESETS: &[MaterialPreset] = &[
         shear: Shear::PoissonRatio(0.495),
         density: 1070.0,
         yield_strain: None,
-        source: "Secant modulus at 100 %, 10 psi, and 1.07 g/cm³: technical bulletin of Smooth-On; papers give 50 to 125 kPa for small strains.",
+        source: "Secant modulus at 100 %, 10 psi, and 1.07 g/cm³: technical bulletin of Smooth-On; typical values for small strains are 50 to 125 kPa.",
     },
 ];
