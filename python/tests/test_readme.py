@@ -70,6 +70,7 @@ def broken_links(page: Path) -> list[str]:
     links = re.findall(r"\[([^\]]*)\]\(([^)\s]+)(?: \"[^\"]*\")?\)", prose)
     # The text of a link around a picture is the picture.
     links += [("picture", target) for target in re.findall(r"\]\([^)]*\)\]\(([^)\s]+)\)", prose)]
+    links += re.findall(r'<img alt="([^"]*)" src="([^"]+)"', prose)
     broken = [f"[]({target})" for words, target in links if not words.strip()]
     for target in files + [target for _, target in links]:
         if re.match(r"[a-z][a-z0-9+.-]*:", target):
@@ -94,11 +95,12 @@ def test_broken_links_are_found(tmp_path: Path) -> None:
     page.write_text(
         "# Page\n[a](other.md) [a](other.md#twice-1) [a](#page) [a](https://example.org/none) ![a](other.md)\n"
         "[`a`](other.md#the---set-option-2) `[a](none.md)`\n\n    [a](none.md)\n\n```sh\n[a](none.md)\n```\n"
-        "[a](none.md) ![a](none.png) [a](other.md#no-heading) [a](#twice) [](other.md)\n```{image} none.jpg\n```\n"
+        "[a](none.md) ![a](none.png) <img alt="a" src="no.png"> [a](other.md#no-heading) [a](#twice) [](other.md)\n```{image} none.jpg\n```\n"
     )
     assert sorted(broken_links(page)) == [
         "#twice",
         "[](other.md)",
+        "no.png",
         "none.jpg",
         "none.md",
         "none.png",
