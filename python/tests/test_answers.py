@@ -424,10 +424,12 @@ def test_pictures_show_what_they_are_of(case: whipcord.Case) -> None:
     drawn = np.array(line.get_data_3d())
     assert np.allclose(drawn[:, -1], 1e3 * solution.tip)
     assert line.get_color() == whipcord.plot.MODELS["cosserat"]
-    # The cable, in a color of its own.
-    (cable,) = rest
+    # The cable, in a color of its own, and the straight backbone.
+    cable, before = rest
     assert cable.get_color() == whipcord.plot.CABLES[0]
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["cosserat", "cable pull"]
+    assert np.allclose(np.array(before.get_data_3d())[:, [0, -1]], [[0, 0], [0, 0], [0, 180]])
+    labels = ["cosserat", "cable pull", "before actuation"]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == labels
     # A backbone of 16 sides, ten disks of 36 and two faces, and a cable of 6 sides, closed at both ends.
     (solids,) = axes.collections
     assert len(solids.get_facecolor()) == (90 * 16 + 2) + 10 * (36 + 2) + (90 * 6 + 2)
@@ -443,6 +445,47 @@ def test_pictures_show_what_they_are_of(case: whipcord.Case) -> None:
         solution.plot(backend="gnuplot")
     pyplot.close("all")
     assert "<svg" in solution.svg()
+
+
+def test_pictures_show_loads(case: whipcord.Case) -> None:
+    import matplotlib.pyplot as pyplot
+
+    loads = Loads(
+        tip_force=[0.2, 0, 0],
+        tip_moment=[0, 0.004, 0],
+        follower=True,
+        point=[whipcord.PointLoad(at=0.09, force=[0, -0.1, 0])],
+        distributed=[whipcord.DistributedLoad(start=0.02, end=0.08, force=[0, 0.5, 0])],
+        mass=[whipcord.PointMass(at=0.12, mass=0.003)],
+        gravity=[0, 0, -9.81],
+    )
+    heavy = case.robot.replace(backbone=case.robot.backbone.replace(density=1200.0))
+    loaded = case.replace(robot=heavy, loads=loads).solve()
+    axes = loaded.plot()
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels[3:] == [
+        "force 100 mN",
+        "force 200 mN, follows the body",
+        "moment 4 mN·m, follows the body",
+        "load 500 mN/m",
+        "mass 3 g",
+        "gravity 9.81 m/s²",
+    ]
+    # Three single arrows, seven of the distributed load with the line of their tails, and gravity.
+    assert len(axes.get_lines()) == 3 + 3 + 7 + 1 + 1
+    # All of the robot is in the picture, which is not much larger.
+    for name, drawn in zip("xyz", 1e3 * loaded.position.T):
+        low, high = getattr(axes, f"get_{name}lim3d")()
+        assert low < drawn.min() and drawn.max() < high and high - low < 300
+    plain = loaded.plot(loads=False, unactuated=False)
+    assert [text.get_text() for text in plain.get_legend().get_texts()] == labels[:2]
+    contact = whipcord.load("examples/contact/catheter-in-pipe.toml").solve().plot()
+    assert contact.get_legend().get_texts()[-1].get_text().startswith("contact forces up to ")
+    # A backbone of strips, wider at the base; a body without disks, through which its cables are seen.
+    whipcord.load("examples/composite-finger.toml").solve().plot()
+    (solids,) = whipcord.load("examples/soft-finger.toml").solve().plot().collections
+    assert solids.get_facecolor()[0, 3] == 0.25
+    pyplot.close("all")
 
 
 def test_an_unstable_answer_says_so_wherever_it_is_shown(case: whipcord.Case) -> None:

@@ -10,14 +10,15 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ._load_arrows import CONTACT, draw_loads, load_arrows
 from ._packages import needed
-from .errors import InputError
+from ._solids import Solids, circle, frames
+from .errors import InputError, WhipcordError
 from .robot import Along, Robot
 from .solution import Shape, Solution
 
@@ -40,8 +41,8 @@ UNSTABLE = "#b00020"
 """Colour of the word."""
 SMOOTH = 91
 """Stations that a curve is smooth with."""
-CONTACT = "#c41a1a"
-"""Color of contacts."""
+BEFORE = "#8c8c8c"
+"""Color of the shape before actuation."""
 STYLES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
 """Of the lines of the first, second, … answer by the same model."""
 
@@ -55,9 +56,12 @@ def solution(
     label: str | None = None,
     disks: bool = True,
     cables: bool = True,
+    loads: bool = True,
+    unactuated: bool = True,
 ) -> Any:
     """Draws a robot in space: the backbone with its cross-section and the disks with their thickness in the
-    color of the model, the cables in colors of their own, and where it touches obstacles.
+    color of the model, the cables in colors of their own, the loads as arrows (moments with two heads, follower
+    loads with hollow heads), the backbone before actuation as a thin dashed line, and the contacts.
 
     Parameters
     ----------
@@ -71,8 +75,8 @@ def solution(
         Of the backbone and the disks; that of the model by default.
     label
         For the legend; the name of the model by default. At an unstable shape it says so.
-    disks, cables
-        Whether they are drawn.
+    disks, cables, loads, unactuated
+        Whether disks, cables, loads and the shape before actuation are drawn. PyVista draws disks and cables alone.
 
     Returns
     -------
@@ -83,9 +87,16 @@ def solution(
         return _pyvista(answer, axes, color, disks, cables)
     if backend != "matplotlib":
         raise InputError(f"there is no backend `{backend}`: choose matplotlib or pyvista", path="backend")
-    axes = _axes() if axes is None else axes
+    axes = _axes(_azimuth(answer)) if axes is None else axes
     _draw_whole(answer, axes, color, label, disks, cables)
-    axes.legend(loc="upper right", frameon=False, fontsize="small")
+    handles, _ = axes.get_legend_handles_labels()
+    if unactuated:
+        handles += _draw_unactuated(answer, axes)
+    if loads:
+        handles += draw_loads(load_arrows(_smooth(answer)), axes)
+    _equal(axes)
+    look = {"facecolor": "white", "edgecolor": "none", "framealpha": 0.8, "fontsize": "small"}
+    axes.legend(handles=handles, loc="upper right", bbox_to_anchor=(1.13, 1.01), **look)
     if answer.diagnostics.unstable:
         axes.text2D(0.02, 0.98, "unstable", transform=axes.transAxes, va="top", color=UNSTABLE)
     return axes
@@ -106,8 +117,10 @@ def _draw_whole(
 ) -> None:
     fine = _smooth(answer)
     axes.plot(*(1e3 * fine.position.T), color=color, linewidth=2.5, label=_named(answer, label))
-    solids = _Solids()
-    solids.tube(fine.position, fine.rotation, _outlines(answer.robot, fine.arc_length), color)
+    solids = Solids()
+    # Through a body with cables in channels these are seen.
+    alpha = 1.0 if answer.robot.disks is not None or not cables else 0.25
+    solids.tube(fine.position, fine.rotation, _outlines(answer.robot, fine.arc_length), color, alpha)
     if disks:
         for plate in _plates(answer.robot, answer.disks):
             solids.plate(*plate, color)
@@ -117,13 +130,44 @@ def _draw_whole(
             own = CABLES[i % len(CABLES)]
             axes.plot(*(1e3 * path.T), color=own, linewidth=1.2, label=f"cable {cable.name}")
             if len(path) > 1:
-                frames = _frames(path)
-                solids.tube(path, frames, np.broadcast_to(thin * _circle(6), (len(path), 6, 2)), own)
+                solids.tube(path, frames(path), np.broadcast_to(thin * circle(6), (len(path), 6, 2)), own)
     solids.draw(axes)
     if answer.touches:
         points = 1e3 * np.array([touch.point for touch in answer.touches])
         axes.scatter(*points.T, color=CONTACT, s=18, depthshade=False, label="contacts")
-    _equal(axes)
+
+
+def _draw_unactuated(answer: Solution, axes: Any) -> list[Any]:
+    """The backbone before actuation and without loads; its entry in the legend. Nothing where it is the shape itself."""
+    before, shape = _unactuated(answer), _smooth(answer)
+    length = answer.robot.backbone.length
+    reach = [np.linalg.norm(line[-1] - line[0]) for line in (before, shape.position)]
+    if (
+        np.linalg.norm(before[-1] - shape.position[-1]) < 1e-3 * length
+        and abs(reach[0] - reach[1]) < 1e-3 * length
+    ):
+        return []
+    return list(
+        axes.plot(
+            *(1e3 * before.T), color=BEFORE, linewidth=1.0, linestyle=(0, (5, 3)), label="before actuation"
+        )
+    )
+
+
+def _unactuated(answer: Solution) -> Array:
+    """(n, 3) points in m."""
+    from . import _core
+
+    count = len(answer.robot.cables)
+    commands: dict[str, Any] = {"tension": [0.0] * count, "shortening": None} if count else {}
+    case = answer.case.replace(loads=None, obstacles=(), steps=(), **commands)
+    try:
+        return case._setup.solve(_core.Model(kind="cosserat", stations=SMOOTH), None, None, None).position
+    except WhipcordError:
+        # Without section or material the backbone is known to geometric models alone, for which it is straight.
+        ends = np.array([[0.0], [answer.robot.backbone.length]])
+        straight: Array = answer.disks.position[0] + ends * answer.disks.rotation[0][:, 2]
+        return straight
 
 
 def compare(*answers: Solution, axes: Any = None, labels: list[str] | None = None) -> Any:
@@ -171,64 +215,6 @@ def compare(*answers: Solution, axes: Any = None, labels: list[str] | None = Non
     return axes
 
 
-class _Solids:
-    """Flat faces in mm, all in one collection, so that Matplotlib puts them in the order of their depth."""
-
-    def __init__(self) -> None:
-        self.faces: list[Array] = []
-        self.colors: list[tuple[float, float, float, float]] = []
-        self.edges: list[tuple[float, float, float, float]] = []
-
-    def add(self, face: Array, color: str, alpha: float, *, rim: bool = False) -> None:
-        """A face, the darker the more it is turned away from the light; faint ones are lighter."""
-        to_rgb = needed("matplotlib.colors").to_rgb
-        normal = np.cross(face[1] - face[0], face[2] - face[1])
-        size = float(np.linalg.norm(normal))
-        light = abs(float(normal @ LIGHT)) / size if size > 0.0 else 1.0
-        red, green, blue = (float((0.7 + 0.3 * light) * part) for part in to_rgb(color))
-        self.faces.append(1e3 * face)
-        self.colors.append((red, green, blue, alpha))
-        self.edges.append((red, green, blue, 1.0 if rim else 0.0))
-
-    def tube(self, position: Array, rotation: Array, outlines: Array, color: str) -> None:
-        """Cross-sections, (n, k, 2) in their own frames, joined along a line."""
-        flat = np.concatenate([outlines, np.zeros_like(outlines[..., :1])], axis=2)
-        corners = position[:, None, :] + np.einsum("nij,nkj->nki", rotation, flat)
-        for here, there in pairwise(corners):
-            for k in range(len(here)):
-                self.add(np.array([here[k - 1], here[k], there[k], there[k - 1]]), color, 1.0)
-        for end in (corners[0], corners[-1]):
-            self.add(end, color, 1.0)
-
-    def plate(self, position: Array, turn: Array, radius: float, thickness: float, color: str) -> None:
-        """A disk."""
-        flat = np.concatenate([radius * _circle(36), np.zeros((36, 1))], axis=1)
-        lower, upper = (
-            position + (flat + np.array([0.0, 0.0, z])) @ turn.T for z in (-0.5 * thickness, 0.5 * thickness)
-        )
-        for face in (lower, upper):
-            self.add(face, color, 0.3, rim=True)
-        for k in range(36):
-            self.add(np.array([lower[k - 1], lower[k], upper[k], upper[k - 1]]), color, 0.3)
-
-    def draw(self, axes: Any) -> None:
-        collection = needed("mpl_toolkits.mplot3d.art3d").Poly3DCollection(
-            self.faces, facecolors=self.colors, edgecolors=self.edges, linewidths=0.6
-        )
-        axes.add_collection3d(collection)
-        points = np.concatenate(self.faces)
-        axes.auto_scale_xyz(*points.T)
-
-
-LIGHT = np.array([0.36, -0.48, 0.8])
-"""Direction to the light."""
-
-
-def _circle(corners: int) -> Array:
-    angle = 2 * np.pi * np.arange(corners) / corners
-    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
 def _along(quantity: Any, s: Array, disks: Array) -> Array:
     """A quantity of the backbone at arc lengths: one value, one for each disk, or :class:`Along`."""
     at, values = disks, np.asarray(quantity.values if isinstance(quantity, Along) else quantity, dtype=float)
@@ -243,12 +229,13 @@ def _outlines(robot: Robot, s: Array) -> Array:
     given = backbone.diameter if backbone.diameter is not None else backbone.diameters
     disks = _stations(robot)
     if given is not None:
-        return 0.5 * _along(given, s, disks)[:, None, None] * _circle(16)
+        return 0.5 * _along(given, s, disks)[:, None, None] * circle(16)
     if backbone.section is not None:
-        size = [_along(side, s, disks) for side in (backbone.section.width, backbone.section.height)]
+        at = disks if backbone.section.at is None else np.asarray(backbone.section.at, dtype=float)
+        size = [_along(side, s, at) for side in (backbone.section.width, backbone.section.height)]
         square = 0.5 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
         return np.stack(size, axis=1)[:, None, :] * square
-    return np.broadcast_to(0.004 * backbone.length * _circle(16), (len(s), 16, 2))
+    return np.broadcast_to(0.004 * backbone.length * circle(16), (len(s), 16, 2))
 
 
 def _stations(robot: Robot) -> Array:
@@ -261,24 +248,22 @@ def _stations(robot: Robot) -> Array:
     return np.linspace(0.0, robot.backbone.length, disks.count or 2)
 
 
-def _frames(path: Array) -> Array:
-    """(n, 3, 3) frames along a line, the third axis its tangent."""
-    tangent = np.gradient(path, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
-    # Beside whichever axis is farthest from the tangent.
-    helper = np.eye(3)[np.argmin(np.abs(tangent), axis=1)]
-    first = np.cross(helper, tangent)
-    first /= np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-300)
-    return np.stack([first, np.cross(tangent, first), tangent], axis=2)
-
-
-def _axes() -> Any:
-    figure = needed("matplotlib.pyplot").figure(figsize=(6.4, 5.6), layout="constrained")
+def _axes(azimuth: float = -60.0) -> Any:
+    figure = needed("matplotlib.pyplot").figure(figsize=(7.4, 5.4), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     for name in "xyz":
         getattr(axes, f"{name}axis").pane.set_alpha(0.0)
-    axes.view_init(elev=22, azim=-60)
+    axes.view_init(elev=22, azim=azimuth)
     return axes
+
+
+def _azimuth(answer: Solution) -> float:
+    """One of eight directions in degrees from which the farthest excursion from the z axis is seen from the side."""
+    farthest = max(_smooth(answer).position, key=lambda point: float(np.hypot(point[0], point[1])))
+    if np.hypot(farthest[0], farthest[1]) < 0.02 * answer.robot.backbone.length:
+        return -60.0
+    bend = np.arctan2(farthest[1], farthest[0])
+    return max(range(-60, 300, 45), key=lambda azimuth: float(np.cos(bend - np.radians(azimuth + 60))))
 
 
 def _equal(axes: Any) -> None:
@@ -349,8 +334,8 @@ def _plates(robot: Robot, disks: Shape) -> list[tuple[Array, Array, float, float
 
 def _rims(robot: Robot, disks: Shape) -> list[Array]:
     """(37, 3) points on the rim of each disk, in m."""
-    circle = np.concatenate([_circle(36), np.zeros((36, 1))], axis=1)
-    closed = np.vstack([circle, circle[:1]])
+    flat = np.concatenate([circle(36), np.zeros((36, 1))], axis=1)
+    closed = np.vstack([flat, flat[:1]])
     return [position + radius * closed @ turn.T for position, turn, radius, _ in _plates(robot, disks)]
 
 
