@@ -95,7 +95,7 @@ def test_broken_links_are_found(tmp_path: Path) -> None:
     page.write_text(
         "# Page\n[a](other.md) [a](other.md#twice-1) [a](#page) [a](https://example.org/none) ![a](other.md)\n"
         "[`a`](other.md#the---set-option-2) `[a](none.md)`\n\n    [a](none.md)\n\n```sh\n[a](none.md)\n```\n"
-        "[a](none.md) ![a](none.png) <img alt="a" src="no.png"> [a](other.md#no-heading) [a](#twice) [](other.md)\n```{image} none.jpg\n```\n"
+        '[a](none.md) ![a](none.png) <img alt="a" src="no.png"> [a](other.md#no-heading) [a](#twice) [](other.md)\n```{image} none.jpg\n```\n'
     )
     assert sorted(broken_links(page)) == [
         "#twice",
