@@ -143,6 +143,12 @@ pub enum FileProblem {
         /// Names of those that there are.
         names: Vec<String>,
     },
+    /// A table is to be removed that is not there.
+    #[error("there is no {table} to remove")]
+    NoTableToRemove {
+        /// Header of the table.
+        table: &'static str,
+    },
     /// A key that must be there.
     #[error("{table} has no {key}")]
     Missing {

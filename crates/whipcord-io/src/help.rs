@@ -55,6 +55,9 @@ impl FileProblem {
             Self::NothingToRemove { names, .. } if names.is_empty() => {
                 "remove this entry: there is no cable of this name in a file that this one extends".to_owned()
             }
+            Self::NoTableToRemove { .. } => {
+                "remove this entry: no file that this one extends has the table".to_owned()
+            }
             Self::NothingToRemove { names, .. } => {
                 let names = names.iter().map(|name| format!("`{}`", quoted(name))).collect::<Vec<_>>();
                 let names = listed(names.iter().map(String::as_str), "and");

@@ -5,7 +5,7 @@ use crate::node::{Entries, Entry, Node, Value};
 use crate::schema::{Kind, Table};
 use crate::source::quoted;
 
-/// The key of an entry of a list that takes the entry of the same name out of the list below.
+/// The key that takes a table out of the file below: the table itself, or the entry of the same name of a list.
 const REMOVE: &str = "remove";
 
 /// Most entries that a message names.
@@ -33,6 +33,10 @@ pub(crate) fn overlay(
             continue;
         };
         let kind = table.and_then(|table| table.key(&name)).map(|key| &key.kind);
+        if removes_table(&above.node, kind) {
+            upper.remove(&name);
+            continue;
+        }
         match (&mut above.node.value, &mut below.node.value) {
             // Another kind has other keys.
             (Value::Table(up), _) if matches!(kind, Some(Kind::Variants { tag, .. }) if up.contains_key(tag.name)) =>
@@ -58,8 +62,9 @@ pub(crate) fn overlay(
     }
 }
 
-/// Takes out the entries that are marked so.
+/// Takes out the tables and entries that are marked so.
 pub(crate) fn take_out(entries: &mut Entries, table: &Table) {
+    entries.retain(|name, entry| !removes_table(&entry.node, table.key(name).map(|key| &key.kind)));
     for (name, entry) in entries.iter_mut() {
         if let Some(Kind::Tables(inner)) = table.key(name).map(|key| &key.kind)
             && let Value::List(items) = &mut entry.node.value
@@ -70,10 +75,16 @@ pub(crate) fn take_out(entries: &mut Entries, table: &Table) {
     }
 }
 
-/// Refuses entries that are to be removed from a list below, where none of that name is left below.
+/// Refuses tables that are to be removed and entries that are to be removed from a list, where there are none below.
 pub(crate) fn refuse_removals(entries: &mut Entries, table: &Table, problems: &mut Problems) {
     for (name, entry) in entries.iter_mut() {
-        let Some(Kind::Tables(inner)) = table.key(name).map(|key| &key.kind) else { continue };
+        let kind = table.key(name).map(|key| &key.kind);
+        if let Some(Kind::Table(inner)) = kind
+            && removes_table(&entry.node, kind)
+        {
+            problems.push(entry.node.span, || FileProblem::NoTableToRemove { table: inner.title });
+        }
+        let Some(Kind::Tables(inner)) = kind else { continue };
         let (Some(key), Value::List(items)) = (inner.merged_by(), &mut entry.node.value) else {
             continue;
         };
@@ -83,6 +94,11 @@ pub(crate) fn refuse_removals(entries: &mut Entries, table: &Table, problems: &m
         }
     }
     take_out(entries, table);
+}
+
+/// Whether a table of a kind that can be removed is marked so.
+fn removes_table(node: &Node, kind: Option<&Kind>) -> bool {
+    matches!(kind, Some(Kind::Table(inner)) if inner.key(REMOVE).is_some()) && removes(node)
 }
 
 fn removes(item: &Node) -> bool {

@@ -277,6 +277,33 @@ fn cables_are_laid_over_one_another_along_a_chain() {
 }
 
 #[test]
+fn disks_of_another_file_are_removed() {
+    let base =
+        "[backbone]\nlength = 0.18\n[disks]\ncount = 3\nholes = 12\nhole_circle_radius = 0.008\n";
+    let cable =
+        "[[cables]]\nname = 'a'\nrouting = { kind = 'straight', angle = 0, radius = 0.006 }\n";
+    let over = |middle: &str, top: &str| {
+        let folder = folder(&[
+            ("base.toml", format!("{base}{cable}")),
+            ("middle.toml", format!("extends = 'base.toml'\n{middle}\n")),
+            ("top.toml", format!("extends = 'middle.toml'\n{top}\n")),
+        ]);
+        load(folder.path().join("top.toml")).unwrap_or_else(|error| panic!("{error}")).robot
+    };
+    assert!(over("", "").has_disks());
+    assert!(over("", "[disks]\nremove = false").has_disks());
+    assert!(!over("", "[disks]\nremove = true").has_disks());
+    assert!(!over("disks.remove = true", "").has_disks());
+    // Others may follow, of which nothing is left of the first.
+    let robot = over("[disks]\nremove = true", "[disks]\npositions = [0, 0.09, 0.12, 0.18]");
+    assert_eq!((robot.disks().count(), robot.disks().holes), (4, None));
+    let folder = folder(&[("base.toml", format!("{base}{cable}"))]);
+    let settings = ["disks.remove=true".to_owned()];
+    let set = whipcord_io::load_with(folder.path().join("base.toml"), &settings).unwrap();
+    assert!(!set.robot.has_disks());
+}
+
+#[test]
 fn a_body_without_disks_has_stations() {
     let text = "[backbone]\nlength = '100 mm'\ndiameter = '20 mm'\nmaterial = 'Dragon Skin 30'\n[[cables]]\nname = 'pull'\nrouting = { kind = 'straight', angle = 0, radius = '6 mm' }\ntension = '0.5 N'\n";
     let file = read(text);

@@ -108,6 +108,8 @@ fn schema_and_reader_agree() {
         ROBOT.replace("length", "material = \"unobtainium\"\nlength"),
         ROBOT.replace("length", "material = \"nitinol\"\nlength").replace("[disks]", "stiffness = { bending = [1, 1], torsion = 1, axial = 1, shear = [1, 1] }\n[disks]"),
         robot_and("[[cables]]\nname = \"a\"\nremove = true\n"),
+        ROBOT.replace("count = 10", "count = 10\nremove = true"),
+        ROBOT.replace("count = 10", "remove = true"),
         ROBOT.replace("length", "lenght"),
         ROBOT.replace("0.18", "\"180\""),
         ROBOT.replace("0.18", "\"180 GPa\""),
@@ -176,6 +178,7 @@ fn a_file_that_extends_another_may_be_incomplete() {
     // An entry of [[cables]] may change a cable of the other file. Other arrays replace, so what they hold is complete.
     assert!(takes("extends = \"a.toml\"\n[[cables]]\nname = \"a\"\ntension = 4\n"));
     assert!(takes("extends = \"a.toml\"\n[[cables]]\nname = \"a\"\nremove = true\n"));
+    assert!(takes("extends = \"a.toml\"\n[disks]\nremove = true\n"));
     assert!(!takes("extends = \"a.toml\"\n[[cables]]\nname = \"a\"\ntensoin = 4\n"));
     assert!(!takes("extends = \"a.toml\"\n[[loads.point]]\nat = 0.1\n"));
     assert!(!takes("extends = \"a.toml\"\n[[obstacles]]\nkind = \"sphere\"\n"));

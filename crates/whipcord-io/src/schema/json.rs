@@ -83,8 +83,13 @@ fn complete(declared: &Table) -> Value {
         .keys
         .iter()
         .filter_map(|key| match &key.kind {
+            // Nothing lies below that could be removed.
+            Kind::Table(inner) if inner.key("remove").is_some() => {
+                let mut schema = complete(inner);
+                schema["properties"] = json!({ "remove": { "const": false } });
+                Some((key.name.to_owned(), schema))
+            }
             Kind::Table(inner) => Some((key.name.to_owned(), complete(inner))),
-            // Nothing lies below from which an entry could be removed.
             Kind::Tables(inner) if inner.merged_by().is_some() => {
                 let mut items = complete(inner);
                 items["properties"] = json!({ "remove": { "const": false } });

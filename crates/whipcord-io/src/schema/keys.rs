@@ -117,6 +117,12 @@ static DISKS: Table = Table {
             r#""2 mm""#,
             "Thickness of the disks, whose rims are rounded with half of it where they touch obstacles; by default a tenth of the outer radius.",
         ),
+        key(
+            "remove",
+            Kind::Flag,
+            "true",
+            "In a file that extends another one: removes its disks. The robot is then a body with cables in channels.",
+        ),
     ],
     rules: &[Rule::ExactlyOne(&["count", "positions"])],
 };

@@ -123,6 +123,14 @@ fn cables_of_files_that_extend_others() {
         format!("extends = \"base.toml\"\n{text}").into_bytes()
     }));
     files.push((
+        "no disks to remove.toml".to_owned(),
+        format!("{BACKBONE}[disks]\nremove = true\n").into(),
+    ));
+    files.push((
+        "holes of removed disks.toml".to_owned(),
+        b"extends = \"base.toml\"\n[disks]\nremove = true\n".to_vec(),
+    ));
+    files.push((
         "alone.toml".to_owned(),
         format!("{BACKBONE}{DISKS}{}", cable("a", "remove = true")).into(),
     ));
@@ -131,7 +139,12 @@ fn cables_of_files_that_extend_others() {
     let folder = folder(&all);
     let broken = loaded(folder.path(), "in the base.toml");
     fs::write(folder.path().join("base.toml"), &base).unwrap();
-    let names = cases.iter().map(|(name, _)| *name).chain(["over steps", "alone"]);
+    let names = cases.iter().map(|(name, _)| *name).chain([
+        "over steps",
+        "alone",
+        "no disks to remove",
+        "holes of removed disks",
+    ]);
     let mut told: Vec<(&str, String)> =
         names.map(|name| (name, loaded(folder.path(), &format!("{name}.toml")))).collect();
     told.push(("in the base", broken));
