@@ -40,6 +40,11 @@ pub(crate) enum Form {
 
 /// Radius of the sign at the tip of a line in px.
 const TIP: f64 = 3.4;
+/// Signs whose centres are closer than this, relative to their radius, are moved apart, to the distance that follows.
+const CROWDED: f64 = 1.7;
+const APART: f64 = 2.7;
+/// Largest angle of the arc on which they lie beyond the tip, to either side.
+const FAN: f64 = 1.9;
 /// Thinnest disk, from face to face in px, whose side is drawn.
 const THINNEST_DISK: f64 = 0.8;
 /// Thinnest backbone in px.
@@ -89,7 +94,8 @@ pub(crate) fn draw(svg: &mut Svg, bodies: &[(Body, Look)], view: &Projection) {
     draw_lines(svg, bodies, view);
 }
 
-/// The backbones that are lines, and on top of them the signs at their tips.
+/// The backbones that are lines, and on top of them the signs at their tips. Signs that would cover each other are moved
+/// apart and joined to their tips by thin lines.
 fn draw_lines(svg: &mut Svg, bodies: &[(Body, Look)], view: &Projection) {
     let mut tips = Vec::new();
     for (body, look) in bodies {
@@ -98,12 +104,75 @@ fn draw_lines(svg: &mut Svg, bodies: &[(Body, Look)], view: &Projection) {
         let points: Vec<Point> =
             points.flat_map(|piece| &piece.points).map(|&p| view.place(p)).collect();
         svg.polyline(&simplified(&points, TOLERANCE), stroke, "backbone");
-        tips.extend(points.last().map(|&tip| (tip, marker, stroke.colour)));
+        if let [.., before, tip] = points[..] {
+            tips.push(Tip {
+                at: tip,
+                along: [tip[0] - before[0], tip[1] - before[1]],
+                marker,
+                colour: stroke.colour,
+            });
+        }
     }
-    for (tip, marker, colour) in tips {
+    let places = sign_places(&tips);
+    for (tip, place) in tips.iter().zip(&places).filter(|(tip, place)| tip.at != **place) {
+        svg.line(tip.at, *place, Stroke::new(tip.colour, 0.7));
+    }
+    for (tip, place) in tips.iter().zip(places) {
         let rim = Some(Stroke::new(Colour::WHITE, 0.7));
-        marker::draw(svg, marker, tip, TIP, Fill::new(colour), rim);
+        marker::draw(svg, tip.marker, place, TIP, Fill::new(tip.colour), rim);
     }
+}
+
+/// The tip of a line on paper.
+struct Tip {
+    at: Point,
+    /// From the last point before the tip.
+    along: Point,
+    marker: Marker,
+    colour: Colour,
+}
+
+/// Where the signs of the tips are drawn: at the tips, or on an arc beyond each group of crowded tips.
+fn sign_places(tips: &[Tip]) -> Vec<Point> {
+    let mut places: Vec<Point> = tips.iter().map(|tip| tip.at).collect();
+    let mut open: Vec<usize> = (0..tips.len()).collect();
+    while let Some(first) = open.first().copied() {
+        let mut group = vec![first];
+        open.remove(0);
+        let mut next = 0;
+        while next < group.len() {
+            let [x, y] = tips[group[next]].at;
+            let crowded = |&k: &usize| (tips[k].at[0] - x).hypot(tips[k].at[1] - y) < CROWDED * TIP;
+            group.extend(open.iter().copied().filter(crowded));
+            open.retain(|k| !crowded(k));
+            next += 1;
+        }
+        if group.len() == 1 {
+            continue;
+        }
+        let count = group.len() as f64;
+        let mean = |value: &dyn Fn(&Tip) -> f64| {
+            group.iter().map(|&k| value(&tips[k])).sum::<f64>() / count
+        };
+        let middle = [0, 1].map(|i| mean(&|tip| tip.at[i]));
+        let along =
+            [0, 1].map(|i| mean(&|tip| tip.along[i] / tip.along[0].hypot(tip.along[1]).max(1e-9)));
+        let ahead = along[1].atan2(along[0]);
+        // In the order in which the tips lie across the direction ahead, so that few lines cross.
+        let across = |k: usize| {
+            let [x, y] = [0, 1].map(|i| tips[k].at[i] - middle[i]);
+            y * ahead.cos() - x * ahead.sin()
+        };
+        group.sort_by(|&a, &b| across(a).total_cmp(&across(b)));
+        let spread = (2.0 * FAN * (count - 1.0) / count).min(2.0 * FAN);
+        let step = spread / (count - 1.0);
+        let radius = (0.5 * APART * TIP / (0.5 * step).sin()).max(APART * TIP);
+        for (j, &k) in group.iter().enumerate() {
+            let angle = ahead - 0.5 * spread + step * j as f64;
+            places[k] = [middle[0] + radius * angle.cos(), middle[1] + radius * angle.sin()];
+        }
+    }
+    places
 }
 
 fn add<'a>(nodes: &mut Vec<Node<'a>>, body: &'a Body, look: &'a Look, view: &Projection) {
@@ -116,6 +185,10 @@ fn add<'a>(nodes: &mut Vec<Node<'a>>, body: &'a Body, look: &'a Look, view: &Pro
         let middle = piece.points[piece.points.len() / 2];
         let index = nodes.len();
         nodes.push(node(Item::Piece(piece, look), middle));
+        if body.disks.is_empty() && piece.part != Part::Backbone {
+            // Cables in channels run inside the body, which would hide them.
+            nodes[index].depth = f64::INFINITY;
+        }
         let mut order = |back: usize, front: usize| {
             nodes[back].before.push(front);
             nodes[front].waits_for += 1;
@@ -361,6 +434,26 @@ fn keep(points: &[Point], tolerance: f64, kept: &mut Vec<Point>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn signs_that_would_cover_each_other_are_moved_apart() {
+        let tip = |x, y| Tip {
+            at: [x, y],
+            along: [0.0, -1.0],
+            marker: Marker::Circle,
+            colour: Colour::INK,
+        };
+        let tips = [tip(0.0, 0.0), tip(1.0, 0.5), tip(40.0, 0.0), tip(-1.0, 0.0), tip(4.0, 2.0)];
+        let places = sign_places(&tips);
+        assert_eq!(places[2], tips[2].at);
+        for (i, a) in places.iter().enumerate() {
+            for b in &places[..i] {
+                assert!((a[0] - b[0]).hypot(a[1] - b[1]) > 2.5 * TIP, "{places:?}");
+            }
+        }
+        // From left to right as the tips.
+        assert!(places[3][0] < places[0][0] && places[1][0] < places[4][0]);
+    }
 
     #[test]
     fn straight_lines_keep_their_ends_only() {
