@@ -41,7 +41,7 @@ pub(crate) enum Form {
 /// Radius of the sign at the tip of a line in px.
 const TIP: f64 = 3.4;
 /// Signs whose centres are closer than this, relative to their radius, are moved apart, to the distance that follows.
-const CROWDED: f64 = 1.7;
+const CROWDED: f64 = 3.0;
 const APART: f64 = 2.7;
 /// Largest angle of the arc on which they lie beyond the tip, to either side.
 const FAN: f64 = 1.9;

@@ -234,7 +234,7 @@ fn accuracy(
     folder.write_table("accuracy.csv", &trial::output::csv(results))?;
     let figure = pareto.map(|svg| Figure {
         name: "pareto".into(),
-        caption: "Error, relative to the length of the backbone, against the time of a solve: each case as a dot, the medians of each model as its sign, hollow for a variant. Pale is what another model betters in both.".into(),
+        caption: "Error, relative to the length of the backbone, against the time of a solve: each case as a dot, the medians of each model as its sign, hollow for a variant. Models in pale colours are slower and less accurate than another model.".into(),
         svg,
     });
     let html = trial::report::section(results, figure.as_ref());
