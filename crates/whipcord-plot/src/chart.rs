@@ -91,7 +91,7 @@ pub enum Layer {
     Dots(Vec<[f64; 2]>),
     /// A word near each point, where it lies on no sign and on no other word.
     Names(Vec<([f64; 2], String)>),
-    /// (x, y, e): a bar from y − e to y + e.
+    /// (x, low, high): a bar.
     Errors(Vec<[f64; 3]>),
     /// A column from zero to each point, beside those of other series at the same x.
     Columns(Vec<[f64; 2]>),
@@ -173,7 +173,7 @@ impl Layer {
             // Where the logarithm ends, the bar does.
             Self::Errors(list) => list
                 .iter()
-                .flat_map(|&[x, y, e]| [[x, y - e], [x, y + e]])
+                .flat_map(|&[x, low, high]| [[x, low], [x, high]])
                 .filter(|p| !log || p[1] > 0.0)
                 .collect(),
         }
@@ -182,10 +182,10 @@ impl Layer {
     fn check(&self, label: &str, logs: [bool; 2]) -> Result<(), PlotError> {
         let numbers: Vec<[f64; 2]> = match self {
             Self::Errors(list) => {
-                for [_, _, e] in list {
-                    finite(|| format!("an error of `{label}`"), *e)?;
+                for [_, low, _] in list {
+                    finite(|| format!("an error of `{label}`"), *low)?;
                 }
-                list.iter().map(|&[x, y, _]| [x, y]).collect()
+                list.iter().map(|&[x, _, high]| [x, high]).collect()
             }
             Self::Names(list) => list.iter().map(|(point, _)| *point).collect(),
             Self::Line(p)
@@ -446,9 +446,9 @@ impl Series {
             Layer::Errors(list) => {
                 let [least, _] = frame.y.limits();
                 let stroke = Stroke::new(self.colour, 1.1);
-                for &[x, y, e] in list {
-                    let [px, high] = frame.place([x, y + e]);
-                    let [_, low] = frame.place([x, (y - e).max(least)]);
+                for &[x, low, high] in list {
+                    let [px, high] = frame.place([x, high]);
+                    let [_, low] = frame.place([x, low.max(least)]);
                     svg.line([px, low], [px, high], stroke);
                     for end in [low, high] {
                         svg.line([px - 3.0, end], [px + 3.0, end], stroke);

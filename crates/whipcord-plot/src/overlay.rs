@@ -13,7 +13,7 @@ use crate::error::{PlotError, finite, not_empty};
 use crate::legend::Legend;
 use crate::marker::{self, Marker};
 use crate::robot_figure::{Bodies, Colours, MEASURED, RobotView, bodies, label};
-use crate::scene;
+use crate::scene::{self, Form};
 use crate::svg::{Fill, Point, Stroke, Svg};
 use crate::title::Title;
 
@@ -214,8 +214,13 @@ impl View<'_> {
     fn draw_centres(&self, svg: &mut Svg, bodies: &Bodies) {
         let light = Some(Stroke::new(Colour::WHITE, 0.8));
         for (body, look) in bodies.iter().filter(|(_, look)| !look.pale) {
+            // As in the legend.
+            let sign = match look.form {
+                Form::Line { marker, .. } => marker,
+                Form::Whole => Marker::Circle,
+            };
             for at in body.disks.iter().filter_map(|disk| self.place(disk.pose.position)) {
-                svg.circle(at, CENTRE, Some(Fill::new(look.colour)), light);
+                marker::draw(svg, sign, at, CENTRE, Fill::new(look.colour), light);
             }
         }
     }

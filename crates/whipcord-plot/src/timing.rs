@@ -25,10 +25,11 @@ struct Group {
     sections: f64,
     mean: f64,
     deviation: f64,
+    least: f64,
 }
 
 /// Solve time against number of sections, in the form of the paper's Fig. 4: every run as a dot,
-/// mean and standard deviation of the runs of a size, and the least-squares line through the means;
+/// mean and standard deviation of the runs of a size (downwards to the least of them at most), and the least-squares line through the means;
 /// with two logarithmic axes a power law, whose exponent is the slope.
 ///
 /// ```
@@ -91,7 +92,9 @@ fn one_series(one: &TimingSeries, index: usize, scale: Scale, unit: unit::Unit) 
         layers.push(Layer::Line(line));
     }
     let errors = groups.iter().filter(|g| g.deviation > 0.0);
-    layers.push(Layer::Errors(errors.map(|g| [g.sections, g.mean, g.deviation]).collect()));
+    // With few outlying runs the deviation may exceed the mean, but no time is negative.
+    let bar = |g: &Group| [g.sections, (g.mean - g.deviation).max(g.least), g.mean + g.deviation];
+    layers.push(Layer::Errors(errors.map(bar).collect()));
     layers.push(Layer::Markers(means));
     let mut series = Series::new(label, index, layers);
     if let Some((colour, marker)) = one.look {
@@ -109,7 +112,8 @@ fn grouped(runs: &[[f64; 2]]) -> Vec<Group> {
             let mean = group.iter().map(|r| r[1]).sum::<f64>() / n;
             let squares = group.iter().map(|r| (r[1] - mean).powi(2)).sum::<f64>();
             let deviation = if n > 1.0 { (squares / (n - 1.0)).sqrt() } else { 0.0 };
-            Group { sections: group[0][0], mean, deviation }
+            let least = group.iter().map(|r| r[1]).fold(f64::INFINITY, f64::min);
+            Group { sections: group[0][0], mean, deviation, least }
         })
         .collect()
 }
