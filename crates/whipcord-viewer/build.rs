@@ -42,15 +42,21 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         },
     };
-    let code = folder.map_or_else(
-        || "None".to_owned(),
-        |folder| {
-            let [html, script, style] = BUILT.map(|name| folder.join(name));
+    let code = match folder {
+        None => "None".to_owned(),
+        Some(folder) => {
+            // From a copy: another checkout may share the folder of built files and outlive this one.
+            let embedded = out.join("embedded");
+            fs::create_dir_all(&embedded)?;
+            for name in BUILT {
+                fs::copy(folder.join(name), embedded.join(name))?;
+            }
+            let [html, script, style] = BUILT.map(|name| embedded.join(name));
             format!(
                 "Some(Page {{ html: include_str!({html:?}), script: include_str!({script:?}), style: include_str!({style:?}) }})"
             )
-        },
-    );
+        }
+    };
     fs::write(out.join("page.rs"), code)?;
     Ok(())
 }
