@@ -281,9 +281,9 @@ def _equal(axes: Any) -> None:
         getattr(axes, f"{name}axis").set_major_locator(MultipleLocator(_step(extent.max())))
         getattr(axes, f"set_{name}label")(f"{name} (mm)")
     # Beyond the numbers, also on the axes of small and of tall boxes.
-    axes.xaxis.labelpad, axes.yaxis.labelpad, axes.zaxis.labelpad = 6, 8, 14
+    axes.xaxis.labelpad, axes.yaxis.labelpad, axes.zaxis.labelpad = 10, 9, 14
     # So far away that the labels of a tall robot are inside the picture.
-    axes.set_box_aspect(extent, zoom=0.8)
+    axes.set_box_aspect(extent, zoom=0.77)
 
 
 def _step(extent: float) -> float:
