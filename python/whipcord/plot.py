@@ -61,7 +61,8 @@ def solution(
 ) -> Any:
     """Draws a robot in space: the backbone with its cross-section and the disks with their thickness in the
     color of the model, the cables in colors of their own, the loads as arrows (moments with two heads, follower
-    loads with hollow heads), the backbone before actuation as a thin dashed line, and the contacts.
+    loads with hollow heads), the backbone before actuation as a thin dashed line, and the contacts with their
+    normal forces. Obstacles are not drawn: :meth:`whipcord.Solution.svg` draws them.
 
     Parameters
     ----------
