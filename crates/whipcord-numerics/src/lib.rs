@@ -32,7 +32,7 @@ pub use polynomial::{CubicError, PiecewiseCubic};
 pub use pose::{Pose, Twist};
 pub use quadrature::{GAUSS_2, GAUSS_3, GAUSS_5, GaussRule};
 pub use quaternion::UnitQuaternion;
-pub use runge_kutta::{BUTCHER_5, ExplicitTableau};
+pub use runge_kutta::{BUTCHER_5, ExplicitTableau, weighted_sum};
 pub use spacing::equally_spaced;
 pub use student::student_quantile;
 pub use sym3::Sym3;

@@ -1,3 +1,5 @@
+use crate::Vec3;
+
 /// An explicit Runge–Kutta method with `S` stages.
 #[derive(Clone, Copy, Debug)]
 pub struct ExplicitTableau<const S: usize> {
@@ -24,6 +26,13 @@ pub const BUTCHER_5: ExplicitTableau<6> = ExplicitTableau {
     b: [7.0 / 90.0, 0.0, 32.0 / 90.0, 12.0 / 90.0, 32.0 / 90.0, 7.0 / 90.0],
     c: [0.0, 0.25, 0.25, 0.5, 0.75, 1.0],
 };
+
+/// The weighted sum of the slopes of a step's stages.
+#[inline]
+#[must_use]
+pub fn weighted_sum<const N: usize>(slopes: &[Vec3], weights: &[f64; N]) -> Vec3 {
+    slopes.iter().zip(weights).fold(Vec3::ZERO, |sum, (&slope, &weight)| sum + weight * slope)
+}
 
 #[cfg(test)]
 mod tests {

@@ -5,10 +5,10 @@ use whipcord_numerics::{Twist, UnitQuaternion, Vec3};
 
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::Statics;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::{Shape, Solution, Wrench};
+use crate::statics::Statics;
 
 /// How a solution changes with one number.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub fn differentiate(
         Ok(between(&before, &after, 0.5 / h))
     };
     let (coarse, mut fine) = (central(step)?, central(0.5 * step)?);
-    fine.combine(&coarse, |fine, coarse| (4.0 * fine - coarse) / 3.0);
+    fine.weighted_sum(&coarse, |fine, coarse| (4.0 * fine - coarse) / 3.0);
     Ok(fine)
 }
 
@@ -59,8 +59,8 @@ pub fn ahead(
         Ok(between(&here, &solve(steps * step)?, 1.0 / (6.0 * step)))
     };
     let (mut sum, two, three) = (slope(1.0)?, slope(2.0)?, slope(3.0)?);
-    sum.combine(&two, |one, two| 18.0 * one - 9.0 * two);
-    sum.combine(&three, |sum, three| sum + 2.0 * three);
+    sum.weighted_sum(&two, |one, two| 18.0 * one - 9.0 * two);
+    sum.weighted_sum(&three, |sum, three| sum + 2.0 * three);
     Ok(sum)
 }
 
@@ -112,7 +112,7 @@ fn between(a: &Solution, b: &Solution, f: f64) -> Difference {
 }
 
 impl Difference {
-    fn combine(&mut self, other: &Self, f: impl Fn(f64, f64) -> f64) {
+    fn weighted_sum(&mut self, other: &Self, f: impl Fn(f64, f64) -> f64) {
         let vector = |a: &mut Vec3, b: &Vec3| {
             for i in 0..3 {
                 a[i] = f(a[i], b[i]);

@@ -23,6 +23,7 @@ mod digits;
 pub mod error;
 pub mod four_bar;
 pub mod identification;
+pub mod kind;
 pub mod kinematics;
 pub mod linkage;
 pub mod model;
@@ -31,9 +32,13 @@ pub mod obstacle;
 pub mod parameter;
 pub mod piecewise_constant_curvature;
 pub mod pseudo_rigid_body;
+mod refusal;
 pub mod registration;
 pub mod robot;
+mod section;
 pub mod shape;
+mod statics;
+pub mod stations;
 mod uncertainty;
 pub mod variant;
 pub mod warning;
@@ -45,9 +50,8 @@ pub use case::{
     Shortening,
 };
 pub use error::{LengthMiss, Obstruction, SolveError};
-pub use model::{
-    CommandDerivatives, Differentiable, Model, ModelKind, Prepared, Statics, Stations, at_rest,
-};
+pub use kind::{CommandDerivatives, ModelKind};
+pub use model::{Differentiable, Model, Prepared, at_rest};
 pub use observation::{Observation, Place, Seen};
 pub use obstacle::{Form, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
@@ -58,6 +62,8 @@ pub use robot::{
 pub use shape::{
     CableState, Contact, Diagnostics, NoStability, Part, Shape, Solution, Touch, Wrench,
 };
+pub use statics::Statics;
+pub use stations::Stations;
 pub use variant::ModelVariant;
 pub use warning::Warning;
 pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3, equally_spaced};

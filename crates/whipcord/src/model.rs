@@ -1,167 +1,20 @@
 //! What all models have in common, and the choice between them.
 
-use core::fmt;
-use core::str::FromStr;
-
-use whipcord_numerics::{Pose, equally_spaced};
+use whipcord_numerics::Pose;
 
 use crate::cancel::Cancel;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::kinematics::Local;
-use crate::robot::{Robot, RobotError, check_on_backbone};
+use crate::robot::{Robot, check_on_backbone};
 use crate::shape::Solution;
+use crate::statics::Statics;
+use crate::stations::Stations;
 use crate::{
     constant_curvature, cosserat, cosserat_disks, four_bar, linkage, piecewise_constant_curvature,
     pseudo_rigid_body,
 };
-
-/// The models, by the names they have in files and on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ModelKind {
-    /// Cosserat rod with continuous cables.
-    Cosserat,
-    /// Cosserat rod with cables that run straight from hole to hole.
-    CosseratDisks,
-    /// Four-bar sections, the paper's optimisation-based model.
-    FourBar,
-    /// One arc of a circle from base to tip.
-    ConstantCurvature,
-    /// An arc between each two disks, in equilibrium with cables and loads.
-    PiecewiseConstantCurvature,
-    /// Rigid bodies on springs between each two disks.
-    PseudoRigidBody,
-}
-
-impl ModelKind {
-    /// All models.
-    pub const ALL: [Self; 6] = [
-        Self::Cosserat,
-        Self::CosseratDisks,
-        Self::FourBar,
-        Self::ConstantCurvature,
-        Self::PiecewiseConstantCurvature,
-        Self::PseudoRigidBody,
-    ];
-
-    /// The name in files and on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cosserat => "cosserat",
-            Self::CosseratDisks => "cosserat-disks",
-            Self::FourBar => "four-bar",
-            Self::ConstantCurvature => "constant-curvature",
-            Self::PiecewiseConstantCurvature => "piecewise-constant-curvature",
-            Self::PseudoRigidBody => "pseudo-rigid-body",
-        }
-    }
-
-    /// Refuses a robot without disks, for a model whose robots consist of them.
-    pub(crate) fn needs_disks(self, robot: &Robot) -> Result<(), SolveError> {
-        if robot.has_disks() {
-            return Ok(());
-        }
-        Err(SolveError::Missing {
-            model: self,
-            path: "disks".to_owned(),
-            advice: "add [disks], for example with `count = 10`, or use cosserat or constant-curvature, which model cables in channels",
-        })
-    }
-
-    /// What it is driven by where a cable has both commands, never [`Drive::Natural`]: tensions by a model
-    /// that knows forces, shortenings by a geometric one.
-    #[must_use]
-    pub const fn natural_drive(self) -> Drive {
-        match self {
-            Self::Cosserat
-            | Self::CosseratDisks
-            | Self::PiecewiseConstantCurvature
-            | Self::PseudoRigidBody => Drive::Tension,
-            Self::FourBar | Self::ConstantCurvature => Drive::Shortening,
-        }
-    }
-
-    /// How it differentiates its answer by the commands of the cables.
-    #[must_use]
-    pub const fn command_derivatives(self) -> CommandDerivatives {
-        match self {
-            Self::Cosserat | Self::FourBar => CommandDerivatives::Exact,
-            Self::CosseratDisks
-            | Self::ConstantCurvature
-            | Self::PiecewiseConstantCurvature
-            | Self::PseudoRigidBody => CommandDerivatives::Differences,
-        }
-    }
-}
-
-/// How a model differentiates its answer by the commands of the cables.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CommandDerivatives {
-    /// Exactly, with the solve.
-    Exact,
-    /// By differences of answers: a solve or two for each cable.
-    Differences,
-}
-
-impl fmt::Display for ModelKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// No model has this name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "there is no model `{0}`: choose cosserat, cosserat-disks, four-bar, constant-curvature, piecewise-constant-curvature or pseudo-rigid-body"
-)]
-pub struct UnknownModel(pub String);
-
-impl FromStr for ModelKind {
-    type Err = UnknownModel;
-
-    fn from_str(name: &str) -> Result<Self, UnknownModel> {
-        Self::ALL
-            .into_iter()
-            .find(|kind| kind.name() == name)
-            .ok_or_else(|| UnknownModel(name.to_owned()))
-    }
-}
-
-/// At which arc lengths a solution gives the shape.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Stations {
-    /// At the disks.
-    #[default]
-    Disks,
-    /// At this many equally spaced places, both ends included; at least 2.
-    Equal(usize),
-    /// At these arc lengths in m.
-    At(Vec<f64>),
-}
-
-impl Stations {
-    /// Refuses a station that is not on the backbone.
-    pub(crate) fn check(&self, robot: &Robot) -> Result<(), RobotError> {
-        let Self::At(arc_lengths) = self else { return Ok(()) };
-        let length = robot.backbone().length;
-        arc_lengths
-            .iter()
-            .try_for_each(|&s| check_on_backbone("arc length of a station", s, length))
-    }
-
-    /// The arc lengths in m for a robot.
-    #[must_use]
-    pub fn arc_lengths(&self, robot: &Robot) -> Vec<f64> {
-        match self {
-            Self::Disks => robot.disks().arc_lengths.clone(),
-            Self::At(arc_lengths) => arc_lengths.clone(),
-            Self::Equal(count) => {
-                equally_spaced(0.0, robot.backbone().length, (*count).max(2)).collect()
-            }
-        }
-    }
-}
 
 /// A model with its options: what solves a case of any robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -447,16 +300,6 @@ impl Prepared {
         }
         last.map_or_else(|| self.solve(case, None).map_err(|error| (0, error)), Ok)
     }
-}
-
-/// Solves one case of one robot from cold. To solve many cases of a robot, build the model once
-/// ([`Model::prepare`]).
-pub trait Statics {
-    /// The shape the robot takes.
-    ///
-    /// # Errors
-    /// [`SolveError`] when the model cannot take the robot or the case, or finds no answer.
-    fn solve(&self, robot: &Robot, case: &Case) -> Result<Solution, SolveError>;
 }
 
 impl Statics for Model {

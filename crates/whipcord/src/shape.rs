@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Pose, Twist, Vec3};
 
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::robot::Route;
 
 /// Frames along the backbone, in the frame that the pose of the base is given in.

@@ -5,9 +5,11 @@ use core::fmt;
 use core::str::FromStr;
 
 use crate::case::Drive;
-use crate::cosserat::Accuracy;
 use crate::four_bar;
-use crate::model::{Model, ModelKind, Stations, UnknownModel};
+use crate::kind::{ModelKind, UnknownModel};
+use crate::model::Model;
+use crate::statics::options::Accuracy;
+use crate::stations::Stations;
 
 /// A model in one of its variants.
 ///

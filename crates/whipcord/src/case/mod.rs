@@ -5,6 +5,7 @@ mod loads;
 use whipcord_numerics::Pose;
 
 use crate::obstacle::Obstacle;
+use crate::robot::limits::check_pose;
 use crate::robot::{Problem, Robot, RobotError, limits};
 
 pub use loads::{DistributedLoad, LoadFrame, Loads, Piece, PointLoad, PointMass, Profile};
@@ -58,9 +59,6 @@ pub enum Drive {
     /// All cables by their shortening.
     Shortening,
 }
-
-/// How far the norm of a unit quaternion may be from 1 by rounding.
-const UNIT_TOLERANCE: f64 = 1e-12;
 
 impl CableCommand {
     fn check(&self) -> Result<(), RobotError> {
@@ -188,15 +186,4 @@ impl Case {
         }
         self.loads.check(robot.backbone().length)
     }
-}
-
-/// Refuses a pose that is too far off, or whose quaternion is no rotation.
-pub(crate) fn check_pose(pose: &Pose) -> Result<(), RobotError> {
-    limits::COORDINATE.check_vector("position", pose.position)?;
-    let [w, x, y, z] = pose.rotation.wxyz();
-    let norm = (w * w + x * x + y * y + z * z).sqrt();
-    if norm.is_nan() || (norm - 1.0).abs() > UNIT_TOLERANCE {
-        return Err(RobotError::new("orientation", Problem::NotUnit { norm }));
-    }
-    Ok(())
 }

@@ -2,9 +2,9 @@
 
 use whipcord_numerics::{Pose, Twist, Vec3};
 
-use crate::cosserat::lengths::{Note, Responds};
-use crate::cosserat::section::{FOLDED, SectionFault};
-use crate::cosserat::unloaded::Fault;
+use crate::section::Fault;
+use crate::section::{FOLDED, SectionFault};
+use crate::statics::lengths::{Note, Responds};
 
 /// A backbone bent to an arc of a circle.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,15 +9,15 @@ use whipcord_numerics::Pose;
 
 use crate::cancel::Cancel;
 use crate::case::{Case, Drive};
-use crate::cosserat::command::Command;
-use crate::cosserat::lengths::{self, Effort, Given, LengthScratch, Responds as _};
-use crate::cosserat::outcome::Failure;
-use crate::cosserat::without_load::section_failure;
 use crate::error::SolveError;
-use crate::model::{ModelKind, Stations};
-use crate::obstacle;
+use crate::kind::ModelKind;
+use crate::refusal as shared_refusal;
 use crate::robot::{Cable, Robot};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution, Wrench};
+use crate::statics::command::Command;
+use crate::statics::lengths::{self, Effort, Given, LengthScratch, Responds as _};
+use crate::statics::outcome::Failure;
+use crate::stations::Stations;
 
 use arc::{Arc, Elasticity};
 
@@ -135,7 +135,7 @@ impl ConstantCurvature {
     /// [`SolveError::Invalid`] for a case that does not fit the robot.
     pub fn solve(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
         case.check(&self.robot)?;
-        obstacle::refuse(ModelKind::ConstantCurvature, case)?;
+        shared_refusal::obstacles(ModelKind::ConstantCurvature, case)?;
         refusal::loads(case)?;
         workspace.commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {
@@ -178,10 +178,11 @@ impl ConstantCurvature {
         let effort = if by_length {
             let given = Given { length, commands, bracket: true, cancel: &self.cancel };
             let solved = lengths::solve(&given, tensions, &mut rod, search);
-            solved.map_err(|fault| fault.failure(|fault| section_failure(fault, tensions, 0.0)))?
+            solved
+                .map_err(|fault| fault.failure(|fault| Failure::of_section(fault, tensions, 0.0)))?
         } else {
             rod.respond(tensions, false)
-                .map_err(|fault| section_failure(fault, tensions, rod.borne(tensions)))?;
+                .map_err(|fault| Failure::of_section(fault, tensions, rod.borne(tensions)))?;
             Effort::default()
         };
         Ok((rod.arc, effort))

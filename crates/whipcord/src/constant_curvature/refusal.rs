@@ -2,12 +2,12 @@
 
 use super::arc::{Arc, Elasticity};
 use crate::case::Case;
-use crate::cosserat::command::Command;
-use crate::cosserat::grid::section_at;
-use crate::cosserat::section::Section;
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::robot::{Robot, Routing};
+use crate::section::Section;
+use crate::section::of_robot::section_at;
+use crate::statics::command::Command;
 
 /// Offsets and slopes below this fraction of the backbone's length are none.
 const PARALLEL: f64 = 1e-12;

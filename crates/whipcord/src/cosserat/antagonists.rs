@@ -6,15 +6,15 @@
 //! a little first, and then as many of them as the others do without, those that pull least, are let go
 //! altogether. What is left of their lengths they must have in play.
 
-use super::command::Command;
-use super::grid::Grid;
-use super::independent::Independent;
 use super::newton::Scales;
-use super::outcome::{Failure, Found};
 use super::statics::{Problem, Scratch, Start, solve_independent};
 use super::unloaded::Unloaded;
 use super::without_load::start_without_load;
 use crate::robot::Robot;
+use crate::statics::command::Command;
+use crate::statics::grid::Grid;
+use crate::statics::outcome::{Failure, Found};
+use crate::statics::rank::Independent;
 
 /// A cable pulls independently of others when at least this part of its effect is its own: where the
 /// backbone stretches ever so little it does, and where it does not all that is left is rounding.

@@ -9,13 +9,13 @@ use whipcord_numerics::Vec3;
 use super::chain::{Chain, Step, Task};
 use super::continuation::close;
 use super::kink;
-use super::lengths::Effort;
 use super::newton::Scales;
-use super::outcome::Found;
 use super::shooting::finish_chain;
 use super::state::{Direction, State};
 use super::statics::{Problem, Scratch};
-use super::trace::Stage;
+use crate::statics::lengths::Effort;
+use crate::statics::outcome::Found;
+use crate::statics::trace::Stage;
 
 /// A point of the path and the way on from it.
 #[derive(Clone, Debug)]

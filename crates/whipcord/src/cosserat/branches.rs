@@ -4,16 +4,16 @@ use whipcord_numerics::Vec3;
 
 use super::arc_length::{Event, Mark, Walk, other_branch};
 use super::model::{Cosserat, Workspace};
-use super::options::{Accuracy, Options};
-use super::outcome::Found;
 use super::refinement::{FOLLOW_LEVEL, MAX_REFINEMENTS};
 use super::state::{Direction, State};
 use super::statics;
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::ModelKind;
-use crate::obstacle;
+use crate::kind::ModelKind;
+use crate::refusal;
 use crate::shape::Solution;
+use crate::statics::options::{Accuracy, Options};
+use crate::statics::outcome::Found;
 
 /// How far [`Cosserat::branches`] goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +128,7 @@ impl Cosserat {
         options: &BranchOptions,
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
-        obstacle::refuse_for("branches", ModelKind::Cosserat, case)?;
+        refusal::among_obstacles("branches", ModelKind::Cosserat, case)?;
         self.options.cancel.checked(self.follow_branches(case, options, workspace))
     }
 

@@ -2,27 +2,27 @@
 //!
 //! A single shot from the base magnifies the error of the base moment by about `exp(L √(F/EI))`:
 //! under strong loads none hits the tip. Here every step is shot from its own start, and Newton's
-//! method closes the gaps between them, eq. (10) of [`super::elimination`], together with the
+//! method closes the gaps between them, eq. (10) of [`crate::statics::elimination`], together with the
 //! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
 //! the step is then at right angles to a given direction ([`super::arc_length`]).
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::command::Command;
 use super::derivatives::StepGap;
-use super::elimination::{Change, Elimination, Size};
-use super::grid::Grid;
 use super::loaded::{Aim, Shot};
-use super::loads::AppliedLoads;
 use super::newton::Scales;
-use super::outcome::Open;
 use super::sensitivity::{Column, Sensitivity, Unknowns};
 use super::shared::Shared;
 use super::state::{Direction, State};
 use super::statics::Problem;
-use super::trace::Trace;
-use super::unloaded::Fault;
 use crate::cancel::Cancel;
+use crate::section::Fault;
+use crate::statics::command::Command;
+use crate::statics::elimination::{Change, Elimination, Size};
+use crate::statics::grid::Grid;
+use crate::statics::loads::AppliedLoads;
+use crate::statics::outcome::Open;
+use crate::statics::trace::Trace;
 
 /// The rod as a chain of steps, each with its own start.
 #[derive(Clone, Debug, Default)]

@@ -3,7 +3,6 @@
 use whipcord_numerics::{Pose, equally_spaced};
 
 use super::model::{Cosserat, Workspace};
-use super::options::Options;
 use super::pushed::{Kept, Pushed};
 use crate::cancel::Cancel;
 use crate::case::{Case, PointLoad};
@@ -11,6 +10,7 @@ use crate::contact::{self, Push, Yielding};
 use crate::error::SolveError;
 use crate::robot::Robot;
 use crate::shape::{NoStability, Solution};
+use crate::statics::options::Options;
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;

@@ -1,28 +1,20 @@
 //! Raising the load from nothing, in steps that adapt, by multiple shooting.
 
 use super::chain::{Chain, Task};
-use super::command::Command;
-use super::lengths::Effort;
-use super::outcome::{Failure, Found, Open};
-use super::section::SectionFault;
 use super::shooting::finish_chain;
 use super::state::State;
 use super::statics::{Problem, Scratch};
 use super::strength::Strength;
-use super::trace::Stage;
-use super::unloaded::Fault;
-use super::without_load::{section_failure, start_without_load};
-
-/// The load is raised by at least this fraction, or the path is given up.
-pub(crate) const LEAST_LOAD_STEP: f64 = LEAST_OF_FIRST * FIRST_LOAD_STEP;
-/// The load is raised by no more than this at first.
-pub(crate) const FIRST_LOAD_STEP: f64 = 0.25;
-/// The least step over the first.
-const LEAST_OF_FIRST: f64 = 1.0 / 1024.0;
-/// An iteration longer than this means that the path bends: the step is not lengthened.
-pub(crate) const SHORT_ITERATION: usize = 5;
-/// What to do where the path ends.
-pub(crate) const PATH_ENDS: &str = "no equilibrium near it was found at more load, as at a snap-through: apply less load, or lead the robot there by other tensions first";
+use super::without_load::start_without_load;
+use crate::section::Fault;
+use crate::section::SectionFault;
+use crate::statics::command::Command;
+use crate::statics::continuation::{
+    FIRST_LOAD_STEP, LEAST_LOAD_STEP, LEAST_OF_FIRST, PATH_ENDS, SHORT_ITERATION,
+};
+use crate::statics::lengths::Effort;
+use crate::statics::outcome::{Failure, Found, Open};
+use crate::statics::trace::Stage;
 
 /// Where the load could not be raised any more, or not without losing stability.
 pub(super) struct Ended {
@@ -76,7 +68,7 @@ pub(super) fn raise_load(
         if step < LEAST_OF_FIRST * first || ends {
             let failure = match fault {
                 Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
-                    section_failure(fault, &here.tensions, here.load)
+                    Failure::of_section(fault, &here.tensions, here.load)
                 }
                 _ => Failure::NotConverged {
                     iterations,

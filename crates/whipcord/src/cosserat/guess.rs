@@ -6,12 +6,12 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::grid::Grid;
-use super::loads::AppliedLoads;
-use super::section::{BodyWrench, Strain, equilibrium};
 use super::statics::{Problem, Scratch};
 use super::unloaded::integrate;
+use crate::section::{BodyWrench, Strain, equilibrium};
 use crate::shape::Wrench;
+use crate::statics::grid::Grid;
+use crate::statics::loads::AppliedLoads;
 
 /// Memory.
 #[derive(Clone, Debug, Default)]

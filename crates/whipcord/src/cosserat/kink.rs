@@ -7,8 +7,8 @@
 
 use super::arc_length::{Mark, mark};
 use super::chain::{Chain, Task};
-use super::command::Command;
 use super::statics::{Problem, Scratch};
+use crate::statics::command::Command;
 
 /// How far along a tangent slackness is looked at, to see whether it grows.
 const LOOK: f64 = 1e-5;

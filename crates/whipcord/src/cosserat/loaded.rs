@@ -1,6 +1,6 @@
 //! A rod under loads, integrated from the base for a given base moment.
 //!
-//! The force `F(s)` that dead loads exert at a cut is known (see [`super::loads`]); that of point-like
+//! The force `F(s)` that dead loads exert at a cut is known (see [`crate::statics::loads`]); that of point-like
 //! follower forces is constant between them and unknown at the base. With the moment `M(s)` in the base frame
 //! the state is `(R, p, M)`:
 //!
@@ -17,29 +17,22 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
-use super::grid::Grid;
-use super::loads::AppliedLoads;
-use super::section::{BodyWrench, Strain, Tangent, equilibrium};
-use super::unloaded::Fault;
+use crate::section::Fault;
+use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::shape::Wrench;
+use crate::statics::grid::Grid;
+use crate::statics::loads::AppliedLoads;
+use crate::statics::quadratic_form::Sample;
+use whipcord_numerics::weighted_sum;
 
 /// Of the Runge–Kutta method.
 pub(super) const STAGES: usize = 6;
-/// Which of the places of [`super::grid::SHOOTING_NODES`] each stage uses.
+/// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] each stage uses.
 pub(super) const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
 /// Stages at the start, in the middle and at the end of a step.
 const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
-/// Which of the places of [`super::grid::SHOOTING_NODES`] the samples sit at.
+/// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] the samples sit at.
 pub(super) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
-
-/// A cross-section of the loaded rod and its tangent stiffness.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sample {
-    pub strain: Strain,
-    pub wrench: BodyWrench,
-    pub tangent: Tangent,
-    pub rotation: UnitQuaternion,
-}
 
 /// One integration from base to tip.
 #[derive(Clone, Debug, Default)]
@@ -241,7 +234,7 @@ impl Shot {
             let rotation = drifted.scaled(norm);
             let mut force = aim.load * loads.force(k, NODE_OF_STAGE[i]) + *follower_force;
             if line.is_some() {
-                force -= h * combine(&pushes[..i], &table.a[i]);
+                force -= h * weighted_sum(&pushes[..i], &table.a[i]);
             }
             let wrench = BodyWrench { linear: to_body(force), angular: to_body(moment) };
             let fault = |kind| Fault { kind, arc_length: step.start + table.c[i] * h };
@@ -279,16 +272,10 @@ impl Shot {
         }
         *state = end;
         if line.is_some() {
-            *follower_force -= h * combine(&pushes, &table.b);
+            *follower_force -= h * weighted_sum(&pushes, &table.b);
         }
         Ok(())
     }
-}
-
-/// The weighted sum of slopes.
-#[inline]
-pub(crate) fn combine(slopes: &[Vec3], weights: &[f64; STAGES]) -> Vec3 {
-    slopes.iter().zip(weights).fold(Vec3::ZERO, |sum, (&slope, &weight)| sum + weight * slope)
 }
 
 #[inline]
@@ -324,8 +311,8 @@ mod tests {
     use pulp::Scalar;
 
     use super::*;
-    use crate::cosserat::grid::Layout;
     use crate::cosserat::{Accuracy, Cosserat, Options, Workspace};
+    use crate::statics::grid::Layout;
     use crate::{
         Backbone, Cable, Case, Disks, Drive, Loads, Material, Robot, Routing, Section as Bar,
     };

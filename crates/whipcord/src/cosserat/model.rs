@@ -2,27 +2,26 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use super::antagonists;
-use super::command::Command;
 use super::derivatives::{Derivatives, NoDerivatives, Solved};
-use super::grid::{Grid, Layout};
 use super::lanes::{Setting, UnloadedLanes};
-use super::loads;
-use super::options::{Accuracy, Options};
-use super::outcome::{Failure, Found};
-use super::refinement::{
-    COARSE_STEPS, Coarse, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, READY_GRIDS,
-};
+use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, READY_GRIDS};
 use super::statics::{self, Scratch, Start};
-use super::strength::{Strength, steps_for_twist};
-use super::without_load::section_failure;
+use super::strength::Strength;
 use crate::cancel::Cancel;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
-use crate::model::ModelKind;
-use crate::obstacle;
+use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::robot::{Cable, Problem, Robot, RobotError};
+use crate::refusal;
+use crate::robot::{Problem, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, Shape, Solution};
+use crate::statics::command::Command;
+use crate::statics::grid::steps_for_twist;
+use crate::statics::grid::{Grid, Layout};
+use crate::statics::loads;
+use crate::statics::options::{Accuracy, Options};
+use crate::statics::outcome::{Failure, Found};
+use crate::statics::refinement::Coarse;
 
 /// The Cosserat model of one robot: all that does not change from case to case.
 ///
@@ -86,7 +85,12 @@ impl Cosserat {
     /// [`SolveError::Missing`] when the robot's stiffness is not given, and
     /// [`SolveError::Unsupported`] when its cables rub.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
-        refuse_friction(robot)?;
+        refusal::hole_friction(
+            ModelKind::Cosserat,
+            robot,
+            "friction at the holes",
+            "its cables slide freely: use cosserat-disks, or set the friction to 0",
+        )?;
         options.stations.check(robot)?;
         let stations = options.stations.arc_lengths(robot);
         let layout = Layout::new(robot, stations, loads);
@@ -177,7 +181,7 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        obstacle::refuse_for("derivatives", ModelKind::Cosserat, case)?;
+        refusal::among_obstacles("derivatives", ModelKind::Cosserat, case)?;
         let solved = self.solve_keeping_grid(case, warm_start, workspace);
         let (solution, grid) = self.options.cancel.checked(solved)?;
         let Workspace { scratch, commands, .. } = workspace;
@@ -209,7 +213,7 @@ impl Cosserat {
             Err(NoDerivatives::Parameter(error)) => Err(error.into()),
             Err(NoDerivatives::Critical) => Err(SolveError::NoDerivatives),
             Err(NoDerivatives::Fault(fault)) => {
-                Err(self.explain(section_failure(fault, &scratch.tensions, 1.0), commands))
+                Err(self.explain(Failure::of_section(fault, &scratch.tensions, 1.0), commands))
             }
         }
     }
@@ -353,17 +357,5 @@ impl Cosserat {
     pub(super) fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
         let name = |place: usize| self.robot.cables()[self.layout.order[place]].name.clone();
         failure.explain(commands, &self.layout.rest_lengths, name)
-    }
-}
-
-fn refuse_friction(robot: &Robot) -> Result<(), SolveError> {
-    match robot.cables().iter().position(Cable::rubs) {
-        None => Ok(()),
-        Some(cable) => Err(SolveError::Unsupported {
-            model: ModelKind::Cosserat,
-            path: format!("cables[{cable}].friction"),
-            what: "friction at the holes",
-            advice: "its cables slide freely: use cosserat-disks, or set the friction to 0",
-        }),
     }
 }

@@ -2,11 +2,11 @@
 
 use whipcord_numerics::{DenseLu, Vec3};
 
-use super::command::Command;
-use super::grid::Grid;
 use super::loaded::Shot;
 use super::sensitivity::Sensitivity;
 use crate::shape::Wrench;
+use crate::statics::command::{Command, LENGTH_REGULARISATION};
+use crate::statics::grid::Grid;
 
 /// The unknowns and the linear system of eq. (7).
 #[derive(Clone, Debug, Default)]
@@ -29,10 +29,6 @@ pub(super) struct Point {
     pub follower_force: Vec3,
     pub tensions: Vec<f64>,
 }
-
-/// Of a cable's own compliance: keeps the step defined where more straight cables are taut than
-/// lengths are independent.
-const REGULARISATION: f64 = 1e-8;
 
 /// Scales that make the residuals of eq. (7) comparable.
 pub(super) struct Scales {
@@ -119,7 +115,8 @@ impl Newton {
                 self.matrix.push(row[j] * unit(j) / scales.length);
             }
             for &j in &self.free {
-                let own = if i == j { compliance - REGULARISATION * row[base + i] } else { 0.0 };
+                let own =
+                    if i == j { compliance - LENGTH_REGULARISATION * row[base + i] } else { 0.0 };
                 self.matrix.push((row[base + j] - own) * scales.tension / scales.length);
             }
             let mut right = command_slack(commands, point, shot, i);

@@ -7,25 +7,26 @@
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Chain, Task};
-use super::command::Command;
 use super::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench};
-use super::elimination::Change;
-use super::grid::Grid;
 use super::loaded::{Aim, Shot};
-use super::loads::AppliedLoads;
 use super::model::{Cosserat, Workspace};
 use super::newton::Scales;
-use super::options::{Accuracy, Options};
-use super::outcome::Found;
-use super::refinement::{COARSE_STEPS, Coarse, ERROR_RATIO};
+use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
-use super::unloaded::Fault;
-use super::without_load::section_failure;
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::Stations;
 use crate::robot::Robot;
+use crate::section::Fault;
 use crate::shape::{Solution, Wrench};
+use crate::statics::command::Command;
+use crate::statics::elimination::Change;
+use crate::statics::grid::Grid;
+use crate::statics::loads::AppliedLoads;
+use crate::statics::options::{Accuracy, Options};
+use crate::statics::outcome::Failure;
+use crate::statics::outcome::Found;
+use crate::statics::refinement::{Coarse, ERROR_RATIO};
+use crate::stations::Stations;
 
 /// No cross-section turns by more in one step, in rad.
 const LONGEST: f64 = 0.5;
@@ -119,7 +120,7 @@ impl Pushed {
         let grid = &site.grid;
         scratch.applied.gather(grid, &case.loads, case.base.rotation);
         let fault = |tensions: &[f64], fault: Fault| {
-            site.model.explain(section_failure(fault, tensions, 1.0), commands)
+            site.model.explain(Failure::of_section(fault, tensions, 1.0), commands)
         };
         match before {
             None => {}
@@ -222,7 +223,7 @@ impl Pushed {
         };
         let derivatives = Derivatives::of(&solved, &[]).map_err(|error| match error {
             NoDerivatives::Fault(fault) => {
-                model.explain(section_failure(fault, tensions, 1.0), commands)
+                model.explain(Failure::of_section(fault, tensions, 1.0), commands)
             }
             NoDerivatives::Parameter(error) => error.into(),
             NoDerivatives::Critical => SolveError::NoDerivatives,

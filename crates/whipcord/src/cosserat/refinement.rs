@@ -3,17 +3,16 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-use whipcord_numerics::Pose;
-
-use super::command::Command;
-use super::grid::Grid;
 use super::model::{Cosserat, Workspace};
-use super::outcome::{Failure, Found};
 use super::statics::{self, Scratch, Start};
 use super::strength::{GAVE_UP, Strength};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::Solution;
+use crate::statics::command::Command;
+use crate::statics::grid::Grid;
+use crate::statics::outcome::{Failure, Found};
+use crate::statics::refinement::ERROR_RATIO;
 
 /// Steps from base to tip on the grid that [`Accuracy::Tolerance`] starts with.
 pub(super) const COARSE_STEPS: usize = 8;
@@ -30,8 +29,6 @@ pub(super) const FOLLOW_LEVEL: usize = 2;
 pub(super) const FOLD_LEVEL: usize = 5;
 /// How often the steps may be halved.
 pub(super) const MAX_REFINEMENTS: usize = 9;
-/// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
-pub(crate) const ERROR_RATIO: f64 = 15.0;
 /// A rod without load is integrated with order 6, which leaves 1/64.
 pub(super) const UNLOADED_ERROR_RATIO: f64 = 31.0;
 /// Where lengths are given they do not change with the steps; the tensions do. The steps are those
@@ -39,37 +36,6 @@ pub(super) const UNLOADED_ERROR_RATIO: f64 = 31.0;
 /// those of another grid. The positions may be off by this much more than the tolerance, where they
 /// hang more on the lengths than on the tensions.
 const LENGTHS_SLACK: f64 = 100.0;
-
-/// What answers on different grids are compared by.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Coarse {
-    poses: Vec<Pose>,
-    lengths: Vec<f64>,
-}
-
-impl Coarse {
-    /// Keeps an answer on a grid: frames at the ends of all its steps, and lengths of the cables in m.
-    pub fn keep(&mut self, grid: &Grid, poses: &[Pose], lengths: &[f64]) {
-        self.poses.clear();
-        self.poses.extend(compared(grid).map(|k| poses[k]));
-        self.lengths.clear();
-        self.lengths.extend_from_slice(lengths);
-    }
-
-    /// Largest change of a position or a cable's length since then, in m.
-    pub fn change(&self, grid: &Grid, poses: &[Pose], lengths: &[f64]) -> f64 {
-        let moved = compared(grid)
-            .zip(&self.poses)
-            .map(|(k, coarse)| (poses[k].position - coarse.position).norm());
-        let lengths = lengths.iter().zip(&self.lengths).map(|(fine, coarse)| (fine - coarse).abs());
-        moved.chain(lengths).fold(0.0, f64::max)
-    }
-}
-
-/// Disks and stations.
-fn compared(grid: &Grid) -> impl Iterator<Item = usize> + '_ {
-    grid.disks.iter().chain(&grid.stations).copied()
-}
 
 impl Workspace {
     /// Keeps what the answer on a coarse grid is compared by.

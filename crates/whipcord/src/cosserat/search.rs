@@ -7,10 +7,10 @@ use whipcord_numerics::Vec3;
 
 use super::guess::guess;
 use super::newton::Scales;
-use super::outcome::Found;
 use super::shooting::{finish, shoot};
 use super::statics::{Problem, Scratch, is_trusted};
 use super::without_load::start_without_load;
+use crate::statics::outcome::Found;
 
 const STARTS: u32 = 40;
 /// Radius of the ball, in units of K_bt/L: 8 rad of bending.

@@ -16,13 +16,14 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
-use super::derivatives::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
-use super::elimination::Change;
-use super::grid::Grid;
-use super::loaded::{SAMPLED_NODES, Sample};
-use super::loads::AppliedLoads;
-use super::section::{BodyWrench, Strain};
+use super::loaded::SAMPLED_NODES;
+use crate::section::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
+use crate::section::{BodyWrench, Strain};
 use crate::shape::Wrench;
+use crate::statics::elimination::Change;
+use crate::statics::grid::Grid;
+use crate::statics::loads::AppliedLoads;
+use crate::statics::quadratic_form::Sample;
 
 /// Derivatives of a shot.
 #[derive(Clone, Debug, Default)]

@@ -4,12 +4,12 @@
 use whipcord_numerics::{DenseLu, Vec3};
 
 use super::chain::{Step, Task};
-use super::command::Command;
-use super::elimination::Elimination;
-use super::foreseen::Foreseen;
 use super::loaded::Shot;
 use super::newton::Scales;
 use super::state::{State, scaled, weight};
+use crate::statics::active_set::Foreseen;
+use crate::statics::command::{Command, LENGTH_REGULARISATION};
+use crate::statics::elimination::Elimination;
 
 /// The small system of what all steps share.
 #[derive(Clone, Debug, Default)]
@@ -28,9 +28,6 @@ pub(super) struct Shared {
     /// Sign of the determinant of the last system at fixed load.
     pub negative: bool,
 }
-
-/// Of a cable's own compliance, see [`super::newton`].
-const REGULARISATION: f64 = 1e-8;
 
 impl Shared {
     /// The change of each cable's length with `(θ, 1)`, node by node.
@@ -80,7 +77,7 @@ impl Shared {
         let gives = |row: usize, column: usize| {
             let (i, j) = (held[row], held[column]);
             let by = lengths[i * wide + j];
-            let own = if i == j { REGULARISATION * by.min(0.0) } else { 0.0 };
+            let own = if i == j { LENGTH_REGULARISATION * by.min(0.0) } else { 0.0 };
             -(by + own + Command::stretch(commands, i, j))
         };
         let slack = |row: usize| {
@@ -160,7 +157,11 @@ impl Shared {
             let of = &self.lengths[i * wide..(i + 1) * wide];
             let Command::Length { compliance, .. } = task.commands[i] else { continue };
             for j in (0..load).chain(self.free.iter().copied()) {
-                let own = if j == row { compliance - REGULARISATION * of[j].min(0.0) } else { 0.0 };
+                let own = if j == row {
+                    compliance - LENGTH_REGULARISATION * of[j].min(0.0)
+                } else {
+                    0.0
+                };
                 self.matrix.push((of[j] - own) * unit(j) / scales.length);
             }
             let slack = if moves {

@@ -1,13 +1,13 @@
 //! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
 
-use super::command::Command;
-use super::lengths::Effort;
 use super::loaded::{Aim, Shot};
 use super::newton::{Point, Scales, residual};
-use super::outcome::Found;
 use super::statics::{Problem, Scratch};
-use super::unloaded::Fault;
+use crate::section::Fault;
 use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::lengths::Effort;
+use crate::statics::outcome::Found;
 
 const MAX_ITERATIONS: usize = 40;
 /// Steps smaller than this, relative to the scales, are made with the derivatives at hand.

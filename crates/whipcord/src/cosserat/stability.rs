@@ -9,7 +9,7 @@
 //!      δu = η′ + u × η,   δN = N × η
 //! ```
 //!
-//! with the blocks `A`, `B`, `S` of [`super::section`]. Reported is the least value of
+//! with the blocks `A`, `B`, `S` of [`crate::section`]. Reported is the least value of
 //! `E″ / ∫ δuᵀ K_bt δu ds`, with the reduced stiffness of the bare section for `K_bt` where bending
 //! is coupled with shear or extension: 1 for the bare rod without load, 0 at the buckling load,
 //! negative beyond it. The fields `R η` are piecewise quadratic on the steps of the grid.
@@ -34,19 +34,19 @@
 
 use whipcord_numerics::{BoundedQuadratic, Mat3, Vec3, symmetric_eigenvalues};
 
-use super::command::Command;
-use super::grid::Grid;
-use super::loaded::{SAMPLED_NODES, Sample};
-use super::loads::AppliedLoads;
+use super::loaded::SAMPLED_NODES;
 use super::sensitivity::work;
 use crate::shape::{Diagnostics, NoStability};
-
-/// Quadratic forms of one step on (start, middle, end): energy and metric, as 3×3 blocks.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Element {
-    pub energy: [[Mat3; 3]; 3],
-    pub metric: [[Mat3; 3]; 3],
-}
+use crate::statics::command::Command;
+use crate::statics::eigenvalue::{
+    FAR, INSENSITIVE, NEUTRAL, REGULARISATION, TOLERANCE, bisect, falling_zero, plausible,
+};
+use crate::statics::grid::Grid;
+use crate::statics::loads::AppliedLoads;
+use crate::statics::quadratic_form::{
+    Element, SLOPES, Sample, WEIGHTS, across, element, pivot, symmetric,
+};
+use crate::statics::self_stress::{implied, is_idle};
 
 /// Memory of the eigenvalue computation.
 #[derive(Clone, Debug, Default)]
@@ -89,27 +89,6 @@ pub(super) struct Equilibrium<'a> {
     /// Factor on all loads.
     pub load: f64,
 }
-
-/// An eigenvalue this close to zero counts as zero.
-const NEUTRAL: f64 = Diagnostics::NEUTRAL;
-/// Relative accuracy of the eigenvalue.
-const TOLERANCE: f64 = 1e-8;
-/// Compliance added to each locked cable, relative to what the rod gives: it decides what counts as
-/// zero where more cables are taut than lengths are independent.
-const REGULARISATION: f64 = 1e-9;
-/// Of the backbone's length: a cable without tension that is no looser than this is at its length.
-const IDLE: f64 = 1e-6;
-/// An idle cable is held where the others leave no more than this part of the square of its effect.
-const IMPLIED: f64 = 1e-6;
-/// A taut cable may take this much less tension in a state of self-stress, each in units of its effect.
-const RELEASED: f64 = -1e6;
-/// Eigenvalues beyond this are not looked for.
-pub(crate) const FAR: f64 = 1e12;
-/// What dead moments may do to the least eigenvalue where they count as held.
-pub(crate) const INSENSITIVE: f64 = 1e-6;
-/// An eigenvalue greater than the greatest stiffness of the robot, relative to its metric, by this factor is
-/// an artefact of rounding.
-const IMPLAUSIBLE: f64 = 1e3;
 
 impl Stability {
     /// The least eigenvalue with the cables that are held at their lengths, or why there is none.
@@ -371,314 +350,5 @@ impl Stability {
             core::mem::swap(far, next);
         }
         negative
-    }
-}
-
-/// Whether a cable without tension, this slack in m, is at its length; a cable that stretches gives way.
-pub(crate) fn is_idle(compliance: f64, slack: f64, length: f64) -> bool {
-    compliance == 0.0 && slack <= IDLE * length
-}
-
-/// Which cables are held at their lengths: those that are not idle, and the idle ones of which some state of
-/// self-stress, with tension in idle cables only and of either sign in the others, has tension. `schur` is the Schur
-/// complement of the locked cables where the form is positive: minus the products of their effects.
-pub(crate) fn implied(schur: &[f64], idle: &[bool], quadratic: &mut BoundedQuadratic) -> Vec<bool> {
-    let p = idle.len();
-    let size = |i: usize| (-schur[i * p + i]).max(f64::MIN_POSITIVE).sqrt();
-    let product = |i: usize, j: usize| -schur[i * p + j] / (size(i) * size(j));
-    let (mut others, mut stress) = (Vec::new(), Vec::new());
-    let (mut matrix, mut gradient, mut least) = (Vec::new(), Vec::new(), Vec::new());
-    let mut is_held = |i: usize| {
-        if !idle[i] {
-            return true;
-        }
-        others.clear();
-        others.extend((0..p).filter(|&j| j != i));
-        matrix.clear();
-        for &j in &others {
-            let ridge = |k: usize| if j == k { 1e-3 * IMPLIED } else { 0.0 };
-            matrix.extend(others.iter().map(|&k| product(j, k) + ridge(k)));
-        }
-        gradient.clear();
-        gradient.extend(others.iter().map(|&j| product(i, j)));
-        least.clear();
-        least.extend(others.iter().map(|&j| if idle[j] { 0.0 } else { RELEASED }));
-        if quadratic.minimise(&matrix, &gradient, &least, &mut stress).is_err() {
-            return false;
-        }
-        let mut left = product(i, i);
-        for (&j, &a) in others.iter().zip(&stress) {
-            left += 2.0 * a * product(i, j);
-            for (&k, &b) in others.iter().zip(&stress) {
-                left += a * b * product(j, k);
-            }
-        }
-        left <= IMPLIED
-    };
-    (0..p).map(&mut is_held).collect()
-}
-
-/// An eigenvalue that the stiffness of the elements allows, or the reason why there is none. The least
-/// eigenvalue cannot exceed the greatest one of fields that are zero but in the middle of one element.
-pub(crate) fn plausible<'a>(
-    value: f64,
-    elements: impl Iterator<Item = &'a Element>,
-) -> Result<f64, NoStability> {
-    if value.abs() <= IMPLAUSIBLE {
-        return Ok(value);
-    }
-    let ratio = |element: &Element| {
-        let of_middle = symmetric(element.energy[1][1]);
-        let [.., greatest] = of_middle.eigenvalues_relative_to(&symmetric(element.metric[1][1]))?;
-        Some(greatest.abs())
-    };
-    let greatest = elements.filter_map(ratio).fold(1.0, f64::max);
-    let is_possible = value.is_finite() && value <= IMPLAUSIBLE * greatest;
-    if is_possible { Ok(value) } else { Err(NoStability::Undetermined) }
-}
-
-/// `|m||η|²` of the part of `η` across `m`.
-pub(crate) fn across(m: Vec3) -> Mat3 {
-    let size = m.norm();
-    if size == 0.0 {
-        return Mat3::ZERO;
-    }
-    Mat3::IDENTITY * size - Mat3::outer(m, m) * (1.0 / size)
-}
-
-/// Bisection on whether there is an eigenvalue below a shift: monotone, so it cannot miss.
-pub(crate) fn bisect(low: f64, high: f64, mut is_below: impl FnMut(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (low, high);
-    let mut reach = high - low;
-    while is_below(low) {
-        (high, reach) = (low, 4.0 * reach);
-        low -= reach;
-        if low < -FAR {
-            return f64::NEG_INFINITY;
-        }
-    }
-    while !is_below(high) {
-        (low, reach) = (high, 4.0 * reach);
-        high += reach;
-        if high > FAR {
-            return f64::INFINITY;
-        }
-    }
-    while high - low > TOLERANCE * (1.0 + low.abs().max(high.abs())) {
-        let middle = 0.5 * (low + high);
-        if is_below(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    0.5 * (low + high)
-}
-
-/// The zero of a function that falls, is concave, and has no value (`None`) from some place on, where it
-/// counts as negative: a bracket is shrunk by chords that are kept from stalling (the Illinois
-/// method), and halved where an end has no value.
-pub(crate) fn falling_zero(low: f64, high: f64, mut f: impl FnMut(f64) -> Option<f64>) -> f64 {
-    let (mut low, mut high) = (low, high);
-    let mut reach = high - low;
-    let mut at_low = f(low);
-    while at_low.is_none_or(|value| value < 0.0) {
-        (high, reach) = (low, 4.0 * reach);
-        low -= reach;
-        if low < -FAR {
-            return f64::NEG_INFINITY;
-        }
-        at_low = f(low);
-    }
-    let mut at_high = f(high);
-    while at_high.is_some_and(|value| value >= 0.0) {
-        (low, at_low, reach) = (high, at_high, 4.0 * reach);
-        high += reach;
-        if high > FAR {
-            return f64::INFINITY;
-        }
-        at_high = f(high);
-    }
-    // Which end the last trial replaced: twice the same one, and the chord hangs on the other.
-    let mut replaced_low = None;
-    let tolerance = |low: f64, high: f64| TOLERANCE * (1.0 + low.abs().max(high.abs()));
-    while high - low > tolerance(low, high) {
-        let trial = match (at_low, at_high) {
-            (Some(a), Some(b)) if a > 0.0 => {
-                // A step beyond the zero closes the bracket from the other side.
-                let chord = low + (high - low) * (a / (a - b));
-                let margin = 0.5 * tolerance(low, high);
-                chord.clamp(low + margin, high - margin)
-            }
-            _ => 0.5 * (low + high),
-        };
-        match f(trial) {
-            Some(value) if value >= 0.0 => {
-                if replaced_low == Some(true) {
-                    at_high = at_high.map(|b| 0.5 * b);
-                }
-                (low, at_low, replaced_low) = (trial, Some(value), Some(true));
-            }
-            value => {
-                if replaced_low == Some(false) {
-                    at_low = at_low.map(|a| 0.5 * a);
-                }
-                (high, at_high, replaced_low) = (trial, value, Some(false));
-            }
-        }
-    }
-    0.5 * (low + high)
-}
-
-/// The number of negative eigenvalues of a symmetric block: by the signs of its leading minors where
-/// they are plain.
-pub(crate) fn negative_eigenvalues(block: &Mat3) -> usize {
-    let rows = &block.rows;
-    let size = rows.iter().map(|row| row.max_abs()).fold(0.0, f64::max);
-    let first = rows[0][0];
-    let second = first * rows[1][1] - rows[1][0] * rows[1][0];
-    let third = block.determinant();
-    let plain = first.abs() > 1e-8 * size
-        && second.abs() > 1e-8 * size * size
-        && third.abs() > 1e-8 * size * size * size;
-    if !plain {
-        return block.symmetric_eigenvalues().iter().filter(|&&x| x < 0.0).count();
-    }
-    let changes = |a: f64, b: f64| usize::from((a < 0.0) != (b < 0.0));
-    changes(1.0, first) + changes(first, second) + changes(second, third)
-}
-
-/// The inverse of a symmetric block and the number of its negative eigenvalues. A block that is
-/// singular to working precision is moved off by as much as rounding has.
-pub(crate) fn pivot(block: Mat3) -> (Mat3, usize) {
-    let negative = negative_eigenvalues(&block);
-    let inverse = block.inverse().unwrap_or_else(|| {
-        let size = block.rows.iter().map(|row| row.max_abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let moved = block + Mat3::IDENTITY * (16.0 * f64::EPSILON * size);
-        moved.inverse().unwrap_or(Mat3::IDENTITY * (1.0 / (f64::EPSILON * size)))
-    });
-    (inverse, negative)
-}
-
-pub(crate) fn symmetric(a: Mat3) -> Mat3 {
-    (a + a.transpose()) * 0.5
-}
-
-/// Slopes of the three shape functions of a step, times its length, at start, middle and end.
-pub(crate) const SLOPES: [[f64; 3]; 3] = [[-3.0, 4.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -4.0, 3.0]];
-/// Simpson's rule.
-pub(crate) const WEIGHTS: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
-
-/// Simpson's rule on the quadratic shape functions of a step.
-///
-/// Each shape function is 1 at one sample and 0 at the two others: at sample `q` the energy is a form of
-/// `ζ′ = Σ σᵢ ζᵢ`, with `σᵢ` their slopes, and of `ζ = ζ_q`. The unknowns `ζ = R η` are rotations in the frame that the
-/// rotations of the samples are given in: there `δu = Rᵀ ζ′` exactly, however much the rod turns within a step.
-pub(crate) fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Mat3) -> Element {
-    let mut out = Element::default();
-    for (q, sample) in samples.iter().enumerate() {
-        let weight = WEIGHTS[q] * h;
-        let frame = sample.rotation.to_matrix();
-        let fixed = |of_body: Mat3| frame * of_body * frame.transpose();
-        let push = Mat3::skew(sample.wrench.linear);
-        let moment = Mat3::skew(sample.wrench.angular);
-        let (compliance, coupling) = sample.tangent.force_compliance();
-        // −M·(η × δu) = ηᵀ M̂ δu with M̂ δu = M × δu, made symmetric.
-        let slope_turn = moment.transpose() * 0.5 - coupling.transpose() * push;
-        let turn_turn = tilt(sample.strain.linear, sample.wrench.linear)
-            - push.transpose() * (compliance * push);
-        let energy = Turning {
-            slope_slope: fixed(sample.tangent.reduced),
-            slope_turn: fixed(slope_turn),
-            turn_turn: fixed(turn_turn),
-        };
-        let metric = fixed(bending(q));
-        for i in 0..3 {
-            for j in 0..3 {
-                out.energy[i][j] += energy.block(q, i, j, h) * weight;
-                out.metric[i][j] += metric * (SLOPES[q][i] * SLOPES[q][j] * weight / (h * h));
-            }
-        }
-    }
-    out
-}
-
-/// A symmetric form of `η′` and `η` at a place.
-struct Turning {
-    slope_slope: Mat3,
-    slope_turn: Mat3,
-    turn_turn: Mat3,
-}
-
-impl Turning {
-    /// The form of shape functions `i` and `j` of a step this long, at its sample `q`.
-    fn block(&self, q: usize, i: usize, j: usize, h: f64) -> Mat3 {
-        let (a, b) = (SLOPES[q][i] / h, SLOPES[q][j] / h);
-        let mut block = self.slope_slope * (a * b);
-        if j == q {
-            block += self.slope_turn * a;
-        }
-        if i == q {
-            block += self.slope_turn.transpose() * b;
-        }
-        if i == q && j == q {
-            block += self.turn_turn;
-        }
-        block
-    }
-}
-
-/// The symmetric matrix of `−v·(η × (η × N)) = (v·N)|η|² − (v·η)(N·η)`.
-fn tilt(v: Vec3, force: Vec3) -> Mat3 {
-    Mat3::IDENTITY * v.dot(force) - symmetric(Mat3::outer(v, force))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn element() -> Element {
-        let mut element = Element::default();
-        (element.energy[1][1], element.metric[1][1]) = (Mat3::IDENTITY * 3.0, Mat3::IDENTITY);
-        element
-    }
-
-    /// Where no pivot ever turns negative the search for an eigenvalue ends beyond all of them.
-    #[test]
-    fn a_value_beyond_any_stiffness_is_none() {
-        let elements = [element()];
-        let of = |value: f64| plausible(value, elements.iter());
-        assert_eq!(of(-2e5), Ok(-2e5));
-        assert_eq!(of(2.5), Ok(2.5));
-        assert_eq!(of(1.47e12), Err(NoStability::Undetermined));
-        assert_eq!(of(bisect(0.0, 1.0, |_| false)), Err(NoStability::Undetermined));
-        assert_eq!(of(falling_zero(0.0, 1.0, |_| Some(1.0))), Err(NoStability::Undetermined));
-        assert_eq!(of(falling_zero(0.0, 1.0, |_| None)), Err(NoStability::Undetermined));
-    }
-
-    /// Four cables around an axis: bending about two axes and compression leave one state of self-stress, in which
-    /// opposite cables pull alike and their neighbours push.
-    #[test]
-    fn idle_cables_are_held_where_a_state_of_self_stress_pulls_them() {
-        let effects = [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [-1.0, 0.0, 1.0], [0.0, -1.0, 1.0]];
-        let held = |axial: f64, cables: &[(usize, bool)]| {
-            let product = |i: usize, j: usize| {
-                let [a, b, c] = effects[i];
-                let [d, e, f] = effects[j];
-                -(a * d + b * e + axial * c * f)
-            };
-            let pairs = cables.iter().flat_map(|&(i, _)| cables.iter().map(move |&(j, _)| (i, j)));
-            let schur: Vec<f64> = pairs.map(|(i, j)| product(i, j)).collect();
-            let idle: Vec<bool> = cables.iter().map(|&(_, idle)| idle).collect();
-            implied(&schur, &idle, &mut BoundedQuadratic::default())
-        };
-        let (taut, idle) = (false, true);
-        // The backbone stretches: two idle cables are held by two taut ones, but not by neighbours.
-        assert_eq!(held(1.0, &[(0, taut), (1, idle), (2, taut), (3, idle)]), [true; 4]);
-        assert_eq!(held(1.0, &[(0, taut), (1, idle), (2, taut)]), [true, false, true]);
-        assert_eq!(held(1.0, &[(0, idle), (1, idle), (2, idle), (3, idle)]), [false; 4]);
-        // It does not: opposite cables hold one another.
-        assert_eq!(held(0.0, &[(0, idle), (1, idle), (2, idle), (3, idle)]), [true; 4]);
-        assert_eq!(held(0.0, &[(0, idle), (1, idle), (2, idle)]), [true, false, true]);
     }
 }

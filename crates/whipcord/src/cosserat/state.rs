@@ -2,9 +2,9 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::elimination::Change;
-use super::grid::Grid;
 use super::newton::Scales;
+use crate::statics::elimination::Change;
+use crate::statics::grid::Grid;
 
 /// A point of the equilibrium path, or an estimate of one.
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,6 @@
 //! Static equilibrium on one grid.
 //!
-//! Without load the sections stand for themselves ([`super::unloaded`], [`super::lengths`]). Under
+//! Without load the sections stand for themselves ([`super::unloaded`], [`crate::statics::lengths`]). Under
 //! loads the unknowns are the base moment, the share of follower forces in the base force, and the
 //! tensions of the cables whose lengths are prescribed; Newton's method shoots at
 //!
@@ -16,25 +16,26 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 use super::antagonists;
 use super::arc_length::next_stable;
 use super::chain::{Chain, Task};
-use super::command::Command;
 use super::continuation::{Ended, close, raise_load, raise_load_at_tensions, refine_chain};
-use super::grid::Grid;
 use super::guess::{Guess, guess};
-use super::lengths::{self, Effort, LengthScratch};
-use super::loaded::{Sample, Shot};
-use super::loads::AppliedLoads;
+use super::loaded::Shot;
 use super::newton::{Newton, Point, Scales};
-use super::outcome::{Failure, Found};
 use super::search;
 use super::shooting::{finish, finish_chain, sample, shoot};
 use super::stability::{Equilibrium, Stability};
 use super::state::{Node, State};
-use super::trace::{Stage, Trace};
 use super::unloaded::Unloaded;
-use super::without_load::{section_failure, set_tensions, start_without_load, without_load};
+use super::without_load::{set_tensions, start_without_load, without_load};
 use crate::cancel::Cancel;
 use crate::case::Loads;
 use crate::shape::{NoStability, Wrench};
+use crate::statics::command::Command;
+use crate::statics::grid::Grid;
+use crate::statics::lengths::{self, Effort, LengthScratch};
+use crate::statics::loads::AppliedLoads;
+use crate::statics::outcome::{Failure, Found};
+use crate::statics::quadratic_form::Sample;
+use crate::statics::trace::{Stage, Trace};
 
 /// What is to be solved.
 #[derive(Clone, Copy, Debug)]
@@ -380,12 +381,12 @@ pub(super) fn verdict(
     if !scratch.applied.any() {
         let Scratch { unloaded, tensions, .. } = scratch;
         let least = unloaded.stability(problem.grid, tensions);
-        return least.map(Ok).map_err(|fault| section_failure(fault, tensions, 0.0));
+        return least.map(Ok).map_err(|fault| Failure::of_section(fault, tensions, 0.0));
     }
     if scratch.applied.any_follower() {
         return Ok(Err(NoStability::Followers));
     }
-    sample(problem, scratch).map_err(|fault| section_failure(fault, &scratch.tensions, 1.0))?;
+    sample(problem, scratch).map_err(|fault| Failure::of_section(fault, &scratch.tensions, 1.0))?;
     let Scratch { stability, shot, tensions, lengths, applied, .. } = scratch;
     let at = problem.equilibrium(&shot.samples, tensions, lengths, applied, 1.0);
     Ok(stability.verdict(&at))

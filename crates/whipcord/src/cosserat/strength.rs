@@ -4,11 +4,10 @@
 //! A force F bends a rod within `δ = √(EI/F)` from where it is held or pushed; beyond that the rod lies in the
 //! direction of the force. Steps that are much longer than δ do not see that layer.
 
-use super::continuation::FIRST_LOAD_STEP;
-use super::grid::Grid;
-use super::loads::AppliedLoads;
 use super::newton::Scales;
-use crate::robot::Robot;
+use crate::statics::continuation::FIRST_LOAD_STEP;
+use crate::statics::grid::Grid;
+use crate::statics::loads::AppliedLoads;
 
 /// A load on a rod, without dimension; by default none.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,22 +36,6 @@ const STEPS: usize = 300_000;
 const SHOTS: usize = 200;
 /// What to do where that was not enough.
 pub(super) const GAVE_UP: &str = "the search was given up, as it is where a load is out of all proportion to the stiffness: check the units of load, modulus and diameter, or apply less load";
-
-/// A step may twist by this much in the unloaded rod, in rad: the bending stiffness about fixed axes changes
-/// with twice the angle.
-const TWIST_OF_STEP: f64 = 0.4;
-/// Places at which the rest twist is looked up, and the most steps that it asks for.
-const PLACES: usize = 64;
-const MOST_STEPS: f64 = 512.0;
-
-/// So many steps follow the twist of the unloaded rod.
-pub(crate) fn steps_for_twist(robot: &Robot) -> usize {
-    let backbone = robot.backbone();
-    let at = |k: usize| backbone.length * (k as f64 + 0.5) / PLACES as f64;
-    let rate = |k: usize| backbone.rest_curvature_at(robot.disks(), at(k)).z.abs();
-    let twist = (0..PLACES).map(rate).sum::<f64>() * backbone.length / PLACES as f64;
-    (twist / TWIST_OF_STEP).ceil().min(MOST_STEPS) as usize
-}
 
 impl Strength {
     /// Of loads that are gathered on a grid.

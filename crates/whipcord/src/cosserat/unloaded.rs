@@ -1,23 +1,16 @@
 //! A rod on which nothing but its cables pulls.
 //!
 //! Then the total wrench vanishes at every cut, and the strains follow section by section from
-//! eqs. (1) and (2) of [`super::section`]: there is no boundary value problem. The frames come from
+//! eqs. (1) and (2) of [`crate::section`]: there is no boundary value problem. The frames come from
 //! one pass of a Magnus integrator of order 6, the cable lengths from Gauss quadrature.
 
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
-use super::grid::Grid;
-use super::section::{BodyWrench, SectionFault, Strain, Tangent, equilibrium};
 use super::sensitivity::work;
-
-/// A fault and where it lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Fault {
-    pub kind: SectionFault,
-    /// Arc length in m.
-    pub arc_length: f64,
-}
+use crate::section::Fault;
+use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
+use crate::statics::grid::Grid;
 
 /// Strains, lengths and their derivatives of a rod without load.
 #[derive(Clone, Debug, Default)]

@@ -1,14 +1,14 @@
 //! The rod without load on one grid: the answer where there is none, the start where there is.
 
-use super::command::Command;
-use super::grid::Grid;
-use super::lengths::{self, Effort, Given, Note, Responds};
-use super::outcome::{Failure, Found};
-use super::section::SectionFault;
 use super::statics::{Problem, Scratch};
-use super::trace::Trace;
-use super::unloaded::{Fault, Unloaded};
+use super::unloaded::Unloaded;
+use crate::section::Fault;
 use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::grid::Grid;
+use crate::statics::lengths::{self, Effort, Given, Note, Responds};
+use crate::statics::outcome::{Failure, Found};
+use crate::statics::trace::Trace;
 
 /// Puts the given tensions in their place.
 pub(super) fn set_tensions(commands: &[Command], tensions: &mut [f64]) {
@@ -38,7 +38,7 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
             return Ok(Effort::default());
         };
         let borne = borne_fraction(problem.grid, tensions, unloaded);
-        return Err(section_failure(fault, &scratch.tensions, borne));
+        return Err(Failure::of_section(fault, &scratch.tensions, borne));
     }
     let Scratch { unloaded, tensions, length_scratch, trace, .. } = &mut *scratch;
     let given = Given {
@@ -49,7 +49,7 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
     };
     let mut rod = Sections { grid: problem.grid, unloaded, trace };
     lengths::solve(&given, tensions, &mut rod, length_scratch)
-        .map_err(|fault| fault.failure(|fault| section_failure(fault, &scratch.tensions, 0.0)))
+        .map_err(|fault| fault.failure(|fault| Failure::of_section(fault, &scratch.tensions, 0.0)))
 }
 
 /// All cross-sections of the rod without load.
@@ -90,23 +90,6 @@ fn borne_fraction(grid: &Grid, tensions: &[f64], unloaded: &mut Unloaded) -> f64
         }
     }
     borne
-}
-
-pub(crate) fn section_failure(fault: Fault, tensions: &[f64], last_load: f64) -> Failure {
-    match fault.kind {
-        SectionFault::Folded { cable } => Failure::Folds {
-            cable,
-            arc_length: fault.arc_length,
-            tension: tensions[cable],
-            last_load,
-        },
-        SectionFault::Diverged => Failure::NotConverged {
-            iterations: 0,
-            residual: 1.0,
-            last_load,
-            advice: "a section finds no equilibrium: tension or load is beyond what it bears",
-        },
-    }
 }
 
 /// The rod without load: tensions, strains and frames.

@@ -14,8 +14,8 @@ use core::ops::Range;
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
 use super::rod::{Sample, Variation};
-use crate::cosserat::grid::Grid;
-use crate::cosserat::section::{BodyWrench, Section};
+use crate::section::{BodyWrench, Section};
+use crate::statics::grid::Grid;
 
 /// Quaternion and position, or their derivatives; the last is nothing and fills a vector register.
 type State = [f64; 8];

@@ -21,14 +21,14 @@ use super::layout::{Frame, Mesh, Span};
 use super::link::{Gap, Link, Push, Taut};
 use super::rod::{self, InSpan, Sample};
 use crate::cancel::Cancel;
-use crate::cosserat::command::Command;
-use crate::cosserat::elimination::{Change, Elimination, Size};
-use crate::cosserat::loads::AppliedLoads;
-use crate::cosserat::section::BodyWrench;
-use crate::cosserat::section::SectionFault;
-use crate::cosserat::trace::Trace;
-use crate::cosserat::unloaded::Fault;
+use crate::section::BodyWrench;
+use crate::section::Fault;
+use crate::section::SectionFault;
 use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::elimination::{Change, Elimination, Size};
+use crate::statics::loads::AppliedLoads;
+use crate::statics::trace::Trace;
 
 /// A disk of the chain.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,7 +1,7 @@
 //! Newton's method on the gaps of the chain.
 
 use super::chain::{Chain, Task};
-use crate::cosserat::outcome::Open;
+use crate::statics::outcome::Open;
 
 const MAX_ITERATIONS: usize = 40;
 const LEAST_FRACTION: f64 = 1.0 / 64.0;

@@ -24,10 +24,10 @@ use whipcord_numerics::{DenseLu, Pose, Vec3};
 use super::joint::Chord;
 use super::layout::Frame;
 use super::statics::Rod;
-use crate::cosserat::command::Command;
-use crate::cosserat::lengths::{Effort, Responds as _};
-use crate::cosserat::outcome::{Failure, Found};
 use crate::shape::Contact;
+use crate::statics::command::Command;
+use crate::statics::lengths::{Effort, Responds as _};
+use crate::statics::outcome::{Failure, Found};
 
 /// What the holes remember of the steps before.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -8,14 +8,14 @@
 //! δℓᵢ − cᵢ δτᵢ = gᵢ   where it is taut,      τᵢ + δτᵢ = 0   where it is slack                  (8)
 //! ```
 //!
-//! and which of the two is decided for all cables together by [`crate::cosserat::foreseen`], or where that has
+//! and which of the two is decided for all cables together by [`crate::statics::active_set`], or where that has
 //! no answer by what is the greater, the tension or the slackness, each on its scale.
 
 use whipcord_numerics::DenseLu;
 
 use super::chain::{Scales, Task};
-use crate::cosserat::command::Command;
-use crate::cosserat::foreseen::Foreseen;
+use crate::statics::active_set::Foreseen;
+use crate::statics::command::{Command, LENGTH_REGULARISATION};
 
 /// The step of the tensions, and memory.
 #[derive(Clone, Debug, Default)]
@@ -32,10 +32,6 @@ pub(super) struct Held {
     lu: DenseLu,
     foreseen: Foreseen,
 }
-
-/// Of a cable's own compliance: keeps the step defined where more cables are taut than lengths are
-/// independent.
-const REGULARISATION: f64 = 1e-8;
 
 /// Greatest `min(τ, g)` without dimension.
 pub(super) fn greatest_lack(
@@ -78,7 +74,7 @@ impl Held {
         let units = [scales.force, backbone];
         let gives = |row: usize, column: usize| {
             let by = by[row * wide + column];
-            let own = if row == column { REGULARISATION * by.min(0.0) } else { 0.0 };
+            let own = if row == column { LENGTH_REGULARISATION * by.min(0.0) } else { 0.0 };
             -(by + own + Command::stretch(task.commands, cables[row], cables[column]))
         };
         let slack = |row: usize| {
@@ -107,7 +103,7 @@ impl Held {
             let of = &by[row * wide..(row + 1) * wide];
             for &column in &*taut {
                 let own = if row == column {
-                    compliance - REGULARISATION * of[column].min(0.0)
+                    compliance - LENGTH_REGULARISATION * of[column].min(0.0)
                 } else {
                     0.0
                 };

@@ -16,7 +16,7 @@ use whipcord_numerics::{Mat3, Pose, Vec3};
 
 use super::layout::Span;
 use super::rod::{End, Variation};
-use crate::cosserat::section::BodyWrench;
+use crate::section::BodyWrench;
 
 /// A straight piece of cable, in the frame of the disk nearer the base.
 #[derive(Clone, Copy, Debug, Default)]

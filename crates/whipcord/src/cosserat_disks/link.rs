@@ -6,8 +6,8 @@ use super::bare;
 use super::chain::{Node, Scales, Task};
 use super::joint::{self, Answer, Chord, Factors};
 use super::rod::{self, By, End, InSpan, Sample, Variation};
-use crate::cosserat::elimination::Change;
-use crate::cosserat::section::BodyWrench;
+use crate::section::BodyWrench;
+use crate::statics::elimination::Change;
 
 /// What is left of the equations of a span.
 #[derive(Clone, Copy, Debug, Default)]

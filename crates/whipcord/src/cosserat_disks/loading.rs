@@ -10,14 +10,14 @@ use whipcord_numerics::Vec3;
 use super::chain::{Chain, Node, Scales, Task};
 use super::statics::{Problem, Rod, Scratch, Start, copy_out};
 use super::{stays, unloaded};
-use crate::cosserat::command::Command;
-use crate::cosserat::continuation::{FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS, SHORT_ITERATION};
-use crate::cosserat::lengths::Effort;
-use crate::cosserat::outcome::{Failure, Found, Open};
-use crate::cosserat::section::SectionFault;
-use crate::cosserat::trace::Stage;
-use crate::cosserat::unloaded::Fault;
+use crate::section::Fault;
+use crate::section::SectionFault;
 use crate::shape::Diagnostics;
+use crate::statics::command::Command;
+use crate::statics::continuation::{FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS, SHORT_ITERATION};
+use crate::statics::lengths::Effort;
+use crate::statics::outcome::{Failure, Found, Open};
+use crate::statics::trace::Stage;
 
 /// Shapes that are tried where the load leads to none that is stable: bent by so much in all, in rad,
 /// in so many directions.
@@ -185,7 +185,7 @@ impl Raise<'_> {
     fn task<'a>(
         &'a self,
         groups: &'a [usize],
-        loads: &'a crate::cosserat::loads::AppliedLoads,
+        loads: &'a crate::statics::loads::AppliedLoads,
         load: f64,
     ) -> Task<'a> {
         let Problem { frame, mesh, tolerance, cancel, .. } = *self.problem;

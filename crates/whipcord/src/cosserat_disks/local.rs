@@ -8,14 +8,16 @@ use whipcord_numerics::{Twist, Vec3};
 
 use super::model::{CosseratDisks, Workspace};
 use crate::case::{CableCommand, Case, Drive, PointLoad};
-use crate::cosserat::derivatives::{Held, Hold};
-use crate::cosserat::{Accuracy, Options};
 use crate::differences::{Difference, ahead, differentiate};
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, Yields};
-use crate::model::{ModelKind, Stations};
-use crate::robot::{Cable, Robot};
+use crate::refusal;
+use crate::robot::Robot;
 use crate::shape::Solution;
+use crate::statics::hold::{Held, Hold};
+use crate::statics::options::{Accuracy, Options};
+use crate::stations::Stations;
 
 /// Share of what would bend the robot by about a radian that differences take at first: their error
 /// goes with the fourth power, that of the solver with the inverse.
@@ -33,7 +35,12 @@ pub(crate) fn solve_at(
     arc_length: f64,
     warm_start: Option<&Solution>,
 ) -> Result<(Solution, Local), SolveError> {
-    refuse_friction(robot)?;
+    refusal::hole_friction(
+        ModelKind::CosseratDisks,
+        robot,
+        "friction at the holes, for compliance and derivatives",
+        "with friction the compliance differs between pulling and releasing a cable: set the friction to 0",
+    )?;
     // A load to be changed; its place is then one of the mesh as well.
     let mut case = case.clone();
     case.before.clear();
@@ -238,16 +245,4 @@ fn driven_by(case: &Case, drive: Drive) -> Vec<DrivenBy> {
         _ => DrivenBy::Shortening,
     };
     case.commands.iter().map(by).collect()
-}
-
-fn refuse_friction(robot: &Robot) -> Result<(), SolveError> {
-    match robot.cables().iter().position(Cable::rubs) {
-        None => Ok(()),
-        Some(cable) => Err(SolveError::Unsupported {
-            model: ModelKind::CosseratDisks,
-            path: format!("cables[{cable}].friction"),
-            what: "friction at the holes, for compliance and derivatives",
-            advice: "with friction the compliance differs between pulling and releasing a cable: set the friction to 0",
-        }),
-    }
 }

@@ -28,6 +28,6 @@ mod stays;
 mod twins;
 mod unloaded;
 
-pub use crate::cosserat::Options;
+pub use crate::statics::options::Options;
 pub(crate) use local::solve_at;
 pub use model::{CosseratDisks, Workspace};

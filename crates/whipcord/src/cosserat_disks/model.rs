@@ -8,18 +8,19 @@ use super::statics::{self, Problem, Scratch, Start};
 use super::stays::{self, Sampled};
 use crate::cancel::Cancel;
 use crate::case::{CableCommand, Case, Loads};
-use crate::cosserat::TraceEvent;
-use crate::cosserat::command::Command;
-use crate::cosserat::outcome::{Failure, Found};
-use crate::cosserat::refinement::{Coarse, ERROR_RATIO};
-use crate::cosserat::strength::steps_for_twist;
-use crate::cosserat::trace::Trace;
-use crate::cosserat::{Accuracy, Options, loads};
 use crate::error::SolveError;
-use crate::model::ModelKind;
-use crate::obstacle;
+use crate::kind::ModelKind;
+use crate::refusal;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
+use crate::statics::command::Command;
+use crate::statics::grid::steps_for_twist;
+use crate::statics::loads;
+use crate::statics::options::{Accuracy, Options};
+use crate::statics::outcome::{Failure, Found};
+use crate::statics::refinement::{Coarse, ERROR_RATIO};
+use crate::statics::trace::Trace;
+use crate::statics::trace::TraceEvent;
 
 /// Meshes that are made beforehand.
 const READY_MESHES: usize = 3;
@@ -120,7 +121,7 @@ impl CosseratDisks {
     /// [`SolveError::Missing`] when the robot's stiffness is not given, and
     /// [`SolveError::Unsupported`] when a cable is anchored between two disks.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
-        ModelKind::CosseratDisks.needs_disks(robot)?;
+        refusal::without_disks(ModelKind::CosseratDisks, robot)?;
         let frame = Frame::new(robot, options.stations.arc_lengths(robot), loads)?;
         let meshes = match options.accuracy {
             Accuracy::Steps(steps) => vec![frame.mesh(steps, 0)?],
@@ -183,7 +184,7 @@ impl CosseratDisks {
             return self.solve_last(case, start, workspace);
         }
         case.check(&self.robot)?;
-        obstacle::refuse(ModelKind::CosseratDisks, case)?;
+        refusal::obstacles(ModelKind::CosseratDisks, case)?;
         let steps = one_by_one(case);
         workspace.walks.clear();
         self.check_steps(&steps, workspace)?;
@@ -225,7 +226,7 @@ impl CosseratDisks {
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
-        obstacle::refuse(ModelKind::CosseratDisks, case).map_err(|error| (0, error))?;
+        refusal::obstacles(ModelKind::CosseratDisks, case).map_err(|error| (0, error))?;
         let steps = one_by_one(case);
         workspace.walks.clear();
         let mut start = Start::Cold;
@@ -245,7 +246,7 @@ impl CosseratDisks {
     fn check_steps(&self, cases: &[Case], workspace: &mut Workspace) -> Result<(), SolveError> {
         for case in cases {
             case.check(&self.robot)?;
-            obstacle::refuse(ModelKind::CosseratDisks, case)?;
+            refusal::obstacles(ModelKind::CosseratDisks, case)?;
             loads::check(&self.robot, &case.loads)
                 .map_err(|error| error.of(ModelKind::CosseratDisks))?;
             if !self.takes_places_of(&case.loads) {

@@ -24,11 +24,11 @@ use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
 use super::bare;
 use super::layout::Mesh;
-use crate::cosserat::grid::Grid;
-use crate::cosserat::loaded::combine;
-use crate::cosserat::loads::AppliedLoads;
-use crate::cosserat::section::{BodyWrench, Strain};
+use crate::section::{BodyWrench, Strain};
 use crate::shape::Wrench;
+use crate::statics::grid::Grid;
+use crate::statics::loads::AppliedLoads;
+use whipcord_numerics::weighted_sum;
 
 const STAGES: usize = 6;
 /// How many of the grid's nodes lie in a step, its ends included.
@@ -139,7 +139,7 @@ pub(super) fn integrate(
             let dead = span.dead(k, NODE_OF_STAGE[i]);
             let mut force = wrench.linear + dead - followers;
             if line.is_some() {
-                force -= h * combine(&pushes[..i], &table.a[i]);
+                force -= h * weighted_sum(&pushes[..i], &table.a[i]);
             }
             let to_body = rotation.conjugate();
             let local =
@@ -169,7 +169,7 @@ pub(super) fn integrate(
             );
         }
         if line.is_some() {
-            followers += h * combine(&pushes, &table.b);
+            followers += h * weighted_sum(&pushes, &table.b);
         }
         let (rotation, position, mut moment) = unpack(&advance(&state, &slopes, &table.b, h));
         if k + 1 < last {

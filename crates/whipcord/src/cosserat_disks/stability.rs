@@ -24,14 +24,17 @@ use whipcord_numerics::{BoundedQuadratic, Mat3, UnitQuaternion, Vec3, symmetric_
 use super::joint::Chord;
 use super::layout::{Frame, Mesh};
 use super::rod::Sample;
-use crate::cosserat::loaded::Sample as Section;
-use crate::cosserat::loads::AppliedLoads;
-use crate::cosserat::section::Tangent;
-use crate::cosserat::stability::{
-    Element, FAR, INSENSITIVE, SLOPES, WEIGHTS, across, bisect, element, falling_zero, implied,
-    negative_eigenvalues, pivot, plausible, symmetric,
-};
+use crate::section::Tangent;
 use crate::shape::{Diagnostics, NoStability};
+use crate::statics::eigenvalue::{
+    FAR, INSENSITIVE, REGULARISATION, bisect, falling_zero, plausible,
+};
+use crate::statics::loads::AppliedLoads;
+use crate::statics::quadratic_form::Sample as Section;
+use crate::statics::quadratic_form::{
+    Element, SLOPES, WEIGHTS, across, element, negative_eigenvalues, pivot, symmetric,
+};
+use crate::statics::self_stress::implied;
 
 /// Quadratic forms of the steps and spans, and memory.
 #[derive(Clone, Debug, Default)]
@@ -80,10 +83,6 @@ struct Border {
     far: Vec3,
     way: Vec3,
 }
-
-/// Compliance added to what is held, relative to the order of magnitude of what the rod gives: it
-/// decides what counts as zero where more is taut than lengths are independent.
-const REGULARISATION: f64 = 1e-9;
 
 /// Below this part of the greatest a compliance is none.
 const NO_COMPLIANCE: f64 = 1e-12;

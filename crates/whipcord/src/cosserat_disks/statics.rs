@@ -12,15 +12,15 @@ use super::stays::{Sampled, compliance_scale, turns};
 use super::unloaded::{self, Unloaded};
 use crate::cancel::Cancel;
 use crate::case::Case;
-use crate::cosserat::command::Command;
-use crate::cosserat::continuation::PATH_ENDS;
-use crate::cosserat::lengths::{self, Effort, Given, LengthScratch, Note, Responds};
-use crate::cosserat::loads::AppliedLoads;
-use crate::cosserat::outcome::{Failure, Found};
-use crate::cosserat::section::SectionFault;
-use crate::cosserat::trace::Stage;
-use crate::cosserat::unloaded::Fault;
+use crate::section::Fault;
+use crate::section::SectionFault;
 use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::continuation::PATH_ENDS;
+use crate::statics::lengths::{self, Effort, Given, LengthScratch, Note, Responds};
+use crate::statics::loads::AppliedLoads;
+use crate::statics::outcome::{Failure, Found};
+use crate::statics::trace::Stage;
 
 /// What is to be solved.
 #[derive(Clone, Copy, Debug)]

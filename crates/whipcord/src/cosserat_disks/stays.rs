@@ -9,10 +9,10 @@ use super::layout::Mesh;
 use super::rod::{self, InSpan};
 use super::stability::{Equilibrium, Locked};
 use super::statics::{Problem, Scratch};
-use crate::cosserat::command::Command;
-use crate::cosserat::section::BodyWrench;
-use crate::cosserat::stability::is_idle;
+use crate::section::BodyWrench;
 use crate::shape::{Contact, Diagnostics, NoStability};
+use crate::statics::command::Command;
+use crate::statics::self_stress::is_idle;
 
 /// A hole that is so near to letting the cable slide, of its grip, counts as sliding.
 const SLIPS: f64 = 1e-6;

@@ -8,8 +8,8 @@ use core::ops::Range;
 use whipcord_numerics::{UnitQuaternion, Vec3};
 
 use super::layout::Span;
-use crate::cosserat::grid::Grid;
-use crate::cosserat::section::Section;
+use crate::section::Section;
+use crate::statics::grid::Grid;
 
 /// An earlier span that this one is when it is turned.
 #[derive(Clone, Copy, Debug, PartialEq)]

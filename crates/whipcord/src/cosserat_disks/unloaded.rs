@@ -10,11 +10,12 @@ use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::bare;
 use super::joint::{self, Answer, Chord, Factors, Tangent, Vanished};
-use super::layout::{Frame, Mesh, Passage, Span};
+use super::layout::{Frame, Mesh, Span};
 use super::rod::Sample;
 use super::twins::Twin;
-use crate::cosserat::section::{BodyWrench, SectionFault};
-use crate::cosserat::unloaded::Fault;
+use crate::section::Fault;
+use crate::section::{BodyWrench, SectionFault};
+use crate::statics::passages::Passage;
 
 /// The answer, and memory.
 #[derive(Clone, Debug, Default)]

@@ -10,8 +10,8 @@ use super::section::Section;
 use super::solve::{LOOSE, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::ModelKind;
-use crate::obstacle;
+use crate::kind::ModelKind;
+use crate::refusal;
 use crate::shape::Solution;
 
 /// How an answer of the four-bar model changes with how much each cable is shortened.
@@ -94,7 +94,7 @@ impl FourBar {
                 "take the objective coupler-angle or strain-energy",
             ));
         }
-        obstacle::refuse_for("derivatives", ModelKind::FourBar, case)?;
+        refusal::among_obstacles("derivatives", ModelKind::FourBar, case)?;
         let (solution, compromise) = self.solve_and_tell(case, workspace)?;
         if compromise {
             return Err(unsupported(

@@ -10,9 +10,9 @@ use super::solve::Workspace;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, YieldUnknown, Yields};
-use crate::model::Stations;
 use crate::robot::Robot;
 use crate::shape::{Solution, Wrench};
+use crate::stations::Stations;
 
 /// The answer, and how the place at an arc length in m moves and, if known, yields.
 ///

@@ -5,7 +5,7 @@ use core::str::FromStr;
 
 use crate::cancel::Cancel;
 use crate::case::Drive;
-use crate::model::Stations;
+use crate::stations::Stations;
 
 /// What is minimised, and how lengths are shared out.
 ///

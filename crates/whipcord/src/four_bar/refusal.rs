@@ -6,7 +6,8 @@ use super::options::{Chord, LengthRule, Objective, Options};
 use super::section;
 use crate::case::{Case, Drive, Loads};
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
+use crate::refusal;
 use crate::robot::{Robot, Stiffness};
 
 const NO_FORCES: &str = "it takes no forces: leave it out, or use cosserat";
@@ -23,7 +24,7 @@ pub(super) fn unsupported(
 
 /// Refuses a robot or options.
 pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> {
-    ModelKind::FourBar.needs_disks(robot)?;
+    refusal::without_disks(ModelKind::FourBar, robot)?;
     if options.drive == Drive::Tension {
         return Err(unsupported("actuation", "tension", GIVE_SHORTENING));
     }

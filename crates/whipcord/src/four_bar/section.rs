@@ -8,7 +8,7 @@ use super::measure::Measure;
 use super::options::{Chord, Objective};
 use super::plane::{Jet, Vec2};
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::robot::Robot;
 
 /// What lies between two neighbouring disks.

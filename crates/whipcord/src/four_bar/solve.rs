@@ -14,8 +14,9 @@ use super::refusal;
 use super::several::{Ending, Several};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::{ModelKind, Stations};
+use crate::kind::ModelKind;
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
+use crate::stations::Stations;
 
 /// Scratch memory of a solve.
 #[derive(Clone, Debug, Default)]

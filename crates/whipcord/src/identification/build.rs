@@ -4,10 +4,10 @@ use whipcord_numerics::{UnitQuaternion, Vec3};
 
 use super::quantity::Quantity;
 use crate::case::{CableCommand, Case, Drive, Shortening};
-use crate::cosserat::grid::of_material;
 use crate::error::SolveError;
 use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::{Backbone, Material, Problem, Robot, RobotError, Stiffness};
+use crate::section::of_robot::of_material;
 
 /// Axes of the world.
 pub(super) const AXES: [Vec3; 3] =

@@ -5,7 +5,8 @@ use super::error::{IdentifyError, Misfit};
 use super::quantity::Quantity;
 use super::{Experiment, Settings, Unknown};
 use crate::case::Drive;
-use crate::model::{Model, ModelKind};
+use crate::kind::ModelKind;
+use crate::model::Model;
 use crate::observation::{Observation, Place, Seen};
 use crate::robot::Robot;
 

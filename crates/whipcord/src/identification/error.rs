@@ -2,7 +2,7 @@
 
 use crate::camera::ViewError;
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::robot::RobotError;
 
 /// Why nothing is estimated. Experiments, observations and steps are numbered from 0 in the fields, from 1 in

@@ -10,11 +10,13 @@ use super::quantity::Quantity;
 use super::{Experiment, Settings, Unknown};
 use crate::camera::Camera;
 use crate::case::Case;
-use crate::model::{Model, ModelKind, Prepared, Stations};
+use crate::kind::ModelKind;
+use crate::model::{Model, Prepared};
 use crate::observation::{Observation, Seen};
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::Solution;
+use crate::stations::Stations;
 
 /// The experiments, and the model for the robot of the last numbers.
 pub(super) struct Forward<'a> {

@@ -11,7 +11,7 @@ use super::noise::Fitted;
 use super::unresolved::Unresolved;
 use super::{Settings, Unknown};
 use crate::case::Case;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::uncertainty::Spread;
 

@@ -3,7 +3,8 @@
 use super::error::IdentifyError;
 use super::outcome::Identified;
 use super::{Experiment, Settings, Unknown, identify};
-use crate::model::{Model, ModelKind};
+use crate::kind::ModelKind;
+use crate::model::Model;
 use crate::robot::Robot;
 
 /// A model's fit among others.

@@ -5,11 +5,12 @@ use whipcord_numerics::{GAUSS_3, Vec3};
 use super::chain::{MOST_BENT, bend};
 use super::division::Division;
 use super::motion::{Coordinates, MOST, Motion};
-use crate::cosserat::grid::section_at;
-use crate::cosserat_disks::layout::{Passage, passages};
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
+use crate::refusal;
 use crate::robot::Robot;
+use crate::section::of_robot::section_at;
+use crate::statics::passages::{Passage, passages};
 
 /// What lies between two neighbouring disks.
 #[derive(Clone, Debug)]
@@ -29,7 +30,7 @@ pub(super) fn sections(
     model: ModelKind,
     division: &Division,
 ) -> Result<(Vec<Section>, Vec<f64>), SolveError> {
-    model.needs_disks(robot)?;
+    refusal::without_disks(model, robot)?;
     let at = &robot.disks().arc_lengths;
     let mut sections = Vec::with_capacity(at.len() - 1);
     let mut lengths = vec![0.0; robot.cables().len()];

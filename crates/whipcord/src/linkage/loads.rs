@@ -7,11 +7,11 @@ use whipcord_numerics::{GAUSS_3, GAUSS_5, UnitQuaternion, Vec3};
 
 use super::division::Division;
 use crate::case::{Loads, Piece};
-use crate::cosserat::loads::check;
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::shape::Wrench;
+use crate::statics::loads::check;
 
 /// What is applied to the robot.
 #[derive(Clone, Debug, Default)]

@@ -18,14 +18,15 @@ use whipcord_numerics::Pose;
 
 use crate::cancel::Cancel;
 use crate::case::{Case, Drive};
-use crate::cosserat::command::Command;
-use crate::cosserat::lengths::{self, Given, LengthScratch};
-use crate::cosserat::outcome::Failure;
 use crate::error::SolveError;
-use crate::model::{ModelKind, Stations};
-use crate::obstacle;
+use crate::kind::ModelKind;
+use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::{Diagnostics, NoStability, Shape, Solution};
+use crate::statics::command::Command;
+use crate::statics::lengths::{self, Given, LengthScratch};
+use crate::statics::outcome::Failure;
+use crate::stations::Stations;
 
 use chain::Task;
 use division::Division;
@@ -136,7 +137,7 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
         case.check(&self.robot)?;
-        obstacle::refuse(self.kind, case)?;
+        refusal::obstacles(self.kind, case)?;
         loads::refuse(&self.robot, self.kind, &case.loads)?;
         let Workspace { scratch, loads, commands, tensions, .. } = &mut *workspace;
         loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);

@@ -3,11 +3,11 @@
 use super::chain::{Asked, Chain, Elimination, Task, bend};
 use super::layout::Section;
 use super::motion::Coordinates;
-use crate::cosserat::lengths::{Note, Responds, Stage};
-use crate::cosserat::outcome::Failure;
-use crate::cosserat::section::SectionFault;
-use crate::cosserat::unloaded::Fault;
+use crate::section::Fault;
+use crate::section::SectionFault;
 use crate::shape::Wrench;
+use crate::statics::lengths::{Note, Responds, Stage};
+use crate::statics::outcome::Failure;
 
 /// Newton iterations at most.
 const MAX_ITERATIONS: usize = 40;

@@ -7,7 +7,7 @@ use super::places::places_in_steps;
 use super::{Observation, Place, Seen, is_reversed};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::registration::{Alignment, RegistrationError, align};
 use crate::robot::{Disks, Robot};
 use crate::shape::Solution;

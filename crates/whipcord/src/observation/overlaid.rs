@@ -7,9 +7,10 @@ use super::{Observation, Place, Seen, is_reversed, places};
 use crate::camera::{Camera, Miss};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::{Model, Stations};
+use crate::model::Model;
 use crate::robot::Robot;
 use crate::shape::{Shape, Solution};
+use crate::stations::Stations;
 
 /// A marker in a photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]

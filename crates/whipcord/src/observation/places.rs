@@ -5,9 +5,11 @@ use whipcord_numerics::Vec3;
 use super::{Observation, Place};
 use crate::case::{Case, Drive};
 use crate::error::SolveError;
-use crate::model::{Model, ModelKind, Stations};
+use crate::kind::ModelKind;
+use crate::model::Model;
 use crate::robot::Robot;
 use crate::shape::{Shape, Solution};
+use crate::stations::Stations;
 
 /// The places in m, in the world, at which an answer of the model, at the disks, has the markers. For those
 /// between disks it is solved for once more, from the answer. The markers are on the robot.

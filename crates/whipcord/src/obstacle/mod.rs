@@ -14,9 +14,7 @@ use std::sync::Arc;
 
 use whipcord_numerics::{Pose, Vec3};
 
-use crate::case::{Case, check_pose};
-use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::robot::limits::check_pose;
 use crate::robot::{RobotError, limits};
 
 pub use centreline::Bends;
@@ -81,32 +79,6 @@ pub struct Surface {
     pub distance: f64,
     /// Gradient of the distance: a unit vector out of the obstacle.
     pub normal: Vec3,
-}
-
-/// Refuses a case with obstacles on behalf of a model that knows no contact.
-pub(crate) fn refuse(model: ModelKind, case: &Case) -> Result<(), SolveError> {
-    if case.obstacles.is_empty() {
-        return Ok(());
-    }
-    Err(SolveError::Unsupported {
-        model,
-        path: "obstacles".to_owned(),
-        what: "it knows no contact",
-        advice: "use cosserat, or four-bar with the strain-energy objective",
-    })
-}
-
-/// Refuses a case with obstacles where something other than its shape is asked for.
-pub(crate) fn refuse_for(what: &str, model: ModelKind, case: &Case) -> Result<(), SolveError> {
-    if case.obstacles.is_empty() {
-        return Ok(());
-    }
-    Err(SolveError::Unsupported {
-        model,
-        path: format!("a request for {what}"),
-        what: "the case has obstacles",
-        advice: "remove the obstacles, or take finite differences of neighbouring solutions",
-    })
 }
 
 impl Obstacle {

@@ -1,9 +1,12 @@
 //! Quantities of a robot and a case that an answer can be differentiated by.
 
 mod path;
+mod route_change;
+mod section_change;
 
 pub use path::UnknownParameter;
 pub(crate) use path::numbered;
+pub(crate) use route_change::RouteChange;
 
 use whipcord_numerics::Vec3;
 

@@ -4,8 +4,8 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations.
 
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::linkage::division::{Division, Joint};
-use crate::model::ModelKind;
 use crate::robot::Robot;
 
 pub use crate::linkage::{Linkage, Options, Workspace};

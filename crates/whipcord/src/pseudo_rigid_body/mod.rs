@@ -9,10 +9,11 @@ use core::str::FromStr;
 use crate::cancel::Cancel;
 use crate::case::Drive;
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::linkage::division::{Division, Joint};
 use crate::linkage::{self, Linkage};
-use crate::model::{ModelKind, Stations};
 use crate::robot::Robot;
+use crate::stations::Stations;
 
 pub use crate::linkage::Workspace;
 

@@ -14,7 +14,7 @@ const TERMS: usize = 2 * ORDER + 1;
 /// square second derivative over its period is taken. With more than seventeen disks the holes
 /// are met in the least-squares sense, with the same measure as a vanishing regularisation.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Fourier {
+pub(crate) struct Fourier {
     frequency: f64,
     /// Constant, then cosine and sine of each harmonic in turn.
     coefficients: [f64; TERMS],
@@ -22,7 +22,7 @@ pub(super) struct Fourier {
 
 impl Fourier {
     /// The series through `values` at the increasing `knots`, of which the first is 0.
-    pub(super) fn through(knots: &[f64], values: &[f64]) -> Self {
+    pub(crate) fn through(knots: &[f64], values: &[f64]) -> Self {
         let extent = knots[knots.len() - 1];
         let frequency = PI / extent;
         let basis: Vec<[f64; TERMS]> = knots.iter().map(|&s| basis(frequency * s)).collect();
@@ -35,7 +35,7 @@ impl Fourier {
     }
 
     /// Value and first two derivatives.
-    pub(super) fn evaluate(&self, s: f64) -> [f64; 3] {
+    pub(crate) fn evaluate(&self, s: f64) -> [f64; 3] {
         let w = self.frequency;
         let b = basis(w * s);
         let mut out = [self.coefficients[0], 0.0, 0.0];

@@ -4,7 +4,7 @@
 use core::fmt;
 
 use super::error::{Problem, RobotError};
-use whipcord_numerics::Vec3;
+use whipcord_numerics::{Pose, Vec3};
 
 /// The values that a quantity may have, in SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -193,6 +193,20 @@ pub fn number(value: f64) -> String {
     } else {
         format!("{value:e}")
     }
+}
+
+/// How far the norm of a unit quaternion may be from 1 by rounding.
+const UNIT_TOLERANCE: f64 = 1e-12;
+
+/// Refuses a pose that is too far off, or whose quaternion is no rotation.
+pub(crate) fn check_pose(pose: &Pose) -> Result<(), RobotError> {
+    COORDINATE.check_vector("position", pose.position)?;
+    let [w, x, y, z] = pose.rotation.wxyz();
+    let norm = (w * w + x * x + y * y + z * z).sqrt();
+    if norm.is_nan() || (norm - 1.0).abs() > UNIT_TOLERANCE {
+        return Err(RobotError::new("orientation", Problem::NotUnit { norm }));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -5,12 +5,10 @@ mod backbone;
 mod cable;
 mod disks;
 mod error;
-mod fourier;
+pub(crate) mod fourier;
 pub mod limits;
-mod route;
-mod route_change;
-mod section;
-mod section_change;
+pub(crate) mod route;
+pub(crate) mod section;
 mod stiffness;
 
 use whipcord_numerics::{GAUSS_3, Vec3};
@@ -22,7 +20,6 @@ pub use disks::Disks;
 pub(crate) use error::check_on_backbone;
 pub use error::{Problem, RobotError, in_words};
 pub use route::{Route, RoutePoint};
-pub(crate) use route_change::RouteChange;
 pub use section::{Section, SectionProperties};
 pub use stiffness::{Stiffness, StiffnessMatrix};
 

@@ -12,7 +12,7 @@ use super::limits::{ANGLE, AXIAL_STIFFNESS, COORDINATE, DISTANCE, FRICTION, LENG
 /// Where a cable runs: its offset `r(s)` from the backbone in the frame of the cross-section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Route {
-    pub(super) curve: Curve,
+    pub(crate) curve: Curve,
     end: f64,
     breakpoints: Vec<f64>,
 }
@@ -30,7 +30,7 @@ pub struct RoutePoint {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Curve {
+pub(crate) enum Curve {
     Polar { angle: PiecewiseCubic, radius: PiecewiseCubic },
     Fourier { x: Fourier, y: Fourier },
     Helix { start_angle: f64, rate: f64, radius: f64 },
@@ -41,7 +41,7 @@ pub(super) enum Curve {
 const AT_DISK: f64 = 1e-6;
 
 impl Route {
-    pub(super) fn new(
+    pub(crate) fn new(
         cable: &Cable,
         backbone: &Backbone,
         disks: &Disks,
@@ -168,7 +168,7 @@ fn hole_disks<'a>(holes: &[usize], disks: &'a Disks) -> Result<&'a [f64], RobotE
 
 /// Hole angles in rad, unwrapped: from disk to disk the cable takes the shorter way round, and
 /// counter-clockwise when both are as long.
-pub(super) fn unwrapped_angles(holes: &[usize], count: usize) -> Vec<f64> {
+pub(crate) fn unwrapped_angles(holes: &[usize], count: usize) -> Vec<f64> {
     let pitch = TAU / count as f64;
     let mut turns = 0.0;
     let mut angles = Vec::with_capacity(holes.len());
@@ -235,7 +235,7 @@ fn polar([a, da, dda]: [f64; 3], [r, dr, ddr]: [f64; 3]) -> RoutePoint {
     }
 }
 
-pub(super) fn plane([x, dx, ddx]: [f64; 3], [y, dy, ddy]: [f64; 3]) -> RoutePoint {
+pub(crate) fn plane([x, dx, ddx]: [f64; 3], [y, dy, ddy]: [f64; 3]) -> RoutePoint {
     RoutePoint {
         offset: Vec3::new(x, y, 0.0),
         slope: Vec3::new(dx, dy, 0.0),
@@ -244,7 +244,7 @@ pub(super) fn plane([x, dx, ddx]: [f64; 3], [y, dy, ddy]: [f64; 3]) -> RoutePoin
 }
 
 /// Value and first two derivatives by Horner's scheme.
-pub(super) fn polynomial(coefficients: &[f64], x: f64) -> [f64; 3] {
+pub(crate) fn polynomial(coefficients: &[f64], x: f64) -> [f64; 3] {
     let mut p = [0.0; 3];
     for &c in coefficients.iter().rev() {
         p[2] = p[2] * x + 2.0 * p[1];

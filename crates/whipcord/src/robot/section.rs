@@ -198,7 +198,7 @@ fn rectangle_torsion_constant(width: f64, height: f64) -> f64 {
 ///
 /// With `q = e^(−nπx)` it is `Σ 1/n⁵ − Σ 2q/(1 + q)/n⁵`. The first sum is `31/32 ζ(5)`; the second falls by
 /// 1/535 from term to term, so that six of them are exact.
-pub(super) fn torsion_series(x: f64) -> (f64, f64) {
+pub(crate) fn torsion_series(x: f64) -> (f64, f64) {
     const ODD_FIFTH_POWERS: f64 = 1.004_523_762_795_139_6;
     let (mut sum, mut slope) = (ODD_FIFTH_POWERS, 0.0);
     for n in [11.0_f64, 9.0, 7.0, 5.0, 3.0, 1.0] {

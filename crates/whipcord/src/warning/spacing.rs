@@ -3,9 +3,11 @@
 use super::geometry::is_soft;
 use super::kinds::{SPACING, Warning};
 use crate::case::{Case, PointMass};
-use crate::model::{Model, ModelKind, Stations};
+use crate::kind::ModelKind;
+use crate::model::Model;
 use crate::robot::{Cable, Disks, Robot, Routing};
 use crate::shape::Solution;
+use crate::stations::Stations;
 
 /// Robots with more disks are not looked at: a solve would take long, and the spacing is fine.
 const MOST_DISKS: usize = 200;

@@ -3,9 +3,10 @@
 use whipcord_numerics::Twist;
 
 use super::elimination::NodeChange;
-use super::{Derivatives, Hold, Place, Source};
-use crate::cosserat::command::Command;
+use super::{Derivatives, Place, Source};
 use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, Yields};
+use crate::statics::command::Command;
+use crate::statics::hold::Hold;
 
 impl Derivatives {
     /// The actuation Jacobian of a place: for the command of each cable ([`Self::command`]) the

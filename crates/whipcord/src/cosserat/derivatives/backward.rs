@@ -4,9 +4,10 @@ use whipcord_numerics::{Twist, Vec3};
 
 use super::change::Places;
 use super::elimination::NodeChange;
-use super::{Derivatives, Hold, Place};
-use crate::cosserat::command::Command;
+use super::{Derivatives, Place};
 use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::hold::Hold;
 
 /// A scalar's sensitivity to the answer: what [`Derivatives::pull_back`] takes. What is not set is
 /// zero.

@@ -4,7 +4,7 @@ use whipcord_numerics::Twist;
 
 use super::Place;
 use super::elimination::NodeChange;
-use crate::cosserat::section::Strain;
+use crate::section::Strain;
 use crate::shape::Wrench;
 
 /// How an answer changes with one number.

@@ -6,10 +6,11 @@ use super::change::Change;
 use super::elimination::NodeChange;
 use super::forward::{Effect, Forcing};
 use super::replay::AXES;
-use super::{Derivatives, Hold, Place};
-use crate::cosserat::command::Command;
-use crate::cosserat::section::Strain;
+use super::{Derivatives, Place};
+use crate::section::Strain;
 use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::hold::Hold;
 
 /// A change at constant tensions, in the terms of the grid.
 #[derive(Clone, Debug, Default)]

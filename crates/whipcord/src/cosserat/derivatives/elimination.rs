@@ -16,12 +16,9 @@
 use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 
 use super::forward::{Effect, Maps, StepMap};
-use crate::cosserat::loads::AppliedLoads;
 use crate::shape::Wrench;
-
-/// Why there are no derivatives: a small load changes the answer without bound.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Critical;
+use crate::statics::hold::Critical;
+use crate::statics::loads::AppliedLoads;
 
 /// The eliminated chain.
 #[derive(Clone, Debug, Default)]

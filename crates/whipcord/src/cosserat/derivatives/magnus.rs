@@ -11,7 +11,7 @@
 //!
 //! at the dual vector `φ`: the derivative of the exponential of SO(3) with dual numbers put in.
 
-use super::lanes::{LANES, Lane, LaneMat, LaneVec};
+use crate::section::lanes::{LANES, Lane, LaneMat, LaneVec};
 
 /// A twist of each column.
 #[derive(Clone, Copy, Debug, Default)]

@@ -21,8 +21,6 @@ mod change;
 mod columns;
 mod elimination;
 mod forward;
-mod holding;
-pub(super) mod lanes;
 mod linear;
 mod magnus;
 mod mass_change;
@@ -37,22 +35,22 @@ pub use self::change::Change;
 use self::change::Places;
 pub(super) use self::columns::unit_wrench;
 use self::columns::{Raw, Source};
-use self::elimination::{Critical, Elimination};
+use self::elimination::Elimination;
 use self::forward::Maps;
-pub(crate) use self::holding::Held;
 use self::linear::Linear;
 pub(super) use self::open::{Motion, StepGap};
 use self::partials::{Partial, Setting};
 use self::replay::Answer;
-use super::command::Command;
-use super::grid::{Grid, Layout, Step};
-use super::loads::AppliedLoads;
-use super::section::Strain;
-use super::unloaded::Fault;
 use crate::case::Case;
 use crate::parameter::Parameter;
 use crate::robot::{Robot, RobotError};
+use crate::section::Fault;
+use crate::section::Strain;
 use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::grid::{Grid, Layout, Step};
+use crate::statics::hold::{Critical, Held};
+use crate::statics::loads::AppliedLoads;
 
 /// A place of the answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,18 +61,6 @@ pub enum Place {
     Disk(usize),
     /// The tip.
     Tip,
-}
-
-/// What is held while something else changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Hold {
-    /// What the case gives: the tension of each cable driven by it, the length of the others.
-    Commands,
-    /// The tension of every cable: motors that control forces, or hung weights.
-    Tensions,
-    /// The length of every taut cable, as long as its end outside the robot is locked; a cable of
-    /// given axial stiffness stretches. A cable without tension stays slack.
-    Lengths,
 }
 
 /// The derivatives of one answer of the Cosserat model.

@@ -5,12 +5,13 @@
 
 use whipcord_numerics::Vec3;
 
+use super::Derivatives;
 use super::columns::Raw;
 use super::elimination::NodeChange;
 use super::forward::Effect;
-use super::{Derivatives, Hold};
-use crate::cosserat::command::Command;
 use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::hold::Hold;
 
 /// How a step ends beyond the node that it should meet, base frame.
 #[derive(Clone, Copy, Debug, Default)]

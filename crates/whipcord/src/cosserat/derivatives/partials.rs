@@ -9,11 +9,12 @@ use super::mass_change::MassChange;
 use super::replay::AXES;
 use super::spread_change::SpreadChange;
 use crate::case::{Case, Shortening};
-use crate::cosserat::grid::{Grid, Layout, Node, SHOOTING_NODES, Step};
-use crate::cosserat::section::{BodyWrench, Crossing, Stiffness, Strain};
+use crate::parameter::RouteChange;
 use crate::parameter::{Parameter, StiffnessPart};
-use crate::robot::{Robot, RobotError, RouteChange, Routing, SectionProperties};
+use crate::robot::{Robot, RobotError, Routing, SectionProperties};
+use crate::section::{BodyWrench, Crossing, Stiffness, Strain};
 use crate::shape::Wrench;
+use crate::statics::grid::{Grid, Layout, Node, SHOOTING_NODES, Step};
 
 /// The robot and case of an answer, as the partial derivatives need them.
 #[derive(Clone, Copy, Debug)]

@@ -17,12 +17,12 @@ use whipcord_numerics::{GAUSS_3, Mat3, Pose, Vec3};
 
 use super::elimination::StepPull;
 use super::forward::{Effect, Forcing, Maps, StepMap};
-use super::lanes::{LANES, Lane, LaneMat};
 use super::magnus::{LaneMotion, LaneTwist, end_by_twists};
 use super::replay::{Answer, Stage};
-use crate::cosserat::grid::{Grid, SHOOTING_NODES, Step};
-use crate::cosserat::section::{BodyWrench, Strain, Tangent, equilibrium};
-use crate::cosserat::unloaded::Fault;
+use crate::section::Fault;
+use crate::section::lanes::{LANES, Lane, LaneMat};
+use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
+use crate::statics::grid::{Grid, SHOOTING_NODES, Step};
 
 /// Sections of a step.
 pub(super) const POINTS: usize = 3;

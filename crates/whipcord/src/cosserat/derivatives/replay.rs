@@ -9,14 +9,15 @@ use whipcord_numerics::{BUTCHER_5, Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::elimination::NodeChange;
 use super::forward::Forcing;
-use crate::cosserat::grid::Grid;
-use crate::cosserat::loaded::{NODE_OF_STAGE, STAGES, State, advance, combine, pack, unpack};
-use crate::cosserat::loads::{AppliedLoads, Line};
-use crate::cosserat::section::{BodyWrench, Strain, Tangent, equilibrium};
-use crate::cosserat::unloaded::Fault;
+use crate::cosserat::loaded::{NODE_OF_STAGE, STAGES, State, advance, pack, unpack};
+use crate::section::Fault;
+use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::shape::Wrench;
+use crate::statics::grid::Grid;
+use crate::statics::loads::{AppliedLoads, Line};
+use whipcord_numerics::weighted_sum;
 
-/// The place of [`crate::cosserat::grid::SHOOTING_NODES`] at the end of a step.
+/// The place of [`crate::statics::grid::SHOOTING_NODES`] at the end of a step.
 const LAST_NODE: usize = 4;
 
 /// The linear map of one stage at the answer.
@@ -195,7 +196,7 @@ impl Replay {
                 let (node, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
                 let mut force = loads.force(k, NODE_OF_STAGE[i]) + follower_force;
                 if follows {
-                    force -= h * combine(&pushes[..i], &BUTCHER_5.a[i]);
+                    force -= h * weighted_sum(&pushes[..i], &BUTCHER_5.a[i]);
                 }
                 let (turned, _, moment) = unpack(&stage);
                 let r = turned.to_matrix();
@@ -237,7 +238,7 @@ impl Replay {
                 }
             }
             if follows {
-                follower_force -= h * combine(&pushes, &BUTCHER_5.b);
+                follower_force -= h * weighted_sum(&pushes, &BUTCHER_5.b);
             }
             if line.is_some() {
                 self.spread.resize(k, None);

@@ -1,9 +1,9 @@
 use whipcord_numerics::GAUSS_3;
 
-use super::super::grid::Grid;
-use super::super::one_cable::Reduced;
 use super::super::unloaded::extrapolation;
 use super::section::{Guess, Several};
+use crate::section::one_cable::Reduced;
+use crate::statics::grid::Grid;
 
 /// One grid, made ready for lanes.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! Rods without load under given tensions, as many at once as the processor's vectors have lanes.
 //!
-//! The same operations in the same order as [`super::one_cable`], [`super::section`] and
+//! The same operations in the same order as [`crate::section::one_cable`], [`crate::section`] and
 //! [`super::unloaded`], so that the answers are the same to the last bit. Rows that take another branch
 //! of the scalar code are left to it: a section that folds or takes a damped step, a step that turns by
 //! half a radian, an error of discretisation that takes grids finer than those at hand.
@@ -15,9 +15,9 @@ use pulp::{Simd, WithSimd};
 use whipcord_numerics::Pose;
 use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
 
-use super::grid::Grid;
 use super::model::Cosserat;
 use super::refinement::UNLOADED_ERROR_RATIO;
+use crate::statics::grid::Grid;
 use grid::{LaneGrid, LaneSection};
 use section::one_cable;
 use stability::stability;

@@ -4,11 +4,11 @@ use pulp::Simd;
 use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneLdlt3, LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 
-use super::super::one_cable::{self, MET, Reduced};
-use super::super::section::equilibrium::{STEP_TOLERANCE, UNDAMPED, reach};
-use super::super::section::{Crossing, FOLDED, Section, Stiffness};
+use crate::section::equilibrium::{STEP_TOLERANCE, UNDAMPED, reach};
+use crate::section::one_cable::{self, MET, Reduced};
+use crate::section::{Crossing, FOLDED, Section, Stiffness};
 
-/// A section that any number of cables cross: [`super::super::section`] in lanes.
+/// A section that any number of cables cross: [`crate::section`] in lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Several {
     stiffness: Stiffness,
@@ -31,7 +31,7 @@ pub(super) enum Guess {
     Beyond([f64; 2]),
 }
 
-/// [`super::super::section::Tangent`] in each lane.
+/// [`crate::section::Tangent`] in each lane.
 struct LaneTangent<S: Simd> {
     force: LaneLdlt3<S>,
     /// Columns of `A⁻¹B`.
@@ -41,7 +41,7 @@ struct LaneTangent<S: Simd> {
     definite: LaneMask<S>,
 }
 
-/// [`super::super::section::Hessian`] in each lane; `b` by columns.
+/// [`crate::section::Hessian`] in each lane; `b` by columns.
 struct LaneHessian<S: Simd> {
     a: LaneSym3<S>,
     b: [LaneVec3<S>; 3],

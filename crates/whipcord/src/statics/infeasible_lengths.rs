@@ -28,7 +28,7 @@ const TAKES_PART: f64 = 1e-2;
 
 /// By how much in m each cable misses its length at the best compromise, 0 for those that take no part;
 /// `None` where no two are found to contradict one another. Overwrites the tensions.
-pub(super) fn misses(
+pub(crate) fn misses(
     given: &Given<'_>,
     tensions: &mut [f64],
     rod: &mut impl Responds,

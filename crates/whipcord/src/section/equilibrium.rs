@@ -4,13 +4,13 @@ use whipcord_numerics::Vec3;
 
 use super::tangent::Hessian;
 use super::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Strain};
-use crate::cosserat::one_cable;
+use crate::section::one_cable;
 
 /// A Newton step this small, as a strain, leaves an error of its square.
-pub(in crate::cosserat) const STEP_TOLERANCE: f64 = 2e-7;
+pub(crate) const STEP_TOLERANCE: f64 = 2e-7;
 const MAX_ITERATIONS: usize = 200;
 /// Undamped steps that are tried before the potential is watched.
-pub(in crate::cosserat) const UNDAMPED: usize = 5;
+pub(crate) const UNDAMPED: usize = 5;
 
 /// Finds the strain of a section, starting from `strain`; `tensions` and `crossings` belong to the
 /// same cables.
@@ -58,7 +58,7 @@ pub(crate) fn newton_equilibrium(
 
 /// Distance at which a curvature counts as a strain.
 #[inline]
-pub(in crate::cosserat) fn reach(crossings: &[Crossing]) -> f64 {
+pub(crate) fn reach(crossings: &[Crossing]) -> f64 {
     let widest = |widest: f64, c: &Crossing| widest.max(c.offset.norm_squared());
     crossings.iter().fold(1e-8, widest).sqrt()
 }
@@ -91,7 +91,7 @@ fn newton_step(
 /// Newton's method with backtracking on the potential, from the section at rest: it converges
 /// always, or finds that the section folds.
 #[cold]
-pub(super) fn damped_equilibrium(
+pub(crate) fn damped_equilibrium(
     section: &Section,
     crossings: &[Crossing],
     tensions: &[f64],

@@ -4,7 +4,7 @@
 use whipcord_numerics::{BoundedQuadratic, DenseLu};
 
 use super::command::Command;
-use super::independent::Independent;
+use super::rank::Independent;
 
 /// Of the largest diagonal entry: keeps the step defined where more straight cables are taut than
 /// lengths are independent, and picks tensions of least change there.
@@ -12,7 +12,7 @@ const REGULARISATION: f64 = 1e-13;
 
 /// Scratch memory of a step, and its end.
 #[derive(Clone, Debug, Default)]
-pub(super) struct StepScratch {
+pub(crate) struct StepScratch {
     free: Vec<usize>,
     matrix: Vec<f64>,
     step: Vec<f64>,
@@ -27,7 +27,7 @@ pub(super) struct StepScratch {
 
 /// Writes the end of the projected Newton step into `scratch.trial`; `false` when no cable is free
 /// to move.
-pub(super) fn newton_step(
+pub(crate) fn newton_step(
     commands: &[Command],
     tensions: &[f64],
     lengths: &[f64],
@@ -100,7 +100,7 @@ pub(super) fn newton_step(
 
 /// Writes into `scratch.trial` where the quadratic model of the objective is least within `τ ≥ 0`, with
 /// `damping` of the diagonal added to it: a way down, always.
-pub(super) fn damped_step(
+pub(crate) fn damped_step(
     commands: &[Command],
     tensions: &[f64],
     lengths: &[f64],

@@ -4,11 +4,9 @@ use core::f64::consts::PI;
 
 use whipcord_numerics::Vec3;
 
-use super::along::Along;
-use super::backbone::Backbone;
-use super::disks::Disks;
-use super::section::{Section, SectionProperties, torsion_series};
-use crate::parameter::Parameter;
+use super::Parameter;
+use crate::robot::section::torsion_series;
+use crate::robot::{Along, Backbone, Disks, Section, SectionProperties};
 
 impl Backbone {
     /// Derivative of the cross-section's properties by a parameter, at one end of a piece in which

@@ -23,7 +23,7 @@ pub(crate) struct LaneVec {
 
 /// One 3×3 matrix of each column, by rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct LaneMat {
+pub(crate) struct LaneMat {
     pub rows: [LaneVec; 3],
 }
 

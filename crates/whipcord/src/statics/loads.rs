@@ -5,7 +5,7 @@ use whipcord_numerics::{UnitQuaternion, Vec3};
 use super::grid::{Grid, SHOOTING_NODES};
 use crate::case::{Loads, Piece};
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::shape::Wrench;
 

@@ -6,7 +6,7 @@
 
 /// Finds cables that pull independently of one another.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Independent {
+pub(crate) struct Independent {
     order: Vec<usize>,
     kept: Vec<usize>,
     basis: Vec<f64>,

@@ -4,14 +4,14 @@
 //! stiffness or rest curvature is given all lie between steps, never inside one, so that the
 //! integrators keep their order.
 
-use whipcord_numerics::{GAUSS_3, Mat3, Vec3};
+use whipcord_numerics::{GAUSS_3, Vec3};
 
-use super::one_cable::Reduced;
-use super::section::{BodyWrench, Coupling, Crossing, Section, Stiffness};
 use crate::case::Loads;
 use crate::error::SolveError;
-use crate::model::ModelKind;
-use crate::robot::{Robot, Route, RoutePoint, StiffnessMatrix};
+use crate::robot::{Robot, Route, RoutePoint};
+use crate::section::of_robot::section_at;
+use crate::section::one_cable::Reduced;
+use crate::section::{BodyWrench, Crossing, Section};
 
 /// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_5`] evaluates.
 pub(crate) const SHOOTING_NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -214,6 +214,22 @@ fn share(robot: &Robot, layout: &Layout, steps: usize) -> Vec<usize> {
     parts
 }
 
+/// A step may twist by this much in the unloaded rod, in rad: the bending stiffness about fixed axes changes
+/// with twice the angle.
+const TWIST_OF_STEP: f64 = 0.4;
+/// Places at which the rest twist is looked up, and the most steps that it asks for.
+const PLACES: usize = 64;
+const MOST_STEPS: f64 = 512.0;
+
+/// So many steps follow the twist of the unloaded rod.
+pub(crate) fn steps_for_twist(robot: &Robot) -> usize {
+    let backbone = robot.backbone();
+    let at = |k: usize| backbone.length * (k as f64 + 0.5) / PLACES as f64;
+    let rate = |k: usize| backbone.rest_curvature_at(robot.disks(), at(k)).z.abs();
+    let twist = (0..PLACES).map(rate).sum::<f64>() * backbone.length / PLACES as f64;
+    (twist / TWIST_OF_STEP).ceil().min(MOST_STEPS) as usize
+}
+
 /// How much happens between two places, as an angle in rad: a bend that goes evenly with the
 /// length, how far the cables wind round the backbone, and how much their slant changes. The
 /// weights were fitted to the errors of the sections of the paper's robots.
@@ -294,75 +310,4 @@ fn nodes(
         }
     }
     Ok(out)
-}
-
-/// Stiffness and rest curvature at one end or inside of a piece of the backbone in which nothing
-/// jumps; `inside` lies between its ends.
-pub(crate) fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, SolveError> {
-    let backbone = robot.backbone();
-    let rest_curvature = backbone.rest_curvature.at_end(robot.disks(), s, inside);
-    let (mut stiffness, coupling) = match &backbone.stiffness {
-        Some(given) => split(&given.at_end(robot.disks(), s, inside)),
-        None => (of_material(robot, s, inside)?, None),
-    };
-    if !backbone.shearable {
-        (stiffness.shear.x, stiffness.shear.y) = (f64::INFINITY, f64::INFINITY);
-    }
-    if !backbone.extensible {
-        stiffness.shear.z = f64::INFINITY;
-    }
-    let section = Section::new(stiffness, rest_curvature);
-    Ok(match coupling {
-        Some(coupling) => section.coupled(coupling),
-        None => section,
-    })
-}
-
-/// Stiffness that follows from section and material.
-pub(crate) fn of_material(robot: &Robot, s: f64, inside: f64) -> Result<Stiffness, SolveError> {
-    let missing = |path: &str, advice| SolveError::Missing {
-        model: ModelKind::Cosserat,
-        path: format!("backbone.{path}"),
-        advice,
-    };
-    let backbone = robot.backbone();
-    let section = backbone.section.as_ref().ok_or_else(|| {
-        missing("diameter", "give the backbone's cross-section or stiffness, or use four-bar")
-    })?;
-    let young = backbone.material.young_modulus.ok_or_else(|| {
-        missing(
-            "young_modulus",
-            "give the backbone's `material` or Young's modulus, or use four-bar",
-        )
-    })?;
-    let shear = backbone.material.shear_modulus().ok_or_else(|| {
-        missing("poisson_ratio", "give `poisson_ratio` or `shear_modulus`, or use four-bar")
-    })?;
-    let area = section.at_end(robot.disks(), s, inside);
-    let across = backbone.shear_correction * shear * area.area;
-    Ok(Stiffness {
-        shear: Vec3::new(across, across, young * area.area),
-        bending: Vec3::new(
-            young * area.second_moment_x,
-            young * area.second_moment_y,
-            shear * area.torsion_constant,
-        ),
-    })
-}
-
-/// The diagonal of a stiffness matrix, and what is beside it where there is anything.
-fn split(k: &StiffnessMatrix) -> (Stiffness, Option<Coupling>) {
-    let diagonal = |i: usize| Vec3::new(k[i][i], k[i + 1][i + 1], k[i + 2][i + 2]);
-    // What differs by rounding across the diagonal is made equal.
-    let entry = |i: usize, j: usize| if i == j { 0.0 } else { 0.5 * (k[i][j] + k[j][i]) };
-    let block = |row: usize, column: usize| {
-        let row_of = |i| {
-            let at = |j| entry(row + i, column + j);
-            Vec3::new(at(0), at(1), at(2))
-        };
-        Mat3::from_rows(row_of(0), row_of(1), row_of(2))
-    };
-    let coupling = Coupling { shear: block(0, 0), mixed: block(0, 3), bending: block(3, 3) };
-    let any = coupling != Coupling::default();
-    (Stiffness { shear: diagonal(0), bending: diagonal(3) }, any.then_some(coupling))
 }

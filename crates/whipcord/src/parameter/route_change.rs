@@ -4,11 +4,10 @@ use core::f64::consts::TAU;
 
 use whipcord_numerics::{PiecewiseCubic, Vec3};
 
-use super::Robot;
-use super::cable::{Interpolation, Routing};
-use super::fourier::Fourier;
-use super::route::{Curve, Route, plane, polynomial, unwrapped_angles};
-use crate::parameter::Parameter;
+use super::Parameter;
+use crate::robot::fourier::Fourier;
+use crate::robot::route::{Curve, Route, plane, polynomial, unwrapped_angles};
+use crate::robot::{Interpolation, Robot, Routing};
 
 /// Derivative of a [`Route`] by a parameter.
 #[derive(Clone, Debug)]

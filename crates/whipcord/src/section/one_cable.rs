@@ -12,7 +12,7 @@
 
 use whipcord_numerics::Vec3;
 
-use super::section::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Stiffness, Strain};
+use super::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Stiffness, Strain};
 
 /// The answer, with what a quadrature needs of it.
 #[derive(Clone, Copy, Debug)]
@@ -25,10 +25,10 @@ pub(crate) struct OneCable {
 }
 
 /// Newton's method on `1/‖t‖` is all but linear; this many steps are never needed.
-pub(super) const MAX_ITERATIONS: usize = 30;
+pub(crate) const MAX_ITERATIONS: usize = 30;
 
 /// Where `‖t‖` is this close to 1, a last step of order 3 leaves an error of the order of its cube.
-pub(super) const MET: f64 = 1e-5;
+pub(crate) const MET: f64 = 1e-5;
 
 /// Eq. (9) at one section: all of it that does not depend on the tension.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ pub(crate) struct Reduced {
 
 /// Solves eq. (9) for a section that is equally stiff about x and y ([`Section::isotropic`]).
 #[inline(always)]
-pub(super) fn equilibrium(
+pub(crate) fn equilibrium(
     section: &Section,
     crossing: &Crossing,
     tension: f64,
@@ -174,7 +174,7 @@ impl Reduced {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cosserat::section::equilibrium::newton_equilibrium;
+    use crate::section::equilibrium::newton_equilibrium;
 
     #[test]
     fn agrees_with_newton_on_the_general_equations() {

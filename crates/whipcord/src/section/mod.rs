@@ -18,7 +18,10 @@
 //! rest, and its equation in (1) only says what the reaction is. In the Hessian it has an infinite
 //! pivot, whose inverse is the zero that is wanted.
 
-pub(super) mod equilibrium;
+pub(crate) mod equilibrium;
+pub(crate) mod lanes;
+pub(crate) mod of_robot;
+pub(crate) mod one_cable;
 mod tangent;
 #[cfg(test)]
 mod tests;
@@ -90,6 +93,14 @@ pub(crate) enum SectionFault {
     Diverged,
 }
 
+/// A fault and where it lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fault {
+    pub kind: SectionFault,
+    /// Arc length in m.
+    pub arc_length: f64,
+}
+
 /// Below this stretch, from 1 at rest, a cable counts as folded.
 pub(crate) const FOLDED: f64 = 1e-4;
 
@@ -128,7 +139,7 @@ impl Section {
 
     /// Diagonal of the Hessian's block of forces without cables: infinite on a held axis.
     #[inline]
-    pub(super) fn pivots(&self) -> Vec3 {
+    pub(crate) fn pivots(&self) -> Vec3 {
         let (k, soft) = (self.stiffness.shear, self.compliance.shear);
         let pivot = |k: f64, soft: f64| if soft == 0.0 { f64::INFINITY } else { k };
         Vec3::new(pivot(k.x, soft.x), pivot(k.y, soft.y), pivot(k.z, soft.z))

@@ -3,7 +3,7 @@
 use whipcord_numerics::{Ldlt3, Mat3, Vec3};
 
 use super::{BodyWrench, Crossing, Section, SectionFault, Strain};
-use crate::cosserat::derivatives::lanes::{LaneVec, times, transpose_times};
+use crate::section::lanes::{LaneVec, times, transpose_times};
 
 /// The Hessian of the potential, factored: `[A B; Bᵀ C]` by its Schur complement `S = C − BᵀA⁻¹B`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,7 +71,7 @@ impl Tangent {
 
 /// Blocks of the Hessian of the potential. `A` and `C` are symmetric: only their lower triangles
 /// are kept up.
-pub(super) struct Hessian {
+pub(crate) struct Hessian {
     a: Mat3,
     b: Mat3,
     c: Mat3,

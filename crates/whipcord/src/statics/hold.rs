@@ -13,8 +13,21 @@
 
 use whipcord_numerics::DenseLu;
 
-use super::Hold;
-use super::elimination::Critical;
+/// What is held while something else changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// What the case gives: the tension of each cable driven by it, the length of the others.
+    Commands,
+    /// The tension of every cable: motors that control forces, or hung weights.
+    Tensions,
+    /// The length of every taut cable, as long as its end outside the robot is locked; a cable of
+    /// given axial stiffness stretches. A cable without tension stays slack.
+    Lengths,
+}
+
+/// Why there are no derivatives: a small load changes the answer without bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Critical;
 
 /// The cables that are held, in the two ways they can be.
 #[derive(Clone, Debug, Default)]

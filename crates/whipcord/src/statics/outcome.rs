@@ -2,8 +2,8 @@
 
 use super::command::Command;
 use super::lengths::Effort;
-use super::unloaded::Fault;
 use crate::error::{LengthMiss, SolveError};
+use crate::section::{Fault, SectionFault};
 
 /// How an answer was found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,6 +67,24 @@ impl Found {
 }
 
 impl Failure {
+    /// A section without equilibrium, under these tensions in N.
+    pub fn of_section(fault: Fault, tensions: &[f64], last_load: f64) -> Self {
+        match fault.kind {
+            SectionFault::Folded { cable } => Self::Folds {
+                cable,
+                arc_length: fault.arc_length,
+                tension: tensions[cable],
+                last_load,
+            },
+            SectionFault::Diverged => Self::NotConverged {
+                iterations: 0,
+                residual: 1.0,
+                last_load,
+                advice: "a section finds no equilibrium: tension or load is beyond what it bears",
+            },
+        }
+    }
+
     /// With the fraction of the step up to which there were answers.
     pub fn reached(self, fraction: f64) -> Self {
         match self {

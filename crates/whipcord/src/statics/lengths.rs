@@ -13,11 +13,11 @@
 //! damped as far as the model holds.
 
 use super::command::Command;
-use super::contradiction;
+use super::infeasible_lengths;
 use super::length_step::{StepScratch, damped_step, newton_step};
 use super::outcome::Failure;
-use super::unloaded::Fault;
 use crate::cancel::Cancel;
+use crate::section::Fault;
 
 /// A rod that answers tensions with the lengths of its cables.
 pub(crate) trait Responds {
@@ -151,7 +151,7 @@ pub(crate) fn solve(
     // One length contradicts no other.
     if given.commands.iter().filter(|command| command.is_length()).count() > 1 {
         rod.allow(Stage::Contradiction);
-        if let Some(misses) = contradiction::misses(given, tensions, rod, scratch) {
+        if let Some(misses) = infeasible_lengths::misses(given, tensions, rod, scratch) {
             return Err(LengthFault::Contradictory { misses });
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::cancel::Cancel;
 use crate::case::Drive;
-use crate::model::Stations;
+use crate::stations::Stations;
 
 /// How a model is discretised and driven.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,9 +2,12 @@
 
 use crate::case::{Case, Drive};
 use crate::error::SolveError;
-use crate::model::ModelKind;
+use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::shape::CableState;
+
+/// Of a cable's own compliance: keeps a Newton step defined where more cables are taut than lengths are independent.
+pub(crate) const LENGTH_REGULARISATION: f64 = 1e-8;
 
 /// What drives one cable; in the order of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,62 @@
+//! Refusals that several models share.
+
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::robot::{Cable, Robot};
+
+/// Refuses a robot without disks, for a model whose robots consist of them.
+pub(crate) fn without_disks(model: ModelKind, robot: &Robot) -> Result<(), SolveError> {
+    if robot.has_disks() {
+        return Ok(());
+    }
+    Err(SolveError::Missing {
+        model,
+        path: "disks".to_owned(),
+        advice: "add [disks], for example with `count = 10`, or use cosserat or constant-curvature, which model cables in channels",
+    })
+}
+
+/// Refuses hole friction; `what` and `advice` are those of [`SolveError::Unsupported`].
+pub(crate) fn hole_friction(
+    model: ModelKind,
+    robot: &Robot,
+    what: &'static str,
+    advice: &'static str,
+) -> Result<(), SolveError> {
+    match robot.cables().iter().position(Cable::rubs) {
+        None => Ok(()),
+        Some(cable) => Err(SolveError::Unsupported {
+            model,
+            path: format!("cables[{cable}].friction"),
+            what,
+            advice,
+        }),
+    }
+}
+
+/// Refuses a case with obstacles on behalf of a model that knows no contact.
+pub(crate) fn obstacles(model: ModelKind, case: &Case) -> Result<(), SolveError> {
+    if case.obstacles.is_empty() {
+        return Ok(());
+    }
+    Err(SolveError::Unsupported {
+        model,
+        path: "obstacles".to_owned(),
+        what: "it knows no contact",
+        advice: "use cosserat, or four-bar with the strain-energy objective",
+    })
+}
+
+/// Refuses a case with obstacles where something other than its shape is asked for.
+pub(crate) fn among_obstacles(what: &str, model: ModelKind, case: &Case) -> Result<(), SolveError> {
+    if case.obstacles.is_empty() {
+        return Ok(());
+    }
+    Err(SolveError::Unsupported {
+        model,
+        path: format!("a request for {what}"),
+        what: "the case has obstacles",
+        advice: "remove the obstacles, or take finite differences of neighbouring solutions",
+    })
+}

@@ -1,0 +1,54 @@
+//! What the statics of all models share.
+//!
+//! | module | content |
+//! |---|---|
+//! | `options` | discretisation and actuation of a rod |
+//! | `command` | actuation of a cable: its tension or its length |
+//! | `lengths`, `length_step` | tensions that give prescribed cable lengths, eq. (6) |
+//! | `infeasible_lengths` | lengths that exclude one another |
+//! | `rank` | redundant cables |
+//! | `active_set` | which cables are taut at the end of a Newton step, eq. (13) |
+//! | `self_stress` | which cables at their lengths without tension constrain the rod |
+//! | `grid`, `refinement` | integration steps, and the error that they leave |
+//! | `loads` | loads at the nodes of a grid |
+//! | `elimination` | the linear system of multiple shooting, eq. (10) |
+//! | `continuation` | step sizes of load continuation |
+//! | `quadratic_form`, `eigenvalue` | the second variation of the energy, and its least eigenvalue |
+//! | `passages` | cables straight between disks |
+//! | `hold` | tensions that keep cables at their lengths, eq. (d4) |
+//! | `outcome`, `trace` | how a solve ended, and the record of its iterations |
+
+pub(crate) mod active_set;
+pub(crate) mod command;
+pub(crate) mod continuation;
+pub(crate) mod eigenvalue;
+pub(crate) mod elimination;
+pub(crate) mod grid;
+pub(crate) mod hold;
+mod infeasible_lengths;
+mod length_step;
+pub(crate) mod lengths;
+pub(crate) mod loads;
+pub(crate) mod options;
+pub(crate) mod outcome;
+pub(crate) mod passages;
+pub(crate) mod quadratic_form;
+pub(crate) mod rank;
+pub(crate) mod refinement;
+pub(crate) mod self_stress;
+pub(crate) mod trace;
+
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::robot::Robot;
+use crate::shape::Solution;
+
+/// Solves one case of one robot from cold. To solve many cases of a robot, build the model once
+/// ([`Model::prepare`](crate::Model::prepare)).
+pub trait Statics {
+    /// The shape the robot takes.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the model cannot take the robot or the case, or finds no answer.
+    fn solve(&self, robot: &Robot, case: &Case) -> Result<Solution, SolveError>;
+}

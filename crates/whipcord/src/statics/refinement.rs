@@ -1,0 +1,39 @@
+//! The discretisation error of an answer, by its change from one grid to the next.
+
+use whipcord_numerics::Pose;
+
+use super::grid::Grid;
+
+/// A step of order 5 that is halved loses all but 1/32 of its error; less is relied on.
+pub(crate) const ERROR_RATIO: f64 = 15.0;
+
+/// What answers on different grids are compared by.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Coarse {
+    poses: Vec<Pose>,
+    lengths: Vec<f64>,
+}
+
+impl Coarse {
+    /// Keeps an answer on a grid: frames at the ends of all its steps, and lengths of the cables in m.
+    pub fn keep(&mut self, grid: &Grid, poses: &[Pose], lengths: &[f64]) {
+        self.poses.clear();
+        self.poses.extend(compared(grid).map(|k| poses[k]));
+        self.lengths.clear();
+        self.lengths.extend_from_slice(lengths);
+    }
+
+    /// Largest change of a position or a cable's length since then, in m.
+    pub fn change(&self, grid: &Grid, poses: &[Pose], lengths: &[f64]) -> f64 {
+        let moved = compared(grid)
+            .zip(&self.poses)
+            .map(|(k, coarse)| (poses[k].position - coarse.position).norm());
+        let lengths = lengths.iter().zip(&self.lengths).map(|(fine, coarse)| (fine - coarse).abs());
+        moved.chain(lengths).fold(0.0, f64::max)
+    }
+}
+
+/// Disks and stations.
+fn compared(grid: &Grid) -> impl Iterator<Item = usize> + '_ {
+    grid.disks.iter().chain(&grid.stations).copied()
+}

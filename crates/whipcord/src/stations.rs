@@ -1,0 +1,40 @@
+//! Where a solution gives the shape.
+
+use whipcord_numerics::equally_spaced;
+
+use crate::robot::{Robot, RobotError, check_on_backbone};
+
+/// At which arc lengths a solution gives the shape.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Stations {
+    /// At the disks.
+    #[default]
+    Disks,
+    /// At this many equally spaced places, both ends included; at least 2.
+    Equal(usize),
+    /// At these arc lengths in m.
+    At(Vec<f64>),
+}
+
+impl Stations {
+    /// Refuses a station that is not on the backbone.
+    pub(crate) fn check(&self, robot: &Robot) -> Result<(), RobotError> {
+        let Self::At(arc_lengths) = self else { return Ok(()) };
+        let length = robot.backbone().length;
+        arc_lengths
+            .iter()
+            .try_for_each(|&s| check_on_backbone("arc length of a station", s, length))
+    }
+
+    /// The arc lengths in m for a robot.
+    #[must_use]
+    pub fn arc_lengths(&self, robot: &Robot) -> Vec<f64> {
+        match self {
+            Self::Disks => robot.disks().arc_lengths.clone(),
+            Self::At(arc_lengths) => arc_lengths.clone(),
+            Self::Equal(count) => {
+                equally_spaced(0.0, robot.backbone().length, (*count).max(2)).collect()
+            }
+        }
+    }
+}
