@@ -53,7 +53,7 @@ pub enum SolveError {
         /// Tension of that cable in N.
         tension: f64,
         /// Fraction of what was given up to which equilibrium was found, from 0 to 1: of the
-        /// tensions when those alone fold the section, of the step of actuation where cables rub, else
+        /// tensions when those alone fold the section, of the step of actuation with hole friction, else
         /// of the loads.
         last_load: f64,
     },
@@ -153,7 +153,7 @@ pub enum SolveError {
         iterations: usize,
         /// What is left of the equations, relative to their scale.
         residual: f64,
-        /// Fraction of the given load up to which equilibrium was found, from 0 to 1; where cables rub,
+        /// Fraction of the given load up to which equilibrium was found, from 0 to 1; with hole friction,
         /// of the step of actuation.
         last_load: f64,
         /// What to do.

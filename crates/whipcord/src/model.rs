@@ -124,7 +124,7 @@ impl Model {
     }
 }
 
-/// The robot before actuation and load, on a base of this pose: by the Cosserat model, or with cables that rub
+/// The robot before actuation and load, on a base of this pose: by the Cosserat model, or with hole friction
 /// by the one with cables from hole to hole. `None` for a robot without section or material, which is known
 /// to a geometric model only.
 #[must_use]
@@ -318,7 +318,7 @@ pub trait Differentiable: Statics {
     ///
     /// # Errors
     /// As [`Statics::solve`]; [`SolveError::Invalid`] for a place that is not on the backbone,
-    /// [`SolveError::Unsupported`] from a baseline of shapes or from cables that rub, and
+    /// [`SolveError::Unsupported`] from a baseline of shapes or from hole friction, and
     /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
     fn solve_at(
         &self,

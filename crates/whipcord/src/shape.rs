@@ -36,7 +36,7 @@ pub struct CableState {
     pub contacts: Vec<Contact>,
 }
 
-/// What a step of actuation made a cable do in a hole that it rubs in.
+/// State of a cable at a hole with friction after a step of actuation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Contact {
     /// It did not move.

@@ -4,7 +4,7 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::section::Fault;
 use crate::section::{FOLDED, SectionFault};
-use crate::statics::lengths::{Note, Responds};
+use crate::statics::lengths::{Note, TensionResponse};
 
 /// A backbone bent to an arc of a circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +111,7 @@ impl Rod<'_> {
     }
 }
 
-impl Responds for Rod<'_> {
+impl TensionResponse for Rod<'_> {
     fn respond(&mut self, tensions: &[f64], _warm: bool) -> Result<(), Fault> {
         let arc = self.under(tensions);
         if let Some(cable) = self.folded(&arc, tensions) {

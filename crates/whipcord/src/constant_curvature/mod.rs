@@ -15,7 +15,7 @@ use crate::refusal as shared_refusal;
 use crate::robot::{Cable, Robot};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution, Wrench};
 use crate::statics::command::Command;
-use crate::statics::lengths::{self, Effort, Given, LengthScratch, Responds as _};
+use crate::statics::lengths::{self, Effort, Given, LengthScratch, TensionResponse as _};
 use crate::statics::outcome::Failure;
 use crate::stations::Stations;
 
@@ -193,7 +193,7 @@ impl ConstantCurvature {
             let poses = arc_lengths.iter().map(|&s| arc.pose(s)).collect();
             Shape { arc_length: arc_lengths.to_vec(), poses }.moved(base)
         };
-        // Where cables rub, prescribed lengths leave their tensions open.
+        // With hole friction, prescribed lengths leave their tensions open.
         let knows_forces = self.elasticity.is_ok() && !self.robot.cables().iter().any(Cable::rubs);
         let Workspace { commands, tensions, lengths, .. } = workspace;
         let cable = |(i, command): (usize, &Command)| {

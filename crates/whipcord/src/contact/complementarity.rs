@@ -17,7 +17,7 @@ pub(super) struct Complementarity {
     /// The forces that were, then those that solve it.
     pub forces: Vec<f64>,
     pub contacts: Vec<Contact>,
-    rubbing: Rubbing,
+    rubbing: FrictionNewton,
     lu: DenseLu,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Contact {
 
 /// Those that touch when it is solved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Held {
+pub(super) struct Touching {
     /// Whether the determinant of their part of M is negative.
     pub negative: bool,
 }
@@ -47,7 +47,7 @@ pub(super) struct Unsolved;
 
 /// Memory of Newton's method with friction.
 #[derive(Clone, Debug, Default)]
-struct Rubbing {
+struct FrictionNewton {
     values: Vec<f64>,
     jacobian: Vec<f64>,
     step: Vec<f64>,
@@ -86,7 +86,7 @@ impl Complementarity {
     /// and those that overlap taken in, one at a time, which keeps to the history of the contacts and asks
     /// nothing of M: it has negative eigenvalues where the contacts hold what they alone would buckle. Where
     /// that goes round in circles a quadratic programme decides which touch.
-    pub fn solve(&mut self) -> Result<Held, Unsolved> {
+    pub fn solve(&mut self) -> Result<Touching, Unsolved> {
         let lines = self.gaps.len();
         for i in 0..lines {
             let pushed: f64 = (0..lines).map(|j| self.matrix[i * lines + j] * self.forces[j]).sum();
@@ -111,7 +111,7 @@ impl Complementarity {
 
     /// Without friction, the forces that close the gaps of those that touch, if none pulls and nothing else
     /// overlaps; else the one that does so most, where there are forces at all.
-    fn with_touching(&mut self) -> Result<Held, Option<usize>> {
+    fn with_touching(&mut self) -> Result<Touching, Option<usize>> {
         let count = self.gaps.len();
         let touching: Vec<usize> = (0..count).filter(|&i| self.contacts[i].touches).collect();
         let m = touching.len();
@@ -151,7 +151,7 @@ impl Complementarity {
         for (&i, &force) in touching.iter().zip(&forces) {
             self.forces[i] = force.max(0.0);
         }
-        Ok(Held { negative })
+        Ok(Touching { negative })
     }
 
     /// With friction: Newton's method on the projections of Alart and Curnier (1991), by contact
@@ -161,10 +161,10 @@ impl Complementarity {
     /// ```
     ///
     /// from the forces that were.
-    fn rub(&mut self) -> Result<Held, Unsolved> {
+    fn rub(&mut self) -> Result<Touching, Unsolved> {
         let lines = self.gaps.len();
         let Self { matrix, gaps, forces, contacts, rubbing, .. } = self;
-        let Rubbing { values, jacobian, step, lu } = rubbing;
+        let FrictionNewton { values, jacobian, step, lu } = rubbing;
         for _ in 0..STEPS {
             values.clear();
             values.extend((0..lines).map(|i| {
@@ -236,7 +236,7 @@ impl Complementarity {
                 for contact in contacts.iter() {
                     forces[contact.first] = forces[contact.first].max(0.0);
                 }
-                return Ok(Held { negative: lu.is_determinant_negative() });
+                return Ok(Touching { negative: lu.is_determinant_negative() });
             }
         }
         Err(Unsolved)

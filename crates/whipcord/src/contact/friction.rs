@@ -40,7 +40,7 @@ impl Grip {
     }
 
     /// How far slip and traction are from eq. (9), as a force in N; the slip counts by a stiffness in N/m.
-    pub fn lack(&self, force: f64, stiffness: f64) -> f64 {
+    pub fn complementarity_residual(&self, force: f64, stiffness: f64) -> f64 {
         let most = self.coefficient * force;
         let trial = self.traction - self.slip * stiffness;
         let size = trial.norm();

@@ -15,9 +15,9 @@ pub(crate) struct Push {
     pub wrench: Wrench,
 }
 
-/// A model of a robot that yields to wrenches on its cross-sections. All poses, motions and wrenches
+/// A model of a robot that responds to wrenches on its cross-sections. All poses, motions and wrenches
 /// are in the frame of the base.
-pub(crate) trait Yielding {
+pub(crate) trait Compliant {
     /// Arc lengths in m at which the backbone is watched for obstacles: increasing, from base to tip,
     /// those of the disks among them.
     fn watched(&self) -> &[f64];

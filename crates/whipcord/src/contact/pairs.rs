@@ -4,7 +4,7 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::body::{Body, Nearest, wrench_of};
 use super::friction::Grip;
-use super::model::{Push, Yielding};
+use super::model::{Compliant, Push};
 use super::scene::Scene;
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
@@ -95,7 +95,7 @@ impl Pairs {
     }
 
     /// Looks at all pairs again where the robot is now.
-    pub fn refresh(&mut self, model: &impl Yielding, scene: &Scene) {
+    pub fn refresh(&mut self, model: &impl Compliant, scene: &Scene) {
         for pair in &mut self.near {
             let pose = model.pose(pair.member.arc_length);
             let obstacle = scene.get(pair.obstacle);
@@ -138,7 +138,7 @@ impl Pairs {
 
     /// Adds the pairs that have come near; whether some of them are where the model has not been
     /// looked at yet.
-    pub fn discover(&mut self, model: &impl Yielding, scene: &Scene) -> bool {
+    pub fn discover(&mut self, model: &impl Compliant, scene: &Scene) -> bool {
         let within = NEAR * self.length;
         let mut found = Vec::new();
         for member in &self.disks {
@@ -172,7 +172,7 @@ impl Pairs {
     /// The same for the backbone and one obstacle: the least gaps along it.
     fn discover_along(
         &mut self,
-        model: &impl Yielding,
+        model: &impl Compliant,
         scene: &Scene,
         (number, obstacle): (usize, &Obstacle),
         within: f64,
@@ -227,7 +227,7 @@ impl Pairs {
     /// slope along it there.
     fn beside_contacts(
         &self,
-        model: &impl Yielding,
+        model: &impl Compliant,
         (number, obstacle): (usize, &Obstacle),
         added: &mut Vec<(f64, f64)>,
     ) {
@@ -271,7 +271,7 @@ impl Pairs {
     }
 
     /// A step on the way begins where the robot is: what touches has not slid yet.
-    pub fn begin_step(&mut self, model: &impl Yielding, scene: &Scene) {
+    pub fn begin_step(&mut self, model: &impl Compliant, scene: &Scene) {
         for pair in &mut self.near {
             if let Some(grip) = &mut pair.grip {
                 grip.from = scene.carried(model.pose_before(pair.member.arc_length));
@@ -313,7 +313,11 @@ impl Pairs {
 
     /// The deepest overlap of the robot with an obstacle where it is now: obstacle, part, arc length and
     /// depth in m.
-    pub fn deepest(&self, model: &impl Yielding, scene: &Scene) -> Option<(usize, Part, f64, f64)> {
+    pub fn deepest(
+        &self,
+        model: &impl Compliant,
+        scene: &Scene,
+    ) -> Option<(usize, Part, f64, f64)> {
         let mut found = Vec::new();
         let mut deepest: Option<(usize, Part, f64, f64)> = None;
         let mut note = |k: usize, part: Part, arc_length: f64, gap: f64| {
@@ -347,7 +351,7 @@ impl Pairs {
     }
 
     /// The contacts in the frame that the base's pose is given in.
-    pub fn touches(&self, model: &impl Yielding, base: &Pose, forces: bool) -> Vec<Touch> {
+    pub fn touches(&self, model: &impl Compliant, base: &Pose, forces: bool) -> Vec<Touch> {
         let touching = self.near.iter().filter(|pair| pair.force > 0.0);
         let mut touches: Vec<Touch> = touching
             .map(|pair| {
@@ -405,8 +409,8 @@ impl Pair {
     }
 }
 
-/// The grip of a part that comes near, where the obstacle rubs.
-fn grip(model: &impl Yielding, scene: &Scene, obstacle: usize, arc_length: f64) -> Option<Grip> {
+/// The grip of a part that comes near, where the obstacle has friction.
+fn grip(model: &impl Compliant, scene: &Scene, obstacle: usize, arc_length: f64) -> Option<Grip> {
     let coefficient = scene.get(obstacle).friction;
     let from = || scene.carried(model.pose_before(arc_length));
     (coefficient > 0.0).then(|| Grip::new(coefficient, from()))

@@ -2,8 +2,8 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::journey::Journey;
-use super::model::{Push, Yielding};
+use super::homotopy::Homotopy;
+use super::model::{Compliant, Push};
 use super::pairs::{OVERLAP, Pair, Pairs};
 use super::scene::{Scene, is_pipe};
 use super::step::{NoStep, Scratch, turned};
@@ -51,7 +51,7 @@ enum Stop {
     Cancelled,
 }
 
-struct Walk<'a, M> {
+struct PathTracker<'a, M> {
     model: &'a mut M,
     scene: Scene,
     length: f64,
@@ -73,7 +73,7 @@ struct Walk<'a, M> {
 
 /// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
 pub(crate) fn solve(
-    model: &mut impl Yielding,
+    model: &mut impl Compliant,
     robot: &Robot,
     case: &Case,
     warm_start: Option<&Solution>,
@@ -89,12 +89,12 @@ pub(crate) fn solve(
     }
     let to_base = case.base.inverse();
     let warm_start = warm_start.filter(|answer| answer.cables.len() == case.commands.len());
-    let journey = match warm_start {
-        Some(answer) => Journey::from_answer(answer, case),
-        None => Journey::from_rest(case),
+    let homotopy = match warm_start {
+        Some(answer) => Homotopy::from_answer(answer, case),
+        None => Homotopy::from_rest(case),
     };
     let pairs = Pairs::new(robot, model.watched());
-    let mut walk = Walk {
+    let mut tracker = PathTracker {
         model,
         scene: Scene::new(case),
         length: robot.backbone().length,
@@ -108,44 +108,44 @@ pub(crate) fn solve(
         nudge: None,
         slipped_at: None,
     };
-    let initial: Vec<f64> = walk.model.initial_lengths().to_vec();
-    let at = |way: f64| journey.at(way, &initial);
-    walk.start(&at(0.0), warm_start, &to_base)?;
-    let mut gone = walk.go(at, |_| 0.0);
+    let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
+    let at = |way: f64| homotopy.at(way, &initial);
+    tracker.start(&at(0.0), warm_start, &to_base)?;
+    let mut gone = tracker.go(at, |_| 0.0);
     if let Err(SolveError::Obstructed { reached, why: Obstruction::Slips, .. }) = gone {
         // Once more, with a nudge that decides which way it slips, and is then taken away.
-        walk.slipped_at = Some(reached);
-        walk.odd = None;
-        walk.nudge = Some(walk.sideways());
-        walk.pairs.near.clear();
-        walk.model.reset();
-        walk.start(&at(0.0), warm_start, &to_base)?;
-        if walk.go(at, |_| 0.0).is_ok() {
+        tracker.slipped_at = Some(reached);
+        tracker.odd = None;
+        tracker.nudge = Some(tracker.sideways());
+        tracker.pairs.near.clear();
+        tracker.model.reset();
+        tracker.start(&at(0.0), warm_start, &to_base)?;
+        if tracker.go(at, |_| 0.0).is_ok() {
             gone = Ok(());
         }
     }
     gone?;
-    while walk.model.refine()? {
-        let watched = walk.model.watched().to_vec();
-        let here: Vec<Vec3> = watched.iter().map(|&s| walk.model.pose(s).position).collect();
-        if let Err(stop) = walk.touch(&at(1.0), &watched, &here) {
-            return Err(walk.obstructed(1.0, Some(stop)));
+    while tracker.model.refine()? {
+        let watched = tracker.model.watched().to_vec();
+        let here: Vec<Vec3> = watched.iter().map(|&s| tracker.model.pose(s).position).collect();
+        if let Err(stop) = tracker.touch(&at(1.0), &watched, &here) {
+            return Err(tracker.obstructed(1.0, Some(stop)));
         }
     }
     // Whatever led here: where anything that is watched overlaps, this is no answer.
-    if let Some((.., depth)) = walk.pairs.deepest(walk.model, &walk.scene) {
-        return Err(walk.obstructed(1.0, Some(Stop::NotConverged(depth / walk.length))));
+    if let Some((.., depth)) = tracker.pairs.deepest(tracker.model, &tracker.scene) {
+        return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
     }
-    let mut solution = walk.model.solution(&at(1.0), &walk.pushes)?;
-    let forces = walk.model.knows_forces();
-    solution.touches = walk.pairs.touches(walk.model, &case.base, forces);
-    solution.diagnostics.iterations = walk.iterations;
-    solution.diagnostics.stability_lost_at = walk.slipped_at;
-    solution.diagnostics.residual = solution.diagnostics.residual.max(walk.residual);
+    let mut solution = tracker.model.solution(&at(1.0), &tracker.pushes)?;
+    let forces = tracker.model.knows_forces();
+    solution.touches = tracker.pairs.touches(tracker.model, &case.base, forces);
+    solution.diagnostics.iterations = tracker.iterations;
+    solution.diagnostics.stability_lost_at = tracker.slipped_at;
+    solution.diagnostics.residual = solution.diagnostics.residual.max(tracker.residual);
     Ok(solution)
 }
 
-impl<M: Yielding> Walk<'_, M> {
+impl<M: Compliant> PathTracker<'_, M> {
     /// Where the way begins: at a known answer with its contacts, or at rest, where nothing may overlap.
     fn start(
         &mut self,
@@ -398,18 +398,20 @@ impl<M: Yielding> Walk<'_, M> {
     /// What is left of the conditions of contact, relative to length and force scale.
     fn error(&self) -> f64 {
         let scale = self.model.force_scale();
-        let settled = self.model.unsettled();
+        let converged = self.model.unsettled();
         let of = |pair: &Pair| {
             let gap = pair.nearest.gap / self.length;
             let overlaps = if gap < -OVERLAP { -gap } else { 0.0 };
             let open = if pair.force > 0.0 { gap.abs() } else { overlaps };
-            let lack = pair.grip.map_or(0.0, |grip| grip.lack(pair.force, scale / self.length));
+            let lack = pair
+                .grip
+                .map_or(0.0, |grip| grip.complementarity_residual(pair.force, scale / self.length));
             let turned = turned(pair);
             let [force, moment] =
                 [0, 3].map(|i| Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm());
             open.max((force + moment / self.length + lack) / (scale + pair.force))
         };
-        self.pairs.near.iter().map(of).fold(settled, f64::max)
+        self.pairs.near.iter().map(of).fold(converged, f64::max)
     }
 
     /// By which part the step was too long, if any cross-section could have passed through an obstacle or a

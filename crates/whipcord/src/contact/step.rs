@@ -5,7 +5,7 @@ use whipcord_numerics::{DenseLu, Pose, UnitQuaternion, Vec3};
 use super::body::wrench_of;
 use super::complementarity::{Complementarity, Contact};
 use super::friction::tangents;
-use super::model::Yielding;
+use super::model::Compliant;
 use super::pairs::{Pair, Pairs};
 use super::scene::Scene;
 use crate::error::SolveError;
@@ -66,7 +66,7 @@ impl Scratch {
     pub fn step(
         &mut self,
         pairs: &mut Pairs,
-        model: &mut impl Yielding,
+        model: &mut impl Compliant,
         scene: &Scene,
         cap: f64,
     ) -> Result<Stepped, NoStep> {
@@ -188,7 +188,7 @@ fn add_lines(
     lines: &mut Vec<Line>,
     number: usize,
     pair: &Pair,
-    model: &impl Yielding,
+    model: &impl Compliant,
     scene: &Scene,
 ) {
     let Pair { nearest, member, force, .. } = pair;
@@ -221,7 +221,7 @@ pub(super) fn turned(pair: &Pair) -> [f64; 6] {
 }
 
 /// `G = ∂W/∂X` of what a pair pushes while its forces along normal and surface stay as they are.
-fn geometric(pair: &Pair, model: &impl Yielding, scene: &Scene) -> [[f64; 6]; 6] {
+fn geometric(pair: &Pair, model: &impl Compliant, scene: &Scene) -> [[f64; 6]; 6] {
     let mut matrix = [[0.0; 6]; 6];
     if pair.force == 0.0 {
         return matrix;

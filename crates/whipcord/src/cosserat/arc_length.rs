@@ -6,9 +6,9 @@
 
 use whipcord_numerics::Vec3;
 
+use super::active_set_change;
 use super::chain::{Chain, Step, Task};
-use super::continuation::close;
-use super::kink;
+use super::continuation::newton;
 use super::newton::Scales;
 use super::shooting::finish_chain;
 use super::state::{Direction, State};
@@ -19,7 +19,7 @@ use crate::statics::trace::Stage;
 
 /// A point of the path and the way on from it.
 #[derive(Clone, Debug)]
-pub(super) struct Mark {
+pub(super) struct PathPoint {
     pub state: State,
     /// Of length 1.
     pub tangent: Direction,
@@ -32,18 +32,18 @@ pub(super) struct Mark {
 #[derive(Clone, Debug)]
 pub(super) enum Event {
     /// The load reaches a maximum or a minimum.
-    Limit(Mark),
+    Limit(PathPoint),
     /// Stability changes, and the load does not turn.
-    Branching(Mark),
+    Branching(PathPoint),
     /// Stability changes because a cable goes slack or taut.
-    Kink(Mark),
+    ActiveSetChange(PathPoint),
     /// All of the load acts.
-    FullLoad(Box<Mark>),
+    FullLoad(Box<PathPoint>),
 }
 
-/// The walk along one branch.
-pub(super) struct Walk {
-    pub here: Mark,
+/// Continuation along one branch.
+pub(super) struct PathTracker {
+    pub here: PathPoint,
     step: f64,
     pub iterations: usize,
 }
@@ -54,7 +54,7 @@ const SHORTEST_STEP: f64 = 1e-6;
 /// Least cosine of the angle between two tangents, and that from which on steps get longer.
 const LEAST_COSINE: f64 = 0.9;
 const STRAIGHT: f64 = 0.98;
-/// A step this short may cross a kink of the path, where a cable goes slack or taut.
+/// A step this short may cross a corner of the path, where a cable goes slack or taut.
 const KINK_STEP: f64 = 1e-3;
 /// Points of the path are known this well; answers are closed to what is asked for.
 const TOLERANCE: f64 = 1e-9;
@@ -67,7 +67,7 @@ const MOST_STEPS: usize = 100;
 /// How far beyond the given load it looks for where the path turns back to it.
 const BEYOND: f64 = 1.5;
 
-impl Mark {
+impl PathPoint {
     /// Whether a cable is slack here and pulls there.
     fn changes_cables(&self, other: &Self) -> bool {
         let tensions = self.state.tensions.iter().zip(&other.state.tensions);
@@ -75,7 +75,7 @@ impl Mark {
     }
 }
 
-impl Walk {
+impl PathTracker {
     /// From an equilibrium, in the direction that goes along with `along`.
     pub fn start(
         problem: &Problem<'_>,
@@ -85,13 +85,17 @@ impl Walk {
     ) -> Option<Self> {
         scratch.trace.stage = Stage::ArcLength;
         scratch.chain.state.clone_from(state);
-        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-        let here = mark(problem, scratch, along)?;
+        scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+        let here = path_point(problem, scratch, along)?;
         Some(Self { here, step: FIRST_STEP, iterations: 0 })
     }
 
     /// One step; the mark that it left, and how long it was. `None` where the path is lost.
-    pub fn advance(&mut self, problem: &Problem<'_>, scratch: &mut Scratch) -> Option<(Mark, f64)> {
+    pub fn advance(
+        &mut self,
+        problem: &Problem<'_>,
+        scratch: &mut Scratch,
+    ) -> Option<(PathPoint, f64)> {
         let scales = Scales::of(problem.grid, problem.length);
         loop {
             if problem.cancel.is_cancelled() {
@@ -100,10 +104,10 @@ impl Walk {
             let taken = self.step;
             if let Some((mut next, iterations)) = step(problem, scratch, &self.here, taken) {
                 self.iterations += iterations;
-                kink::face_on(problem, scratch, &self.here, &mut next);
+                active_set_change::face_on(problem, scratch, &self.here, &mut next);
                 let cosine = next.tangent.dot(&self.here.tangent, problem.grid, &scales);
-                let kink = taken <= KINK_STEP && next.changes_cables(&self.here);
-                if cosine > LEAST_COSINE || kink {
+                let active_set_change = taken <= KINK_STEP && next.changes_cables(&self.here);
+                if cosine > LEAST_COSINE || active_set_change {
                     if cosine > STRAIGHT {
                         self.step = (1.5 * taken).min(LONGEST_STEP);
                     }
@@ -112,7 +116,8 @@ impl Walk {
             }
             self.step *= 0.5;
             if self.step < KINK_STEP
-                && let Some((next, taken)) = kink::turn(problem, scratch, &self.here, KINK_STEP)
+                && let Some((next, taken)) =
+                    active_set_change::turn(problem, scratch, &self.here, KINK_STEP)
             {
                 self.step = KINK_STEP;
                 return Some((core::mem::replace(&mut self.here, next), taken));
@@ -128,14 +133,14 @@ impl Walk {
         &self,
         problem: &Problem<'_>,
         scratch: &mut Scratch,
-        before: &Mark,
+        before: &PathPoint,
         taken: f64,
     ) -> Vec<Event> {
         let here = &self.here;
         let mut events = Vec::new();
         if before.tangent.load * here.tangent.load < 0.0 {
             let rises = before.tangent.load > 0.0;
-            let turned = |mark: &Mark| (mark.tangent.load > 0.0) != rises;
+            let turned = |path_point: &PathPoint| (path_point.tangent.load > 0.0) != rises;
             if let Some(found) = locate(problem, scratch, before, taken, turned) {
                 // Where the limit lies above all of the load, that is crossed twice.
                 let top = found.0.state.load - 1.0;
@@ -151,10 +156,10 @@ impl Walk {
             return events;
         }
         if before.unstable != here.unstable {
-            let changed = |mark: &Mark| mark.unstable != before.unstable;
+            let changed = |path_point: &PathPoint| path_point.unstable != before.unstable;
             if let Some(found) = locate(problem, scratch, before, taken, changed) {
                 events.push(if here.changes_cables(before) {
-                    Event::Kink(found.0)
+                    Event::ActiveSetChange(found.0)
                 } else {
                     Event::Branching(found.0)
                 });
@@ -163,9 +168,10 @@ impl Walk {
         if (before.state.load - 1.0) * (here.state.load - 1.0) <= 0.0 && before.state.load != 1.0 {
             let full = full_load(problem, scratch, before, here);
             let first = match (events.first(), &full) {
-                (Some(Event::Branching(mark) | Event::Kink(mark)), Some(_)) => {
-                    (mark.state.load - 1.0) * (before.state.load - 1.0) < 0.0
-                }
+                (
+                    Some(Event::Branching(path_point) | Event::ActiveSetChange(path_point)),
+                    Some(_),
+                ) => (path_point.state.load - 1.0) * (before.state.load - 1.0) < 0.0,
                 _ => false,
             };
             let place = if first { 0 } else { events.len() };
@@ -181,8 +187,8 @@ impl Walk {
 fn full_load(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    before: &Mark,
-    after: &Mark,
+    before: &PathPoint,
+    after: &PathPoint,
 ) -> Option<Event> {
     let fraction = (1.0 - before.state.load) / (after.state.load - before.state.load);
     // Steps are counted along the tangent: that is where the chord between the marks falls on it.
@@ -196,9 +202,10 @@ fn full_load(
     for reach in reaches {
         scratch.chain.state.step_from(&nearer.state, reach, &nearer.tangent);
         scratch.chain.state.load = 1.0;
-        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-        if close(problem, scratch).is_ok() {
-            return mark(problem, scratch, &nearer.tangent).map(|m| Event::FullLoad(Box::new(m)));
+        scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+        if newton(problem, scratch).is_ok() {
+            return path_point(problem, scratch, &nearer.tangent)
+                .map(|m| Event::FullLoad(Box::new(m)));
         }
     }
     None
@@ -209,25 +216,25 @@ fn full_load(
 fn locate(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    from: &Mark,
+    from: &PathPoint,
     taken: f64,
-    is_beyond: impl Fn(&Mark) -> bool,
-) -> Option<(Mark, f64)> {
+    is_beyond: impl Fn(&PathPoint) -> bool,
+) -> Option<(PathPoint, f64)> {
     let (mut low, mut high) = (0.0, taken);
     let mut found = None;
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        let (mark, _) = step(problem, scratch, from, middle)?;
-        if is_beyond(&mark) {
+        let (path_point, _) = step(problem, scratch, from, middle)?;
+        if is_beyond(&path_point) {
             high = middle;
-            found = Some((mark, middle));
+            found = Some((path_point, middle));
         } else {
             low = middle;
         }
     }
     match found {
         Some(found) => Some(found),
-        None => step(problem, scratch, from, high).map(|(mark, _)| (mark, high)),
+        None => step(problem, scratch, from, high).map(|(path_point, _)| (path_point, high)),
     }
 }
 
@@ -235,49 +242,50 @@ fn locate(
 fn step(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    from: &Mark,
+    from: &PathPoint,
     length: f64,
-) -> Option<(Mark, usize)> {
+) -> Option<(PathPoint, usize)> {
     scratch.chain.state.step_from(&from.state, length, &from.tangent);
-    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-    let Scratch { chain, shot, applied, trace, .. } = scratch;
+    scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+    let Scratch { chain, trajectory, applied, trace, .. } = scratch;
     let mut task = Task::of(problem, applied);
     task.tolerance = task.tolerance.max(TOLERANCE);
-    let (iterations, _) = Chain::close(chain, &task, Some(&from.tangent), shot, trace).ok()?;
-    Some((mark(problem, scratch, &from.tangent)?, iterations))
+    let (iterations, _) =
+        Chain::newton(chain, &task, Some(&from.tangent), trajectory, trace).ok()?;
+    Some((path_point(problem, scratch, &from.tangent)?, iterations))
 }
 
 /// The mark at the closed chain.
-pub(super) fn mark(
+pub(super) fn path_point(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
     along: &Direction,
-) -> Option<Mark> {
-    let Scratch { chain, shot, applied, stability, .. } = scratch;
+) -> Option<PathPoint> {
+    let Scratch { chain, trajectory, applied, stability, .. } = scratch;
     let task = Task::of(problem, applied);
     let scales = Scales::of(problem.grid, problem.length);
-    let mut tangent = chain.direction(&task, Step::Along(along), shot)?;
+    let mut tangent = chain.direction(&task, Step::Along(along), trajectory)?;
     if !tangent.normalize(problem.grid, &scales) {
         return None;
     }
     let unstable = if applied.any_follower() {
-        usize::from(chain.is_determinant_negative(&task, shot)?)
+        usize::from(chain.is_determinant_negative(&task, trajectory)?)
     } else {
         let State { tensions, load, .. } = &chain.state;
-        let lengths = &shot.lengths;
+        let lengths = &trajectory.lengths;
         stability.unstable_directions(&problem.equilibrium(
-            &shot.samples,
+            &trajectory.samples,
             tensions,
             lengths,
             applied,
             *load,
         ))
     };
-    Some(Mark { state: chain.state.clone(), tangent, unstable })
+    Some(PathPoint { state: chain.state.clone(), tangent, unstable })
 }
 
 /// A way on from a branching point along another branch.
-pub(super) struct Way {
+pub(super) struct BranchStart {
     /// On that branch, some way from the point.
     pub state: State,
     /// The direction in which it lies.
@@ -285,22 +293,26 @@ pub(super) struct Way {
     /// Whether all of the load lies on the way there,
     pub passes_full_load: bool,
     /// and the equilibrium under it, where it was found.
-    pub full_load: Option<Mark>,
+    pub full_load: Option<PathPoint>,
 }
 
 /// The ways on from a branching point along the other branch: both, where they are found. Near it
 /// the linear step is all but along the null vector, whatever the gaps.
-pub(super) fn other_branch(problem: &Problem<'_>, scratch: &mut Scratch, at: &Mark) -> Vec<Way> {
+pub(super) fn other_branch(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    at: &PathPoint,
+) -> Vec<BranchStart> {
     let scales = Scales::of(problem.grid, problem.length);
     // Not aligned with anything.
     let pattern: Vec<Vec3> = (0..problem.grid.len())
         .map(|k| Vec3::new(1.0 + 0.1 * k as f64, 0.3 - 0.05 * k as f64, 0.01))
         .collect();
     scratch.chain.state.clone_from(&at.state);
-    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-    let Scratch { chain, shot, applied, .. } = &mut *scratch;
+    scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+    let Scratch { chain, trajectory, applied, .. } = &mut *scratch;
     let task = Task::of(problem, applied);
-    let Some(mut null) = chain.direction(&task, Step::Probe(&pattern), shot) else {
+    let Some(mut null) = chain.direction(&task, Step::Probe(&pattern), trajectory) else {
         return Vec::new();
     };
     if !null.normalize(problem.grid, &scales) {
@@ -323,7 +335,7 @@ pub(super) fn other_branch(problem: &Problem<'_>, scratch: &mut Scratch, at: &Ma
         let full_load = passes_full_load
             .then(|| full_load_aside(problem, scratch, at, &direction, reach))
             .flatten();
-        found.push(Way { state, along: direction, passes_full_load, full_load });
+        found.push(BranchStart { state, along: direction, passes_full_load, full_load });
     }
     found
 }
@@ -332,15 +344,15 @@ pub(super) fn other_branch(problem: &Problem<'_>, scratch: &mut Scratch, at: &Ma
 fn aside(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    at: &Mark,
+    at: &PathPoint,
     direction: &Direction,
     reach: f64,
 ) -> Option<State> {
     scratch.chain.state.step_from(&at.state, reach, direction);
-    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-    let Scratch { chain, shot, applied, trace, .. } = &mut *scratch;
+    scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+    let Scratch { chain, trajectory, applied, trace, .. } = &mut *scratch;
     let task = Task::of(problem, applied);
-    Chain::close(chain, &task, Some(direction), shot, trace).ok()?;
+    Chain::newton(chain, &task, Some(direction), trajectory, trace).ok()?;
     Some(scratch.chain.state.clone())
 }
 
@@ -349,10 +361,10 @@ fn aside(
 fn full_load_aside(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    at: &Mark,
+    at: &PathPoint,
     direction: &Direction,
     reach: f64,
-) -> Option<Mark> {
+) -> Option<PathPoint> {
     let (mut low, mut high) = (0.0, reach);
     let mut beyond = None;
     for _ in 0..HALVINGS {
@@ -369,16 +381,16 @@ fn full_load_aside(
     let mut near = beyond?;
     near.load = 1.0;
     scratch.chain.state = near;
-    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-    close(problem, scratch).ok()?;
-    mark(problem, scratch, direction)
+    scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+    newton(problem, scratch).ok()?;
+    path_point(problem, scratch, direction)
 }
 
 /// What lies beyond the point where the load could be raised no more.
 pub(super) struct Beyond {
-    /// The next equilibrium under all of the load that the robot stays in.
+    /// The next stable equilibrium under all of the load.
     pub found: Option<Found>,
-    /// The first one on the path that it does not stay in.
+    /// The first unstable one on the path.
     pub unstable: Option<State>,
     /// Where on the load path stability was lost.
     pub lost_at: Option<f64>,
@@ -394,43 +406,46 @@ pub(super) fn next_stable(
 ) -> Beyond {
     let mut beyond = Beyond { found: None, unstable: None, lost_at: None, iterations: spent };
     let upwards = Direction::of_load(from.nodes.len(), from.tensions.len());
-    let Some(mut walk) = Walk::start(problem, scratch, from, &upwards) else { return beyond };
+    let Some(mut tracker) = PathTracker::start(problem, scratch, from, &upwards) else {
+        return beyond;
+    };
     let mut stable: Option<State> = None;
     for _ in 0..MOST_STEPS {
-        let Some((before, taken)) = walk.advance(problem, scratch) else { break };
-        for event in walk.events(problem, scratch, &before, taken) {
+        let Some((before, taken)) = tracker.advance(problem, scratch) else { break };
+        for event in tracker.events(problem, scratch, &before, taken) {
             let was_stable = before.unstable == 0;
             match event {
-                Event::Branching(mark) if was_stable => {
-                    beyond.lost_at.get_or_insert(mark.state.load);
+                Event::Branching(path_point) if was_stable => {
+                    beyond.lost_at.get_or_insert(path_point.state.load);
                     if stable.is_none() && !scratch.stays_on_path {
-                        stable = stable_off_path(problem, scratch, &mark, &mut beyond.iterations);
+                        stable =
+                            stable_off_path(problem, scratch, &path_point, &mut beyond.iterations);
                     }
                 }
-                Event::Limit(mark) | Event::Kink(mark) if was_stable => {
-                    beyond.lost_at.get_or_insert(mark.state.load);
+                Event::Limit(path_point) | Event::ActiveSetChange(path_point) if was_stable => {
+                    beyond.lost_at.get_or_insert(path_point.state.load);
                 }
-                Event::Limit(_) | Event::Branching(_) | Event::Kink(_) => {}
-                Event::FullLoad(mark) => {
-                    if mark.unstable == 0 {
-                        stable.get_or_insert(mark.state);
+                Event::Limit(_) | Event::Branching(_) | Event::ActiveSetChange(_) => {}
+                Event::FullLoad(path_point) => {
+                    if path_point.unstable == 0 {
+                        stable.get_or_insert(path_point.state);
                     } else {
-                        beyond.unstable.get_or_insert(mark.state);
+                        beyond.unstable.get_or_insert(path_point.state);
                     }
                 }
             }
         }
-        let load = walk.here.state.load;
+        let load = tracker.here.state.load;
         if stable.is_some() || load.abs() > BEYOND {
             break;
         }
     }
-    beyond.iterations += walk.iterations;
+    beyond.iterations += tracker.iterations;
     scratch.stable = stable.is_some();
     if let Some(state) = stable {
         scratch.chain.state = state;
-        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-        if let Ok((taken, residual)) = close(problem, scratch) {
+        scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+        if let Ok((taken, residual)) = newton(problem, scratch) {
             let effort = Effort { iterations: beyond.iterations + taken, residual };
             let found = finish_chain(problem, scratch, effort);
             beyond.found = Some(Found { lost_at: beyond.lost_at, ..found });
@@ -444,34 +459,34 @@ pub(super) fn next_stable(
 fn stable_off_path(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    at: &Mark,
+    at: &PathPoint,
     iterations: &mut usize,
 ) -> Option<State> {
     for way in other_branch(problem, scratch, at) {
-        if let Some(mark) = way.full_load {
-            if mark.unstable == 0 {
-                return Some(mark.state);
+        if let Some(path_point) = way.full_load {
+            if path_point.unstable == 0 {
+                return Some(path_point.state);
             }
             continue;
         }
-        let Some(mut walk) = Walk::start(problem, scratch, &way.state, &way.along) else {
+        let Some(mut tracker) = PathTracker::start(problem, scratch, &way.state, &way.along) else {
             continue;
         };
         for _ in 0..MOST_STEPS {
-            let Some((before, taken)) = walk.advance(problem, scratch) else { break };
-            for event in walk.events(problem, scratch, &before, taken) {
-                if let Event::FullLoad(mark) = event
-                    && mark.unstable == 0
+            let Some((before, taken)) = tracker.advance(problem, scratch) else { break };
+            for event in tracker.events(problem, scratch, &before, taken) {
+                if let Event::FullLoad(path_point) = event
+                    && path_point.unstable == 0
                 {
-                    *iterations += walk.iterations;
-                    return Some(mark.state);
+                    *iterations += tracker.iterations;
+                    return Some(path_point.state);
                 }
             }
-            if walk.here.state.load.abs() > BEYOND {
+            if tracker.here.state.load.abs() > BEYOND {
                 break;
             }
         }
-        *iterations += walk.iterations;
+        *iterations += tracker.iterations;
     }
     None
 }

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
-use super::arc_length::{Event, Mark, Walk, other_branch};
+use super::arc_length::{Event, PathPoint, PathTracker, other_branch};
 use super::model::{Cosserat, Workspace};
 use super::refinement::{FOLLOW_LEVEL, MAX_REFINEMENTS};
 use super::state::{Direction, State};
@@ -53,7 +53,7 @@ pub struct Equilibrium {
     pub branch: Option<usize>,
     /// The shape.
     pub solution: Solution,
-    /// Whether the robot stays in it. Under loads that follow the backbone there is no energy to
+    /// Whether it is stable. Under loads that follow the backbone there is no energy to
     /// tell: `Some(false)` where it diverges, as the sign of a determinant says, else `None`.
     pub stable: Option<bool>,
 }
@@ -145,7 +145,7 @@ impl Cosserat {
         };
         self.accept(case, workspace)?;
         // The options say how far to go.
-        workspace.scratch.shot.steps_left = usize::MAX;
+        workspace.scratch.trajectory.steps_left = usize::MAX;
         let level = match self.options.accuracy {
             Accuracy::Steps(_) => 0,
             Accuracy::Tolerance(_) => FOLLOW_LEVEL,
@@ -163,66 +163,68 @@ impl Cosserat {
         };
         let along = Direction::of_load(state.nodes.len(), state.tensions.len());
         let mut starts = vec![Start { state, along }];
-        let mut marks: Vec<(usize, Mark)> = Vec::new();
+        let mut path_points: Vec<(usize, PathPoint)> = Vec::new();
         // Branches that pass all of the load close to where they part.
         let mut close: Vec<usize> = Vec::new();
         let mut branch = 0;
         while branch < starts.len() && !self.options.cancel.is_cancelled() {
             let Start { state, along } = &starts[branch];
-            let Some(mut walk) = Walk::start(&problem, scratch, state, along) else {
+            let Some(mut tracker) = PathTracker::start(&problem, scratch, state, along) else {
                 found.complete = false;
                 branch += 1;
                 continue;
             };
             let mut left = options.most_steps;
-            while walk.here.state.load.abs() <= options.greatest_load.max(1.0) {
+            while tracker.here.state.load.abs() <= options.greatest_load.max(1.0) {
                 let Some((before, taken)) =
-                    (left > 0).then(|| walk.advance(&problem, scratch)).flatten()
+                    (left > 0).then(|| tracker.advance(&problem, scratch)).flatten()
                 else {
                     found.complete = false;
                     break;
                 };
                 left -= 1;
-                for event in walk.events(&problem, scratch, &before, taken) {
-                    let (mark, kind) = match event {
-                        Event::FullLoad(mark) => {
-                            marks.push((branch, *mark));
+                for event in tracker.events(&problem, scratch, &before, taken) {
+                    let (path_point, kind) = match event {
+                        Event::FullLoad(path_point) => {
+                            path_points.push((branch, *path_point));
                             continue;
                         }
-                        Event::Limit(mark) => (mark, CriticalKind::Limit),
-                        Event::Kink(mark) => (mark, CriticalKind::CableSlackens),
-                        Event::Branching(mark) => {
+                        Event::Limit(path_point) => (path_point, CriticalKind::Limit),
+                        Event::ActiveSetChange(path_point) => {
+                            (path_point, CriticalKind::CableSlackens)
+                        }
+                        Event::Branching(path_point) => {
                             let room = options.most_branches.saturating_sub(starts.len());
-                            let others = other_branch(&problem, scratch, &mark);
+                            let others = other_branch(&problem, scratch, &path_point);
                             found.complete &= others.len().min(2) == 2 && room >= 2;
                             let first = starts.len();
                             for way in others.into_iter().take(room) {
                                 let number = starts.len();
                                 found.complete &= !way.passes_full_load || way.full_load.is_some();
-                                if let Some(mark) = way.full_load {
-                                    marks.push((number, mark));
+                                if let Some(path_point) = way.full_load {
+                                    path_points.push((number, path_point));
                                     close.push(number);
                                 }
                                 starts.push(Start { state: way.state, along: way.along });
                             }
-                            (mark, CriticalKind::Bifurcation((first..starts.len()).collect()))
+                            (path_point, CriticalKind::Bifurcation((first..starts.len()).collect()))
                         }
                     };
-                    let tip = statics::tip_of(&problem, scratch, &mark.state);
+                    let tip = statics::tip_of(&problem, scratch, &path_point.state);
                     let tip = case.base.transform(tip);
-                    let load = mark.state.load;
+                    let load = path_point.state.load;
                     found.critical_points.push(CriticalPoint { branch, load, kind, tip });
                 }
             }
             branch += 1;
         }
         // In the order of the branches, where one passes all of the load before it is followed.
-        marks.sort_by_key(|&(branch, _)| branch);
+        path_points.sort_by_key(|&(branch, _)| branch);
         let followers = case.loads.has_follower();
-        for (branch, mark) in marks {
-            let diverges = mark.unstable > 0;
+        for (branch, path_point) in path_points {
+            let diverges = path_point.unstable > 0;
             let unknown = (followers && diverges).then_some(false);
-            let solution = self.refine(level, mark.state, case, workspace)?;
+            let solution = self.refine(level, path_point.state, case, workspace)?;
             let is_new = found.add(Some(solution), Some(branch), unknown);
             // On finer steps the branch may part above all of the load, or the answer go to the other.
             found.complete &= is_new || !close.contains(&branch);
@@ -246,7 +248,7 @@ impl Cosserat {
         for level in level..=MAX_REFINEMENTS {
             let grid = self.grid(level)?;
             let problem = self.problem(&grid, case, &workspace.commands);
-            let mut found = statics::settle(&problem, &mut workspace.scratch, near)
+            let mut found = statics::converge(&problem, &mut workspace.scratch, near)
                 .map_err(|failure| self.explain(failure, &workspace.commands))?;
             match (accuracy, coarser) {
                 (Accuracy::Steps(_), _) => {

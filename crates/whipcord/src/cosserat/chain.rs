@@ -9,10 +9,10 @@
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::derivatives::StepGap;
-use super::loaded::{Aim, Shot};
+use super::loaded::{Target, Trajectory};
 use super::newton::Scales;
 use super::sensitivity::{Column, Sensitivity, Unknowns};
-use super::shared::Shared;
+use super::shared_unknowns::Shared;
 use super::state::{Direction, State};
 use super::statics::Problem;
 use crate::cancel::Cancel;
@@ -104,32 +104,32 @@ impl Chain {
     /// Newton's method from `self.state`, where it also ends: at its load, or across a direction.
     /// Returns the iterations and the greatest gap left. Gives up when the shot has no steps left. The shot ends with the strains and samples
     /// of the answer.
-    pub fn close(
+    pub fn newton(
         &mut self,
         task: &Task<'_>,
         across: Option<&Direction>,
-        shot: &mut Shot,
+        trajectory: &mut Trajectory,
         trace: &mut Trace,
     ) -> Result<(usize, f64), Open> {
         let failed = |iterations, gap, fault| Open { iterations, gap, fault };
         let by = across.map_or(Step::Close, Step::Across);
         let mut gap =
-            self.shoot(task, shot).map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
+            self.shoot(task, trajectory).map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
         for iteration in 0..MAX_ITERATIONS {
             if gap <= task.tolerance {
                 return Ok((iteration, gap));
             }
-            if shot.steps_left == 0 || task.cancel.is_cancelled() {
+            if trajectory.steps_left == 0 || task.cancel.is_cancelled() {
                 break;
             }
-            if !self.solve_step(task, by, shot) {
+            if !self.solve_step(task, by, trajectory) {
                 return Err(failed(iteration, gap, None));
             }
             core::mem::swap(&mut self.kept, &mut self.state);
             let mut fraction = 1.0;
             loop {
                 self.state.step_from(&self.kept, fraction, &self.step);
-                match self.shoot(task, shot) {
+                match self.shoot(task, trajectory) {
                     Ok(now) if now < (1.0 - 1e-4 * fraction) * gap => {
                         gap = now;
                         break;
@@ -157,17 +157,21 @@ impl Chain {
         &mut self,
         task: &Task<'_>,
         by: Step<'_>,
-        shot: &mut Shot,
+        trajectory: &mut Trajectory,
     ) -> Option<Direction> {
-        self.shoot(task, shot).ok()?;
-        self.solve_step(task, by, shot).then(|| self.step.clone())
+        self.shoot(task, trajectory).ok()?;
+        self.solve_step(task, by, trajectory).then(|| self.step.clone())
     }
 
     /// Whether the determinant of the linearised problem at this load is negative. The chain is
     /// closed.
-    pub fn is_determinant_negative(&mut self, task: &Task<'_>, shot: &mut Shot) -> Option<bool> {
-        self.shoot(task, shot).ok()?;
-        self.solve_step(task, Step::Close, shot)
+    pub fn is_determinant_negative(
+        &mut self,
+        task: &Task<'_>,
+        trajectory: &mut Trajectory,
+    ) -> Option<bool> {
+        self.shoot(task, trajectory).ok()?;
+        self.solve_step(task, Step::Close, trajectory)
             .then_some(self.elimination.is_negative() != self.shared.negative)
     }
 
@@ -200,16 +204,16 @@ impl Chain {
     }
 
     /// Shoots every step from its node; the greatest gap.
-    pub fn shoot(&mut self, task: &Task<'_>, shot: &mut Shot) -> Result<f64, Fault> {
+    pub fn shoot(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Result<f64, Fault> {
         let scales = Scales::of(task.grid, task.length);
-        shot.samples.clear();
+        trajectory.samples.clear();
         self.gaps.clear();
         let mut greatest: f64 = 0.0;
         let state = &self.state;
         for k in 0..task.grid.len() {
             let (start, next) = (state.nodes[k], state.nodes[k + 1]);
             let moment = start.rotation.rotate(start.moment);
-            let aim = Aim {
+            let target = Target {
                 tensions: &state.tensions,
                 base_moment: Vec3::ZERO,
                 follower_force: start.force,
@@ -217,7 +221,7 @@ impl Chain {
                 sample: true,
             };
             let (end, cut) =
-                shot.fire_step(task.grid, task.loads, &aim, k, start.rotation, moment)?;
+                trajectory.shoot_step(task.grid, task.loads, &target, k, start.rotation, moment)?;
             let to_body = end.rotation.conjugate();
             let follower = task.loads.follower(k + 1);
             let applied = to_body.rotate(task.loads.moment(k + 1)) + follower.moment;
@@ -237,9 +241,14 @@ impl Chain {
             self.gaps.push(Gap { change, end });
         }
         if task.commands.iter().any(Command::is_length) {
-            shot.measure(task.grid);
+            trajectory.measure(task.grid);
             for (i, command) in task.commands.iter().enumerate() {
-                let left = command.lack(i, &state.tensions, &shot.lengths, scales.of_cables());
+                let left = command.complementarity_residual(
+                    i,
+                    &state.tensions,
+                    &trajectory.lengths,
+                    scales.of_cables(),
+                );
                 greatest = if left.is_nan() { f64::INFINITY } else { greatest.max(left) };
             }
         }
@@ -247,7 +256,7 @@ impl Chain {
     }
 
     /// How the end of every step that has been shot depends on its start and on what all share.
-    fn linearise(&mut self, task: &Task<'_>, by_load: bool, shot: &Shot) {
+    fn linearise(&mut self, task: &Task<'_>, by_load: bool, trajectory: &Trajectory) {
         let by_length = task.commands.iter().any(Command::is_length);
         let by = Unknowns {
             follower_force: task.loads.any_follower_force(),
@@ -260,7 +269,7 @@ impl Chain {
         self.length_rows.clear();
         let Self { state, gaps, sensitivity, .. } = self;
         for (k, gap) in gaps.iter().enumerate() {
-            let samples = &shot.samples[3 * k..3 * k + 3];
+            let samples = &trajectory.samples[3 * k..3 * k + 3];
             let end = gap.end.rotation;
             sensitivity.transition(task.grid, task.loads, state.load, k, samples, end, by);
             self.columns.extend_from_slice(&sensitivity.columns);
@@ -270,8 +279,8 @@ impl Chain {
 
     /// Linearises the steps that have been shot and solves eq. (10), and with it what all steps share, into `self.step`; `false` where the
     /// system is singular.
-    fn solve_step(&mut self, task: &Task<'_>, by: Step<'_>, shot: &Shot) -> bool {
-        self.linearise(task, by.frees_load(), shot);
+    fn solve_step(&mut self, task: &Task<'_>, by: Step<'_>, trajectory: &Trajectory) -> bool {
+        self.linearise(task, by.frees_load(), trajectory);
         let scales = Scales::of(task.grid, task.length);
         let Self { state, gaps, columns, length_rows, step, elimination, shared, size, .. } = self;
         let steps = gaps.len();
@@ -291,7 +300,7 @@ impl Chain {
         }
         elimination.answer();
         shared.lengths_by(size.shared, unknowns, length_rows, elimination, steps);
-        if !shared.solve(task, by, state, shot, &scales, elimination) {
+        if !shared.solve(task, by, state, trajectory, &scales, elimination) {
             return false;
         }
         step.nodes.clear();

@@ -1,12 +1,12 @@
-//! How the rod yields to what pushes it: the side of contact that this model is asked for.
+//! Contact of the rod with obstacles: its response to contact forces.
 
 use whipcord_numerics::{Pose, equally_spaced};
 
+use super::contact_response::{ContactResponse, Kept};
 use super::model::{Cosserat, Workspace};
-use super::pushed::{Kept, Pushed};
 use crate::cancel::Cancel;
 use crate::case::{Case, PointLoad};
-use crate::contact::{self, Push, Yielding};
+use crate::contact::{self, Compliant, Push};
 use crate::error::SolveError;
 use crate::robot::Robot;
 use crate::shape::{NoStability, Solution};
@@ -16,7 +16,7 @@ use crate::statics::options::Options;
 const WATCHED: usize = 80;
 
 /// The rod among obstacles.
-struct Touched<'a> {
+struct ContactAdapter<'a> {
     robot: &'a Robot,
     /// As the user wants the answer.
     options: &'a Options,
@@ -28,7 +28,7 @@ struct Touched<'a> {
     /// The case that it last looked at, with the pushes among its loads.
     case: Case,
     warm: Option<Solution>,
-    found: Pushed,
+    found: ContactResponse,
     kept: Kept,
 }
 
@@ -54,7 +54,7 @@ impl Cosserat {
         for (&cable, &initial) in self.layout.order.iter().zip(&self.layout.rest_lengths) {
             initial_lengths[cable] = initial;
         }
-        let mut touched = Touched {
+        let mut adapter = ContactAdapter {
             robot: &self.robot,
             options: &self.options,
             watched,
@@ -63,10 +63,10 @@ impl Cosserat {
             force_scale: at_base.column(0).x / (length * length),
             case: Case::default(),
             warm: None,
-            found: Pushed::default(),
+            found: ContactResponse::default(),
             kept: Kept::default(),
         };
-        contact::solve(&mut touched, &self.robot, case, warm_start)
+        contact::solve(&mut adapter, &self.robot, case, warm_start)
     }
 }
 
@@ -93,7 +93,7 @@ fn with_pushes(case: &Case, pushes: &[Push]) -> Case {
     case
 }
 
-impl Yielding for Touched<'_> {
+impl Compliant for ContactAdapter<'_> {
     fn watched(&self) -> &[f64] {
         &self.watched
     }
@@ -127,7 +127,7 @@ impl Yielding for Touched<'_> {
     }
 
     fn start_from(&mut self, answer: &Solution) {
-        self.found = Pushed::default();
+        self.found = ContactResponse::default();
         self.warm = Some(answer.clone());
     }
 

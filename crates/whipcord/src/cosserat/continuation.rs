@@ -19,7 +19,7 @@ use crate::statics::trace::Stage;
 /// Where the load could not be raised any more, or not without losing stability.
 pub(super) struct Ended {
     pub failure: Failure,
-    /// The last equilibrium that the robot stays in.
+    /// The last stable equilibrium.
     pub state: Option<State>,
     pub iterations: usize,
 }
@@ -40,8 +40,8 @@ pub(super) fn raise_load(
     loop {
         scratch.chain.state.clone_from(&here);
         scratch.chain.state.load = (here.load + step).min(1.0);
-        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-        let (residual, fault) = match close(problem, scratch) {
+        scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+        let (residual, fault) = match newton(problem, scratch) {
             Ok((taken, residual)) => {
                 iterations += taken;
                 if is_stable(problem, scratch) {
@@ -64,7 +64,7 @@ pub(super) fn raise_load(
             }
         };
         step *= 0.5;
-        let ends = scratch.shot.steps_left == 0 || problem.cancel.is_cancelled();
+        let ends = scratch.trajectory.steps_left == 0 || problem.cancel.is_cancelled();
         if step < LEAST_OF_FIRST * first || ends {
             let failure = match fault {
                 Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
@@ -109,8 +109,8 @@ pub(super) fn raise_load_at_tensions(
         }
         let part = Problem { commands: &commands, ..*problem };
         scratch.chain.state.clone_from(&here);
-        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-        match close(&part, scratch) {
+        scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+        match newton(&part, scratch) {
             Ok((taken, residual)) => {
                 iterations += taken;
                 here.clone_from(&scratch.chain.state);
@@ -125,7 +125,7 @@ pub(super) fn raise_load_at_tensions(
             Err(open) => {
                 iterations += open.iterations;
                 step *= 0.5;
-                let ends = scratch.shot.steps_left == 0 || problem.cancel.is_cancelled();
+                let ends = scratch.trajectory.steps_left == 0 || problem.cancel.is_cancelled();
                 if step < LEAST_LOAD_STEP || ends {
                     return None;
                 }
@@ -152,28 +152,28 @@ pub(super) fn refine_chain(
     }
     start_without_load(problem, scratch).ok()?;
     scratch.chain.state = coarse.halved();
-    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-    let (iterations, residual) = close(problem, scratch).ok()?;
+    scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+    let (iterations, residual) = newton(problem, scratch).ok()?;
     Some(finish_chain(problem, scratch, Effort { iterations, residual }))
 }
 
 /// Closes the chain at its load.
-pub(super) fn close(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(usize, f64), Open> {
-    let Scratch { chain, shot, applied, trace, .. } = scratch;
-    Chain::close(chain, &Task::of(problem, applied), None, shot, trace)
+pub(super) fn newton(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(usize, f64), Open> {
+    let Scratch { chain, trajectory, applied, trace, .. } = scratch;
+    Chain::newton(chain, &Task::of(problem, applied), None, trajectory, trace)
 }
 
 /// Whether the equilibrium of the closed chain is stable, as far as that is asked for and known.
 fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
-    let Scratch { shot, applied, stability, chain, .. } = scratch;
+    let Scratch { trajectory, applied, stability, chain, .. } = scratch;
     let State { tensions, load, .. } = &chain.state;
     !problem.stability
         || applied.any_follower()
         || problem.is_only(applied)
         || stability.is_stable(&problem.equilibrium(
-            &shot.samples,
+            &trajectory.samples,
             tensions,
-            &shot.lengths,
+            &trajectory.lengths,
             applied,
             *load,
         ))

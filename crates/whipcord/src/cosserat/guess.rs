@@ -1,4 +1,4 @@
-//! Where shooting starts: the rod without load is loaded, and yields once.
+//! The initial guess of shooting: one linear step of the rod from its shape without load.
 //!
 //! The wrench that the loads exert on the shape without load changes its strains; on the shape that
 //! follows they exert a wrench that is nearer to the one in equilibrium, as long as the load bends
@@ -28,7 +28,7 @@ const MOST_CHANGE: f64 = 0.3;
 /// Sets the point that Newton's method starts from, and the strains of its first shot.
 pub(super) fn guess(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     let Problem { grid, .. } = *problem;
-    let Scratch { poses, applied, newton, tensions, unloaded, guess, shot, .. } = scratch;
+    let Scratch { poses, applied, newton, tensions, unloaded, guess, trajectory, .. } = scratch;
     guess.wrenches.resize(grid.len(), BodyWrench::default());
     let mut at_base = carry(grid, applied, poses, load, |k, force, moment| {
         // A step turns by little: its ends serve for its middle.
@@ -46,9 +46,9 @@ pub(super) fn guess(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     let change = |better: &Wrench| (better.moment - at_base.moment).norm();
     if let Some(better) = better.filter(|b| change(b) <= MOST_CHANGE * at_base.moment.norm()) {
         at_base = better;
-        shot.seed(grid, &guess.strains);
+        trajectory.seed(grid, &guess.strains);
     } else {
-        shot.seed(grid, strains);
+        trajectory.seed(grid, strains);
     }
     newton.point.base_moment = at_base.moment;
     newton.point.follower_force = at_base.force;
@@ -97,9 +97,9 @@ fn carry(
         let mut spread = Vec3::ZERO;
         if let Some(line) = loads.line(k) {
             let h = grid.steps[k].length;
-            let pushed = h * far.rotation.rotate(line.follower_force(0.5));
-            force += 0.5 * pushed;
-            follower_force += pushed;
+            let contact_response = h * far.rotation.rotate(line.follower_force(0.5));
+            force += 0.5 * contact_response;
+            follower_force += contact_response;
             spread = h * (line.moment(0.5) + far.rotation.rotate(line.follower_moment(0.5)));
         }
         let along = (far.position - near.position).cross(force) + spread;

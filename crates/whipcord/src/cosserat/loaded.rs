@@ -36,10 +36,10 @@ pub(super) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
 
 /// One integration from base to tip.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Shot {
+pub(super) struct Trajectory {
     /// Frames at the ends of all steps.
     pub poses: Vec<Pose>,
-    /// Cable lengths in m, by [`Shot::measure`].
+    /// Cable lengths in m, by [`Trajectory::measure`].
     pub lengths: Vec<f64>,
     /// Force of followers and moment left over at the tip beyond what the loads apply there, base
     /// frame.
@@ -57,7 +57,7 @@ pub(super) type State = [f64; 10];
 
 /// What is aimed at the tip.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aim<'a> {
+pub(super) struct Target<'a> {
     /// Tensions in N, in the order of the grid.
     pub tensions: &'a [f64],
     /// Moment at the base in N·m.
@@ -66,29 +66,29 @@ pub(super) struct Aim<'a> {
     pub follower_force: Vec3,
     /// Factor on all loads.
     pub load: f64,
-    /// Whether [`Shot::samples`] are wanted.
+    /// Whether [`Trajectory::samples`] are wanted.
     pub sample: bool,
 }
 
-/// [`Shot::fire`] with the instructions that the processor has. No sum is reordered or fused: the
+/// [`Trajectory::shoot`] with the instructions that the processor has. No sum is reordered or fused: the
 /// answer is the same to the last bit.
-struct Fire<'a> {
-    shot: &'a mut Shot,
+struct Shoot<'a> {
+    trajectory: &'a mut Trajectory,
     grid: &'a Grid,
     loads: &'a AppliedLoads,
-    aim: &'a Aim<'a>,
+    target: &'a Target<'a>,
 }
 
-impl WithSimd for Fire<'_> {
+impl WithSimd for Shoot<'_> {
     type Output = Result<(), Fault>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.shot.integrate(self.grid, self.loads, self.aim)
+        self.trajectory.integrate(self.grid, self.loads, self.target)
     }
 }
 
-impl Shot {
+impl Trajectory {
     /// Starts the sections of the next shot from the strains at the Gauss nodes of the rod
     /// without load.
     pub fn seed(&mut self, grid: &Grid, gauss_strains: &[Strain]) {
@@ -117,26 +117,36 @@ impl Shot {
     }
 
     /// Integrates eqs. (4).
-    pub fn fire(&mut self, grid: &Grid, loads: &AppliedLoads, aim: &Aim<'_>) -> Result<(), Fault> {
-        Arch::new().dispatch(Fire { shot: self, grid, loads, aim })
+    pub fn shoot(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        target: &Target<'_>,
+    ) -> Result<(), Fault> {
+        Arch::new().dispatch(Shoot { trajectory: self, grid, loads, target })
     }
 
     #[inline(always)]
-    fn integrate(&mut self, grid: &Grid, loads: &AppliedLoads, aim: &Aim<'_>) -> Result<(), Fault> {
+    fn integrate(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        target: &Target<'_>,
+    ) -> Result<(), Fault> {
         self.steps_left = self.steps_left.saturating_sub(grid.len());
         self.poses.clear();
         self.samples.clear();
         let slots = STAGES * grid.len();
         let known = self.strains.len() == slots;
         self.strains.resize(slots, Strain::default());
-        let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, aim.base_moment);
-        let mut follower_force = aim.follower_force;
+        let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, target.base_moment);
+        let mut follower_force = target.follower_force;
         self.poses.push(Pose::IDENTITY);
         let mut last = grid.shooting.at(0, 0, 0).0.section.rest_strain();
         for k in 0..grid.len() {
             let neighbour = (!known).then_some(last);
             let stepped =
-                self.step(grid, loads, aim, k, &mut follower_force, &mut state, neighbour);
+                self.step(grid, loads, target, k, &mut follower_force, &mut state, neighbour);
             if let Err(fault) = stepped {
                 // Half of the sections have new strains: none can be relied on.
                 self.forget();
@@ -145,9 +155,9 @@ impl Shot {
             last = self.strains[STAGES * k + STAGES - 1];
             let (rotation, position, moment) = unpack(&state);
             let follower = loads.follower(k + 1);
-            follower_force -= aim.load * rotation.rotate(follower.force);
+            follower_force -= target.load * rotation.rotate(follower.force);
             let moment =
-                moment - aim.load * (loads.moment(k + 1) + rotation.rotate(follower.moment));
+                moment - target.load * (loads.moment(k + 1) + rotation.rotate(follower.moment));
             state = pack(rotation, position, moment);
             self.poses.push(Pose { position, rotation });
         }
@@ -156,13 +166,13 @@ impl Shot {
     }
 
     /// Shoots step `k` alone, from a start of its own: the frame at its end, with the position
-    /// relative to the start, and followers' force and moment there in the base frame. Adds to [`Shot::samples`]. The
-    /// sections start from [`Shot::seed`] or the last shot; the followers' force is that of `aim`.
-    pub fn fire_step(
+    /// relative to the start, and followers' force and moment there in the base frame. Adds to [`Trajectory::samples`]. The
+    /// sections start from [`Trajectory::seed`] or the last shot; the followers' force is that of `target`.
+    pub fn shoot_step(
         &mut self,
         grid: &Grid,
         loads: &AppliedLoads,
-        aim: &Aim<'_>,
+        target: &Target<'_>,
         k: usize,
         rotation: UnitQuaternion,
         moment: Vec3,
@@ -170,13 +180,13 @@ impl Shot {
         debug_assert_eq!(self.strains.len(), STAGES * grid.len());
         self.steps_left = self.steps_left.saturating_sub(1);
         let mut state = pack(rotation, Vec3::ZERO, moment);
-        let mut force = aim.follower_force;
-        self.step(grid, loads, aim, k, &mut force, &mut state, None)?;
+        let mut force = target.follower_force;
+        self.step(grid, loads, target, k, &mut force, &mut state, None)?;
         let (rotation, position, moment) = unpack(&state);
         Ok((Pose { position, rotation }, Wrench { force, moment }))
     }
 
-    /// Computes [`Shot::lengths`] from the strains of the last shot.
+    /// Computes [`Trajectory::lengths`] from the strains of the last shot.
     pub fn measure(&mut self, grid: &Grid) {
         self.lengths.clear();
         self.lengths.extend(grid.shooting.rest_excess.iter().map(|excess| -excess));
@@ -203,7 +213,7 @@ impl Shot {
         &mut self,
         grid: &Grid,
         loads: &AppliedLoads,
-        aim: &Aim<'_>,
+        target: &Target<'_>,
         k: usize,
         follower_force: &mut Vec3,
         state: &mut State,
@@ -211,7 +221,7 @@ impl Shot {
     ) -> Result<(), Fault> {
         let table = &BUTCHER_5;
         let step = grid.steps[k];
-        let (h, tensions) = (step.length, &aim.tensions[..step.active]);
+        let (h, tensions) = (step.length, &target.tensions[..step.active]);
         // Of each stage, and of the end: what the slopes so far come to.
         let mut stages = [*state; STAGES];
         let (mut stage, mut end) = (*state, *state);
@@ -232,7 +242,7 @@ impl Shot {
             let to_body = |a: Vec3| a + scale * beside.transpose_mul(a);
             let r = (beside * scale).plus_identity();
             let rotation = drifted.scaled(norm);
-            let mut force = aim.load * loads.force(k, NODE_OF_STAGE[i]) + *follower_force;
+            let mut force = target.load * loads.force(k, NODE_OF_STAGE[i]) + *follower_force;
             if line.is_some() {
                 force -= h * weighted_sum(&pushes[..i], &table.a[i]);
             }
@@ -247,7 +257,7 @@ impl Shot {
             if neighbour.is_some() {
                 neighbour = Some(strain);
             }
-            if aim.sample && SAMPLED_STAGES.contains(&i) {
+            if target.sample && SAMPLED_STAGES.contains(&i) {
                 let tangent = Tangent::at(section, crossings, tensions, &strain).map_err(fault)?;
                 self.samples.push(Sample { strain, wrench, tangent, rotation });
             }
@@ -255,8 +265,8 @@ impl Shot {
             let mut moment_rate = force.cross(velocity);
             if let Some(line) = line {
                 let t = table.c[i];
-                pushes[i] = aim.load * (r * line.follower_force(t));
-                moment_rate -= aim.load * (line.moment(t) + r * line.follower_moment(t));
+                pushes[i] = target.load * (r * line.follower_force(t));
+                moment_rate -= target.load * (line.moment(t) + r * line.follower_moment(t));
             }
             let [w, x, y, z] = rotation.rate(strain.angular);
             let (p, m) = (velocity, moment_rate);
@@ -354,17 +364,17 @@ mod tests {
             let grid = Grid::new(&robot, &Layout::new(&robot, Vec::new(), &loads), 12).unwrap();
             let mut applied = AppliedLoads::default();
             applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
-            let aim = Aim {
+            let target = Target {
                 tensions: &[3.9, 1.2, 0.4][..cables],
                 base_moment: Vec3::new(1e-3, 8e-3, 4e-4),
                 follower_force: Vec3::ZERO,
                 load: 1.0,
                 sample: true,
             };
-            let (mut best, mut plain) = (Shot::default(), Shot::default());
-            best.fire(&grid, &applied, &aim).unwrap();
-            let (shot, loads) = (&mut plain, &applied);
-            Fire { shot, grid: &grid, loads, aim: &aim }.with_simd(Scalar).unwrap();
+            let (mut best, mut plain) = (Trajectory::default(), Trajectory::default());
+            best.shoot(&grid, &applied, &target).unwrap();
+            let (trajectory, loads) = (&mut plain, &applied);
+            Shoot { trajectory, grid: &grid, loads, target: &target }.with_simd(Scalar).unwrap();
             assert_eq!(best.poses, plain.poses);
             assert_eq!(best.strains, plain.strains);
             assert_eq!(best.excess, plain.excess);

@@ -1,44 +1,52 @@
 //! The Cosserat rod with continuous cables (see `docs/theory/cosserat.md`).
 //!
-//! The total internal wrench of rod and cables is carried along the backbone instead of the
-//! paper's state `(p, R, v, u)`. From the inside out: `crate::section` (and `one_cable`) solves one
-//! cross-crate::section for its strains; `unloaded` and `loaded` put the sections together on a `crate::statics::grid`,
-//! `sensitivity` differentiates the latter; `crate::statics::lengths` finds tensions for prescribed cable crate::statics::lengths, and
-//! `crate::statics::infeasible_lengths` those of which there are none, `crate::statics::rank` which cables leave their tensions open,
-//! `antagonists` what they do under load;
-//! `statics` finds equilibrium under `crate::statics::loads`, by single `shooting` with the Newton step of `newton` from a
-//! `guess`, from the rod `without_load` or along the path of `continuation`, where `chain` shoots from many
-//! starts at once, with the linear algebra of `crate::statics::elimination` and `shared` on the points of `state`, and `crate::statics::active_set`
-//! says which cables a step makes pull;
-//! `arc_length` follows the path where the load cannot be raised, `kink` round the
-//! corners where cables go slack or taut, `search` looks for what no path leads to, `branches` collects what lies on it;
-//! `stability` says whether the equilibrium is one to stay in; `crate::statics::trace` records iterations; `refinement`
-//! halves the steps until the answer changes no more, from as many on as the `strength` of the load asks for. `crate::statics::command` is what drives a cable, `crate::statics::outcome` how a
-//! solve on one crate::statics::grid ended, and `model` with its `crate::statics::options` what the rest of the library sees.
+//! The total internal wrench of rod and cables is carried along the backbone instead of the paper's state `(p, R, v, u)`.
+//!
+//! | module | content |
+//! |---|---|
+//! | `model` | the interface: robot, loads and options to solutions |
+//! | `unloaded`, `loaded` | the rod without load; the rod integrated from its base under loads |
+//! | `sensitivity` | derivatives of the loaded rod at its tip |
+//! | `statics` | equilibrium on one grid: the order of the strategies below |
+//! | `guess`, `without_load` | initial guesses: the loaded rod after one step; the rod without load |
+//! | `shooting`, `newton` | single shooting on eq. (7), and its Newton step |
+//! | `chain`, `shared_unknowns` | multiple shooting, and the tensions and load factor that its steps share |
+//! | `redundant_cables` | antagonistic cables under load |
+//! | `continuation` | load continuation by multiple shooting |
+//! | `arc_length`, `active_set_change`, `state` | continuation by arc length past limit points and past cables that go slack or taut |
+//! | `branches` | all equilibria that are connected to the unloaded shape |
+//! | `search` | equilibria from many base moments |
+//! | `stability` | stability under dead loads, eqs. (8) and (11) |
+//! | `refinement`, `strength` | halving of the steps to a tolerance, and the first grid by the strength of the load |
+//! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
+//! | `derivatives` | exact derivatives |
+//! | `lanes` | many unloaded rods at once |
+//! | `trace` | solves with a record of the iterations |
 
-mod antagonists;
+mod active_set_change;
 mod arc_length;
 mod branches;
 mod chain;
 mod contact;
+mod contact_response;
 mod continuation;
 pub mod derivatives;
 mod guess;
-mod kink;
 mod lanes;
 mod loaded;
 mod model;
 mod newton;
-mod pushed;
+mod redundant_cables;
 mod refinement;
 mod search;
 mod sensitivity;
-mod shared;
+mod shared_unknowns;
 mod shooting;
 mod stability;
 mod state;
 mod statics;
 mod strength;
+mod trace;
 mod unloaded;
 mod without_load;
 

@@ -1,9 +1,9 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use super::antagonists;
 use super::derivatives::{Derivatives, NoDerivatives, Solved};
 use super::lanes::{Setting, UnloadedLanes};
+use super::redundant_cables;
 use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, READY_GRIDS};
 use super::statics::{self, Scratch, Start};
 use super::strength::Strength;
@@ -56,7 +56,7 @@ pub struct Cosserat {
     pub(super) layout: Layout,
     pub(super) options: Options,
     /// Whether some of its cables pull against one another to no effect.
-    antagonists: bool,
+    redundant_cables: bool,
     /// How often the steps of the first grid are halved to follow the twist of the unloaded rod.
     pub(super) twist_level: usize,
     /// The only grid, or the first of a sequence in which the steps are halved.
@@ -83,7 +83,7 @@ impl Cosserat {
     ///
     /// # Errors
     /// [`SolveError::Missing`] when the robot's stiffness is not given, and
-    /// [`SolveError::Unsupported`] when its cables rub.
+    /// [`SolveError::Unsupported`] for cables with hole friction.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         refusal::hole_friction(
             ModelKind::Cosserat,
@@ -106,7 +106,7 @@ impl Cosserat {
             twist_level: (0..MAX_REFINEMENTS)
                 .find(|&level| steps_for_twist(robot) <= COARSE_STEPS << level)
                 .unwrap_or(MAX_REFINEMENTS),
-            antagonists: antagonists::any(robot, &grids[0], &layout.order),
+            redundant_cables: redundant_cables::any(robot, &grids[0], &layout.order),
             layout,
             grids,
             finer: Arc::default(),
@@ -202,7 +202,7 @@ impl Cosserat {
                 starts: starts.as_deref(),
                 // Without load no shot has been fired: its strains would be those of another case.
                 strains: match scratch.applied.any() {
-                    true => scratch.shot.strains(),
+                    true => scratch.trajectory.strains(),
                     false => &scratch.unloaded.strains,
                 },
             },
@@ -232,7 +232,7 @@ impl Cosserat {
         match self.options.accuracy {
             Accuracy::Steps(_) => {
                 let allowance = Strength::default().allowance(&self.grids[0]);
-                workspace.scratch.shot.steps_left = allowance;
+                workspace.scratch.trajectory.steps_left = allowance;
                 let found = self.solve_on(&self.grids[0], case, &start, FOLD_LEVEL, workspace)?;
                 let grid = &self.grids[0];
                 let solution = self.solution(grid, case, workspace, found, None)?;
@@ -282,7 +282,7 @@ impl Cosserat {
             stability: self.options.stability,
             follow: true,
             bracket: true,
-            antagonists: self.antagonists,
+            redundant_cables: self.redundant_cables,
             tolerance: self.options.residual,
             cancel: &self.options.cancel,
         }
@@ -319,7 +319,7 @@ impl Cosserat {
         discretization_error: Option<f64>,
     ) -> Result<Solution, SolveError> {
         let problem = self.problem(grid, case, &workspace.commands);
-        let stability = statics::verdict(&problem, &mut workspace.scratch)
+        let stability = statics::least_eigenvalue(&problem, &mut workspace.scratch)
             .map_err(|failure| self.explain(failure, &workspace.commands))?;
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| {

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{DenseLu, Vec3};
 
-use super::loaded::Shot;
+use super::loaded::Trajectory;
 use super::sensitivity::Sensitivity;
 use crate::shape::Wrench;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
@@ -62,13 +62,23 @@ impl Point {
 }
 
 /// Size of eq. (7), without dimension.
-pub(super) fn residual(commands: &[Command], point: &Point, shot: &Shot, scales: &Scales) -> f64 {
-    let moment = shot.excess.moment.norm() / (scales.moment + point.base_moment.norm());
-    let force = shot.excess.force.norm() / (scales.tension + point.follower_force.norm());
+pub(super) fn residual(
+    commands: &[Command],
+    point: &Point,
+    trajectory: &Trajectory,
+    scales: &Scales,
+) -> f64 {
+    let moment = trajectory.excess.moment.norm() / (scales.moment + point.base_moment.norm());
+    let force = trajectory.excess.force.norm() / (scales.tension + point.follower_force.norm());
     let mut worst = moment.max(force);
     for (i, command) in commands.iter().enumerate() {
         let units = scales.of_cables();
-        worst = worst.max(command.lack(i, &point.tensions, &shot.lengths, units));
+        worst = worst.max(command.complementarity_residual(
+            i,
+            &point.tensions,
+            &trajectory.lengths,
+            units,
+        ));
     }
     // A NaN must not pass for a small residual.
     if worst.is_finite() && (moment + force).is_finite() { worst } else { f64::INFINITY }
@@ -77,14 +87,19 @@ pub(super) fn residual(commands: &[Command], point: &Point, shot: &Shot, scales:
 impl Newton {
     /// Solves for the full step from the derivatives of the last shot; the cables that eq. (7)
     /// says are slack go to zero tension.
-    pub fn solve_step(&mut self, commands: &[Command], shot: &Shot, scales: &Scales) -> bool {
+    pub fn solve_step(
+        &mut self,
+        commands: &[Command],
+        trajectory: &Trajectory,
+        scales: &Scales,
+    ) -> bool {
         let cables = commands.len();
         let Sensitivity { excess: excess_by, lengths: lengths_by, .. } = &self.sensitivity;
         let columns = excess_by.len();
         let point = &self.point;
         self.free.clear();
         for (i, command) in commands.iter().enumerate() {
-            if command.is_led(i, &point.tensions, &shot.lengths, scales.of_cables()) {
+            if command.is_active(i, &point.tensions, &trajectory.lengths, scales.of_cables()) {
                 self.free.push(i);
             }
         }
@@ -102,7 +117,7 @@ impl Newton {
             for &j in &self.free {
                 self.matrix.push(component(&excess_by[base + j]) * scales.tension / unit(i));
             }
-            let mut right = -component(&shot.excess);
+            let mut right = -component(&trajectory.excess);
             for j in self.released(commands) {
                 right += component(&excess_by[base + j]) * point.tensions[j];
             }
@@ -119,7 +134,7 @@ impl Newton {
                     if i == j { compliance - LENGTH_REGULARISATION * row[base + i] } else { 0.0 };
                 self.matrix.push((row[base + j] - own) * scales.tension / scales.length);
             }
-            let mut right = command_slack(commands, point, shot, i);
+            let mut right = command_slack(commands, point, trajectory, i);
             for j in self.released(commands) {
                 right += row[base + j] * point.tensions[j];
             }
@@ -177,7 +192,7 @@ impl Newton {
     }
 
     /// Sets the trial point this fraction of the step ahead.
-    pub fn aim_trial(&mut self, fraction: f64) {
+    pub fn set_trial(&mut self, fraction: f64) {
         let Self { point, trial, change, .. } = self;
         trial.base_moment = point.base_moment + fraction * change.base_moment;
         trial.follower_force = point.follower_force + fraction * change.follower_force;
@@ -187,6 +202,6 @@ impl Newton {
     }
 }
 
-fn command_slack(commands: &[Command], point: &Point, shot: &Shot, i: usize) -> f64 {
-    commands[i].slackness(point.tensions[i], shot.lengths[i])
+fn command_slack(commands: &[Command], point: &Point, trajectory: &Trajectory, i: usize) -> f64 {
+    commands[i].slackness(point.tensions[i], trajectory.lengths[i])
 }

@@ -84,7 +84,7 @@ impl Cosserat {
         let strength = self.strength(case, workspace);
         let twist_level = if case.loads.is_none() { 0 } else { self.twist_level };
         let first = strength.first_level().max(twist_level);
-        workspace.scratch.shot.steps_left = strength.allowance(self.grid(first)?.as_ref());
+        workspace.scratch.trajectory.steps_left = strength.allowance(self.grid(first)?.as_ref());
         for level in first..=MAX_REFINEMENTS {
             if self.options.cancel.is_cancelled() {
                 return Err(SolveError::Cancelled { last_load: None });
@@ -95,7 +95,7 @@ impl Cosserat {
                 // buckling load one grid may lose the stability that a coarser one still had.
                 Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. })
                     if level < GIVE_UP_LEVEL
-                        && workspace.scratch.shot.steps_left > 0
+                        && workspace.scratch.trajectory.steps_left > 0
                         && !self.options.cancel.is_cancelled() =>
                 {
                     coarser = None;
@@ -133,7 +133,7 @@ impl Cosserat {
             }
             workspace.keep_coarse(&grid);
             start = workspace.scratch.as_start();
-            workspace.scratch.shot.steps_left = strength.allowance(&grid);
+            workspace.scratch.trajectory.steps_left = strength.allowance(&grid);
             steps = grid.len();
             coarser = Some((found, grid));
         }
@@ -168,7 +168,7 @@ impl Cosserat {
             ..self.problem(coarse, case, &workspace.tensions)
         };
         let start = workspace.scratch.as_start();
-        workspace.at_tensions.shot.steps_left = workspace.scratch.shot.steps_left;
+        workspace.at_tensions.trajectory.steps_left = workspace.scratch.trajectory.steps_left;
         statics::solve(&problem, &start, &mut workspace.at_tensions).ok()?;
         let Workspace { at_tensions, coarse: kept, .. } = &mut *workspace;
         kept.keep(coarse, &at_tensions.poses, &at_tensions.lengths);
@@ -189,11 +189,11 @@ impl Cosserat {
             ..self.problem(grid, case, &workspace.commands)
         };
         statics::solve(&problem, start, &mut workspace.scratch).map_err(|failure| {
-            let Scratch { shot, applied, .. } = &workspace.scratch;
+            let Scratch { trajectory, applied, .. } = &workspace.scratch;
             let strength = Strength::of(applied, grid, self.robot.backbone().length);
             let failure = match failure {
                 Failure::NotConverged { iterations, residual, last_load, .. }
-                    if shot.steps_left == 0 && strength.is_out_of_proportion() =>
+                    if trajectory.steps_left == 0 && strength.is_out_of_proportion() =>
                 {
                     Failure::NotConverged { iterations, residual, last_load, advice: GAVE_UP }
                 }

@@ -8,7 +8,7 @@ use whipcord_numerics::Vec3;
 use super::guess::guess;
 use super::newton::Scales;
 use super::shooting::{finish, shoot};
-use super::statics::{Problem, Scratch, is_trusted};
+use super::statics::{Problem, Scratch, is_stable};
 use super::without_load::start_without_load;
 use crate::statics::outcome::Found;
 
@@ -19,7 +19,7 @@ const REACH: f64 = 8.0;
 const SPREAD: [f64; 3] =
     [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2];
 
-/// An equilibrium under all of the load that the robot stays in; the answer is left in `scratch`.
+/// A stable equilibrium under all of the load; the answer is left in `scratch`.
 pub(super) fn stable_equilibrium(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
     if !problem.stability || scratch.applied.any_follower() {
         return None;
@@ -41,10 +41,10 @@ pub(super) fn stable_equilibrium(problem: &Problem<'_>, scratch: &mut Scratch) -
         scratch.newton.point.base_moment = unit / moment.norm().max(1.0) * moment;
         scratch.newton.point.follower_force = Vec3::ZERO;
         scratch.newton.point.tensions.clone_from(&tensions);
-        scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
+        scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
         if let Ok(effort) = shoot(problem, scratch, 1.0) {
             let found = finish(problem, scratch, effort);
-            if is_trusted(problem, scratch) {
+            if is_stable(problem, scratch) {
                 return Some(found);
             }
         }

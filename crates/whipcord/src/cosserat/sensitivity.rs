@@ -104,8 +104,9 @@ impl Spread {
         let Self { dead_moment, follower, load } = *self;
         let turned = cross(load * dead_moment, &at.turn);
         slope.moment = slope.moment - turned - along(dead_moment + follower.moment, at.load);
-        let pushed = along(follower.force, at.load) - cross(load * follower.force, &at.turn);
-        slope.follower_force = -1.0 * times(rotation, &pushed);
+        let contact_response =
+            along(follower.force, at.load) - cross(load * follower.force, &at.turn);
+        slope.follower_force = -1.0 * times(rotation, &contact_response);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
 
-use super::loaded::{Aim, Shot};
+use super::loaded::{Target, Trajectory};
 use super::newton::{Point, Scales, residual};
 use super::statics::{Problem, Scratch};
 use crate::section::Fault;
@@ -35,27 +35,27 @@ pub(super) fn shoot(
     let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
     let tensions = if lengths_driven { commands.len() } else { 0 };
     let scales = Scales::of(problem.grid, problem.length);
-    let Scratch { shot, applied, newton, trace, .. } = scratch;
+    let Scratch { trajectory, applied, newton, trace, .. } = scratch;
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
-    let fire = |shot: &mut Shot, point: &Point, sample| -> Result<(), Fault> {
+    let shoot = |trajectory: &mut Trajectory, point: &Point, sample| -> Result<(), Fault> {
         let Point { base_moment, follower_force, ref tensions } = *point;
-        let aim = Aim { tensions, base_moment, follower_force, load, sample };
-        shot.fire(problem.grid, applied, &aim)?;
+        let target = Target { tensions, base_moment, follower_force, load, sample };
+        trajectory.shoot(problem.grid, applied, &target)?;
         if lengths_driven {
-            shot.measure(problem.grid);
+            trajectory.measure(problem.grid);
         }
         Ok(())
     };
-    if fire(shot, &newton.point, true).is_err() {
+    if shoot(trajectory, &newton.point, true).is_err() {
         return Err(Failed { effort });
     }
-    effort.residual = residual(commands, &newton.point, shot, &scales);
+    effort.residual = residual(commands, &newton.point, trajectory, &scales);
     let mut fresh = true;
     while effort.iterations < MAX_ITERATIONS {
         if effort.residual <= problem.tolerance {
             return Ok(effort);
         }
-        if shot.steps_left == 0 || problem.cancel.is_cancelled() {
+        if trajectory.steps_left == 0 || problem.cancel.is_cancelled() {
             break;
         }
         effort.iterations += 1;
@@ -64,27 +64,27 @@ pub(super) fn shoot(
                 problem.grid,
                 applied,
                 load,
-                &shot.samples,
-                &shot.poses,
+                &trajectory.samples,
+                &trajectory.poses,
                 tensions,
             );
         }
-        if !newton.solve_step(commands, shot, &scales) {
+        if !newton.solve_step(commands, trajectory, &scales) {
             return Err(Failed { effort });
         }
         let small = newton.relative_step(&scales) < KEEP_BELOW;
         let mut fraction = 1.0;
         loop {
-            newton.aim_trial(fraction);
-            if fire(shot, &newton.trial, !small).is_ok() {
-                let now = residual(commands, &newton.trial, shot, &scales);
+            newton.set_trial(fraction);
+            if shoot(trajectory, &newton.trial, !small).is_ok() {
+                let now = residual(commands, &newton.trial, trajectory, &scales);
                 if now < (1.0 - 1e-4 * fraction) * effort.residual {
                     core::mem::swap(&mut newton.point, &mut newton.trial);
                     fresh = !small;
                     if small && now > KEEP_RATIO * effort.residual && now > problem.tolerance {
                         // The kept derivatives no longer serve.
                         fresh = true;
-                        if fire(shot, &newton.point, true).is_err() {
+                        if shoot(trajectory, &newton.point, true).is_err() {
                             return Err(Failed { effort });
                         }
                     }
@@ -95,13 +95,13 @@ pub(super) fn shoot(
                 }
                 if fraction == 1.0 && effort.residual <= ROUNDING {
                     // Both are as good as rounding lets them be: stay with the better one.
-                    if fire(shot, &newton.point, false).is_err() {
+                    if shoot(trajectory, &newton.point, false).is_err() {
                         return Err(Failed { effort });
                     }
                     return Ok(effort);
                 }
             }
-            shot.forget();
+            trajectory.forget();
             fraction *= 0.5;
             if fraction < LEAST_FRACTION {
                 return Err(Failed { effort });
@@ -113,11 +113,11 @@ pub(super) fn shoot(
 
 /// Copies the answer out of the last shot.
 pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
-    let Scratch { shot, applied, newton, .. } = scratch;
-    shot.measure(problem.grid);
+    let Scratch { trajectory, applied, newton, .. } = scratch;
+    trajectory.measure(problem.grid);
     (scratch.on_chain, scratch.sampled) = (false, false);
-    scratch.poses.clone_from(&shot.poses);
-    scratch.lengths.clone_from(&shot.lengths);
+    scratch.poses.clone_from(&trajectory.poses);
+    scratch.lengths.clone_from(&trajectory.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);
     scratch.base_wrench = Wrench {
         force: applied.base_force() + newton.point.follower_force,
@@ -128,10 +128,10 @@ pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effor
 
 /// Copies the answer out of the closed chain.
 pub(super) fn finish_chain(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
-    let Scratch { shot, applied, chain, .. } = scratch;
-    shot.measure(problem.grid);
+    let Scratch { trajectory, applied, chain, .. } = scratch;
+    trajectory.measure(problem.grid);
     chain.poses(&mut scratch.poses);
-    scratch.lengths.clone_from(&shot.lengths);
+    scratch.lengths.clone_from(&trajectory.lengths);
     scratch.tensions.clone_from(&chain.state.tensions);
     let base = chain.state.nodes[0];
     scratch.base_wrench = Wrench { force: applied.base_force() + base.force, moment: base.moment };
@@ -144,15 +144,15 @@ pub(super) fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(),
     if scratch.sampled {
         return Ok(());
     }
-    let Scratch { shot, applied, tensions, base_wrench, .. } = scratch;
-    let aim = Aim {
+    let Scratch { trajectory, applied, tensions, base_wrench, .. } = scratch;
+    let target = Target {
         tensions,
         base_moment: base_wrench.moment,
         follower_force: applied.follower_share(base_wrench.force),
         load: 1.0,
         sample: true,
     };
-    shot.fire(problem.grid, applied, &aim)?;
+    trajectory.shoot(problem.grid, applied, &target)?;
     scratch.sampled = true;
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Whether an equilibrium under dead loads is one the robot stays in.
+//! Stability of an equilibrium under dead loads.
 //!
 //! With forces `F(s)` known, the energy is a functional of the rotations alone:
 //! `E[R] = ∫ Ψ(s, u, RᵀF) ds`, `Ψ = min_v (½‖ξ − ξ*‖²_K + Σ τᵢ‖pᵢ′‖ − RᵀF·v)`. Along
@@ -96,7 +96,7 @@ impl Stability {
     /// Under dead moments it is that of the symmetric part of the tangent. It counts where the skew part
     /// cannot matter: where the equilibrium stays stable with `½|m||η|²` taken off, or where adding or taking
     /// off as much changes nothing, because the section that bears the moment cannot turn.
-    pub fn verdict(&mut self, at: &Equilibrium<'_>) -> Result<f64, NoStability> {
+    pub fn least_eigenvalue(&mut self, at: &Equilibrium<'_>) -> Result<f64, NoStability> {
         self.assemble(at);
         self.lock(at);
         let least = self.least()?;

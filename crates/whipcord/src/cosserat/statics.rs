@@ -13,13 +13,13 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::antagonists;
 use super::arc_length::next_stable;
 use super::chain::{Chain, Task};
-use super::continuation::{Ended, close, raise_load, raise_load_at_tensions, refine_chain};
+use super::continuation::{Ended, newton, raise_load, raise_load_at_tensions, refine_chain};
 use super::guess::{Guess, guess};
-use super::loaded::Shot;
+use super::loaded::Trajectory;
 use super::newton::{Newton, Point, Scales};
+use super::redundant_cables;
 use super::search;
 use super::shooting::{finish, finish_chain, sample, shoot};
 use super::stability::{Equilibrium, Stability};
@@ -57,8 +57,8 @@ pub(super) struct Problem<'a> {
     /// Whether it is found out how far cables go that do not go as far as they should.
     pub bracket: bool,
     /// Whether the robot has cables that pull against one another to no effect, see
-    /// [`super::antagonists`].
-    pub antagonists: bool,
+    /// [`super::redundant_cables`].
+    pub redundant_cables: bool,
     /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
     pub tolerance: f64,
     pub cancel: &'a Cancel,
@@ -98,7 +98,7 @@ pub(super) enum Start {
         stable: bool,
         /// The nodes of an answer that took multiple shooting, on a grid with half as many steps.
         chain: Option<State>,
-        /// Cables that were let go, see [`super::antagonists`].
+        /// Cables that were let go, see [`super::redundant_cables`].
         slackened: Vec<usize>,
     },
 }
@@ -115,15 +115,15 @@ pub(super) struct Scratch {
     pub(super) unloaded: Unloaded,
     pub(super) applied: AppliedLoads,
     pub(super) guess: Guess,
-    pub(super) shot: Shot,
+    pub(super) trajectory: Trajectory,
     pub(super) newton: Newton,
     pub(super) chain: Chain,
     pub(super) stability: Stability,
     pub(super) length_scratch: LengthScratch,
     pub trace: Trace,
-    /// Cables that were let go, see [`super::antagonists`].
+    /// Cables that were let go, see [`super::redundant_cables`].
     pub(super) slackened: Vec<usize>,
-    /// Whether the answer is that of the chain, which a single shot would miss.
+    /// Whether the answer is that of the chain, which single shooting would miss.
     pub(super) on_chain: bool,
     /// Whether the samples of the last shot are those of the answer.
     pub(super) sampled: bool,
@@ -135,7 +135,7 @@ pub(super) struct Scratch {
 
 impl Scratch {
     /// Moment, and force of the followers, in the base frame at the start of each step, of an answer
-    /// that a single shot would miss.
+    /// that single shooting would miss.
     pub fn chain_starts(&self) -> Option<Vec<Wrench>> {
         let start =
             |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
@@ -162,8 +162,8 @@ pub(super) fn solve(
 ) -> Result<Found, Failure> {
     scratch.applied.gather(problem.grid, problem.loads, problem.base);
     scratch.slackened.clear();
-    if problem.antagonists && scratch.applied.any() {
-        antagonists::solve(problem, start, scratch)
+    if problem.redundant_cables && scratch.applied.any() {
+        redundant_cables::solve(problem, start, scratch)
     } else {
         solve_independent(problem, start, scratch)
     }
@@ -192,7 +192,7 @@ pub(super) fn solve_independent(
     };
     if let Some(coarse) = chain
         && let Some(found) = refine_chain(problem, scratch, coarse)
-        && (!stable || is_trusted(problem, scratch))
+        && (!stable || is_stable(problem, scratch))
     {
         scratch.stable = *stable;
         return Ok(found);
@@ -202,12 +202,12 @@ pub(super) fn solve_independent(
     scratch.newton.point.base_moment = wrench.moment;
     scratch.newton.point.follower_force = scratch.applied.follower_share(wrench.force);
     scratch.newton.point.tensions.clone_from(&scratch.tensions);
-    scratch.shot.forget();
+    scratch.trajectory.forget();
     let mut near = None;
     if let Ok(effort) = shoot(problem, scratch, 1.0) {
         let found = finish(problem, scratch, effort);
         scratch.stable = *stable;
-        if !stable || is_trusted(problem, scratch) {
+        if !stable || is_stable(problem, scratch) {
             return Ok(found);
         }
         near = Some(scratch.newton.point.clone());
@@ -234,17 +234,17 @@ pub(super) fn start_of_path(
 pub(super) fn tip_of(problem: &Problem<'_>, scratch: &mut Scratch, state: &State) -> Vec3 {
     scratch.chain.state.clone_from(state);
     let tolerance = f64::MAX;
-    let Scratch { chain, shot, applied, trace, poses, .. } = scratch;
+    let Scratch { chain, trajectory, applied, trace, poses, .. } = scratch;
     // One shot of every step, which lays the poses end to end.
     let task = Task { tolerance, ..Task::of(problem, applied) };
-    if chain.close(&task, None, shot, trace).is_ok() {
+    if chain.newton(&task, None, trajectory, trace).is_ok() {
         chain.poses(poses);
     }
     poses.last().map_or(Vec3::ZERO, |pose| pose.position)
 }
 
 /// All of the load at a point near equilibrium; the answer is left in `scratch`.
-pub(super) fn settle(
+pub(super) fn converge(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
     near: State,
@@ -252,8 +252,8 @@ pub(super) fn settle(
     start_of_path(problem, scratch)?;
     scratch.chain.state = near;
     scratch.chain.state.load = 1.0;
-    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-    match close(problem, scratch) {
+    scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+    match newton(problem, scratch) {
         Ok((iterations, residual)) => {
             Ok(finish_chain(problem, scratch, Effort { iterations, residual }))
         }
@@ -288,11 +288,11 @@ fn from_no_load(
         match shoot(problem, scratch, 1.0) {
             Ok(effort) => {
                 let found = finish(problem, scratch, effort);
-                scratch.stable = is_trusted(problem, scratch);
+                scratch.stable = is_stable(problem, scratch);
                 if scratch.stable {
                     return Ok(found);
                 }
-                // An equilibrium, but not one the robot stays in: the load path may lead to another.
+                // An unstable equilibrium: the load path may lead to another.
                 (effort.iterations, near.or_else(|| Some(scratch.newton.point.clone())))
             }
             Err(failed) => (failed.effort.iterations, near),
@@ -321,14 +321,14 @@ fn from_no_load(
         return Ok(Found { lost_at, ..found });
     }
     if let Some(state) = beyond.unstable
-        && let Ok(found) = settle(problem, scratch, state)
+        && let Ok(found) = converge(problem, scratch, state)
     {
         (scratch.stable, scratch.on_chain) = (false, true);
         return Ok(Found { iterations: beyond.iterations + found.iterations, lost_at, ..found });
     }
     if let Some(point) = direct {
         scratch.newton.point = point;
-        scratch.shot.forget();
+        scratch.trajectory.forget();
         if let Ok(effort) = shoot(problem, scratch, 1.0) {
             scratch.stable = false;
             return Ok(Found { lost_at, ..finish(problem, scratch, effort) });
@@ -355,23 +355,23 @@ fn from_loose_cables(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Fou
     guess(problem, scratch, 1.0);
     let effort = shoot(problem, scratch, 1.0).ok()?;
     let found = finish(problem, scratch, effort);
-    scratch.stable = is_trusted(problem, scratch);
+    scratch.stable = is_stable(problem, scratch);
     Some(found)
 }
 
 /// Whether the answer in `scratch` is stable, where that is asked for and defined.
-pub(super) fn is_trusted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
+pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     if !problem.stability || scratch.applied.any_follower() || problem.is_only(&scratch.applied) {
         return true;
     }
     let sampled = sample(problem, scratch).is_ok();
-    let Scratch { stability, shot, tensions, lengths, applied, .. } = scratch;
-    let at = problem.equilibrium(&shot.samples, tensions, lengths, applied, 1.0);
+    let Scratch { stability, trajectory, tensions, lengths, applied, .. } = scratch;
+    let at = problem.equilibrium(&trajectory.samples, tensions, lengths, applied, 1.0);
     sampled && stability.is_stable(&at)
 }
 
 /// Stability of the answer in `scratch`, see [`super::stability`], or why there is none.
-pub(super) fn verdict(
+pub(super) fn least_eigenvalue(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
 ) -> Result<Result<f64, NoStability>, Failure> {
@@ -387,7 +387,7 @@ pub(super) fn verdict(
         return Ok(Err(NoStability::Followers));
     }
     sample(problem, scratch).map_err(|fault| Failure::of_section(fault, &scratch.tensions, 1.0))?;
-    let Scratch { stability, shot, tensions, lengths, applied, .. } = scratch;
-    let at = problem.equilibrium(&shot.samples, tensions, lengths, applied, 1.0);
-    Ok(stability.verdict(&at))
+    let Scratch { stability, trajectory, tensions, lengths, applied, .. } = scratch;
+    let at = problem.equilibrium(&trajectory.samples, tensions, lengths, applied, 1.0);
+    Ok(stability.least_eigenvalue(&at))
 }

@@ -6,7 +6,7 @@ use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::grid::Grid;
-use crate::statics::lengths::{self, Effort, Given, Note, Responds};
+use crate::statics::lengths::{self, Effort, Given, Note, TensionResponse};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::trace::Trace;
 
@@ -59,7 +59,7 @@ struct Sections<'a> {
     trace: &'a mut Trace,
 }
 
-impl Responds for Sections<'_> {
+impl TensionResponse for Sections<'_> {
     fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
         self.unloaded.sweep(self.grid, tensions, warm, true)
     }

@@ -15,11 +15,11 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::held::{self, Held};
-use super::joint::{self, Chord, Vanished};
 use super::layout::{Frame, Mesh, Span};
-use super::link::{Gap, Link, Push, Taut};
+use super::length_constraints::{self, LengthConstraints};
+use super::loaded_span::{Gap, Link, Push, Taut};
 use super::rod::{self, InSpan, Sample};
+use super::span::{self, Chord, Vanished};
 use crate::cancel::Cancel;
 use crate::section::BodyWrench;
 use crate::section::Fault;
@@ -90,7 +90,7 @@ pub(super) struct Chain {
     step: Vec<Node>,
     columns: Vec<Change>,
     elimination: Elimination,
-    held: Held,
+    held: LengthConstraints,
 }
 
 /// Scales of moment and force of a rod.
@@ -180,9 +180,9 @@ impl Chain {
             let force = to_disk.rotate(dead(steps.start, 0) + share);
             let total = BodyWrench { linear: force, angular: to_disk.rotate(moment) };
             let slots = &mut chords[span.first..span.first + span.passages.len()];
-            let drawn = joint::draw(span, &(near.inverse() * *far), slots);
+            let drawn = span::draw(span, &(near.inverse() * *far), slots);
             let pulled = if drawn.is_ok() {
-                joint::pull(span, slots, &self.pulled[span.first..])
+                span::pull(span, slots, &self.pulled[span.first..])
             } else {
                 BodyWrench::default()
             };
@@ -250,7 +250,7 @@ impl Chain {
             let grid = &mesh.grid;
             let end = rod::integrate(grid, steps.clone(), node.wrench, &inside, poses, samples);
             let chords = &mut self.chords[span.first..span.first + cables];
-            joint::draw(span, &end.pose, chords).map_err(|gone| folded(gone, span))?;
+            span::draw(span, &end.pose, chords).map_err(|gone| folded(gone, span))?;
             for (chord, &group) in chords.iter().zip(&task.groups[span.first..]) {
                 self.lengths[group] += chord.length;
             }
@@ -259,7 +259,8 @@ impl Chain {
             greatest = greatest.max(gap.size(&scales, &node, &next));
             self.gaps[k] = gap;
         }
-        let lack = held::greatest_lack(task, &self.tensions, &self.lengths, &scales);
+        let lack =
+            length_constraints::greatest_residual(task, &self.tensions, &self.lengths, &scales);
         let greatest = greatest.max(lack);
         // A NaN must not pass for a closed gap.
         Ok(if lack.is_finite() { greatest } else { f64::INFINITY })
@@ -320,9 +321,9 @@ impl Chain {
                 }
             }
             for &group in shared {
-                let mut tug = Push::default();
-                tug.tug(task, k, &self.chords, link, |of| f64::from(u8::from(of == group)));
-                pass(&tug);
+                let mut perturb = Push::default();
+                perturb.perturb(task, k, &self.chords, link, |of| f64::from(u8::from(of == group)));
+                pass(&perturb);
             }
             let residual = self.gaps[k].residual;
             let closing = link.pass(&Push { residual, ..Push::default() }).1;
@@ -360,7 +361,7 @@ impl Chain {
                 if let Some(link) = self.links.get(k) {
                     let residual = self.gaps[k].residual;
                     let mut push = Push { turn, moment, force, residual, ..Push::default() };
-                    push.tug(task, k, &self.chords, link, |group| held.change_of(group));
+                    push.perturb(task, k, &self.chords, link, |group| held.change_of(group));
                     node.wrench = link.pass(&push).0;
                 }
                 solved &= change.is_finite() && node.wrench.linear.is_finite();
@@ -408,7 +409,7 @@ impl Chain {
                 let mut push = Push { turn, moment, force, ..Push::default() };
                 if j < shared {
                     let pulled = |of| f64::from(u8::from(of == groups[j]));
-                    push.tug(task, k, &self.chords, link, pulled);
+                    push.perturb(task, k, &self.chords, link, pulled);
                 } else {
                     push.residual = self.gaps[k].residual;
                 }

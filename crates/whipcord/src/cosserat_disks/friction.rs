@@ -1,4 +1,4 @@
-//! Cables that rub in their holes.
+//! Friction of the cables at their holes.
 //!
 //! A cable enters the base disk along the base's z axis and turns by `φᵢ` in the hole of disk i, from
 //! one chord to the next. By Eytelwein's law its tension on the two sides obeys
@@ -21,12 +21,12 @@
 
 use whipcord_numerics::{DenseLu, Pose, Vec3};
 
-use super::joint::Chord;
 use super::layout::Frame;
+use super::span::Chord;
 use super::statics::Rod;
 use crate::shape::Contact;
 use crate::statics::command::Command;
-use crate::statics::lengths::{Effort, Responds as _};
+use crate::statics::lengths::{Effort, TensionResponse as _};
 use crate::statics::outcome::{Failure, Found};
 
 /// What the holes remember of the steps before.

@@ -5,8 +5,8 @@ use core::ops::Range;
 use whipcord_numerics::{Pose, magnus_6};
 
 use super::friction::Holes;
-use super::joint::Chord;
-use super::twins::{self, Twin};
+use super::repeated_spans::{self, RepeatedSpan};
+use super::span::Chord;
 use crate::case::Loads;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -45,7 +45,7 @@ pub(super) struct Mesh {
     pub grid: Grid,
     pub spans: Vec<Range<usize>>,
     /// For each span an earlier one that it is like.
-    pub twins: Vec<Option<Twin>>,
+    pub repeated_spans: Vec<Option<RepeatedSpan>>,
 }
 
 impl Frame {
@@ -80,11 +80,11 @@ impl Frame {
         let grid = Grid::refined(&self.rod, &self.layout, steps, halvings)
             .map_err(|error| error.of(ModelKind::CosseratDisks))?;
         let spans: Vec<_> = grid.disks.windows(2).map(|pair| pair[0]..pair[1]).collect();
-        let twins = twins::find(&self.spans, &grid, &spans);
-        Ok(Mesh { grid, spans, twins })
+        let repeated_spans = repeated_spans::find(&self.spans, &grid, &spans);
+        Ok(Mesh { grid, spans, repeated_spans })
     }
 
-    /// What cables rub in, and how much.
+    /// The holes with their friction coefficients.
     pub fn holes(&self, robot: &Robot) -> Holes {
         let mut of_cable = vec![Vec::new(); robot.cables().len()];
         for span in &self.spans {

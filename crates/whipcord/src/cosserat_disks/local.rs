@@ -1,4 +1,4 @@
-//! How a robot moves and yields at a place, by differences of solutions.
+//! Jacobian and compliance at a place, by differences of solutions.
 //!
 //! At held tensions the place is pushed by a little wrench of each kind, and each tension is changed a
 //! little; what keeps the cables at their lengths follows from these as in eq. (d4) of
@@ -15,7 +15,7 @@ use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, Yields};
 use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::Solution;
-use crate::statics::hold::{Held, Hold};
+use crate::statics::hold::{HeldCables, Hold};
 use crate::statics::options::{Accuracy, Options};
 use crate::stations::Stations;
 
@@ -119,7 +119,7 @@ impl Near {
         }
         let robot = self.model.robot();
         let initial: Vec<f64> = self.at.cables.iter().map(|c| c.initial_length).collect();
-        let held = Held::new(
+        let held = HeldCables::new(
             cables,
             |i, j| by_tension[j].lengths[i],
             |i| robot.cables()[i].axial_stiffness.map_or(0.0, |k| initial[i] / k),

@@ -1,32 +1,39 @@
-//! The Cosserat rod whose cables run straight from hole to hole (see
-//! `docs/theory/cosserat-disks.md`).
+//! The Cosserat rod whose cables run straight from hole to hole (see `docs/theory/cosserat-disks.md`).
 //!
-//! A real cable leaves one disk at a hole and runs straight to the hole of the next. Between the
-//! disks only the rod bears anything, so that a span is a rod under an end wrench. From the inside
-//! out: `layout` cuts the robot at its disks; `rod` integrates one span and differentiates it;
-//! `joint` puts the cables to it; `unloaded` solves span after span where nothing but the cables
-//! pulls, and `chain` all of them at once under loads, by their `link`s and with the cables that are
-//! `held` at their lengths; `statics` finds equilibria for tensions or lengths, `loading` the way to
-//! them under loads, `friction` those of cables that rub; `stability` says whether the robot `stays` in
-//! them; `local` how it yields; `model` is what the rest of the library sees.
+//! A cable leaves a disk at a hole and runs straight to the hole of the next disk. Between two disks the rod alone carries
+//! load, so that a span is a rod under an end wrench.
+//!
+//! | module | content |
+//! |---|---|
+//! | `model` | the interface: robot, loads and options to solutions |
+//! | `layout`, `repeated_spans` | the robot divided at its disks, and spans that are equal but for a turn |
+//! | `rod`, `unloaded_span` | the rod of one span as an initial value problem; without loads inside the span |
+//! | `span`, `loaded_span` | one span with its cables; one span of the loaded chain |
+//! | `unloaded` | robots without loads, span by span |
+//! | `chain`, `newton` | the loaded robot as a chain of spans, and Newton's method on it |
+//! | `length_constraints` | cables with prescribed lengths under load |
+//! | `statics`, `load_continuation` | equilibrium on one mesh, and continuation of the load |
+//! | `friction` | friction at the holes |
+//! | `stability`, `stability_check` | the second variation of the energy, and the decision |
+//! | `local` | compliance and Jacobians at a place, by differences |
 
-mod bare;
 mod chain;
-mod closing;
 mod friction;
-mod held;
-mod joint;
 pub(crate) mod layout;
-mod link;
-mod loading;
+mod length_constraints;
+mod load_continuation;
+mod loaded_span;
 mod local;
 mod model;
+mod newton;
+mod repeated_spans;
 mod rod;
+mod span;
 mod stability;
+mod stability_check;
 mod statics;
-mod stays;
-mod twins;
 mod unloaded;
+mod unloaded_span;
 
 pub use crate::statics::options::Options;
 pub(crate) use local::solve_at;

@@ -4,8 +4,8 @@ use whipcord_numerics::Pose;
 
 use super::friction::{History, Holes};
 use super::layout::{Frame, Mesh};
+use super::stability_check::{self, Sampled};
 use super::statics::{self, Problem, Scratch, Start};
-use super::stays::{self, Sampled};
 use crate::cancel::Cancel;
 use crate::case::{CableCommand, Case, Loads};
 use crate::error::SolveError;
@@ -66,7 +66,7 @@ const STABILITY_STEPS: usize = 16;
 pub struct CosseratDisks {
     robot: Robot,
     frame: Frame,
-    /// Where a cable rubs.
+    /// With hole friction.
     holes: Option<Holes>,
     options: Options,
     /// The only mesh, or the first of a sequence in which the steps are halved.
@@ -85,12 +85,12 @@ pub struct Workspace {
     commands: Vec<Command>,
     coarse: Coarse,
     coarse_tensions: Vec<f64>,
-    walks: Vec<Walk>,
+    histories: Vec<StepHistory>,
 }
 
 /// How far the steps of actuation have been walked on a mesh, and what the holes remember there.
 #[derive(Clone, Debug, Default)]
-struct Walk {
+struct StepHistory {
     taken: usize,
     history: History,
 }
@@ -166,7 +166,7 @@ impl CosseratDisks {
 
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
-    /// Cables that rub remember the way they came, so that pulling and releasing differ: the steps
+    /// Hole friction depends on the history, so that pulling and releasing differ: the steps
     /// [`Case::before`] are taken first, from the robot at rest.
     ///
     /// # Errors
@@ -186,7 +186,7 @@ impl CosseratDisks {
         case.check(&self.robot)?;
         refusal::obstacles(ModelKind::CosseratDisks, case)?;
         let steps = one_by_one(case);
-        workspace.walks.clear();
+        workspace.histories.clear();
         self.check_steps(&steps, workspace)?;
         self.solve_last(&steps, start, workspace)
     }
@@ -228,7 +228,7 @@ impl CosseratDisks {
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
         refusal::obstacles(ModelKind::CosseratDisks, case).map_err(|error| (0, error))?;
         let steps = one_by_one(case);
-        workspace.walks.clear();
+        workspace.histories.clear();
         let mut start = Start::Cold;
         for n in 0..steps.len() {
             let first = if self.holes.is_some() { 0 } else { n };
@@ -337,12 +337,12 @@ impl CosseratDisks {
         start: &Start,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let Workspace { scratch, commands, walks, .. } = workspace;
-        if walks.len() <= level {
-            walks.resize(level + 1, Walk::default());
+        let Workspace { scratch, commands, histories, .. } = workspace;
+        if histories.len() <= level {
+            histories.resize(level + 1, StepHistory::default());
         }
         // Where a step fails the way starts anew.
-        let Walk { taken, history } = core::mem::take(&mut walks[level]);
+        let StepHistory { taken, history } = core::mem::take(&mut histories[level]);
         let taken = if self.holes.is_some() { taken } else { 0 };
         scratch.history = if taken > 0 { history } else { History::default() };
         let mut found = Found::default();
@@ -355,7 +355,7 @@ impl CosseratDisks {
             found = statics::solve(&problem, start, scratch)
                 .map_err(|failure| self.explain(failure, commands))?;
         }
-        walks[level] = Walk { taken: cases.len(), history: scratch.history.clone() };
+        histories[level] = StepHistory { taken: cases.len(), history: scratch.history.clone() };
         Ok(found)
     }
 
@@ -402,7 +402,7 @@ impl CosseratDisks {
         let base = case.map_or(Pose::IDENTITY, |case| case.base);
         let stability = case.map_or(Err(NoStability::NotAsked), |case| {
             let problem = self.problem(mesh, &workspace.commands, case);
-            stays::verdict(&problem, &mut workspace.scratch)
+            stability_check::least_eigenvalue(&problem, &mut workspace.scratch)
         });
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| {

@@ -22,8 +22,8 @@
 
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
-use super::bare;
 use super::layout::Mesh;
+use super::unloaded_span;
 use crate::section::{BodyWrench, Strain};
 use crate::shape::Wrench;
 use crate::statics::grid::Grid;
@@ -119,7 +119,7 @@ pub(super) fn integrate(
     samples: &mut [Sample],
 ) -> End {
     if !span.acts(steps.clone()) {
-        let pose = bare::integrate(grid, steps, wrench, poses, samples);
+        let pose = unloaded_span::integrate(grid, steps, wrench, poses, samples);
         let moment = wrench.angular - pose.position.cross(wrench.linear);
         return End { pose, moment, followers: Vec3::ZERO };
     }
@@ -206,7 +206,7 @@ pub(super) fn sample<'a>(
                 integrate(&mesh.grid, steps.clone(), wrench(k), &loads, poses, slots);
             }
             None => {
-                bare::integrate(&mesh.grid, steps.clone(), wrench(k), poses, slots);
+                unloaded_span::integrate(&mesh.grid, steps.clone(), wrench(k), poses, slots);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Whether an equilibrium under dead loads is one the robot stays in.
+//! Stability of an equilibrium under dead loads.
 //!
 //! The energy depends on the rotations of all cross-sections and, through the chords, on the way
 //! `dₖ = pₖ₊₁ − pₖ` from disk to disk. With a multiplier for `dₖ = ∫ R v ds`, which at equilibrium is
@@ -21,9 +21,9 @@
 
 use whipcord_numerics::{BoundedQuadratic, Mat3, UnitQuaternion, Vec3, symmetric_eigenvalues};
 
-use super::joint::Chord;
 use super::layout::{Frame, Mesh};
 use super::rod::Sample;
+use super::span::Chord;
 use crate::section::Tangent;
 use crate::shape::{Diagnostics, NoStability};
 use crate::statics::eigenvalue::{
@@ -138,7 +138,11 @@ struct Form {
 impl Stability {
     /// The least eigenvalue with these cables or pieces held, or why there is none; under dead moments as in
     /// the model with continuous cables.
-    pub fn verdict(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Result<f64, NoStability> {
+    pub fn least_eigenvalue(
+        &mut self,
+        at: &Equilibrium<'_>,
+        locked: Locked,
+    ) -> Result<f64, NoStability> {
         self.assemble(at, locked).ok_or(NoStability::Undetermined)?;
         let spans = &at.mesh.spans;
         let least = self.least(spans)?;

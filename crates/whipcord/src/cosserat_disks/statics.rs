@@ -5,10 +5,10 @@ use whipcord_numerics::Pose;
 use super::chain::Chain;
 use super::friction::{self, History, Holes};
 use super::layout::{Frame, Mesh};
-use super::loading::{self, Raise};
+use super::load_continuation::{self, Raise};
 use super::rod::Sample;
 use super::stability::Stability;
-use super::stays::{Sampled, compliance_scale, turns};
+use super::stability_check::{Sampled, compliance_scale, turns};
 use super::unloaded::{self, Unloaded};
 use crate::cancel::Cancel;
 use crate::case::Case;
@@ -17,7 +17,7 @@ use crate::section::SectionFault;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::continuation::PATH_ENDS;
-use crate::statics::lengths::{self, Effort, Given, LengthScratch, Note, Responds};
+use crate::statics::lengths::{self, Effort, Given, LengthScratch, Note, TensionResponse};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::trace::Stage;
@@ -31,7 +31,7 @@ pub(super) struct Problem<'a> {
     pub commands: &'a [Command],
     pub tolerance: f64,
     pub cancel: &'a Cancel,
-    /// Where a cable rubs.
+    /// With hole friction.
     pub holes: Option<&'a Holes>,
     /// Whose loads they are.
     pub case: &'a Case,
@@ -79,7 +79,7 @@ pub(super) struct Scratch {
     pub tensions: Vec<f64>,
     pub lengths: Vec<f64>,
     pub base_wrench: Wrench,
-    /// What the holes remember, where a cable rubs.
+    /// The state of hole friction.
     pub(super) history: History,
     /// Whether the last answer from cold is an equilibrium that the robot leaves, and no stable one was found.
     pub(super) unstable: bool,
@@ -129,19 +129,19 @@ pub(super) fn solve(
         }
     }
     if scratch.applied.any() {
-        return loading::solve(problem, start, scratch);
+        return load_continuation::solve(problem, start, scratch);
     }
     let mut rod = Rod::new(problem, scratch);
     if matches!(start, Start::Coarser) {
         rod.from = unloaded::From::Coarser;
     }
     let mut tensions = rod.scratch.tensions.clone();
-    let effort = rod.settle(&mut tensions)?;
+    let effort = rod.converge(&mut tensions)?;
     let found = rod.finish(tensions, Found::with(effort));
     if matches!(start, Start::Coarser) || !problem.stability {
         return Ok(found);
     }
-    Ok(Found { lost_at: loading::tensions_lost_at(problem, scratch), ..found })
+    Ok(Found { lost_at: load_continuation::tensions_lost_at(problem, scratch), ..found })
 }
 
 /// One step of actuation on from what the holes remember.
@@ -239,7 +239,7 @@ impl<'a> Rod<'a> {
     }
 
     /// Finds the robot under its commands: at these tensions, or at those that its lengths need.
-    pub fn settle(&mut self, tensions: &mut [f64]) -> Result<Effort, Failure> {
+    pub fn converge(&mut self, tensions: &mut [f64]) -> Result<Effort, Failure> {
         if !self.problem.by_length() {
             return match self.respond_with(tensions, true, false) {
                 Ok(()) => Ok(Effort { iterations: self.iterations, residual: self.residual }),
@@ -279,7 +279,7 @@ impl<'a> Rod<'a> {
             let Scratch { chain, groups, unloaded, .. } = &mut *self.scratch;
             chain.pull(groups, start);
             chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
-            closed = raise.close(self.scratch, 1.0, false).ok();
+            closed = raise.newton(self.scratch, 1.0, false).ok();
         }
         let effort = closed.or_else(|| raise.all(self.scratch, false).ok())?;
         let Scratch { chain, unloaded, .. } = &mut *self.scratch;
@@ -325,7 +325,7 @@ impl<'a> Rod<'a> {
         let raise = Raise { problem: self.problem, commands: &[], derivatives };
         if self.closed && warm {
             self.scratch.chain.trace.stage = Stage::Warm;
-            match raise.close(self.scratch, 1.0, false) {
+            match raise.newton(self.scratch, 1.0, false) {
                 Ok(effort) => {
                     self.iterations += effort.iterations;
                     self.residual = effort.residual;
@@ -434,7 +434,7 @@ pub(super) fn copy_out(problem: &Problem<'_>, scratch: &mut Scratch) {
     };
 }
 
-impl Responds for Rod<'_> {
+impl TensionResponse for Rod<'_> {
     fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
         self.respond_with(tensions, warm, true)
     }

@@ -8,11 +8,11 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
-use super::bare;
-use super::joint::{self, Answer, Chord, Factors, Tangent, Vanished};
 use super::layout::{Frame, Mesh, Span};
+use super::repeated_spans::RepeatedSpan;
 use super::rod::Sample;
-use super::twins::Twin;
+use super::span::{self, Answer, Chord, Factors, Tangent, Vanished};
+use super::unloaded_span;
 use crate::section::Fault;
 use crate::section::{BodyWrench, SectionFault};
 use crate::statics::passages::Passage;
@@ -150,10 +150,10 @@ impl Unloaded {
             let pulls = |span: &Span| &tensions[span.first..span.first + span.passages.len()];
             let pulled = pulls(span);
             self.blocks.push(self.length_by_tension.len());
-            if let Some(twin) = &mesh.twins[k]
-                && pulls(&frame.spans[twin.of]) == pulled
+            if let Some(repeated) = &mesh.repeated_spans[k]
+                && pulls(&frame.spans[repeated.of]) == pulled
             {
-                self.follow(frame, mesh, k, twin, derivatives);
+                self.follow(frame, mesh, k, repeated, derivatives);
                 continue;
             }
             let guess = if from == From::Nothing {
@@ -182,8 +182,15 @@ impl Unloaded {
 
     /// The answer of a span that is an earlier one, turned, under the same tensions.
     #[inline(always)]
-    fn follow(&mut self, frame: &Frame, mesh: &Mesh, k: usize, twin: &Twin, derivatives: bool) {
-        let Twin { of, turn } = *twin;
+    fn follow(
+        &mut self,
+        frame: &Frame,
+        mesh: &Mesh,
+        k: usize,
+        repeated: &RepeatedSpan,
+        derivatives: bool,
+    ) {
+        let RepeatedSpan { of, turn } = *repeated;
         let (span, first) = (&frame.spans[k], &frame.spans[of]);
         let matrix = turn.to_matrix();
         let turned =
@@ -219,7 +226,7 @@ impl Unloaded {
             for (i, passage) in span.passages.iter().enumerate() {
                 let (chord, tension) =
                     (&frame.rest_chords[span.first + i], tensions[span.first + i]);
-                pull = pull + joint::unit_pull(passage.near, chord) * -tension;
+                pull = pull + span::unit_pull(passage.near, chord) * -tension;
                 lever += tension * (passage.near + passage.far);
             }
             (pull, lever)
@@ -333,16 +340,16 @@ impl Unloaded {
         };
         let mut wrench = guess.wrench;
         if let [passage] = &span.passages[..] {
-            wrench = joint::along_cable(passage.near, wrench.linear);
+            wrench = span::along_cable(passage.near, wrench.linear);
         }
         let mut kept = if guess.linearised { self.tangents[k] } else { None };
         let near = if derivatives { NEAR_FOR_DERIVATIVES } else { NEAR };
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             self.iterations += 1;
-            let pose = bare::integrate(&mesh.grid, steps.clone(), wrench, poses, samples);
-            joint::draw(span, &pose, chords)?;
-            let residual = wrench + joint::pull(span, chords, tensions);
+            let pose = unloaded_span::integrate(&mesh.grid, steps.clone(), wrench, poses, samples);
+            span::draw(span, &pose, chords)?;
+            let residual = wrench + span::pull(span, chords, tensions);
             let fresh = kept.is_none();
             let tangent = match kept {
                 Some(tangent) => tangent,
@@ -362,8 +369,9 @@ impl Unloaded {
             if size <= STEP_TOLERANCE {
                 (self.wrenches[k], self.tangents[k]) = (wrench, Some(tangent));
                 if size > NO_STEP {
-                    let pose = bare::integrate(&mesh.grid, steps.clone(), wrench, poses, &mut []);
-                    joint::draw(span, &pose, chords)?;
+                    let pose =
+                        unloaded_span::integrate(&mesh.grid, steps.clone(), wrench, poses, &mut []);
+                    span::draw(span, &pose, chords)?;
                 }
                 if derivatives {
                     self.differentiate(span, &tangent);
@@ -385,7 +393,7 @@ impl Unloaded {
         let first = self.length_by_tension.len();
         self.length_by_tension.resize(first + cables * cables, 0.0);
         for (j, passage) in span.passages.iter().enumerate() {
-            let pull = joint::unit_pull(passage.near, &self.chords[span.first + j]);
+            let pull = span::unit_pull(passage.near, &self.chords[span.first + j]);
             let change = tangent.solve(pull * -1.0);
             self.by_tension.push(change);
             for i in 0..cables {
@@ -417,19 +425,19 @@ fn linearise(
     let (grid, steps, cables) = (&mesh.grid, mesh.spans[k].clone(), span.passages.len());
     let mut answers = [Answer::default(); 6];
     if let [Passage { near, .. }] = span.passages[..] {
-        let units = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| joint::along_cable(near, axis));
-        let by = bare::linearise(grid, steps, samples, &units);
+        let units = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| span::along_cable(near, axis));
+        let by = unloaded_span::linearise(grid, steps, samples, &units);
         for ((answer, by), row) in answers.iter_mut().zip(&by).zip(rows.chunks_exact_mut(1)) {
-            *answer = joint::answer(span, pose, chords, tensions, by, row);
+            *answer = span::answer(span, pose, chords, tensions, by, row);
         }
         let [x, y, z, ..] = answers.map(|answer| answer.pull.linear);
         let force = Mat3::from_columns(x, y, z).plus_identity().inverse()?;
         return Some(Tangent::OneCable { force, near });
     }
-    let by = bare::linearise(grid, steps, samples, &bare::units());
+    let by = unloaded_span::linearise(grid, steps, samples, &unloaded_span::units());
     for (c, (answer, by)) in answers.iter_mut().zip(&by).enumerate() {
         let row = &mut rows[c * cables..(c + 1) * cables];
-        *answer = joint::answer(span, pose, chords, tensions, by, row);
+        *answer = span::answer(span, pose, chords, tensions, by, row);
     }
     Factors::new(&answers).map(Tangent::Cables)
 }

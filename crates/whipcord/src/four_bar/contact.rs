@@ -3,15 +3,15 @@
 use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
 use super::FourBar;
+use super::contact_response::{ContactResponse, Load, SingularSystem};
 use super::joint::Joint;
 use super::options::{Conflicts, LengthRule, Objective};
-use super::pushed::{Load, Pushed, Restless};
 use super::refusal;
 use super::several::MOST_CONFLICT;
 use super::solve::{MET, Workspace};
 use crate::cancel::Cancel;
 use crate::case::Case;
-use crate::contact::{self, Push, Yielding};
+use crate::contact::{self, Compliant, Push};
 use crate::error::SolveError;
 use crate::shape::{NoStability, Solution, Wrench};
 
@@ -21,7 +21,7 @@ const WATCHED: usize = 40;
 const MOST_SECTIONS: usize = 300;
 
 /// The sections among obstacles.
-struct Touched<'a> {
+struct ContactAdapter<'a> {
     model: &'a FourBar,
     workspace: &'a mut Workspace,
     /// Newtons by the model's own measure of force; 1 where no stiffness is known.
@@ -30,8 +30,8 @@ struct Touched<'a> {
     /// Section and fraction of each watched place, and where it is.
     places: Vec<(usize, f64)>,
     poses: Vec<Pose>,
-    found: Pushed,
-    kept: Pushed,
+    found: ContactResponse,
+    kept: ContactResponse,
     targets: Vec<f64>,
     loads: Vec<Load>,
 }
@@ -69,9 +69,9 @@ impl FourBar {
             watched.extend(equally_spaced(pair[0], pair[1], each + 1).skip(1));
         }
         let places = watched.iter().map(|&s| self.locate(s)).collect();
-        let mut found = Pushed::default();
+        let mut found = ContactResponse::default();
         found.reset(&self.sections, self.initial_lengths.len());
-        let mut touched = Touched {
+        let mut adapter = ContactAdapter {
             model: self,
             workspace,
             scale: self.tension_scale.unwrap_or(1.0),
@@ -83,7 +83,7 @@ impl FourBar {
             targets: Vec::new(),
             loads: Vec::new(),
         };
-        contact::solve(&mut touched, &self.robot, case, warm_start)
+        contact::solve(&mut adapter, &self.robot, case, warm_start)
     }
 
     /// The section of an arc length and the fraction of it that lies behind, the whole of it at a disk.
@@ -93,7 +93,7 @@ impl FourBar {
     }
 }
 
-impl Touched<'_> {
+impl ContactAdapter<'_> {
     fn set_loads(&mut self, pushes: &[Push]) {
         self.loads.clear();
         for push in pushes {
@@ -112,11 +112,11 @@ impl Touched<'_> {
 }
 
 /// Equations that are singular say that the robot is about to buckle.
-fn restless(Restless: Restless) -> SolveError {
+fn singular_system(SingularSystem: SingularSystem) -> SolveError {
     SolveError::NoDerivatives
 }
 
-impl Yielding for Touched<'_> {
+impl Compliant for ContactAdapter<'_> {
     fn watched(&self) -> &[f64] {
         &self.watched
     }
@@ -169,7 +169,7 @@ impl Yielding for Touched<'_> {
         }
         self.set_loads(pushes);
         let (sections, targets) = (&self.model.sections, &self.targets);
-        self.found.linearise(sections, targets, &self.loads).map_err(restless)?;
+        self.found.linearise(sections, targets, &self.loads).map_err(singular_system)?;
         self.look();
         Ok(())
     }

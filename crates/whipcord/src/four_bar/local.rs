@@ -1,11 +1,11 @@
-//! How a robot moves and yields at a place: with the lengths, eq. (12), and where the strain energy is known to
+//! Jacobian and compliance at a place: with the lengths, eq. (12), and where the strain energy is known to
 //! wrenches, eqs. (14) to (16).
 
 use whipcord_numerics::{Twist, UnitQuaternion};
 
 use super::FourBar;
+use super::contact_response::{ContactResponse, Load};
 use super::options::{LengthRule, Objective, Options};
-use super::pushed::{Load, Pushed};
 use super::solve::Workspace;
 use crate::case::Case;
 use crate::error::SolveError;
@@ -67,7 +67,7 @@ impl FourBar {
         answer: &Solution,
         workspace: &Workspace,
     ) -> Result<Yields, SolveError> {
-        let mut pushed = Pushed::at(
+        let mut contact_response = ContactResponse::at(
             workspace.joints.iter().map(|joint| joint.bend()).collect(),
             answer.cables.iter().map(|c| c.tension.unwrap_or(0.0) / scale).collect(),
         );
@@ -76,10 +76,10 @@ impl FourBar {
         let length = self.robot.backbone().length;
         let mut under = |lengths: &[f64]| -> Result<Yield, SolveError> {
             let (mut entries, mut drift) = (Vec::new(), Vec::new());
-            pushed
+            contact_response
                 .linearise(&self.sections, lengths, &[])
                 .map_err(|_| SolveError::NoDerivatives)?;
-            pushed.compliance(&self.sections, &[load], &mut entries, &mut drift);
+            contact_response.compliance(&self.sections, &[load], &mut entries, &mut drift);
             let columns = core::array::from_fn(|j| {
                 let entry = |i: usize| entries[6 * i + j] / scale;
                 Twist {

@@ -6,6 +6,7 @@
 mod as_printed;
 mod bend;
 mod contact;
+mod contact_response;
 mod derivatives;
 mod joint;
 mod length;
@@ -14,7 +15,6 @@ mod measure;
 mod one_cable;
 mod options;
 mod plane;
-mod pushed;
 mod refusal;
 mod section;
 mod several;

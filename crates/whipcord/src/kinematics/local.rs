@@ -12,7 +12,7 @@ pub enum DrivenBy {
     Shortening,
 }
 
-/// How a place yields to a dead wrench.
+/// Compliance of a place under a dead wrench.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yield {
     /// Motion under a wrench.
@@ -21,7 +21,7 @@ pub struct Yield {
     pub stiffness: Option<Matrix6>,
 }
 
-/// How a place yields to a dead wrench while something is held.
+/// Compliance of a place under a dead wrench, by what is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yields {
     /// With every tension held.

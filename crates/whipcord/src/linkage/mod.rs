@@ -154,11 +154,11 @@ impl Linkage {
                 *tension = cable.tension.unwrap_or(0.0).max(0.0);
             }
         }
-        let settled = self.settle(warm_start.is_some(), workspace).map_err(|failure| {
+        let converged = self.converge(warm_start.is_some(), workspace).map_err(|failure| {
             let name = |i: usize| self.robot.cables()[i].name.clone();
             failure.explain(&workspace.commands, &self.rest_lengths, name)
         });
-        let effort = self.options.cancel.checked(settled)?;
+        let effort = self.options.cancel.checked(converged)?;
         Ok(self.solution(case, effort, workspace))
     }
 
@@ -186,7 +186,7 @@ impl Linkage {
     }
 
     /// Equilibrium under the commands.
-    fn settle(&self, is_warm: bool, workspace: &mut Workspace) -> Result<Effort, Failure> {
+    fn converge(&self, is_warm: bool, workspace: &mut Workspace) -> Result<Effort, Failure> {
         let Workspace { scratch, loads, commands, tensions, search, .. } = workspace;
         let tolerance = self.options.residual;
         for (tension, command) in tensions.iter_mut().zip(&*commands) {
@@ -199,7 +199,7 @@ impl Linkage {
             return if is_warm {
                 scratch.settle_near(&task, tolerance, true)
             } else {
-                scratch.settle(&task, tolerance)
+                scratch.converge(&task, tolerance)
             };
         }
         let given = Given {

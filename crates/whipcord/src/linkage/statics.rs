@@ -6,7 +6,7 @@ use super::motion::Coordinates;
 use crate::section::Fault;
 use crate::section::SectionFault;
 use crate::shape::Wrench;
-use crate::statics::lengths::{Note, Responds, Stage};
+use crate::statics::lengths::{Note, Stage, TensionResponse};
 use crate::statics::outcome::Failure;
 
 /// Newton iterations at most.
@@ -62,7 +62,7 @@ pub(super) struct Effort {
 impl Scratch {
     /// Newton's method from where the chain is; in vain, where it is `strict`, as soon as the tangent has negative
     /// eigenvalues: there it may lead away from the equilibrium that grows out of rest.
-    fn close(
+    fn newton(
         &mut self,
         task: &Task<'_>,
         tolerance: f64,
@@ -135,10 +135,10 @@ impl Scratch {
         strict: bool,
     ) -> Result<Effort, Failure> {
         let mut effort = Effort::default();
-        if self.close(task, tolerance, strict, &mut effort) {
+        if self.newton(task, tolerance, strict, &mut effort) {
             return Ok(effort);
         }
-        self.settle(task, tolerance)
+        self.converge(task, tolerance)
     }
 
     /// Equilibrium from where the chain is, and where none is found there, from rest if it is `thorough`. Where
@@ -166,7 +166,7 @@ impl Scratch {
 
     /// Equilibrium from rest: at once, else along the load. Where that loses its stability on the way, it is
     /// followed on all the same.
-    pub fn settle(&mut self, task: &Task<'_>, tolerance: f64) -> Result<Effort, Failure> {
+    pub fn converge(&mut self, task: &Task<'_>, tolerance: f64) -> Result<Effort, Failure> {
         self.settle_in_steps(task, tolerance, LEAST_STEP)
     }
 
@@ -179,7 +179,7 @@ impl Scratch {
     ) -> Result<Effort, Failure> {
         let mut effort = Effort::default();
         self.chain.rest(task.sections);
-        if !self.is_strong(task) && self.close(task, tolerance, true, &mut effort) {
+        if !self.is_strong(task) && self.newton(task, tolerance, true, &mut effort) {
             return Ok(effort);
         }
         match self.along_the_load(task, tolerance, (true, least), effort) {
@@ -216,7 +216,7 @@ impl Scratch {
         while at < 1.0 {
             let fraction = f64::min(at + step, 1.0);
             let part = Task { fraction, ..*task };
-            if self.close(&part, tolerance, strict, &mut effort) && (strict || self.is_near()) {
+            if self.newton(&part, tolerance, strict, &mut effort) && (strict || self.is_near()) {
                 at = fraction;
                 step *= 1.5;
                 self.reached.clone_from(&self.chain.q);
@@ -375,7 +375,7 @@ impl<'a> Responder<'a> {
                 return Ok(effort);
             }
         }
-        let found = self.scratch.settle(task, self.tolerance);
+        let found = self.scratch.converge(task, self.tolerance);
         if found.is_ok() {
             let (tensions, q) = (task.tensions.to_vec(), self.scratch.chain.q.clone());
             self.began = Some(Known { tensions, q });
@@ -384,10 +384,10 @@ impl<'a> Responder<'a> {
     }
 }
 
-impl Responds for Responder<'_> {
+impl TensionResponse for Responder<'_> {
     fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
         let task = Task { tensions, ..self.task };
-        let settled = if warm {
+        let converged = if warm {
             let beside = self.scratch.settle_beside(
                 &task,
                 self.tolerance,
@@ -398,12 +398,12 @@ impl Responds for Responder<'_> {
         } else {
             // Where a search starts is not of its own making.
             let spent = self.scratch.spent;
-            let settled = self.begin(&task);
+            let converged = self.begin(&task);
             self.allowed = self.allowed.saturating_add(self.scratch.spent - spent);
-            settled
+            converged
         };
         let unsettled = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
-        match settled {
+        match converged {
             Ok(effort) => {
                 self.effort.iterations += effort.iterations;
                 self.effort.residual = effort.residual;

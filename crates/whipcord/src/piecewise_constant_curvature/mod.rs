@@ -33,7 +33,7 @@ pub(crate) const ARC: Division =
 /// ```
 ///
 /// # Errors
-/// [`SolveError::Missing`] when the robot's stiffness is not given, and [`SolveError::Unsupported`] for cables that rub or
+/// [`SolveError::Missing`] when the robot's stiffness is not given, and [`SolveError::Unsupported`] for cables with friction or
 /// are anchored between two disks, and for strains that are coupled.
 pub fn build(robot: &Robot, options: &Options) -> Result<Linkage, SolveError> {
     Linkage::new(robot, ModelKind::PiecewiseConstantCurvature, ARC, options.clone())

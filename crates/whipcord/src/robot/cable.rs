@@ -85,7 +85,7 @@ impl Cable {
         Self { name: name.into(), routing, ends_at: None, friction: None, axial_stiffness: None }
     }
 
-    /// Whether it rubs in its holes.
+    /// Whether it has friction at its holes.
     #[must_use]
     pub fn rubs(&self) -> bool {
         self.friction.is_some_and(|coefficient| coefficient > 0.0)

@@ -17,7 +17,7 @@ use whipcord_numerics::BoundedQuadratic;
 
 /// The linearised problem, and memory.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Foreseen {
+pub(crate) struct ActiveSetPrediction {
     matrix: Vec<f64>,
     gradient: Vec<f64>,
     least: Vec<f64>,
@@ -28,7 +28,7 @@ pub(crate) struct Foreseen {
 /// What rounding leaves of (13), relative to the greatest of its terms.
 const ROUNDING: f64 = 1e-9;
 
-impl Foreseen {
+impl ActiveSetPrediction {
     /// Solves (13) for so many cables that are driven by their length, with `τ` in N, the entries `gives(i, j)`
     /// of `C − L` in m/N, `g − δℓ₀` in m, and the units of tension and slackness in N and m; `false` where no
     /// solution was found.
@@ -83,22 +83,29 @@ mod tests {
             let own = if i == j { 1e-8 } else { 0.0 };
             own + levers[i][0] * levers[j][0] + levers[i][1] * levers[j][1]
         };
-        let mut foreseen = Foreseen::default();
+        let mut prediction = ActiveSetPrediction::default();
         for pull in [[0.3, 1.0], [-1.0, 0.1], [0.5, -1.0]] {
             let slack = |i: usize| levers[i][0] * pull[0] + levers[i][1] * pull[1];
-            assert!(foreseen.solve(3, |_| 0.0, gives, slack, [1.0, 1.0]));
+            assert!(prediction.solve(3, |_| 0.0, gives, slack, [1.0, 1.0]));
             // Cables that would be too loose however the others pull stay slack.
             for i in 0..3 {
-                let after = slack(i) + (0..3).map(|j| gives(i, j) * foreseen.step[j]).sum::<f64>();
-                assert!(foreseen.step[i] >= 0.0 && after >= -1e-9, "{after}");
-                assert!(foreseen.is_pulling(i) == (foreseen.step[i] > 0.0));
-                assert!(!foreseen.is_pulling(i) || after.abs() <= 1e-9);
+                let after =
+                    slack(i) + (0..3).map(|j| gives(i, j) * prediction.step[j]).sum::<f64>();
+                assert!(prediction.step[i] >= 0.0 && after >= -1e-9, "{after}");
+                assert!(prediction.is_pulling(i) == (prediction.step[i] > 0.0));
+                assert!(!prediction.is_pulling(i) || after.abs() <= 1e-9);
             }
         }
     }
 
     #[test]
     fn no_tension_shortens_a_cable_that_gets_longer_by_pulling() {
-        assert!(!Foreseen::default().solve(1, |_| 0.0, |_, _| -1.0, |_| -2.0, [1.0, 1.0]));
+        assert!(!ActiveSetPrediction::default().solve(
+            1,
+            |_| 0.0,
+            |_, _| -1.0,
+            |_| -2.0,
+            [1.0, 1.0]
+        ));
     }
 }

@@ -34,7 +34,13 @@ impl Command {
 
     /// How far cable `i` is from `min(τ, g) = 0`, not negative, with the tension and the slackness in these
     /// units (N and m); 0 where it is driven by its tension, and its length need not be known.
-    pub fn lack(&self, i: usize, tensions: &[f64], lengths: &[f64], units: [f64; 2]) -> f64 {
+    pub fn complementarity_residual(
+        &self,
+        i: usize,
+        tensions: &[f64],
+        lengths: &[f64],
+        units: [f64; 2],
+    ) -> f64 {
         match self {
             Self::Tension(_) => 0.0,
             Self::Length { .. } => {
@@ -46,7 +52,7 @@ impl Command {
 
     /// Whether Newton's method for `min(τ, g) = 0` leads cable `i` to its length, and not to no tension: the
     /// tension is the greater of the two in these units.
-    pub fn is_led(&self, i: usize, tensions: &[f64], lengths: &[f64], units: [f64; 2]) -> bool {
+    pub fn is_active(&self, i: usize, tensions: &[f64], lengths: &[f64], units: [f64; 2]) -> bool {
         matches!(self, Self::Length { .. })
             && tensions[i] / units[0] > self.slackness(tensions[i], lengths[i]) / units[1]
     }

@@ -31,7 +31,7 @@ pub(crate) struct Critical;
 
 /// The cables that are held, in the two ways they can be.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Held {
+pub(crate) struct HeldCables {
     cables: usize,
     /// Those of given length that are taut.
     driven: Set,
@@ -55,7 +55,7 @@ const REGULARISATION: f64 = 1e-8;
 /// Each takes the error of what is not singular down by the regularisation over its eigenvalue.
 const CORRECTIONS: usize = 4;
 
-impl Held {
+impl HeldCables {
     /// From `D` and `c`, and which cables are taut and driven by their lengths.
     pub fn new(
         cables: usize,

@@ -13,13 +13,13 @@
 //! to give.
 
 use super::command::Command;
-use super::lengths::{Given, LengthScratch, Responds, attempt, release};
+use super::lengths::{Given, LengthScratch, TensionResponse, attempt, release};
 
 /// `c` of the first attempt, relative to what the rod itself gives, and what it falls by.
 const FIRST_COMPLIANCE: f64 = 1.0;
 const COMPLIANCE_RATIO: f64 = 0.5;
 const ATTEMPTS: usize = 32;
-/// The limit counts as settled when it changes by less than this of its largest entry.
+/// The limit counts as converged when it changes by less than this of its largest entry.
 const SETTLED: f64 = 1e-6;
 /// Where the rod does not bear the tensions of a smaller `c`, what is known to this must do.
 const ROUGHLY_SETTLED: f64 = 1e-2;
@@ -31,7 +31,7 @@ const TAKES_PART: f64 = 1e-2;
 pub(crate) fn misses(
     given: &Given<'_>,
     tensions: &mut [f64],
-    rod: &mut impl Responds,
+    rod: &mut impl TensionResponse,
     scratch: &mut LengthScratch,
 ) -> Option<Vec<f64>> {
     let cables = tensions.len();

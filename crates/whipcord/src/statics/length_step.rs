@@ -4,7 +4,7 @@
 use whipcord_numerics::{BoundedQuadratic, DenseLu};
 
 use super::command::Command;
-use super::rank::Independent;
+use super::rank::IndependentCables;
 
 /// Of the largest diagonal entry: keeps the step defined where more straight cables are taut than
 /// lengths are independent, and picks tensions of least change there.
@@ -21,7 +21,7 @@ pub(crate) struct StepScratch {
     gradient: Vec<f64>,
     least: Vec<f64>,
     quadratic: BoundedQuadratic,
-    independent: Independent,
+    independent: IndependentCables,
     lu: DenseLu,
 }
 

@@ -20,7 +20,7 @@ use crate::cancel::Cancel;
 use crate::section::Fault;
 
 /// A rod that answers tensions with the lengths of its cables.
-pub(crate) trait Responds {
+pub(crate) trait TensionResponse {
     /// Finds its shape under these tensions in N, starting from the last one when `warm`.
     fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault>;
     /// `ℓᵢ` in m.
@@ -139,7 +139,7 @@ const DAMPING_RATIO: f64 = 100.0;
 pub(crate) fn solve(
     given: &Given<'_>,
     tensions: &mut [f64],
-    rod: &mut impl Responds,
+    rod: &mut impl TensionResponse,
     scratch: &mut LengthScratch,
 ) -> Result<Effort, LengthFault> {
     rod.allow(Stage::Tensions);
@@ -165,7 +165,7 @@ pub(crate) fn solve(
 fn bring_on(
     given: &Given<'_>,
     tensions: &mut [f64],
-    rod: &mut impl Responds,
+    rod: &mut impl TensionResponse,
     scratch: &mut LengthScratch,
 ) -> Result<Effort, LengthFault> {
     let commands = given.commands;
@@ -250,7 +250,7 @@ pub(crate) fn release(commands: &[Command], tensions: &mut [f64]) {
 pub(crate) fn attempt(
     given: &Given<'_>,
     tensions: &mut [f64],
-    rod: &mut impl Responds,
+    rod: &mut impl TensionResponse,
     scratch: &mut LengthScratch,
 ) -> Result<Effort, LengthFault> {
     let Given { length, commands, .. } = *given;
@@ -370,7 +370,11 @@ pub(crate) fn attempt(
 }
 
 /// A cable that is too long and that no tension shortens: on the axis of a rod that does not give.
-fn rigid_and_long(given: &Given<'_>, tensions: &[f64], rod: &impl Responds) -> Option<usize> {
+fn rigid_and_long(
+    given: &Given<'_>,
+    tensions: &[f64],
+    rod: &impl TensionResponse,
+) -> Option<usize> {
     let Given { length, commands, .. } = *given;
     let cables = commands.len();
     (0..cables).find(|&i| {

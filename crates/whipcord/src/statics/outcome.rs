@@ -45,7 +45,7 @@ pub(crate) enum Failure {
     },
 }
 
-/// Why the gaps of a chain of shots did not close.
+/// Why multiple shooting did not converge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Open {
     pub iterations: usize,

@@ -6,14 +6,14 @@
 
 /// Finds cables that pull independently of one another.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Independent {
+pub(crate) struct IndependentCables {
     order: Vec<usize>,
     kept: Vec<usize>,
     basis: Vec<f64>,
     column: Vec<f64>,
 }
 
-impl Independent {
+impl IndependentCables {
     /// Strikes from `free` the cables whose effect is that of others which pull more, and tells whether
     /// there were any. The effect of one unit of tension in cable `j` has the entries `effect(i, j)`, `i`
     /// up to `rows`, all in comparable units. A cable counts when at least this part of its effect is its
@@ -72,7 +72,7 @@ mod tests {
         let tensions = [1.0, 3.0, 2.0, 0.0];
         let mut free = vec![0, 1, 2, 3];
         let effect = |i: usize, j: usize| effects[j][i];
-        let mut independent = Independent::default();
+        let mut independent = IndependentCables::default();
         assert!(independent.retain(&mut free, 1e-9, |j| tensions[j], 2, effect));
         assert_eq!(free, [1, 2]);
         assert!(!independent.retain(&mut free, 1e-9, |j| tensions[j], 2, effect));

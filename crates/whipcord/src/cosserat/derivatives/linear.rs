@@ -16,7 +16,7 @@ use crate::statics::grid::{Grid, Node, Step};
 /// A linearised answer.
 #[derive(Clone, Debug)]
 pub(super) enum Linear {
-    Shot(Replay),
+    Trajectory(Replay),
     Unloaded(Quadrature),
 }
 
@@ -26,7 +26,7 @@ impl Linear {
         if answer.loads.any() || answer.starts.is_some() {
             let mut replay = Replay::default();
             replay.run(answer)?;
-            Ok(Self::Shot(replay))
+            Ok(Self::Trajectory(replay))
         } else {
             let mut quadrature = Quadrature::default();
             quadrature.run(answer)?;
@@ -37,7 +37,7 @@ impl Linear {
     /// Sections within a step.
     pub fn per_step(&self) -> usize {
         match self {
-            Self::Shot(_) => STAGES,
+            Self::Trajectory(_) => STAGES,
             Self::Unloaded(_) => POINTS,
         }
     }
@@ -45,7 +45,7 @@ impl Linear {
     /// Where in a step of length 1 a section of it lies, and its weight.
     pub fn place(&self, i: usize) -> (f64, f64) {
         match self {
-            Self::Shot(_) => (BUTCHER_5.c[i], BUTCHER_5.b[i]),
+            Self::Trajectory(_) => (BUTCHER_5.c[i], BUTCHER_5.b[i]),
             Self::Unloaded(_) => (GAUSS_3.nodes[i], GAUSS_3.weights[i]),
         }
     }
@@ -59,7 +59,7 @@ impl Linear {
         active: usize,
     ) -> (&'g Node, &'g [Crossing]) {
         match self {
-            Self::Shot(_) => grid.shooting.at(k, NODE_OF_STAGE[i], active),
+            Self::Trajectory(_) => grid.shooting.at(k, NODE_OF_STAGE[i], active),
             Self::Unloaded(_) => grid.gauss.at(k, i, active),
         }
     }
@@ -67,7 +67,7 @@ impl Linear {
     /// The strain of a section, by its number along the rod.
     pub fn strain(&self, at: usize) -> Strain {
         match self {
-            Self::Shot(replay) => replay.stages[at].strain,
+            Self::Trajectory(replay) => replay.stages[at].strain,
             Self::Unloaded(quadrature) => quadrature.points[at].strain,
         }
     }
@@ -75,7 +75,7 @@ impl Linear {
     /// How a section is turned.
     pub fn rotation(&self, at: usize) -> Mat3 {
         match self {
-            Self::Shot(replay) => replay.stages[at].rotation,
+            Self::Trajectory(replay) => replay.stages[at].rotation,
             Self::Unloaded(quadrature) => quadrature.rotation(at),
         }
     }
@@ -83,7 +83,7 @@ impl Linear {
     /// What unit tensions exert at a section, and the stretch of each cable.
     pub fn pulls(&self, at: usize, cables: usize, active: usize) -> &[(BodyWrench, f64)] {
         let all = match self {
-            Self::Shot(replay) => &replay.pulls,
+            Self::Trajectory(replay) => &replay.pulls,
             Self::Unloaded(quadrature) => &quadrature.pulls,
         };
         &all[at * cables..at * cables + active]
@@ -92,7 +92,7 @@ impl Linear {
     /// The section just behind a node, and at the tip in front of it.
     pub fn at_node(&self, node: usize) -> &Stage {
         match self {
-            Self::Shot(replay) => &replay.stages[STAGES * node],
+            Self::Trajectory(replay) => &replay.stages[STAGES * node],
             Self::Unloaded(quadrature) => &quadrature.nodes[node],
         }
     }
@@ -100,7 +100,7 @@ impl Linear {
     /// What unit tensions exert there.
     pub fn pulls_at_node(&self, node: usize, cables: usize, active: usize) -> &[(BodyWrench, f64)] {
         match self {
-            Self::Shot(replay) => replay.pulls_at(STAGES * node, cables, active),
+            Self::Trajectory(replay) => replay.pulls_at(STAGES * node, cables, active),
             Self::Unloaded(quadrature) => &quadrature.node_pulls[node * cables..][..active],
         }
     }
@@ -115,7 +115,7 @@ impl Linear {
     ) -> Maps {
         let mut maps = Maps::default();
         match self {
-            Self::Shot(replay) => maps.compute(steps, replay, cables, more, forcing),
+            Self::Trajectory(replay) => maps.compute(steps, replay, cables, more, forcing),
             Self::Unloaded(quadrature) => {
                 quadrature.compute(&mut maps, steps, cables, more, forcing);
             }
@@ -132,7 +132,7 @@ impl Linear {
         out: &mut Vec<Forcing>,
     ) {
         match self {
-            Self::Shot(replay) => stage_pulls(steps, replay, pulls, lengths, out),
+            Self::Trajectory(replay) => stage_pulls(steps, replay, pulls, lengths, out),
             Self::Unloaded(quadrature) => quadrature.stage_pulls(steps, pulls, lengths, out),
         }
     }

@@ -49,7 +49,7 @@ use crate::section::Strain;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::grid::{Grid, Layout, Step};
-use crate::statics::hold::{Critical, Held};
+use crate::statics::hold::{Critical, HeldCables};
 use crate::statics::loads::AppliedLoads;
 
 /// A place of the answer.
@@ -115,7 +115,7 @@ pub struct Derivatives {
     commands: Vec<Command>,
     /// What a change of each tension does at constant other tensions; by grid places.
     by_tension: Vec<Raw>,
-    held: Held,
+    held: HeldCables,
     /// Length of the backbone in m.
     length: f64,
 }
@@ -203,7 +203,7 @@ impl Derivatives {
             place_of,
             commands: solved.commands.to_vec(),
             by_tension: Vec::new(),
-            held: Held::default(),
+            held: HeldCables::default(),
             length: robot.backbone().length,
         };
         derivatives.by_tension =
@@ -228,7 +228,7 @@ impl Derivatives {
         let taut = |place: usize| is_taut[place];
         let driven = |place: usize| matches!(self.commands[place], Command::Length { .. });
         let matrix = |i: usize, j: usize| self.by_tension[j].lengths[i];
-        self.held = Held::new(cables, matrix, compliance, taut, driven)?;
+        self.held = HeldCables::new(cables, matrix, compliance, taut, driven)?;
         Ok(())
     }
 }

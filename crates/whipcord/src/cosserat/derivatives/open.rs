@@ -63,7 +63,7 @@ impl Derivatives {
     }
 
     /// How everything moves with a wrench at a node, all commands held.
-    pub(in crate::cosserat) fn pushed(&self, node: usize, wrench: Wrench) -> Motion {
+    pub(in crate::cosserat) fn contact_response(&self, node: usize, wrench: Wrench) -> Motion {
         let added = |at: usize| if at == node { wrench } else { Wrench::default() };
         let cables = self.place_of.len();
         let steps = self.steps.len();

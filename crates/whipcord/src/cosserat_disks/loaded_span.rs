@@ -2,10 +2,10 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::bare;
 use super::chain::{Node, Scales, Task};
-use super::joint::{self, Answer, Chord, Factors};
 use super::rod::{self, By, End, InSpan, Sample, Variation};
+use super::span::{self, Answer, Chord, Factors};
+use super::unloaded_span;
 use crate::section::BodyWrench;
 use crate::statics::elimination::Change;
 
@@ -64,7 +64,7 @@ pub(super) struct Push {
 
 impl Push {
     /// Adds what changes of the tensions of the groups do to a span.
-    pub fn tug(
+    pub fn perturb(
         &mut self,
         task: &Task<'_>,
         k: usize,
@@ -78,7 +78,7 @@ impl Push {
             let change = change(task.groups[span.first + i]);
             if change != 0.0 {
                 let chord = &chords[span.first + i];
-                self.pull = self.pull + joint::unit_pull(passage.near, chord) * change;
+                self.pull = self.pull + span::unit_pull(passage.near, chord) * change;
                 self.far += change * passage.far.cross(to_far.rotate(chord.along));
             }
         }
@@ -105,11 +105,11 @@ impl Gap {
         let follower = loads.follower(steps.end);
         let dead = load * rotation.conjugate().rotate(loads.moment(steps.end));
         let applied = dead + load * follower.moment;
-        let moment = joint::far_moment(span, end, chords, tensions) - applied;
+        let moment = span::far_moment(span, end, chords, tensions) - applied;
         let follower = load * rotation.rotate(follower.force);
         let force = node.force - node.rotation.rotate(end.followers) - follower;
         Self {
-            residual: node.wrench + joint::pull(span, chords, tensions) - total,
+            residual: node.wrench + span::pull(span, chords, tensions) - total,
             change: Change {
                 turn: (next.rotation.conjugate() * rotation).log(),
                 moment: moment - next.moment,
@@ -197,11 +197,11 @@ fn answers(
     let span = &task.frame.spans[k];
     let cables = span.passages.len();
     let (grid, steps) = (&task.mesh.grid, &task.mesh.spans[k]);
-    let units = bare::units();
+    let units = unloaded_span::units();
     let mut out = [Answer::default(); 9];
     let mut answer = |c: usize, out: &mut Answer, variation: &Variation| {
         let row = &mut rows[c * cables..(c + 1) * cables];
-        *out = joint::answer(span, pose, chords, tensions, variation, row);
+        *out = span::answer(span, pose, chords, tensions, variation, row);
     };
     if inside.acts(steps.clone()) {
         for (c, out) in out.iter_mut().enumerate() {
@@ -219,7 +219,7 @@ fn answers(
             answer(c, out, &variation);
         }
     } else {
-        let variations = bare::linearise(grid, steps.clone(), samples, &units);
+        let variations = unloaded_span::linearise(grid, steps.clone(), samples, &units);
         for (c, (out, variation)) in out.iter_mut().zip(&variations).enumerate() {
             answer(c, out, &Variation { force: Vec3::ZERO, ..*variation });
         }

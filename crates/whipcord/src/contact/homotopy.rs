@@ -5,14 +5,14 @@ use crate::shape::Solution;
 
 /// The cases between two.
 #[derive(Clone, Debug)]
-pub(super) struct Journey<'a> {
+pub(super) struct Homotopy<'a> {
     from: Vec<CableCommand>,
     /// Whether the loads act from the start.
     loaded: bool,
     to: &'a Case,
 }
 
-impl<'a> Journey<'a> {
+impl<'a> Homotopy<'a> {
     /// From the robot at rest.
     pub fn from_rest(to: &'a Case) -> Self {
         let rest = |command: &CableCommand| CableCommand {

@@ -4,10 +4,10 @@
 use whipcord_numerics::{DenseLu, Vec3};
 
 use super::chain::{Step, Task};
-use super::loaded::Shot;
+use super::loaded::Trajectory;
 use super::newton::Scales;
 use super::state::{State, scaled, weight};
-use crate::statics::active_set::Foreseen;
+use crate::statics::active_set::ActiveSetPrediction;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
 use crate::statics::elimination::Elimination;
 
@@ -24,7 +24,7 @@ pub(super) struct Shared {
     lu: DenseLu,
     /// The cables that are driven by their length, and which of them a step makes pull.
     held: Vec<usize>,
-    foreseen: Foreseen,
+    prediction: ActiveSetPrediction,
     /// Sign of the determinant of the last system at fixed load.
     pub negative: bool,
 }
@@ -67,11 +67,11 @@ impl Shared {
         &mut self,
         commands: &[Command],
         state: &State,
-        shot: &Shot,
+        trajectory: &Trajectory,
         scales: &Scales,
     ) -> bool {
         let wide = commands.len() + 1;
-        let Self { lengths, held, foreseen, .. } = self;
+        let Self { lengths, held, prediction, .. } = self;
         held.clear();
         held.extend((0..commands.len()).filter(|&i| commands[i].is_length()));
         let gives = |row: usize, column: usize| {
@@ -83,10 +83,10 @@ impl Shared {
         let slack = |row: usize| {
             let i = held[row];
             let closing = lengths[i * wide + commands.len()];
-            commands[i].slackness(state.tensions[i], shot.lengths[i]) - closing
+            commands[i].slackness(state.tensions[i], trajectory.lengths[i]) - closing
         };
         let tension = |row: usize| state.tensions[held[row]];
-        foreseen.solve(held.len(), tension, gives, slack, scales.of_cables())
+        prediction.solve(held.len(), tension, gives, slack, scales.of_cables())
     }
 
     /// The load factor, where it is free, and the tensions of eq. (7): cables that are slack go to
@@ -96,7 +96,7 @@ impl Shared {
         task: &Task<'_>,
         by: Step<'_>,
         state: &State,
-        shot: &Shot,
+        trajectory: &Trajectory,
         scales: &Scales,
         elimination: &Elimination,
     ) -> bool {
@@ -107,14 +107,14 @@ impl Shared {
         self.theta.clear();
         self.theta.resize(load + cables, 0.0);
         self.free.clear();
-        let foreseen = matches!(by, Step::Close)
+        let prediction = matches!(by, Step::Close)
             && cables > 0
-            && self.foresee(task.commands, state, shot, scales);
+            && self.foresee(task.commands, state, trajectory, scales);
         for (i, command) in task.commands.iter().enumerate().take(cables) {
-            let led = if foreseen {
-                self.held.binary_search(&i).is_ok_and(|at| self.foreseen.is_pulling(at))
+            let led = if prediction {
+                self.held.binary_search(&i).is_ok_and(|at| self.prediction.is_pulling(at))
             } else {
-                command.is_led(i, &state.tensions, &shot.lengths, scales.of_cables())
+                command.is_active(i, &state.tensions, &trajectory.lengths, scales.of_cables())
             };
             if led {
                 self.free.push(load + i);
@@ -165,7 +165,7 @@ impl Shared {
                 self.matrix.push((of[j] - own) * unit(j) / scales.length);
             }
             let slack = if moves {
-                task.commands[i].slackness(state.tensions[i], shot.lengths[i])
+                task.commands[i].slackness(state.tensions[i], trajectory.lengths[i])
             } else {
                 0.0
             };

@@ -24,7 +24,7 @@ struct Trust {
 impl Chain {
     /// Newton's method; returns the iterations and the greatest gap left. With `linearised` the links
     /// that are kept are those of a coarser mesh, near enough to begin with.
-    pub fn close(&mut self, task: &Task<'_>, linearised: bool) -> Result<(usize, f64), Open> {
+    pub fn newton(&mut self, task: &Task<'_>, linearised: bool) -> Result<(usize, f64), Open> {
         let failed = |iterations, gap, fault| Open { iterations, gap, fault };
         let mut gap = self.measure(task).map_err(|f| failed(0, f64::INFINITY, Some(f)))?;
         let mut linearised = linearised && self.links.len() == task.frame.spans.len();

@@ -5,7 +5,7 @@
 //! may be back to less load, as where a cable goes slack that kept the rod from buckling; then the new way
 //! makes a sharp angle with the old one, and no step across the corner finds it.
 
-use super::arc_length::{Mark, mark};
+use super::arc_length::{PathPoint, path_point};
 use super::chain::{Chain, Task};
 use super::statics::{Problem, Scratch};
 use crate::statics::command::Command;
@@ -20,8 +20,8 @@ const BARELY: f64 = 1e-10;
 pub(super) fn face_on(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    before: &Mark,
-    next: &mut Mark,
+    before: &PathPoint,
+    next: &mut PathPoint,
 ) {
     let changed = (0..next.state.tensions.len())
         .find(|&i| (before.state.tensions[i] > 0.0) != (next.state.tensions[i] > 0.0));
@@ -41,9 +41,9 @@ pub(super) fn face_on(
 pub(super) fn turn(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    from: &Mark,
+    from: &PathPoint,
     reach: f64,
-) -> Option<(Mark, f64)> {
+) -> Option<(PathPoint, f64)> {
     let mut nearest: Option<(usize, f64)> = None;
     for (i, command) in problem.commands.iter().enumerate() {
         let Command::Length { .. } = command else { continue };
@@ -72,10 +72,11 @@ pub(super) fn turn(
         *target -= BARELY * problem.length;
     }
     let beyond = Problem { commands: &commands, ..*problem };
-    scratch.shot.seed(problem.grid, &scratch.unloaded.strains);
-    let Scratch { chain, shot, applied, trace, .. } = &mut *scratch;
-    Chain::close(chain, &Task::of(&beyond, applied), Some(&from.tangent), shot, trace).ok()?;
-    let mut corner = mark(&beyond, scratch, &from.tangent)?;
+    scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+    let Scratch { chain, trajectory, applied, trace, .. } = &mut *scratch;
+    Chain::newton(chain, &Task::of(&beyond, applied), Some(&from.tangent), trajectory, trace)
+        .ok()?;
+    let mut corner = path_point(&beyond, scratch, &from.tangent)?;
     let goes_on = if slackens {
         slackness_rate(problem, scratch, &corner, cable)?
     } else {
@@ -91,7 +92,7 @@ pub(super) fn turn(
 fn slackness_rate(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    at: &Mark,
+    at: &PathPoint,
     cable: usize,
 ) -> Option<f64> {
     let ahead = slackness(problem, scratch, at, LOOK, cable)?;
@@ -103,15 +104,15 @@ fn slackness_rate(
 fn slackness(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-    at: &Mark,
+    at: &PathPoint,
     ahead: f64,
     cable: usize,
 ) -> Option<f64> {
-    let Scratch { chain, shot, applied, trace, unloaded, .. } = scratch;
+    let Scratch { chain, trajectory, applied, trace, unloaded, .. } = scratch;
     chain.state.step_from(&at.state, ahead, &at.tangent);
-    shot.seed(problem.grid, &unloaded.strains);
+    trajectory.seed(problem.grid, &unloaded.strains);
     // One shot of every step.
     let task = Task { tolerance: f64::MAX, ..Task::of(problem, applied) };
-    Chain::close(chain, &task, None, shot, trace).ok()?;
-    Some(problem.commands[cable].slackness(chain.state.tensions[cable], shot.lengths[cable]))
+    Chain::newton(chain, &task, None, trajectory, trace).ok()?;
+    Some(problem.commands[cable].slackness(chain.state.tensions[cable], trajectory.lengths[cable]))
 }

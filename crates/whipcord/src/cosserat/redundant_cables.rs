@@ -14,7 +14,7 @@ use crate::robot::Robot;
 use crate::statics::command::Command;
 use crate::statics::grid::Grid;
 use crate::statics::outcome::{Failure, Found};
-use crate::statics::rank::Independent;
+use crate::statics::rank::IndependentCables;
 
 /// A cable pulls independently of others when at least this part of its effect is its own: where the
 /// backbone stretches ever so little it does, and where it does not all that is left is rounding.
@@ -39,7 +39,7 @@ pub(super) fn any(robot: &Robot, grid: &Grid, order: &[usize]) -> bool {
     !robot.backbone().extensible
         && free.len() > 1
         && rest.sweep(grid, &vec![0.0; cables], false, true).is_ok()
-        && Independent::default().retain(
+        && IndependentCables::default().retain(
             &mut free,
             OWN,
             |_| 0.0,
@@ -81,7 +81,7 @@ pub(super) fn solve(
     let first = solve_independent(&given, start, scratch)?;
     let all = touching.clone();
     let (tensions, cables) = (scratch.tensions.clone(), soft.len());
-    Independent::default().retain(
+    IndependentCables::default().retain(
         &mut touching,
         OWN,
         |i| tensions[i],
@@ -140,6 +140,6 @@ fn dependent(problem: &Problem<'_>, scratch: &Scratch, touching: &[usize]) -> Op
     let mut free = touching.to_vec();
     (free.len() > 1).then(|| unloaded.length_by_tension.clone()).filter(|effect| {
         let effect = |i: usize, j: usize| effect[i * cables + j];
-        Independent::default().retain(&mut free, OWN, |i| tensions[i], cables, effect)
+        IndependentCables::default().retain(&mut free, OWN, |i| tensions[i], cables, effect)
     })
 }

@@ -18,7 +18,7 @@ pub(super) struct Load {
 
 /// An equilibrium, and its linearisation.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Pushed {
+pub(super) struct ContactResponse {
     pub bends: Vec<Bend>,
     /// By cable.
     pub multipliers: Vec<f64>,
@@ -47,14 +47,14 @@ pub(super) struct Pushed {
 
 /// The equations have no linearisation that could be solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Restless;
+pub(super) struct SingularSystem;
 
 /// Longest step of a coordinate.
 const LONGEST: f64 = 0.3;
 /// Cables that depend on one another yield by this, relative to the most.
 const YIELD: f64 = 1e-12;
 
-impl Pushed {
+impl ContactResponse {
     /// From rest.
     pub fn reset(&mut self, sections: &[Section], cables: usize) {
         self.bends.clear();
@@ -98,7 +98,7 @@ impl Pushed {
         sections: &[Section],
         targets: &[f64],
         loads: &[Load],
-    ) -> Result<(), Restless> {
+    ) -> Result<(), SingularSystem> {
         let (count, cables) = (sections.len(), targets.len());
         let n = 3 * count;
         self.place(sections);
@@ -138,7 +138,7 @@ impl Pushed {
         if !loads.is_empty() {
             self.add_loads(sections, loads);
         }
-        self.lu.factor(n, &self.hessian).map_err(|_| Restless)?;
+        self.lu.factor(n, &self.hessian).map_err(|_| SingularSystem)?;
         // A cable pulls that would be too long without its pull.
         let stiff = 1.0 / (sections.iter().map(|s| s.length).sum::<f64>().powi(2));
         self.active.clear();
@@ -163,7 +163,7 @@ impl Pushed {
         for i in 0..m {
             self.schur[i * m + i] += YIELD * most;
         }
-        self.schur_lu.factor(m, &self.schur).map_err(|_| Restless)?;
+        self.schur_lu.factor(m, &self.schur).map_err(|_| SingularSystem)?;
         // H δq + Aᵀμ = −∇F + Q and A δq = targets − lengths
         self.left.clear();
         self.left.extend(self.gradient.iter().map(|g| -g));
@@ -177,7 +177,7 @@ impl Pushed {
         for (&c, &pull) in self.active.iter().zip(&self.pulls) {
             self.left.iter_mut().zip(&self.eased[c]).for_each(|(x, y)| *x -= pull * y);
         }
-        if self.left.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Restless) }
+        if self.left.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(SingularSystem) }
     }
 
     /// The largest coordinate of the step that is left.
@@ -282,12 +282,12 @@ impl Pushed {
         let n = self.left.len();
         let mut step = self.left.clone();
         let mut pulls = self.pulls.clone();
-        let mut pushed = vec![0.0; n];
+        let mut contact_response = vec![0.0; n];
         for (row, change) in self.jacobian.chunks(n).zip(changes) {
-            pushed.iter_mut().zip(row).for_each(|(x, y)| *x += change * y);
+            contact_response.iter_mut().zip(row).for_each(|(x, y)| *x += change * y);
         }
-        self.yield_to(&mut pushed, Some(&mut pulls));
-        step.iter_mut().zip(&pushed).for_each(|(x, y)| *x += y);
+        self.yield_to(&mut contact_response, Some(&mut pulls));
+        step.iter_mut().zip(&contact_response).for_each(|(x, y)| *x += y);
         let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let part = if part * size > LONGEST { LONGEST / size } else { part };
         for (bend, step) in self.bends.iter_mut().zip(step.chunks(3)) {

@@ -13,7 +13,7 @@ use crate::statics::grid::Grid;
 
 /// An earlier span that this one is when it is turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Twin {
+pub(super) struct RepeatedSpan {
     pub of: usize,
     /// About the z axis.
     pub turn: UnitQuaternion,
@@ -23,19 +23,23 @@ pub(super) struct Twin {
 const ROUNDING: f64 = 1e-13;
 
 /// The first span that each one is like, if any comes before it.
-pub(super) fn find(spans: &[Span], grid: &Grid, steps: &[Range<usize>]) -> Vec<Option<Twin>> {
-    let mut twins: Vec<Option<Twin>> = Vec::with_capacity(spans.len());
+pub(super) fn find(
+    spans: &[Span],
+    grid: &Grid,
+    steps: &[Range<usize>],
+) -> Vec<Option<RepeatedSpan>> {
+    let mut repeated_spans: Vec<Option<RepeatedSpan>> = Vec::with_capacity(spans.len());
     for k in 0..spans.len() {
-        let mut first = (0..k).filter(|&of| twins[of].is_none());
-        let twin = first.find_map(|of| {
+        let mut first = (0..k).filter(|&of| repeated_spans[of].is_none());
+        let repeated = first.find_map(|of| {
             let turn = turn_between(&spans[of], &spans[k])?;
             let turned = turn != UnitQuaternion::IDENTITY;
             rods_alike(grid, steps[of].clone(), steps[k].clone(), turned)
-                .then_some(Twin { of, turn })
+                .then_some(RepeatedSpan { of, turn })
         });
-        twins.push(twin);
+        repeated_spans.push(repeated);
     }
-    twins
+    repeated_spans
 }
 
 /// The turn that takes the holes of one span to those of the other.

@@ -1,12 +1,12 @@
-//! Whether the robot stays in an answer: what is sampled of it, and what holds it.
+//! The stability check of an answer: its sampled sections, and the cables that hold it.
 
 use whipcord_numerics::Pose;
 
 use super::chain::Scales;
 use super::friction::{self, Holes};
-use super::joint::Chord;
 use super::layout::Mesh;
 use super::rod::{self, InSpan};
+use super::span::Chord;
 use super::stability::{Equilibrium, Locked};
 use super::statics::{Problem, Scratch};
 use crate::section::BodyWrench;
@@ -19,7 +19,10 @@ const SLIPS: f64 = 1e-6;
 
 /// Stability of the answer in `scratch`, which is on the mesh of the problem, or why there is none: loads that
 /// follow the body have no energy, and a cable that slides in a hole has no potential.
-pub(super) fn verdict(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<f64, NoStability> {
+pub(super) fn least_eigenvalue(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+) -> Result<f64, NoStability> {
     if !problem.stability {
         return Err(NoStability::NotAsked);
     }
@@ -61,10 +64,10 @@ fn verdict_on(
     let moments = (loaded && applied.any_dead_moment()).then_some((&*applied, &turned[..]));
     let (frame, tensions) = (problem.frame, &pulled[..]);
     let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments };
-    stability.verdict(&at, locked)
+    stability.least_eigenvalue(&at, locked)
 }
 
-/// Whether the robot stays in the equilibrium that the chain holds under this part of its dead loads and without
+/// Whether the equilibrium is stable that the chain holds under this part of its dead loads and without
 /// friction.
 pub(super) fn is_stable(problem: &Problem<'_>, load: f64, scratch: &mut Scratch) -> Option<bool> {
     is_above(problem, -Diagnostics::NEUTRAL, load, scratch)
@@ -107,7 +110,7 @@ fn is_above(problem: &Problem<'_>, bound: f64, load: f64, scratch: &mut Scratch)
     stability.is_above(bound, &at, locked)
 }
 
-/// Whether the robot stays in the equilibrium without load that was found last, as far as its spans may buckle
+/// Whether the equilibrium without load that was found last is stable, as far as its spans may buckle
 /// under their cables: whether no eigenvalue is less than a bound.
 pub(super) fn is_above_without_load(
     problem: &Problem<'_>,

@@ -9,7 +9,7 @@ use whipcord_numerics::Vec3;
 
 use super::chain::{Chain, Node, Scales, Task};
 use super::statics::{Problem, Rod, Scratch, Start, copy_out};
-use super::{stays, unloaded};
+use super::{stability_check, unloaded};
 use crate::section::Fault;
 use crate::section::SectionFault;
 use crate::shape::Diagnostics;
@@ -73,8 +73,8 @@ pub(super) fn solve(
     };
     scratch.chain.trace.stage = Stage::Warm;
     if let Some((linearised, stable)) = near
-        && let Ok(effort) = raise.close(scratch, 1.0, linearised)
-        && (!stable || raise.stays(scratch, 1.0))
+        && let Ok(effort) = raise.newton(scratch, 1.0, linearised)
+        && (!stable || raise.is_stable(scratch, 1.0))
     {
         return Ok(finish(problem, scratch, effort));
     }
@@ -83,7 +83,7 @@ pub(super) fn solve(
     let mut ended = None;
     let mut unstable = None;
     match raise.load(scratch) {
-        Ok(effort) if raise.stays(scratch, 1.0) => return Ok(finish(problem, scratch, effort)),
+        Ok(effort) if raise.is_stable(scratch, 1.0) => return Ok(finish(problem, scratch, effort)),
         Ok(effort) => unstable = Some((Place::of(&scratch.chain), effort)),
         Err(end) => ended = Some(end),
     }
@@ -103,7 +103,7 @@ pub(super) fn solve(
         return Ok(with(finish(problem, scratch, effort)));
     }
     match raise.all(scratch, false) {
-        Ok(effort) if raise.stays(scratch, 1.0) => {
+        Ok(effort) if raise.is_stable(scratch, 1.0) => {
             return Ok(with(finish(problem, scratch, effort)));
         }
         Ok(effort) => unstable = unstable.or_else(|| Some((Place::of(&scratch.chain), effort))),
@@ -127,8 +127,8 @@ pub(super) fn solve(
 /// driven by their length.
 fn start_without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Failure> {
     let mut tensions = scratch.tensions.clone();
-    let mut settled = Rod::without_load(problem, scratch).settle(&mut tensions);
-    if settled.is_err() {
+    let mut converged = Rod::without_load(problem, scratch).converge(&mut tensions);
+    if converged.is_err() {
         for (tension, command) in tensions.iter_mut().zip(problem.commands) {
             *tension = match *command {
                 Command::Tension(given) => given,
@@ -136,21 +136,23 @@ fn start_without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<()
             };
         }
         let slack = Problem { commands: &[], ..*problem };
-        if let Err(failure) = Rod::without_load(&slack, scratch).settle(&mut tensions) {
-            settled = settled.and(Err(failure));
+        if let Err(failure) = Rod::without_load(&slack, scratch).converge(&mut tensions) {
+            converged = converged.and(Err(failure));
         }
     }
     let Scratch { chain, groups, unloaded, .. } = &mut *scratch;
     chain.pull(groups, &tensions);
     chain.start(problem.frame, problem.mesh, &unloaded.wrenches, &unloaded.poses);
-    settled.map(|_| ())
+    converged.map(|_| ())
 }
 
 /// The fraction of the tensions at which a robot without load loses its stability because its cables buckle
 /// spans, by bisection; `None` where it does not. `scratch` holds the answer at all of the tensions.
 pub(super) fn tensions_lost_at(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<f64> {
     let Problem { frame, mesh, .. } = *problem;
-    if stays::is_above_without_load(problem, -Diagnostics::NEUTRAL, scratch) != Some(false) {
+    if stability_check::is_above_without_load(problem, -Diagnostics::NEUTRAL, scratch)
+        != Some(false)
+    {
         return None;
     }
     let all = scratch.tensions.clone();
@@ -163,7 +165,9 @@ pub(super) fn tensions_lost_at(problem: &Problem<'_>, scratch: &mut Scratch) -> 
         pulled.extend(groups.iter().map(|&cable| middle * all[cable]));
         let swept = unloaded.sweep(frame, mesh, pulled, unloaded::From::Nothing, false);
         let bound = -Diagnostics::NEUTRAL;
-        if swept.is_ok() && stays::is_above_without_load(problem, bound, scratch) == Some(true) {
+        if swept.is_ok()
+            && stability_check::is_above_without_load(problem, bound, scratch) == Some(true)
+        {
             low = middle;
         } else {
             high = middle;
@@ -194,7 +198,7 @@ impl Raise<'_> {
     }
 
     /// Closes the chain from where it stands, at a fraction of the load.
-    pub fn close(
+    pub fn newton(
         &self,
         scratch: &mut Scratch,
         load: f64,
@@ -203,13 +207,13 @@ impl Raise<'_> {
         let Scratch { chain, groups, applied, .. } = &mut *scratch;
         chain.trace.steps = self.problem.mesh.grid.len();
         let task = self.task(groups, applied, load);
-        let (iterations, residual) = chain.close(&task, linearised)?;
+        let (iterations, residual) = chain.newton(&task, linearised)?;
         Ok(Effort { iterations, residual })
     }
 
     /// Raises the load to all of it from a chain that is closed without any.
     pub fn load(&self, scratch: &mut Scratch) -> Result<Effort, Ended> {
-        self.path(scratch, |scratch, load| self.close(scratch, load, false))
+        self.path(scratch, |scratch, load| self.newton(scratch, load, false))
     }
 
     /// Raises the load and the commands to all of them from the robot at rest, through stable equilibria only
@@ -243,7 +247,7 @@ impl Raise<'_> {
             chain.pull(groups, &tensions);
             let held = if self.commands.is_empty() { &[][..] } else { &commands };
             let raise = Raise { commands: held, ..*self };
-            let effort = raise.close(scratch, load, false)?;
+            let effort = raise.newton(scratch, load, false)?;
             if steadily { raise.if_stable(scratch, load, effort) } else { Ok(effort) }
         });
         raised.map_err(Some)
@@ -252,13 +256,13 @@ impl Raise<'_> {
     /// Raises the load from one stable equilibrium to the next. Where it ends the chain holds the last one.
     fn steadily(&self, scratch: &mut Scratch) -> Result<Effort, Ended> {
         self.path(scratch, |scratch, load| {
-            let effort = self.close(scratch, load, false)?;
+            let effort = self.newton(scratch, load, false)?;
             self.if_stable(scratch, load, effort)
         })
     }
 
     fn if_stable(&self, scratch: &mut Scratch, load: f64, effort: Effort) -> Result<Effort, Open> {
-        if self.stays(scratch, load) {
+        if self.is_stable(scratch, load) {
             return Ok(effort);
         }
         let Effort { iterations, residual: gap } = effort;
@@ -273,7 +277,7 @@ impl Raise<'_> {
         for _ in 0..LOSS_HALVINGS {
             let middle = 0.5 * (low + high);
             here.restore(scratch);
-            if self.close(scratch, middle, false).is_ok() && self.stays(scratch, middle) {
+            if self.newton(scratch, middle, false).is_ok() && self.is_stable(scratch, middle) {
                 here = Place::of(&scratch.chain);
                 low = middle;
             } else {
@@ -307,13 +311,13 @@ impl Raise<'_> {
             let mut iterations = effort.iterations;
             let taken_away = TAKEN_AWAY.into_iter().try_fold(effort, |_, part| {
                 disturb(scratch, size * part);
-                let effort = self.close(scratch, 1.0, false).ok()?;
+                let effort = self.newton(scratch, 1.0, false).ok()?;
                 iterations += effort.iterations;
                 Some(Effort { iterations, ..effort })
             });
             scratch.applied.clone_from(&kept);
-            found =
-                taken_away.filter(|_| stays::is_nearly_stable(self.problem, scratch) == Some(true));
+            found = taken_away
+                .filter(|_| stability_check::is_nearly_stable(self.problem, scratch) == Some(true));
             if found.is_some() {
                 break;
             }
@@ -322,7 +326,7 @@ impl Raise<'_> {
         found
     }
 
-    /// Under all of the load from shapes bent every way: an equilibrium that the robot stays in.
+    /// Under all of the load from shapes bent every way: a stable equilibrium.
     fn afar(&self, scratch: &mut Scratch, tensions: &[f64]) -> Option<Effort> {
         let Problem { frame, mesh, .. } = *self.problem;
         let unit = Scales::of(frame, mesh).moment;
@@ -336,8 +340,8 @@ impl Raise<'_> {
                 let Scratch { chain, groups, .. } = &mut *scratch;
                 chain.pull(groups, tensions);
                 chain.start_bent(frame, bend, unit);
-                if let Ok(effort) = self.close(scratch, 1.0, false)
-                    && self.stays(scratch, 1.0)
+                if let Ok(effort) = self.newton(scratch, 1.0, false)
+                    && self.is_stable(scratch, 1.0)
                 {
                     return Some(effort);
                 }
@@ -353,18 +357,18 @@ impl Raise<'_> {
         (place, effort): &(Place, Effort),
     ) -> Result<Effort, Open> {
         place.restore(scratch);
-        let last = self.close(scratch, 1.0, false)?;
+        let last = self.newton(scratch, 1.0, false)?;
         Ok(Effort { iterations: effort.iterations + last.iterations, ..last })
     }
 
-    /// Whether the robot stays in the equilibrium that the chain holds under this part of the load; loads that
+    /// Whether the equilibrium is stable that the chain holds under this part of the load; loads that
     /// follow it have no energy to tell, and dead moments alone leave a rod without cables but one shape.
-    fn stays(&self, scratch: &mut Scratch, load: f64) -> bool {
+    fn is_stable(&self, scratch: &mut Scratch, load: f64) -> bool {
         let Scratch { applied, chain, .. } = &*scratch;
         let only_moments = applied.any() && applied.only_dead_moments();
         applied.any_follower()
             || (only_moments && chain.pulled.iter().all(|&tension| tension == 0.0))
-            || stays::is_stable(self.problem, load, scratch).unwrap_or(true)
+            || stability_check::is_stable(self.problem, load, scratch).unwrap_or(true)
     }
 
     fn not_found(&self) -> Failure {
@@ -375,14 +379,14 @@ impl Raise<'_> {
     fn path(
         &self,
         scratch: &mut Scratch,
-        mut close: impl FnMut(&mut Scratch, f64) -> Result<Effort, Open>,
+        mut newton: impl FnMut(&mut Scratch, f64) -> Result<Effort, Open>,
     ) -> Result<Effort, Ended> {
         scratch.chain.trace.stage = Stage::Cold;
         let mut here = Place::of(&scratch.chain);
         let (mut load, mut step, mut iterations) = (0.0, 1.0, 0);
         loop {
             let next = f64::min(load + step, 1.0);
-            match close(scratch, next) {
+            match newton(scratch, next) {
                 Ok(effort) => {
                     iterations += effort.iterations;
                     if next >= 1.0 {

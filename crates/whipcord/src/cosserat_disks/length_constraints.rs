@@ -14,12 +14,12 @@
 use whipcord_numerics::DenseLu;
 
 use super::chain::{Scales, Task};
-use crate::statics::active_set::Foreseen;
+use crate::statics::active_set::ActiveSetPrediction;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
 
 /// The step of the tensions, and memory.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Held {
+pub(super) struct LengthConstraints {
     /// The cables that are driven by their length.
     pub cables: Vec<usize>,
     /// Their `(L, δℓ₀)` by rows.
@@ -30,23 +30,25 @@ pub(super) struct Held {
     matrix: Vec<f64>,
     right: Vec<f64>,
     lu: DenseLu,
-    foreseen: Foreseen,
+    prediction: ActiveSetPrediction,
 }
 
 /// Greatest `min(τ, g)` without dimension.
-pub(super) fn greatest_lack(
+pub(super) fn greatest_residual(
     task: &Task<'_>,
     tensions: &[f64],
     lengths: &[f64],
     scales: &Scales,
 ) -> f64 {
     let units = [scales.force, task.frame.rod.backbone().length];
-    let lack = |(i, command): (usize, &Command)| command.lack(i, tensions, lengths, units);
+    let lack = |(i, command): (usize, &Command)| {
+        command.complementarity_residual(i, tensions, lengths, units)
+    };
     let lacks = task.commands.iter().enumerate().map(lack);
     lacks.fold(0.0, |worst: f64, lack| if lack.is_nan() { f64::INFINITY } else { worst.max(lack) })
 }
 
-impl Held {
+impl LengthConstraints {
     /// Finds the cables.
     pub fn find(&mut self, commands: &[Command]) {
         self.cables.clear();
@@ -66,7 +68,7 @@ impl Held {
     pub fn solve(&mut self, task: &Task<'_>, tensions: &[f64], lengths: &[f64]) -> bool {
         let scales = Scales::of(task.frame, task.mesh);
         let backbone = task.frame.rod.backbone().length;
-        let Self { cables, lengths: by, change, taut, matrix, right, lu, foreseen } = self;
+        let Self { cables, lengths: by, change, taut, matrix, right, lu, prediction } = self;
         let wide = cables.len() + 1;
         change.clear();
         change.resize(cables.len(), 0.0);
@@ -82,12 +84,12 @@ impl Held {
             task.commands[i].slackness(tensions[i], lengths[i]) - by[(row + 1) * wide - 1]
         };
         let tension = |row: usize| tensions[cables[row]];
-        let known = foreseen.solve(cables.len(), tension, gives, slack, units);
+        let known = prediction.solve(cables.len(), tension, gives, slack, units);
         for (row, &i) in cables.iter().enumerate() {
             let led = if known {
-                foreseen.is_pulling(row)
+                prediction.is_pulling(row)
             } else {
-                task.commands[i].is_led(i, tensions, lengths, units)
+                task.commands[i].is_active(i, tensions, lengths, units)
             };
             if led {
                 taut.push(row);

@@ -1,4 +1,4 @@
-//! The rod and what pushes it, iterated together.
+//! The equilibrium of the rod under contact forces, and its response to them.
 //!
 //! Under the wrenches of its contacts alone a robot may buckle though the contacts hold it, so an equilibrium
 //! under given wrenches cannot be asked for. The chain of [`super::chain`] instead takes one step of Newton's
@@ -8,7 +8,7 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Chain, Task};
 use super::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench};
-use super::loaded::{Aim, Shot};
+use super::loaded::{Target, Trajectory};
 use super::model::{Cosserat, Workspace};
 use super::newton::Scales;
 use super::refinement::COARSE_STEPS;
@@ -35,10 +35,10 @@ const MAX_HALVINGS: usize = 5;
 
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Pushed {
-    site: Option<Site>,
+pub(super) struct ContactResponse {
+    contact_grid: Option<ContactGrid>,
     chain: Chain,
-    shot: Shot,
+    trajectory: Trajectory,
     workspace: Workspace,
     /// Frames at the ends of all steps, in the frame of the base.
     pub poses: Vec<Pose>,
@@ -54,15 +54,15 @@ pub(super) struct Pushed {
 /// What it is to be kept for, to go back to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
-    site: Option<Site>,
+    contact_grid: Option<ContactGrid>,
     state: State,
-    shot: Shot,
+    trajectory: Trajectory,
     poses: Vec<Pose>,
 }
 
 /// Where its nodes are.
 #[derive(Clone, Debug)]
-struct Site {
+struct ContactGrid {
     model: Cosserat,
     grid: Grid,
     halvings: usize,
@@ -80,13 +80,13 @@ struct Linear {
     /// The place in these of each push.
     place_of: Vec<usize>,
     /// How everything moves with each component of a wrench on each of these nodes.
-    pushed: Vec<Motion>,
+    contact_response: Vec<Motion>,
 }
 
-impl Pushed {
+impl ContactResponse {
     /// Forgets where it stands.
     pub fn reset(&mut self) {
-        (self.site, self.linear) = (None, None);
+        (self.contact_grid, self.linear) = (None, None);
     }
 
     /// Looks at a case in which wrenches on the places `pushes` are among the loads. Where it is, its steps do
@@ -101,37 +101,40 @@ impl Pushed {
     ) -> Result<(), SolveError> {
         self.linear = None;
         let halvings = self.halvings;
-        let stands = |site: &Site| {
-            site.halvings == halvings && site.pushes == pushes && site.stations == stations
+        let stands = |contact_grid: &ContactGrid| {
+            contact_grid.halvings == halvings
+                && contact_grid.pushes == pushes
+                && contact_grid.stations == stations
         };
-        let before = match self.site.take() {
-            Some(site) if stands(&site) => {
-                self.site = Some(site);
+        let before = match self.contact_grid.take() {
+            Some(contact_grid) if stands(&contact_grid) => {
+                self.contact_grid = Some(contact_grid);
                 None
             }
             before => {
-                self.site = Some(Site::new(robot, options, case, halvings, stations, pushes)?);
+                self.contact_grid =
+                    Some(ContactGrid::new(robot, options, case, halvings, stations, pushes)?);
                 Some(before)
             }
         };
-        let Some(site) = &self.site else { return Ok(()) };
-        site.model.accept(case, &mut self.workspace)?;
+        let Some(contact_grid) = &self.contact_grid else { return Ok(()) };
+        contact_grid.model.accept(case, &mut self.workspace)?;
         let Workspace { scratch, commands, .. } = &mut self.workspace;
-        let grid = &site.grid;
+        let grid = &contact_grid.grid;
         scratch.applied.gather(grid, &case.loads, case.base.rotation);
         let fault = |tensions: &[f64], fault: Fault| {
-            site.model.explain(Failure::of_section(fault, tensions, 1.0), commands)
+            contact_grid.model.explain(Failure::of_section(fault, tensions, 1.0), commands)
         };
         match before {
             None => {}
             Some(Some(before)) => {
                 let arcs = before.arc_lengths();
-                self.chain.state = carried(&self.chain.state, &arcs, &site.arc_lengths());
+                self.chain.state = carried(&self.chain.state, &arcs, &contact_grid.arc_lengths());
                 let behind = |k: usize| {
                     let middle = grid.steps[k].start + 0.5 * grid.steps[k].length;
                     arcs.partition_point(|&s| s <= middle).clamp(1, before.grid.len()) - 1
                 };
-                self.shot.regrid((0..grid.len()).map(behind));
+                self.trajectory.regrid((0..grid.len()).map(behind));
             }
             Some(None) => {
                 let rest = vec![0.0; commands.len()];
@@ -139,15 +142,15 @@ impl Pushed {
                 unloaded.sweep(grid, &rest, false, false).map_err(|f| fault(&rest, f))?;
                 unloaded.integrate(grid, &mut self.poses);
                 self.chain.state = State { load: 1.0, ..State::unloaded(&self.poses, &rest) };
-                self.shot.seed(grid, &unloaded.strains);
+                self.trajectory.seed(grid, &unloaded.strains);
             }
         }
-        self.shot.steps_left = usize::MAX;
+        self.trajectory.steps_left = usize::MAX;
         if let Some(answer) = warm {
-            match near(answer, site, &scratch.applied, &mut self.shot) {
+            match near(answer, contact_grid, &scratch.applied, &mut self.trajectory) {
                 Some(state) => self.chain.state = state,
                 // A shot that fails leaves no strains to start the sections from.
-                None => self.shot.seed(grid, &scratch.unloaded.strains),
+                None => self.trajectory.seed(grid, &scratch.unloaded.strains),
             }
         }
         let task = Task {
@@ -163,22 +166,22 @@ impl Pushed {
                 *tension = *given;
             }
         }
-        let looked = self.chain.shoot(&task, &mut self.shot);
+        let looked = self.chain.shoot(&task, &mut self.trajectory);
         self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
-        self.shot.measure(grid);
+        self.trajectory.measure(grid);
         self.chain.poses(&mut self.poses);
         Ok(())
     }
 
     /// How many steps it has from base to tip.
     pub fn steps(&self) -> usize {
-        self.site.as_ref().map_or(0, |site| site.grid.len())
+        self.contact_grid.as_ref().map_or(0, |contact_grid| contact_grid.grid.len())
     }
 
     /// The frame of a station or place of a push.
     pub fn pose(&self, arc_length: f64) -> Pose {
-        let Some(site) = &self.site else { return Pose::IDENTITY };
-        self.poses[site.node(arc_length)]
+        let Some(contact_grid) = &self.contact_grid else { return Pose::IDENTITY };
+        self.poses[contact_grid.node(arc_length)]
     }
 
     /// Linearises the equations where it stands.
@@ -186,21 +189,21 @@ impl Pushed {
         if self.linear.is_some() {
             return Ok(());
         }
-        let Some(site) = &self.site else { return Ok(()) };
-        let Site { model, grid, .. } = site;
+        let Some(contact_grid) = &self.contact_grid else { return Ok(()) };
+        let ContactGrid { model, grid, .. } = contact_grid;
         let Workspace { scratch, commands, .. } = &self.workspace;
         let State { nodes, tensions, .. } = &self.chain.state;
         let start =
             |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
         let starts: Vec<Wrench> = nodes.iter().map(start).collect();
         let units = Scales::of(grid, robot.backbone().length).of_cables();
-        let lengths = &self.shot.lengths;
+        let lengths = &self.trajectory.lengths;
         let taut: Vec<bool> = commands
             .iter()
             .enumerate()
             .map(|(i, command)| {
                 if command.is_length() {
-                    command.is_led(i, tensions, lengths, units)
+                    command.is_active(i, tensions, lengths, units)
                 } else {
                     tensions[i] > 0.0
                 }
@@ -219,7 +222,7 @@ impl Pushed {
             poses: &self.poses,
             base_wrench: Wrench { force: base_force, ..starts[0] },
             starts: Some(&starts),
-            strains: self.shot.strains(),
+            strains: self.trajectory.strains(),
         };
         let derivatives = Derivatives::of(&solved, &[]).map_err(|error| match error {
             NoDerivatives::Fault(fault) => {
@@ -235,8 +238,8 @@ impl Pushed {
             .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
             .collect();
         let closing = derivatives.closing(&gaps, tensions, &taut, &slackness);
-        let (nodes, place_of, pushed) = (Vec::new(), Vec::new(), Vec::new());
-        self.linear = Some(Linear { derivatives, closing, nodes, place_of, pushed });
+        let (nodes, place_of, contact_response) = (Vec::new(), Vec::new(), Vec::new());
+        self.linear = Some(Linear { derivatives, closing, nodes, place_of, contact_response });
         Ok(())
     }
 
@@ -250,27 +253,30 @@ impl Pushed {
     ) {
         compliance.clear();
         drift.clear();
-        let (Some(site), Some(linear)) = (&self.site, &mut self.linear) else { return };
-        let Linear { derivatives, closing, nodes, place_of, pushed } = linear;
-        let of_pushes: Vec<usize> = places.map(|at| site.node(at)).collect();
+        let (Some(contact_grid), Some(linear)) = (&self.contact_grid, &mut self.linear) else {
+            return;
+        };
+        let Linear { derivatives, closing, nodes, place_of, contact_response } = linear;
+        let of_pushes: Vec<usize> = places.map(|at| contact_grid.node(at)).collect();
         nodes.clone_from(&of_pushes);
         nodes.sort_unstable();
         nodes.dedup();
         place_of.clear();
         place_of.extend(of_pushes.iter().map(|node| nodes.partition_point(|other| other < node)));
-        pushed.clear();
+        contact_response.clear();
         let components = nodes.iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
-        pushed.extend(components.map(|(node, i)| derivatives.pushed(node, unit_wrench(i))));
+        contact_response
+            .extend(components.map(|(node, i)| derivatives.contact_response(node, unit_wrench(i))));
         let rates = |motion: &Motion, node: usize| {
             let twist = motion.nodes[node].twist();
             let parts = [twist.linear, twist.angular].map(<[f64; 3]>::from);
             core::array::from_fn::<f64, 6, _>(|a| parts[a / 3][a % 3])
         };
-        let mut columns: Vec<[f64; 6]> = Vec::with_capacity(pushed.len());
+        let mut columns: Vec<[f64; 6]> = Vec::with_capacity(contact_response.len());
         for &node in &of_pushes {
             drift.extend(rates(closing, node));
             columns.clear();
-            columns.extend(pushed.iter().map(|motion| rates(motion, node)));
+            columns.extend(contact_response.iter().map(|motion| rates(motion, node)));
             for a in 0..6 {
                 for &place in place_of.iter() {
                     compliance.extend(columns[6 * place..6 * place + 6].iter().map(|x| x[a]));
@@ -281,14 +287,14 @@ impl Pushed {
 
     /// Takes a part of Newton's step, with what changes of the pushes do.
     pub fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
-        let Some(Linear { closing, place_of, pushed, .. }) = &self.linear else { return };
+        let Some(Linear { closing, place_of, contact_response, .. }) = &self.linear else { return };
         let mut motion = closing.clone();
-        let mut together = vec![0.0; pushed.len()];
+        let mut together = vec![0.0; contact_response.len()];
         for (&place, change) in place_of.iter().zip(changes) {
             let of_node = &mut together[6 * place..6 * place + 6];
             of_node.iter_mut().zip(change).for_each(|(sum, change)| *sum += change);
         }
-        for (column, &change) in pushed.iter().zip(&together) {
+        for (column, &change) in contact_response.iter().zip(&together) {
             motion.add(change, column);
         }
         let most = motion.nodes.iter().map(|node| node.turn.norm()).fold(0.0, f64::max);
@@ -316,45 +322,46 @@ impl Pushed {
 
     /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.
     pub fn stands(&mut self) -> bool {
-        let Some(site) = &self.site else { return true };
+        let Some(contact_grid) = &self.contact_grid else { return true };
         let Workspace { scratch, commands, .. } = &self.workspace;
         let task = Task {
-            grid: &site.grid,
+            grid: &contact_grid.grid,
             loads: &scratch.applied,
             commands,
-            length: site.model.robot.backbone().length,
-            tolerance: site.model.options.residual,
-            cancel: &site.model.options.cancel,
+            length: contact_grid.model.robot.backbone().length,
+            tolerance: contact_grid.model.options.residual,
+            cancel: &contact_grid.model.options.cancel,
         };
-        let negative = self.chain.is_determinant_negative(&task, &mut self.shot);
+        let negative = self.chain.is_determinant_negative(&task, &mut self.trajectory);
         !negative.unwrap_or(false)
     }
 
     pub fn keep(&self, kept: &mut Kept) {
-        kept.site.clone_from(&self.site);
+        kept.contact_grid.clone_from(&self.contact_grid);
         kept.state.clone_from(&self.chain.state);
-        kept.shot.clone_from(&self.shot);
+        kept.trajectory.clone_from(&self.trajectory);
         kept.poses.clone_from(&self.poses);
     }
 
     pub fn go_back(&mut self, kept: &Kept) {
         self.linear = None;
-        self.site.clone_from(&kept.site);
+        self.contact_grid.clone_from(&kept.contact_grid);
         self.chain.state.clone_from(&kept.state);
-        self.shot.clone_from(&kept.shot);
+        self.trajectory.clone_from(&kept.trajectory);
         self.poses.clone_from(&kept.poses);
     }
 
     /// Halves the steps if the answer is not yet known to the tolerance; `false` if it is, or if the steps
     /// are given.
     pub fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError> {
-        let (Accuracy::Tolerance(tolerance), Some(site)) = (accuracy, &self.site) else {
+        let (Accuracy::Tolerance(tolerance), Some(contact_grid)) = (accuracy, &self.contact_grid)
+        else {
             return Ok(false);
         };
-        let Site { grid, pushes, model, .. } = site;
+        let ContactGrid { grid, pushes, model, .. } = contact_grid;
         let tolerance = tolerance * model.robot.backbone().length;
         if let Some((coarse, _)) = self.coarse.as_ref().filter(|(_, there)| there == pushes) {
-            let error = coarse.change(grid, &self.poses, &self.shot.lengths) / ERROR_RATIO;
+            let error = coarse.change(grid, &self.poses, &self.trajectory.lengths) / ERROR_RATIO;
             if error <= tolerance {
                 self.error = Some(error);
                 return Ok(false);
@@ -364,7 +371,7 @@ impl Pushed {
             }
         }
         let mut coarse = Coarse::default();
-        coarse.keep(grid, &self.poses, &self.shot.lengths);
+        coarse.keep(grid, &self.poses, &self.trajectory.lengths);
         self.coarse = Some((coarse, pushes.clone()));
         self.halvings += 1;
         Ok(true)
@@ -372,10 +379,10 @@ impl Pushed {
 
     /// The answer at stations of the model, where it stands.
     pub fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
-        let Some(Site { model, grid, .. }) = &self.site else { return Ok(None) };
+        let Some(ContactGrid { model, grid, .. }) = &self.contact_grid else { return Ok(None) };
         let scratch = &mut self.workspace.scratch;
         scratch.poses.clone_from(&self.poses);
-        scratch.lengths.clone_from(&self.shot.lengths);
+        scratch.lengths.clone_from(&self.trajectory.lengths);
         scratch.tensions.clone_from(&self.chain.state.tensions);
         let base = self.chain.state.nodes[0];
         scratch.base_wrench =
@@ -388,8 +395,8 @@ impl Pushed {
 impl Kept {
     /// The frame of a cross-section, between two nodes on the line that joins them.
     pub fn pose(&self, arc_length: f64) -> Pose {
-        let Some(site) = &self.site else { return Pose::IDENTITY };
-        let arcs = site.arc_lengths();
+        let Some(contact_grid) = &self.contact_grid else { return Pose::IDENTITY };
+        let arcs = contact_grid.arc_lengths();
         let after = arcs.partition_point(|&s| s < arc_length).clamp(1, arcs.len() - 1);
         let (a, b) = (self.poses[after - 1], self.poses[after]);
         let part = (arc_length - arcs[after - 1]) / (arcs[after] - arcs[after - 1]);
@@ -401,7 +408,7 @@ impl Kept {
     }
 }
 
-impl Site {
+impl ContactGrid {
     fn new(
         robot: &Robot,
         options: &Options,
@@ -470,26 +477,31 @@ fn carried(state: &State, from: &[f64], to: &[f64]) -> State {
 }
 
 /// Where an answer stood, by one shot with the wrench at its base.
-fn near(answer: &Solution, site: &Site, loads: &AppliedLoads, shot: &mut Shot) -> Option<State> {
+fn near(
+    answer: &Solution,
+    contact_grid: &ContactGrid,
+    loads: &AppliedLoads,
+    trajectory: &mut Trajectory,
+) -> Option<State> {
     let base = answer.base_wrench?;
     let tension =
         |&cable: &usize| answer.cables.get(cable).and_then(|state| state.tension).unwrap_or(0.0);
-    let tensions: Vec<f64> = site.model.layout.order.iter().map(tension).collect();
-    let aim = Aim {
+    let tensions: Vec<f64> = contact_grid.model.layout.order.iter().map(tension).collect();
+    let target = Target {
         tensions: &tensions,
         base_moment: base.moment,
         follower_force: loads.follower_share(base.force),
         load: 1.0,
         sample: true,
     };
-    shot.fire(&site.grid, loads, &aim).ok()?;
+    trajectory.shoot(&contact_grid.grid, loads, &target).ok()?;
     let start = |k: usize| Node {
-        rotation: shot.poses[k].rotation,
-        moment: shot.samples[3 * k].wrench.angular,
-        force: aim.follower_force,
+        rotation: trajectory.poses[k].rotation,
+        moment: trajectory.samples[3 * k].wrench.angular,
+        force: target.follower_force,
     };
-    let steps = site.grid.len();
-    let tip = Node { rotation: shot.poses[steps].rotation, ..Node::default() };
+    let steps = contact_grid.grid.len();
+    let tip = Node { rotation: trajectory.poses[steps].rotation, ..Node::default() };
     let nodes = (0..steps).map(start).chain([tip]).collect();
     Some(State { nodes, tensions, load: 1.0 })
 }
