@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use whipcord::camera::Camera;
+use whipcord_estimation::camera::Camera;
 use whipcord_io::read_photograph;
 use whipcord_vision::{Photo, PhotoError};
 

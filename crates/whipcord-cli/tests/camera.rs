@@ -9,8 +9,8 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 use support::{Scratch, fail, robot, succeed};
-use whipcord::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord::{Pose, UnitQuaternion, Vec3};
+use whipcord_estimation::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord_io::{CameraFormat, camera_text, load_camera};
 use whipcord_vision::Photo;
 use whipcord_vision::boards::Board;

@@ -8,8 +8,9 @@ use std::path::Path;
 
 use serde_json::Value;
 use support::{Scratch, fail, root, succeed};
-use whipcord::camera::{Camera, Lens, Orthographic};
-use whipcord::{Drive, Model, ModelKind, Pose, Seen, Stations, UnitQuaternion, Vec3};
+use whipcord::{Drive, Model, ModelKind, Pose, Stations, UnitQuaternion, Vec3};
+use whipcord_estimation::Seen;
+use whipcord_estimation::camera::{Camera, Lens, Orthographic};
 use whipcord_io::{CameraFormat, camera_text, load};
 use whipcord_vision::Photo;
 use whipcord_vision::render::{Blur, Noise, Occluder, Rendered, Scene};

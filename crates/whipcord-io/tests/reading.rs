@@ -7,9 +7,10 @@ use std::path::Path;
 
 use whipcord::{
     Along, CableCommand, DistributedLoad, Drive, Interpolation, LoadFrame, Model, ModelKind,
-    Observation, Place, PointLoad, PointMass, Pose, Profile, RestCurvature, Robot, Routing,
-    Section, Seen, Shortening, Statics as _, Stations, Stiffness, UnitQuaternion, Vec3,
+    PointLoad, PointMass, Pose, Profile, RestCurvature, Robot, Routing, Section, Shortening,
+    Statics as _, Stations, Stiffness, UnitQuaternion, Vec3,
 };
+use whipcord_estimation::{Observation, Place, Seen};
 use whipcord_io::{CaseFile, MeasuredDisk, load, parse};
 
 use common::folder;

@@ -3,9 +3,9 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use core::f64::consts::TAU;
-use whipcord::camera::Camera;
-use whipcord::observation::{InImage, Overlaid, Rms};
 use whipcord::{Robot, Solution, Vec3};
+use whipcord_estimation::camera::Camera;
+use whipcord_estimation::observation::{InImage, Overlaid, Rms};
 
 use crate::body::{Body, Disk, Part};
 use crate::colour::Colour;

@@ -7,8 +7,8 @@ mod common;
 use common::{before, prototype, towards, view};
 use resvg::tiny_skia::Pixmap;
 use resvg::usvg::roxmltree::Document;
-use whipcord::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord::{ModelKind, Pose, Robot, UnitQuaternion, Vec3};
+use whipcord_estimation::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord_plot::{
     OverlayOptions, Photograph, PlotError, RobotView, ViewStyle, overlay_figure, png,
 };

@@ -3,7 +3,7 @@
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use whipcord::Pose;
-use whipcord::camera::{self, Lens, Sought};
+use whipcord_estimation::camera::{self, Lens, Sought};
 use whipcord_vision::boards::{self, Corner, SeenBoard, Unseen, calibration};
 
 use crate::camera::{Camera, sightings};

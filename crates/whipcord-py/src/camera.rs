@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use whipcord::camera::{
+use whipcord::{Pose, UnitQuaternion, Vec3};
+use whipcord_estimation::camera::{
     self, CameraError, Distortion, Lens, LocateError, Orthographic, Pinhole, Sighting, ViewError,
 };
-use whipcord::{Pose, UnitQuaternion, Vec3};
 use whipcord_io::CameraFormat;
 
 use crate::convert::array;

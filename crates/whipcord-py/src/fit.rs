@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use whipcord::Model as Method;
-use whipcord::identification::{
+use whipcord_cli::fitting::{self, moves_unasked, not_converged};
+use whipcord_estimation::identification::{
     Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, compare_models,
     cross_validate, identify,
 };
-use whipcord::registration::Alignment;
-use whipcord_cli::fitting::{self, moves_unasked, not_converged};
+use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit};
 
 use crate::errors;
@@ -140,12 +140,12 @@ impl Fitted {
     /// and the number of its camera.
     fn places(&self) -> Vec<(usize, usize, f64, Option<usize>)> {
         let fitting::Fit { cases, experiments, found, .. } = &self.inner;
-        let place = |residual: &whipcord::identification::Residual| {
+        let place = |residual: &whipcord_estimation::identification::Residual| {
             let seen = &experiments[residual.experiment].observations[residual.observation];
             let arc_length = seen.place.arc_length(cases[residual.experiment].robot.disks());
             let camera = match seen.seen {
-                whipcord::Seen::Pixel { camera, .. } => Some(camera),
-                whipcord::Seen::Position(_) => None,
+                whipcord_estimation::Seen::Pixel { camera, .. } => Some(camera),
+                whipcord_estimation::Seen::Position(_) => None,
             };
             (residual.experiment, seen.step, arc_length, camera)
         };

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use whipcord::observation::{self, Distances};
-use whipcord::registration::Alignment;
-use whipcord::{Observation, Place, Pose, Seen, Vec3};
+use whipcord::{Pose, Vec3};
+use whipcord_estimation::observation::{self, Distances};
+use whipcord_estimation::registration::Alignment;
+use whipcord_estimation::{Observation, Place, Seen};
 use whipcord_io::{Measured, MeasuringCamera};
 
 use crate::camera::Camera;

@@ -5,10 +5,9 @@ use std::sync::Arc;
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use whipcord::observation::{self, InImage, Overlaid, Rms, in_image};
-use whipcord::{
-    Case, Drive, Model, ModelKind, Observation, Place, Seen, SolveError, Stations, Vec3,
-};
+use whipcord::{Case, Drive, Model, ModelKind, SolveError, Stations, Vec3};
+use whipcord_estimation::observation::{self, InImage, Overlaid, Rms, in_image};
+use whipcord_estimation::{Observation, Place, Seen};
 use whipcord_plot::{
     FINE_STATIONS, OverlayOptions, Photograph, PlotError, RobotView, overlay_figure,
 };

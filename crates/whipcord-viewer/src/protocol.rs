@@ -402,7 +402,7 @@ pub enum Malformed {
     Id(u64),
     /// A model that is not known.
     #[error(transparent)]
-    Model(#[from] whipcord::model::UnknownModel),
+    Model(#[from] whipcord::kind::UnknownModel),
     /// Too many models.
     #[error("{given} models are asked for, of the {all} that there are")]
     Models {

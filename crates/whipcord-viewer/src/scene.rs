@@ -1,12 +1,12 @@
 //! A robot file as the page is told of it.
 
-use whipcord::observation::{in_space, measured_in_world};
-use whipcord::registration::Alignment;
 use whipcord::variant::Variant;
 use whipcord::{
     Drive, LoadFrame, Model, ModelKind, ModelVariant, Prepared, Robot, Section, SolveError,
     Stations, Vec3,
 };
+use whipcord_estimation::observation::{in_space, measured_in_world};
+use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, FileWarning, Measured};
 use whipcord_plot::{CableCourse, plates_of};
 

@@ -14,12 +14,14 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use whipcord::camera::{Camera, Distortion, Lens, LocateError, Pinhole, Sighting, locate};
-use whipcord::observation::{in_image, overlay};
 use whipcord::{
-    Drive, Model, ModelKind, Observation, Place, Pose, Robot, Seen, Shape, Solution, Stations,
-    UnitQuaternion, Vec3,
+    Drive, Model, ModelKind, Pose, Robot, Shape, Solution, Stations, UnitQuaternion, Vec3,
 };
+use whipcord_estimation::camera::{
+    Camera, Distortion, Lens, LocateError, Pinhole, Sighting, locate,
+};
+use whipcord_estimation::observation::{in_image, overlay};
+use whipcord_estimation::{Observation, Place, Seen};
 use whipcord_io::CaseFile;
 use whipcord_vision::detect::{Base, Expected, Kind, Mark, Search, find, in_order};
 use whipcord_vision::render::{Blur, Light, Noise, Rendered, Scene};

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use whipcord_numerics::Vec3;
 
-use crate::digits::{Round, millimetres, newtons, share, significant};
+use crate::format::{Round, millimetres, newtons, share, significant};
 use crate::kind::ModelKind;
 use crate::robot::{RobotError, in_words};
 use crate::shape::Part;

@@ -11,7 +11,6 @@
 //! only for a [`batch`].
 
 pub mod batch;
-pub mod camera;
 mod cancel;
 pub mod case;
 pub mod constant_curvature;
@@ -19,31 +18,26 @@ mod contact;
 pub mod cosserat;
 pub mod cosserat_disks;
 pub mod differences;
-mod digits;
 pub mod error;
+pub mod format;
 pub mod four_bar;
-pub mod identification;
 pub mod kind;
 pub mod kinematics;
 pub mod linkage;
 pub mod model;
-pub mod observation;
 pub mod obstacle;
 pub mod parameter;
 pub mod piecewise_constant_curvature;
 pub mod pseudo_rigid_body;
 mod refusal;
-pub mod registration;
 pub mod robot;
-mod section;
+pub mod section;
 pub mod shape;
 mod statics;
 pub mod stations;
-mod uncertainty;
 pub mod variant;
 pub mod warning;
 
-pub use camera::{Camera, Lens};
 pub use cancel::Cancel;
 pub use case::{
     CableCommand, Case, DistributedLoad, Drive, LoadFrame, Loads, PointLoad, PointMass, Profile,
@@ -52,7 +46,6 @@ pub use case::{
 pub use error::{LengthMiss, Obstruction, SolveError};
 pub use kind::{CommandDerivatives, ModelKind};
 pub use model::{Differentiable, Model, Prepared, at_rest};
-pub use observation::{Observation, Place, Seen};
 pub use obstacle::{Form, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use robot::{

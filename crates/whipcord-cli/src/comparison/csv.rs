@@ -1,7 +1,7 @@
 //! Every number of a comparison, in SI.
 
-use whipcord::observation::Distances;
 use whipcord::{Shape, Vec3};
+use whipcord_estimation::observation::Distances;
 use whipcord_io::{Cell, CsvTable};
 
 use super::study::{Commands, Solved, Study};

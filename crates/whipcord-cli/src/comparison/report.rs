@@ -1,7 +1,7 @@
 //! The report: one HTML file that needs no other and no network.
 
 use whipcord::CableState;
-use whipcord::observation::Distances;
+use whipcord_estimation::observation::Distances;
 
 use super::study::{Commands, FAR, Study};
 use super::tables::{self, OUTLIER, each_once, not_compared, with_mark};

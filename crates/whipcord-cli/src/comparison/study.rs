@@ -1,7 +1,7 @@
 //! One case solved by every model that can take it.
 
-use whipcord::observation::{Distances, Incomparable, distances};
 use whipcord::{Case, Drive, Model, ModelKind, Robot, Shape, Solution, SolveError, Stations, Vec3};
+use whipcord_estimation::observation::{Distances, Incomparable, distances};
 
 use crate::deadline;
 use crate::steps;

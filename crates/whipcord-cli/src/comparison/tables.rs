@@ -1,7 +1,7 @@
 //! What the models say, in tables for people.
 
-use whipcord::observation::Distances;
 use whipcord::{ModelKind, Pose};
+use whipcord_estimation::observation::Distances;
 use whipcord_io::Measured;
 
 use super::study::{Commands, Run, Solved, Study};

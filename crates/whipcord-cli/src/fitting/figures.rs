@@ -1,6 +1,7 @@
 //! The fitted robot with what was measured, and what is left of the markers, drawn.
 
-use whipcord::{Seen, Solution, Stations};
+use whipcord::{Solution, Stations};
+use whipcord_estimation::Seen;
 use whipcord_plot::{
     Acting, AxisSpec, Chart, FINE_STATIONS, FigureOptions, Layer, PlotError, RobotView, Series,
     label, robot_figure,

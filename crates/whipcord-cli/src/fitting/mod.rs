@@ -8,11 +8,11 @@ pub(crate) mod tables;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use whipcord::identification::{
+use whipcord::{Case, Model, Robot, Warning};
+use whipcord_estimation::identification::{
     Compared, Experiment, Identified, Quantity, Unknown, Unstable, Validated,
 };
-use whipcord::registration::Alignment;
-use whipcord::{Case, Model, Robot, Warning};
+use whipcord_estimation::registration::Alignment;
 use whipcord_io::{
     AnswerOf, CaseFile, FileWarning, NonFinite, fit_json, status_words, warnings_json,
 };

@@ -1,8 +1,9 @@
 //! Whether markers are numbered from the wrong end.
 
-use whipcord::identification::Unknown;
-use whipcord::observation::{is_reversed, places};
-use whipcord::{Drive, Model, ModelKind, Observation, Seen, Stations, Vec3};
+use whipcord::{Drive, Model, ModelKind, Stations, Vec3};
+use whipcord_estimation::identification::Unknown;
+use whipcord_estimation::observation::{is_reversed, places};
+use whipcord_estimation::{Observation, Seen};
 use whipcord_io::CaseFile;
 
 use super::moves_base;

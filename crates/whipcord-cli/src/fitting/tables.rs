@@ -1,7 +1,7 @@
 //! A fit in tables, for people and as CSV.
 
-use whipcord::identification::{Estimate, Unknown};
-use whipcord::{Observation, Seen};
+use whipcord_estimation::identification::{Estimate, Unknown};
+use whipcord_estimation::{Observation, Seen};
 use whipcord_io::{CaseFile, Cell, CsvTable};
 
 use super::Fit;

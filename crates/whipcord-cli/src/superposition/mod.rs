@@ -3,8 +3,8 @@
 pub mod seen;
 pub mod tables;
 
-use whipcord::observation::Overlaid;
 use whipcord::{ModelKind, SolveError};
+use whipcord_estimation::observation::Overlaid;
 
 /// A model on the case of a photograph.
 #[derive(Debug)]

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use whipcord::Vec3;
-use whipcord::camera::Camera;
-use whipcord::observation::InImage;
+use whipcord_estimation::camera::Camera;
+use whipcord_estimation::observation::InImage;
 use whipcord_io::{CaseFile, MeasuringCamera, load_camera};
 
 use crate::failure::Failure;

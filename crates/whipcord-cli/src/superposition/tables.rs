@@ -1,6 +1,6 @@
 //! The distances between models and photograph as tables.
 
-use whipcord::observation::{InImage, Rms};
+use whipcord_estimation::observation::{InImage, Rms};
 use whipcord_io::{Cell, CsvTable};
 
 use super::Run;

@@ -3,8 +3,8 @@
 use core::fmt;
 use core::str::FromStr;
 
-use whipcord::observation::{Apart, distances, in_space};
 use whipcord::{Cancel, Drive, Model, ModelKind, Routing, Solution, SolveError, Stations};
+use whipcord_estimation::observation::{Apart, distances, in_space};
 
 use super::{Miss, Subject};
 use crate::statistics::root_mean_square;

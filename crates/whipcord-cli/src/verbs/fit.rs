@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use whipcord::identification::{
+use whipcord::{Model, ModelKind, Stations};
+use whipcord_estimation::identification::{
     Experiment, Identified, IdentifyError, Quantity, Robustness, Settings, Unknown, compare_models,
     cross_validate, identify,
 };
-use whipcord::registration::Alignment;
-use whipcord::{Model, ModelKind, Stations};
+use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, quantity};
 
 use crate::chosen::{Actuation, drive, model_parser};
@@ -281,7 +281,7 @@ fn same_robot(cases: &[CaseFile]) -> Result<(), Failure> {
 
 /// With the file in place of the number of the case.
 fn failure(cases: &[CaseFile], error: &IdentifyError) -> Failure {
-    use whipcord::identification::NoAnswerReason as Reason;
+    use whipcord_estimation::identification::NoAnswerReason as Reason;
     match error {
         IdentifyError::NoAnswerAtStart(answer) => {
             let path = cases[answer.experiment].path.display();

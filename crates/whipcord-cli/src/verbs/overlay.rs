@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use whipcord::observation::{self, InImage, in_image};
 use whipcord::{Case, Drive, Model, ModelKind, SolveError, Stations};
+use whipcord_estimation::observation::{self, InImage, in_image};
 use whipcord_io::{AnswerOf, CaseFile, load_markers};
 use whipcord_plot::{
     Colour, DistanceSeries, FINE_STATIONS, Marker as Sign, OverlayOptions, Photograph as Stored,

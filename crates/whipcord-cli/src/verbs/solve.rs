@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::RangedU64ValueParser;
-use whipcord::observation::measured_in_world;
 use whipcord::{Drive, Model, NoStability, Shape, Solution, Stations};
+use whipcord_estimation::observation::measured_in_world;
 use whipcord_io::{Beside, CaseFile, Measured, answer_json, shape_csv, steps_csv, warnings_json};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 

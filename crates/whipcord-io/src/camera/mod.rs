@@ -6,7 +6,7 @@ mod write;
 
 use std::path::Path;
 
-use whipcord::camera::Camera;
+use whipcord_estimation::camera::Camera;
 
 use crate::error::{FileError, FileProblem, Problems};
 use crate::files;

@@ -1,7 +1,7 @@
 //! What a camera file says, as a camera.
 
-use whipcord::camera::{Camera, CameraError, Distortion, Lens, Orthographic, Pinhole};
 use whipcord::{Pose, UnitQuaternion, Vec3};
+use whipcord_estimation::camera::{Camera, CameraError, Distortion, Lens, Orthographic, Pinhole};
 
 use super::tree::{Node, Value};
 use crate::error::{FileProblem, Problems};

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use whipcord::Pose;
-use whipcord::camera::{Camera, Lens};
+use whipcord_estimation::camera::{Camera, Lens};
 
 use super::read::{CENTRE, PROJECTION, SCALE};
 

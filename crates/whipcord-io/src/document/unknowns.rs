@@ -1,6 +1,6 @@
 //! What is to be estimated as the table `[fit]`.
 
-use whipcord::identification::Unknown;
+use whipcord_estimation::identification::Unknown;
 
 use super::{Item, Table};
 use crate::read::Fit;

@@ -1,5 +1,5 @@
 use serde_json::{Value, json};
-use whipcord::identification::{Compared, Identified, Status, Validated};
+use whipcord_estimation::identification::{Compared, Identified, Status, Validated};
 
 use super::NonFinite;
 use super::json::{number, numbers, optional};

@@ -1,4 +1,4 @@
-use whipcord::identification::{Prior, Quantity, Unknown};
+use whipcord_estimation::identification::{Prior, Quantity, Unknown};
 
 use crate::check::Fields;
 use crate::error::{FileProblem, Problems};

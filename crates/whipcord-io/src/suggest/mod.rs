@@ -5,7 +5,7 @@ mod choices;
 mod remedy;
 
 use whipcord::Parameter;
-use whipcord::identification::Quantity;
+use whipcord_estimation::identification::Quantity;
 
 use crate::node::{Entries, Entry};
 use crate::schema::{Kind, ROOT, Table};

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use whipcord::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord::{Pose, UnitQuaternion, Vec3};
+use whipcord_estimation::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord_io::{CameraFormat, camera_text, load_camera, parse_camera};
 
 use crate::{sections, told};

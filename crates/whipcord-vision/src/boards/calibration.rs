@@ -1,5 +1,5 @@
 use thiserror::Error;
-use whipcord::camera::{CalibrateError, Calibrated, Doubt, Sighting, Sought, calibrate};
+use whipcord_estimation::camera::{CalibrateError, Calibrated, Doubt, Sighting, Sought, calibrate};
 
 use super::{SeenBoard, Unseen};
 

@@ -8,7 +8,7 @@ use calib_targets_chessboard::{
     default_chess_config, detect_corners,
 };
 use chess_corners::{ImageRefiner, OnRefinerReject, UpscaleConfig};
-use whipcord::camera::Sighting;
+use whipcord_estimation::camera::Sighting;
 
 use super::{Board, Corner, SeenBoard, Unseen};
 use crate::photo::Photo;

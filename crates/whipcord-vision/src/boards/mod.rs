@@ -11,7 +11,7 @@ use std::fmt;
 
 use calib_targets_charuco::{CharucoBoardSpec, builtins, resolve_dictionary};
 use whipcord::Vec3;
-use whipcord::camera::Sighting;
+use whipcord_estimation::camera::Sighting;
 
 pub use calibration::{Calibration, NoCalibration, calibration};
 pub use error::{BoardError, Unseen};

@@ -1,7 +1,7 @@
 //! Synthetic photographs of the boards that cameras are calibrated with.
 
 use whipcord::Vec3;
-use whipcord::camera::{Camera, ViewError};
+use whipcord_estimation::camera::{Camera, ViewError};
 
 use super::{Blur, Light, Noise, Occluder, RenderError, sensor};
 use crate::boards::Board;

@@ -1,7 +1,8 @@
 //! The robot as convex pieces in the picture.
 
-use whipcord::camera::{Camera, Lens, ViewError};
-use whipcord::{Place, Pose, Robot, Solution, Vec3};
+use whipcord::{Pose, Robot, Solution, Vec3};
+use whipcord_estimation::Place;
+use whipcord_estimation::camera::{Camera, Lens, ViewError};
 
 use super::{Marker, RenderError, Scene};
 use crate::coverage::convex_hull;

@@ -10,8 +10,9 @@ mod body;
 mod sensor;
 
 use thiserror::Error;
-use whipcord::camera::{Camera, ViewError};
-use whipcord::{Place, Robot, Solution, Vec3};
+use whipcord::{Robot, Solution, Vec3};
+use whipcord_estimation::Place;
+use whipcord_estimation::camera::{Camera, ViewError};
 
 use crate::coverage::Coverage;
 use crate::photo::Photo;

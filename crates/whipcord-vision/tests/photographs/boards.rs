@@ -1,7 +1,7 @@
 //! Boards before cameras whose lens is known.
 
-use whipcord::camera::{Camera, Distortion, Lens, Pinhole, Sought, calibrate};
 use whipcord::{Pose, UnitQuaternion, Vec3};
+use whipcord_estimation::camera::{Camera, Distortion, Lens, Pinhole, Sought, calibrate};
 use whipcord_vision::boards::{Board, BoardError, SeenBoard, Unseen, find};
 use whipcord_vision::render::{Blur, BoardScene, Light, Noise, Occluder, RenderedBoard};
 use whipcord_vision::{Photo, render};

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use whipcord::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
-use whipcord::{
-    Drive, Model, ModelKind, Place, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3,
-};
+use whipcord::{Drive, Model, ModelKind, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3};
+use whipcord_estimation::Place;
+use whipcord_estimation::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord_vision::Photo;
 use whipcord_vision::detect::{Kind, Mark, Search, colour, find};
 use whipcord_vision::render::{Blur, Light, Marker, Noise, Rendered, Scene};

@@ -5,7 +5,7 @@ mod route_change;
 mod section_change;
 
 pub use path::UnknownParameter;
-pub(crate) use path::numbered;
+pub use path::numbered;
 pub(crate) use route_change::RouteChange;
 
 use whipcord_numerics::Vec3;
@@ -301,7 +301,9 @@ impl Parameter {
         self.slots(&mut parts).first().map(|value| **value).ok_or_else(|| self.absent())
     }
 
-    pub(crate) fn absent(&self) -> RobotError {
+    /// The error of a robot or case that has no such quantity.
+    #[must_use]
+    pub fn absent(&self) -> RobotError {
         RobotError::new(self.to_string(), Problem::NoSuchQuantity)
     }
 

@@ -144,7 +144,8 @@ impl FromStr for Parameter {
 }
 
 /// The path without its numbers, and these.
-pub(crate) fn numbered(path: &str) -> Option<(String, Vec<usize>)> {
+#[must_use]
+pub fn numbered(path: &str) -> Option<(String, Vec<usize>)> {
     let mut parts = path.split('[');
     let mut name = parts.next()?.to_owned();
     let mut numbers = Vec::new();

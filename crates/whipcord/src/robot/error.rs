@@ -3,7 +3,7 @@ use thiserror::Error;
 use whipcord_numerics::Vec3;
 
 use super::limits::{Range, number};
-use crate::digits::{Round, millimetres};
+use crate::format::{Round, millimetres};
 
 /// A quantity of a robot or a case that cannot be.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -17,7 +17,8 @@ pub struct RobotError {
 }
 
 impl RobotError {
-    pub(crate) fn new(path: impl Into<String>, problem: Problem) -> Self {
+    /// The problem of the quantity at this path of the robot file.
+    pub fn new(path: impl Into<String>, problem: Problem) -> Self {
         Self { path: path.into(), problem }
     }
 

@@ -29,6 +29,7 @@ mod tests;
 use whipcord_numerics::{Mat3, Twist, Vec3};
 
 pub(crate) use equilibrium::equilibrium;
+pub use of_robot::material_stiffness;
 use tangent::Hessian;
 pub(crate) use tangent::Tangent;
 

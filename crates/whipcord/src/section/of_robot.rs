@@ -5,7 +5,7 @@ use whipcord_numerics::{Mat3, Vec3};
 use super::{Coupling, Section, Stiffness};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::robot::{Robot, StiffnessMatrix};
+use crate::robot::{self, Robot, StiffnessMatrix};
 
 /// Stiffness and rest curvature at one end or inside of a piece of the backbone in which nothing
 /// jumps; `inside` lies between its ends.
@@ -29,8 +29,17 @@ pub(crate) fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, 
     })
 }
 
+/// Stiffness of the first cross-section that follows from section and material.
+///
+/// # Errors
+/// [`SolveError::Missing`] where section, Young's modulus or shear modulus is not given.
+pub fn material_stiffness(robot: &Robot) -> Result<robot::Stiffness, SolveError> {
+    let Stiffness { shear, bending } = of_material(robot, 0.0, 0.0)?;
+    Ok(robot::Stiffness::diagonal([shear.x, shear.y], shear.z, [bending.x, bending.y], bending.z))
+}
+
 /// Stiffness that follows from section and material.
-pub(crate) fn of_material(robot: &Robot, s: f64, inside: f64) -> Result<Stiffness, SolveError> {
+fn of_material(robot: &Robot, s: f64, inside: f64) -> Result<Stiffness, SolveError> {
     let missing = |path: &str, advice| SolveError::Missing {
         model: ModelKind::Cosserat,
         path: format!("backbone.{path}"),

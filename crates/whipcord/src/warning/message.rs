@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::kinds::{BareUnits, LARGE_STRAIN, Place, SLENDER, SPACING, USUAL_LENGTHS, Warning};
-use crate::digits::{Round, millimetres, newtons, significant};
+use crate::format::{Round, millimetres, newtons, significant};
 use crate::robot::in_words;
 
 /// `180 mm`, `18 m`

@@ -6,11 +6,10 @@ use std::time::{Duration, Instant};
 use whipcord::batch::{BatchError, BatchOptions, Rows, solve_batch};
 use whipcord::cosserat::{BranchOptions, Cosserat, Options, Workspace};
 use whipcord::differences::by_parameter;
-use whipcord::identification::{Experiment, IdentifyError, Quantity, Settings, Unknown, identify};
 use whipcord::{
     Backbone, Cable, Cancel, Case, Differentiable as _, Disks, Drive, Form, Loads, Material, Model,
-    ModelKind, Observation, Obstacle, Parameter, Place, Pose, Robot, Routing, Section, Seen,
-    Shortening, SolveError, Statics as _, Stations, UnitQuaternion, Vec3,
+    ModelKind, Obstacle, Parameter, Pose, Robot, Routing, Section, Shortening, SolveError,
+    Statics as _, Stations, UnitQuaternion, Vec3,
 };
 
 /// A strip of steel like that of the gripping finger.
@@ -119,22 +118,6 @@ fn lengths_contacts_branches_batches_and_fits_end() {
         let stopped = solve_batch(&rod, &robot, rows, &BatchOptions::default());
         assert!(matches!(stopped, Err(BatchError::Stopped { rows: 40, .. })), "{stopped:?}");
     }
-
-    let observation = Observation {
-        step: 0,
-        place: Place::Disk(12),
-        offset: Vec3::ZERO,
-        seen: Seen::Position(Vec3::new(0.03, 0.0, 0.1)),
-        deviation: None,
-    };
-    let experiment = Experiment {
-        case: Case::with_tensions(&[1.0]),
-        cameras: Vec::new(),
-        observations: vec![observation],
-    };
-    let unknown = Unknown::new(Quantity::Parameter(Parameter::YoungModulus));
-    let found = identify(&robot, &[experiment], &[unknown], &Settings::new(rod));
-    assert_eq!(found.err(), Some(IdentifyError::Cancelled));
 }
 
 fn four_bar_free() -> Model {

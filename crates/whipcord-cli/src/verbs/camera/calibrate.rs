@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use whipcord::camera::{Camera, Lens, Sought};
-use whipcord::{Pose, camera::CalibrateError};
+use whipcord::Pose;
+use whipcord_estimation::camera::CalibrateError;
+use whipcord_estimation::camera::{Camera, Lens, Sought};
 use whipcord_io::{Dimension, camera_text, parse_quantity};
 use whipcord_vision::boards::{
     Board, Calibration, NoCalibration, SeenBoard, Unseen, calibration, find,

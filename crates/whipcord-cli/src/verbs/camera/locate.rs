@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use whipcord::camera::{self, Camera, Lens, Located, Sighting};
-use whipcord::{Observation, Place, Pose, Robot, Seen, Shape, Stations, Vec3, at_rest};
+use whipcord::{Pose, Robot, Shape, Stations, Vec3, at_rest};
+use whipcord_estimation::camera::{self, Camera, Lens, Located, Sighting};
+use whipcord_estimation::{Observation, Place, Seen};
 use whipcord_io::{camera_text, load_camera, load_markers};
 
 use super::format_of;

@@ -1,7 +1,8 @@
 //! Whether positions and arc lengths are those of a robot of this size: else their unit is another than
 //! the file says.
 
-use whipcord::{Observation, Place, Seen, Vec3};
+use whipcord::Vec3;
+use whipcord_estimation::{Observation, Place, Seen};
 
 use super::Known;
 use super::LENGTH_UNITS;

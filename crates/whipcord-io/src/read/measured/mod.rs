@@ -11,9 +11,10 @@ mod thrift;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use whipcord::camera::Camera;
-use whipcord::registration::Alignment;
-use whipcord::{Disks, Observation, Place, Robot, Seen, Vec3};
+use whipcord::{Disks, Robot, Vec3};
+use whipcord_estimation::camera::Camera;
+use whipcord_estimation::registration::Alignment;
+use whipcord_estimation::{Observation, Place, Seen};
 
 use crate::check::Fields;
 use crate::error::{FileError, FileProblem, Problems};

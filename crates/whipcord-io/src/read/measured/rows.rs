@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
+use whipcord::Vec3;
 use whipcord::robot::limits::{COORDINATE, LENGTH};
-use whipcord::{Observation, Place, Seen, Vec3};
+use whipcord_estimation::{Observation, Place, Seen};
 
 use super::columns::{Column, HEADER, Read, columns};
 use super::grid::{Cell, Grid, Row};

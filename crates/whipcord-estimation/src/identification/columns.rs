@@ -1,0 +1,250 @@
+//! How what would be seen changes with the unknowns.
+
+use whipcord_numerics::{Twist, Vec3};
+
+use super::build::{AXES, turning_axis};
+use super::error::NoAnswerReason;
+use super::forward::{Forward, Marker};
+use super::quantity::Quantity;
+use super::{Experiment, Unknown};
+use whipcord::case::{LoadFrame, Shortening};
+use whipcord::cosserat::derivatives::Change;
+use whipcord::cosserat::{Derivatives, Hold, Place};
+use whipcord::model::{Model, Prepared};
+use whipcord::parameter::Parameter;
+use whipcord::shape::Solution;
+
+/// How the derivative by an unknown comes about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Means {
+    /// Exactly: the model differentiates its answer by a parameter.
+    Parameter(Parameter),
+    /// Exactly: by the command of a cable.
+    Command { cable: usize },
+    /// Exactly: the robot is moved along an axis of the world.
+    Move { axis: usize },
+    /// Exactly: the robot is turned, with its loads, about an axis of the world.
+    Turn { axis: usize },
+    /// By differences of the model's answers.
+    Differences,
+}
+
+/// Step of the differences, as a part of what matters.
+const STEP: f64 = 1e-3;
+
+impl Means {
+    pub(super) fn of(
+        unknown: &Unknown,
+        unknowns: &[Unknown],
+        experiment: &Experiment,
+        model: &Model,
+    ) -> Self {
+        let loads = &experiment.case.loads;
+        let is_exact = matches!(model, Model::Cosserat(_));
+        let by_factor = unknowns.iter().any(|other| {
+            matches!(other.quantity, Quantity::Parameter(Parameter::StiffnessScale(_)))
+        });
+        match unknown.quantity {
+            // Its stiffness then is given as such, and section and material no longer decide on it.
+            quantity if quantity.is_of_material() && by_factor => Self::Differences,
+            Quantity::Parameter(parameter) if is_exact => Self::Parameter(parameter),
+            Quantity::TensionOffset { cable } | Quantity::ShorteningOffset { cable }
+                if is_exact =>
+            {
+                Self::Command { cable }
+            }
+            Quantity::BasePosition { axis } => Self::Move { axis },
+            Quantity::BaseTurn { axis } if loads.frame == LoadFrame::Base || loads.is_none() => {
+                Self::Turn { axis }
+            }
+            _ => Self::Differences,
+        }
+    }
+}
+
+impl Forward<'_> {
+    /// What would be seen in an experiment, and how it changes with the unknowns as far as the model says so
+    /// itself: rows × unknowns, the others zero.
+    pub(super) fn predict_with_columns(
+        &mut self,
+        experiment: usize,
+        x: &[f64],
+        into: &mut [f64],
+        columns: &mut [f64],
+    ) -> Result<(), NoAnswerReason> {
+        columns.fill(0.0);
+        let means = self.means[experiment].clone();
+        let parameters: Vec<Parameter> = means
+            .iter()
+            .filter_map(|means| match means {
+                Some(Means::Parameter(parameter)) => Some(*parameter),
+                _ => None,
+            })
+            .collect();
+        let asks = means
+            .iter()
+            .flatten()
+            .any(|means| matches!(means, Means::Parameter(_) | Means::Command { .. }));
+        let observed: Vec<usize> =
+            self.experiments[experiment].observations.iter().map(|seen| seen.step).collect();
+        let (prepared, case) = self.prepare(experiment, x)?;
+        let mut answers: Vec<(Solution, Option<Derivatives>)> = Vec::new();
+        match prepared {
+            Prepared::Cosserat(model, workspace) if asks => {
+                for (k, step) in case.single_steps().enumerate() {
+                    let last = answers.last().map(|(solution, _)| solution);
+                    answers.push(if observed.contains(&k) {
+                        let answer =
+                            model.solve_with_derivatives(&step, last, &parameters, workspace)?;
+                        (answer.0, Some(answer.1))
+                    } else {
+                        (model.solve(&step, last, workspace)?, None)
+                    });
+                }
+            }
+            prepared => prepared
+                .solve_steps(&case, |solution| answers.push((solution, None)))
+                .map_err(|(_, error)| error)?,
+        }
+        let turn = self.turn(experiment, x);
+        for (step, (solution, derivatives)) in answers.iter().enumerate() {
+            let commands = case.before.get(step).unwrap_or(&case.commands);
+            let mut parameter = 0;
+            let mut motions: Vec<Option<Motion>> = Vec::with_capacity(means.len());
+            for (means, value) in means.iter().zip(x) {
+                let motion = match (means, derivatives) {
+                    (Some(Means::Parameter(what)), Some(derivatives)) => {
+                        let change = derivatives.parameter(parameter, Hold::Commands);
+                        parameter += 1;
+                        // The model's factor counts from what the stiffness is now.
+                        let by = if matches!(what, Parameter::StiffnessScale(_)) {
+                            1.0 / value
+                        } else {
+                            1.0
+                        };
+                        Some(Motion::Change(change, by))
+                    }
+                    (Some(Means::Command { cable }), Some(derivatives)) => {
+                        let by = match (commands[*cable].shortening, commands[*cable].tension) {
+                            // An offset in m is a part of the length that the cable had before.
+                            (Some(Shortening::Fraction(_)), _) if !self.rest().is_empty() => {
+                                solution.cables[*cable].initial_length / self.rest()[*cable]
+                            }
+                            _ => 1.0,
+                        };
+                        Some(Motion::Change(derivatives.command(*cable), by))
+                    }
+                    (Some(Means::Move { axis }), _) => Some(Motion::Move(AXES[*axis])),
+                    (Some(Means::Turn { axis }), _) => {
+                        Some(Motion::Turn(turning_axis(*axis, turn), case.base.position))
+                    }
+                    _ => None,
+                };
+                motions.push(motion);
+            }
+            let (unknowns, base) = (means.len(), case.base.rotation);
+            let mut station = 0;
+            let stations: Vec<usize> = self.observed_stations(experiment, step);
+            self.see(experiment, step, solution, |row, seen, marker| {
+                let count = seen.numbers();
+                into[row..row + count].copy_from_slice(&marker.numbers[..count]);
+                for (j, motion) in motions.iter().enumerate() {
+                    let Some(motion) = motion else { continue };
+                    let velocity = motion.of(marker, stations[station], |v| base.rotate(v));
+                    for (i, by_point) in marker.by_point[..count].iter().enumerate() {
+                        columns[(row + i) * unknowns + j] = by_point.dot(velocity);
+                    }
+                }
+                station += 1;
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Adds the columns of an experiment that come by differences, extrapolated (Richardson); one-sided where an
+    /// unknown is at the end of what it can be.
+    pub(super) fn add_differences(
+        &mut self,
+        experiment: usize,
+        x: &[f64],
+        scales: &[f64],
+        columns: &mut [f64],
+    ) -> Result<(), NoAnswerReason> {
+        let n = self.unknowns.len();
+        let rows = self.first_rows[experiment + 1] - self.first_rows[experiment];
+        for j in 0..n {
+            if self.means[experiment][j] != Some(Means::Differences) {
+                continue;
+            }
+            let h = STEP * scales[j];
+            let mut at = |steps: f64| -> Result<Vec<f64>, NoAnswerReason> {
+                let mut moved = x.to_vec();
+                moved[j] += steps * h;
+                let mut seen = vec![0.0; rows];
+                self.predict(experiment, &moved, &mut seen).map(|()| seen)
+            };
+            let sides = (at(-1.0), at(1.0));
+            let weighed: [(f64, Vec<f64>); 4] = match sides {
+                (Ok(before), Ok(after)) => [
+                    (1.0 / 6.0, before),
+                    (-4.0 / 3.0, at(-0.5)?),
+                    (4.0 / 3.0, at(0.5)?),
+                    (-1.0 / 6.0, after),
+                ],
+                (Err(_), Ok(after)) => {
+                    [(-11.0 / 6.0, at(0.0)?), (3.0, after), (-1.5, at(2.0)?), (1.0 / 3.0, at(3.0)?)]
+                }
+                (Ok(before), Err(_)) => [
+                    (11.0 / 6.0, at(0.0)?),
+                    (-3.0, before),
+                    (1.5, at(-2.0)?),
+                    (-1.0 / 3.0, at(-3.0)?),
+                ],
+                (Err(error), Err(_)) => return Err(error),
+            };
+            for row in 0..rows {
+                let sum: f64 = weighed.iter().map(|(weight, seen)| weight * seen[row]).sum();
+                columns[row * n + j] = sum / h;
+            }
+        }
+        Ok(())
+    }
+
+    /// The angles by which the base of an experiment is turned.
+    fn turn(&self, experiment: usize, x: &[f64]) -> [f64; 3] {
+        let mut turn = [0.0; 3];
+        for (unknown, value) in self.unknowns.iter().zip(x) {
+            if let Quantity::BaseTurn { axis } = unknown.quantity
+                && unknown.is_of(experiment)
+            {
+                turn[axis] = *value;
+            }
+        }
+        turn
+    }
+}
+
+/// How the robot moves with an unknown.
+enum Motion {
+    /// As the model says, so many times.
+    Change(Change, f64),
+    /// All of it along this.
+    Move(Vec3),
+    /// All of it about this axis through this point.
+    Turn(Vec3, Vec3),
+}
+
+impl Motion {
+    /// Velocity of a marker in the world, eq. (i3).
+    fn of(&self, marker: &Marker, station: usize, to_world: impl Fn(Vec3) -> Vec3) -> Vec3 {
+        match self {
+            Self::Change(change, by) => {
+                let Twist { linear, angular } = change.twist(Place::Station(station));
+                let arm = marker.point - marker.pose.position;
+                (to_world(linear) + to_world(angular).cross(arm)) * *by
+            }
+            Self::Move(along) => *along,
+            Self::Turn(axis, centre) => axis.cross(marker.point - *centre),
+        }
+    }
+}

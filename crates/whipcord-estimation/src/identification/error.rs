@@ -1,0 +1,200 @@
+//! Why nothing is estimated.
+
+use crate::camera::ViewError;
+use whipcord::error::SolveError;
+use whipcord::kind::ModelKind;
+use whipcord::robot::RobotError;
+
+/// Why nothing is estimated. Experiments, observations and steps are numbered from 0 in the fields, from 1 in
+/// the messages.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum IdentifyError {
+    /// Nothing was measured.
+    #[error("nothing was measured: give the places of disks or markers that were seen")]
+    NoMeasurements,
+    /// Nothing is to be estimated.
+    #[error("nothing is to be estimated: name the parameters that are not known")]
+    NoUnknowns,
+    /// More unknowns than numbers that were measured, so that nothing would be known of the noise.
+    #[error(
+        "{numbers} numbers were measured, too few for {unknowns} unknowns: measure more, estimate less, or say what else is known of them (priors and deviations)"
+    )]
+    TooFewNumbers {
+        /// Numbers that were measured, and priors.
+        numbers: usize,
+        /// Unknowns.
+        unknowns: usize,
+    },
+    /// An unknown that robot and case do not have.
+    #[error(transparent)]
+    Absent(RobotError),
+    /// The same number is estimated twice.
+    #[error("{first} and {second} change the same numbers: estimate one of them")]
+    Overlap {
+        /// Path of the one.
+        first: String,
+        /// Path of the other.
+        second: String,
+    },
+    /// An unknown of an experiment that there is not.
+    #[error("{path} is to be estimated for case {}, but there are {experiments}", experiment + 1)]
+    NoExperiment {
+        /// Path of the unknown.
+        path: String,
+        /// The experiment.
+        experiment: usize,
+        /// How many there are.
+        experiments: usize,
+    },
+    /// Bounds, start or prior of an unknown that cannot be.
+    #[error("{path}: {problem}")]
+    Setting {
+        /// Path of the unknown.
+        path: String,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// A probability that is none.
+    #[error("the confidence must lie between 0 and 1, but is {value}")]
+    Confidence {
+        /// What was given.
+        value: f64,
+    },
+    /// An observation that robot, case or cameras do not fit.
+    #[error("observation {} of case {}: {problem}", observation + 1, experiment + 1)]
+    Observation {
+        /// The experiment.
+        experiment: usize,
+        /// The observation.
+        observation: usize,
+        /// What is wrong.
+        problem: Misfit,
+    },
+    /// Some observations say how exact they are and others do not.
+    #[error(
+        "some observations have a deviation and others have none, so that they cannot be weighed: give it for all or for none"
+    )]
+    SomeDeviations,
+    /// Positions and pixels without a word on how exact they are.
+    #[error(
+        "metres and pixels were measured without a deviation, so that they cannot be weighed: give the deviation of each"
+    )]
+    MixedUnits,
+    /// Friction is estimated with a model that has none.
+    #[error(
+        "{path} cannot be estimated with the {model} model, which has no friction: use cosserat-disks"
+    )]
+    NoFriction {
+        /// Path of the unknown.
+        path: String,
+        /// The model.
+        model: ModelKind,
+    },
+    /// An offset of a command that does not drive the cable.
+    #[error("{path}: the cable is not driven by that in every step of case {}", experiment + 1)]
+    NotDriven {
+        /// Path of the unknown.
+        path: String,
+        /// The experiment.
+        experiment: usize,
+    },
+    /// The model has no answer where the search starts.
+    #[error("with the values to start from, {0}")]
+    NoAnswerAtStart(NoAnswer),
+    /// The search was ended from outside ([`Cancel`](whipcord::Cancel)).
+    #[error("the fit was cancelled before it had converged")]
+    Cancelled,
+    /// Nothing that could be held out.
+    #[error(
+        "nothing can be held out: there is a single case with a single step, or each has an unknown of its own and a single step"
+    )]
+    NothingToHoldOut,
+    /// A search without a part of the measurements did not converge.
+    #[error(
+        "without case {}{} the fit does not converge: estimate less, or say what else is known",
+        experiment + 1,
+        step.map(|step| format!(", step {},", step + 1)).unwrap_or_default()
+    )]
+    NotConverged {
+        /// The experiment that was held out.
+        experiment: usize,
+        /// The step of it; else all of it.
+        step: Option<usize>,
+    },
+}
+
+/// What does not fit about an observation.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Misfit {
+    /// A step that there is not.
+    #[error("there is no step {}; the case has {steps}", step + 1)]
+    Step {
+        /// The step, from 0.
+        step: usize,
+        /// How many there are.
+        steps: usize,
+    },
+    /// A disk that there is not.
+    #[error("there is no disk {}; the robot has {disks}", disk + 1)]
+    Disk {
+        /// The disk, from 0.
+        disk: usize,
+        /// How many there are.
+        disks: usize,
+    },
+    /// A place that is not on the backbone.
+    #[error("arc length {value} m is not on the backbone, which is {length} m long")]
+    ArcLength {
+        /// What was given, in m.
+        value: f64,
+        /// Length of the backbone in m.
+        length: f64,
+    },
+    /// A camera that there is not.
+    #[error("there is no camera {}; the case has {cameras}", camera + 1)]
+    Camera {
+        /// The camera, from 0.
+        camera: usize,
+        /// How many there are.
+        cameras: usize,
+    },
+    /// A number that is none, or a deviation that is not positive.
+    #[error("{what} must be {must}, but is {value}")]
+    Number {
+        /// Which number.
+        what: &'static str,
+        /// What it must be.
+        must: &'static str,
+        /// What it is.
+        value: f64,
+    },
+}
+
+/// Where a model does not say what would be seen.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("case {} has no answer: {reason}", experiment + 1)]
+pub struct NoAnswer {
+    /// The experiment, from 0.
+    pub experiment: usize,
+    /// Why.
+    pub reason: NoAnswerReason,
+}
+
+/// Why a model does not say what would be seen.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoAnswerReason {
+    /// The model has no answer.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// A camera does not see the marker.
+    #[error("observation {}: {error}", observation + 1)]
+    View {
+        /// The observation, from 0.
+        observation: usize,
+        /// Why.
+        error: ViewError,
+    },
+    /// A number is not finite.
+    #[error("a residual is not finite")]
+    NotFinite,
+}

@@ -1,0 +1,342 @@
+//! What a model says would be seen.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::build;
+use super::columns::Means;
+use super::error::{IdentifyError, NoAnswer, NoAnswerReason};
+use super::outcome::Unstable;
+use super::quantity::Quantity;
+use super::{Experiment, Settings, Unknown};
+use crate::camera::Camera;
+use crate::observation::{Observation, Seen};
+use whipcord::case::Case;
+use whipcord::kind::ModelKind;
+use whipcord::model::{Model, Prepared};
+use whipcord::parameter::Parameter;
+use whipcord::robot::Robot;
+use whipcord::shape::Solution;
+use whipcord::stations::Stations;
+
+/// The experiments, and the model for the robot of the last numbers.
+pub(super) struct Forward<'a> {
+    pub(super) robot: &'a Robot,
+    pub(super) experiments: &'a [Experiment],
+    pub(super) unknowns: &'a [Unknown],
+    model: Model,
+    /// Row of the first number of each experiment, and after them the count of all.
+    pub(super) first_rows: Vec<usize>,
+    /// Station of each observation, by experiments.
+    stations: Vec<Vec<usize>>,
+    /// Lengths of the cables at rest in m, before anything is estimated; empty where nobody asks.
+    rest: Vec<f64>,
+    /// How each unknown's derivative comes about, by experiments.
+    pub(super) means: Vec<Vec<Option<Means>>>,
+    built: Option<Built>,
+}
+
+/// The robot with the last numbers, and its model.
+struct Built {
+    /// The unknowns of the robot and their bits.
+    numbers: Vec<(Quantity, u64)>,
+    robot: Robot,
+    prepared: Prepared,
+}
+
+/// A marker in one answer: where it is, in the world, and what is seen of it.
+pub(super) struct Marker {
+    /// The frame that it sits in.
+    pub(super) pose: Pose,
+    pub(super) point: Vec3,
+    pub(super) numbers: [f64; 3],
+    /// How each number changes with the point.
+    pub(super) by_point: [Vec3; 3],
+}
+
+impl<'a> Forward<'a> {
+    pub(super) fn new(
+        robot: &'a Robot,
+        experiments: &'a [Experiment],
+        unknowns: &'a [Unknown],
+        settings: &Settings,
+    ) -> Result<Self, IdentifyError> {
+        let arc_length = |seen: &Observation| seen.place.arc_length(robot.disks());
+        let observations = || experiments.iter().flat_map(|experiment| &experiment.observations);
+        let mut places: Vec<f64> = observations().map(arc_length).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let station = |seen: &Observation| {
+            let s = arc_length(seen);
+            places.partition_point(|place| *place < s)
+        };
+        let mut first_rows = vec![0];
+        for experiment in experiments {
+            let rows: usize = experiment.observations.iter().map(Observation::numbers).sum();
+            first_rows.push(first_rows[first_rows.len() - 1] + rows);
+        }
+        let model = settings.model.at(Stations::At(places.clone()));
+        let means = |(e, experiment): (usize, &Experiment)| {
+            unknowns
+                .iter()
+                .map(|unknown| {
+                    unknown.is_of(e).then(|| Means::of(unknown, unknowns, experiment, &model))
+                })
+                .collect()
+        };
+        let mut forward = Self {
+            robot,
+            experiments,
+            unknowns,
+            first_rows,
+            stations: experiments
+                .iter()
+                .map(|experiment| experiment.observations.iter().map(station).collect())
+                .collect(),
+            rest: Vec::new(),
+            means: experiments.iter().enumerate().map(means).collect(),
+            model,
+            built: None,
+        };
+        if unknowns.iter().any(|u| matches!(u.quantity, Quantity::ShorteningOffset { .. })) {
+            forward.rest = forward.rest_lengths()?;
+        }
+        Ok(forward)
+    }
+
+    /// Lengths of the cables at rest, which any answer says.
+    fn rest_lengths(&self) -> Result<Vec<f64>, IdentifyError> {
+        let failed = |error| {
+            IdentifyError::NoAnswerAtStart(NoAnswer {
+                experiment: 0,
+                reason: NoAnswerReason::Solve(error),
+            })
+        };
+        let case = &self.experiments[0].case;
+        let mut prepared = self.model.prepare(self.robot, &case.loads).map_err(failed)?;
+        let solution = prepared.solve(case, None).map_err(failed)?;
+        Ok(solution.cables.iter().map(|cable| cable.initial_length).collect())
+    }
+
+    pub(super) fn rest(&self) -> &[f64] {
+        &self.rest
+    }
+
+    /// Stations of what was seen in a step, in the order of [`Self::see`].
+    pub(super) fn observed_stations(&self, experiment: usize, step: usize) -> Vec<usize> {
+        let seen = self.experiments[experiment].observations.iter();
+        let all = seen.zip(&self.stations[experiment]);
+        all.filter(|(seen, _)| seen.step == step).map(|(_, station)| *station).collect()
+    }
+
+    pub(super) fn kind(&self) -> ModelKind {
+        self.model.kind()
+    }
+
+    /// Count of the numbers that were seen.
+    pub(super) fn count(&self) -> usize {
+        self.first_rows[self.experiments.len()]
+    }
+
+    /// Where the search starts.
+    pub(super) fn start(&self) -> Result<Vec<f64>, IdentifyError> {
+        let of = |unknown: &Unknown| {
+            let case = &self.experiments[unknown.experiment.unwrap_or(0)].case;
+            let start = match unknown.start {
+                Some(start) => start,
+                None => build::present(&unknown.quantity, self.robot, case)?,
+            };
+            Ok(start.max(unknown.least()).min(unknown.greatest()))
+        };
+        self.unknowns.iter().map(|unknown| of(unknown).map_err(IdentifyError::Absent)).collect()
+    }
+
+    /// A change of each unknown that matters, in its unit: its own size where it cannot be negative, else
+    /// what is large for a robot of this size.
+    pub(super) fn scales(&self, start: &[f64]) -> Vec<f64> {
+        let length = self.robot.backbone().length;
+        let commands = self.experiments.iter().flat_map(|experiment| {
+            experiment.case.before.iter().chain([&experiment.case.commands]).flatten()
+        });
+        let tension = commands.filter_map(|command| command.tension).fold(0.0, f64::max);
+        let tension = if tension > 0.0 { tension } else { 1.0 };
+        let of = |(unknown, start): (&Unknown, &f64)| {
+            use Parameter as P;
+            let size = match unknown.quantity {
+                Quantity::Parameter(parameter) => match parameter {
+                    P::Gravity { .. } => 9.806_65,
+                    P::TipForce { .. } | P::PointForce { .. } => 0.1 * tension,
+                    P::TipMoment { .. } | P::PointMoment { .. } => 0.1 * tension * length,
+                    P::LineForce { .. } | P::LineForceAt { .. } => 0.1 * tension / length,
+                    P::LineMoment { .. } | P::LineMomentAt { .. } => 0.1 * tension,
+                    P::RestCurvature { .. } | P::RestCurvatureAt { .. } => 1.0 / length,
+                    P::Start { .. } | P::End { .. } => 0.1 * length,
+                    P::Coefficient { power, .. } => 0.1 * length / length.powf(power as f64),
+                    P::PointMass { .. } | P::DiskMass => 0.01 * tension,
+                    P::PoissonRatio => 0.3,
+                    _ => 1.0,
+                },
+                Quantity::Friction { .. } => 0.1,
+                Quantity::TensionOffset { .. } => tension,
+                Quantity::ShorteningOffset { .. } | Quantity::BasePosition { .. } => 0.1 * length,
+                Quantity::BaseTurn { .. } => 1.0,
+            };
+            if unknown.quantity.is_positive() && *start > 0.0 {
+                *start
+            } else {
+                size.max(start.abs())
+            }
+        };
+        self.unknowns.iter().zip(start).map(of).collect()
+    }
+
+    /// The unknowns that play a part in an experiment, with their values.
+    fn numbers(&self, experiment: usize, x: &[f64]) -> Vec<(Quantity, f64)> {
+        let of = self.unknowns.iter().zip(x).filter(|(unknown, _)| unknown.is_of(experiment));
+        of.map(|(unknown, value)| (unknown.quantity, *value)).collect()
+    }
+
+    /// Robot and case of an experiment with these values.
+    pub(super) fn built(
+        &self,
+        experiment: usize,
+        x: &[f64],
+    ) -> Result<(Robot, Case), NoAnswerReason> {
+        let numbers = self.numbers(experiment, x);
+        let case = &self.experiments[experiment].case;
+        let robot = build::robot(self.robot, case, &numbers)?;
+        let case = build::case(self.robot, case, &numbers, &self.rest)
+            .map_err(whipcord::SolveError::from)?;
+        Ok((robot, case))
+    }
+
+    /// The model of an experiment's robot, and its case up to the last step in which something was seen.
+    pub(super) fn prepare(
+        &mut self,
+        experiment: usize,
+        x: &[f64],
+    ) -> Result<(&mut Prepared, Case), NoAnswerReason> {
+        let numbers = self.numbers(experiment, x);
+        let Experiment { case, observations, .. } = &self.experiments[experiment];
+        let case = build::case(self.robot, case, &numbers, &self.rest)
+            .map_err(whipcord::SolveError::from)?;
+        let last = observations.iter().map(|seen| seen.step).max().unwrap_or(0);
+        let case = case.step(last).unwrap_or(case);
+        let of_robot: Vec<(Quantity, u64)> = numbers
+            .iter()
+            .filter(|(quantity, _)| !quantity.is_of_case())
+            .map(|(quantity, value)| (*quantity, value.to_bits()))
+            .collect();
+        let kept = self.built.take().filter(|built| built.numbers == of_robot);
+        let built = match kept {
+            Some(built) if built.prepared.takes_places_of(&case.loads) => built,
+            kept => {
+                let robot = match kept {
+                    Some(built) => built.robot,
+                    None => build::robot(self.robot, &case, &numbers)?,
+                };
+                let prepared = self.model.prepare(&robot, &case.loads)?;
+                Built { numbers: of_robot, robot, prepared }
+            }
+        };
+        Ok((&mut self.built.insert(built).prepared, case))
+    }
+
+    /// What would be seen in an experiment, without derivatives.
+    pub(super) fn predict(
+        &mut self,
+        experiment: usize,
+        x: &[f64],
+        into: &mut [f64],
+    ) -> Result<(), NoAnswerReason> {
+        let (prepared, case) = self.prepare(experiment, x)?;
+        let mut solutions = Vec::new();
+        prepared
+            .solve_steps(&case, |solution| solutions.push(solution))
+            .map_err(|(_, error)| error)?;
+        for (step, solution) in solutions.iter().enumerate() {
+            self.see(experiment, step, solution, |row, seen, marker| {
+                into[row..row + seen.numbers()].copy_from_slice(&marker.numbers[..seen.numbers()]);
+            })?;
+        }
+        Ok(())
+    }
+
+    /// How many answers there are, one for each step in which something was seen, and which of them are
+    /// unstable.
+    pub(super) fn stability(&mut self, x: &[f64]) -> (usize, Vec<Unstable>) {
+        let (mut answers, mut unstable) = (0, Vec::new());
+        for experiment in 0..self.experiments.len() {
+            let seen = &self.experiments[experiment].observations;
+            let mut observed: Vec<usize> = seen.iter().map(|seen| seen.step).collect();
+            observed.sort_unstable();
+            observed.dedup();
+            // These numbers had an answer when they were fitted.
+            let Ok((prepared, case)) = self.prepare(experiment, x) else { continue };
+            let mut step = 0;
+            let _ = prepared.solve_steps(&case, |solution| {
+                if observed.binary_search(&step).is_ok() {
+                    answers += 1;
+                    let diagnostics = &solution.diagnostics;
+                    if let Some(stability) =
+                        diagnostics.stability.filter(|_| diagnostics.is_unstable())
+                    {
+                        unstable.push(Unstable { experiment, step, stability });
+                    }
+                }
+                step += 1;
+            });
+        }
+        (answers, unstable)
+    }
+
+    /// Goes over what was seen in a step: the first row of each observation within the experiment.
+    pub(super) fn see(
+        &self,
+        experiment: usize,
+        step: usize,
+        solution: &Solution,
+        mut each: impl FnMut(usize, &Observation, &Marker),
+    ) -> Result<(), NoAnswerReason> {
+        let Experiment { cameras, observations, .. } = &self.experiments[experiment];
+        let mut row = 0;
+        for (i, seen) in observations.iter().enumerate() {
+            if seen.step == step {
+                let pose = solution.shape.poses[self.stations[experiment][i]];
+                let marker = marker(pose, seen, cameras)
+                    .map_err(|error| NoAnswerReason::View { observation: i, error })?;
+                each(row, seen, &marker);
+            }
+            row += seen.numbers();
+        }
+        Ok(())
+    }
+}
+
+/// Equations (i1) and (i2).
+fn marker(
+    pose: Pose,
+    seen: &Observation,
+    cameras: &[Camera],
+) -> Result<Marker, crate::camera::ViewError> {
+    let point = pose.position + pose.rotation.rotate(seen.offset);
+    Ok(match seen.seen {
+        Seen::Position(_) => {
+            Marker { pose, point, numbers: point.to_array(), by_point: build::AXES }
+        }
+        Seen::Pixel { camera, .. } => {
+            let seen = cameras[camera].project_with_gradient(point)?;
+            let [column, row] = seen.pixel;
+            let [by_column, by_row] = seen.by_point;
+            let (numbers, by_point) = ([column, row, 0.0], [by_column, by_row, Vec3::ZERO]);
+            Marker { pose, point, numbers, by_point }
+        }
+    })
+}
+
+/// The numbers that were seen.
+pub(super) fn measured(seen: &Observation) -> [f64; 3] {
+    match seen.seen {
+        Seen::Position(position) => position.to_array(),
+        Seen::Pixel { pixel: [column, row], .. } => [column, row, 0.0],
+    }
+}
