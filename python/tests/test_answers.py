@@ -122,13 +122,13 @@ def test_touches_are_pickled_to_the_last_bit(tmp_path: Path) -> None:
         case.solve(model=sliding, shortening=[0.004]),
     ]
     for solution in answers:
-        (touch,) = solution.touches
+        (touch,) = solution.contacts
         assert (touch.obstacle, touch.part, touch.disk) == ("wall", "disk", 9)
         assert touch.force is not None and touch.force > 0 and abs(touch.gap) < 1e-9
         for copy in (pickle.loads(pickle.dumps(solution)), deepcopy(solution)):
             assert copy == solution and copy.case == solution.case
             assert copy.case.obstacles == case.obstacles
-            for seen in (copy.touches, pickle.loads(pickle.dumps(solution.touches))):
+            for seen in (copy.contacts, pickle.loads(pickle.dumps(solution.contacts))):
                 (again,) = seen
                 for name in ("obstacle", "part", "disk", "arc_length", "force", "gap"):
                     assert getattr(again, name) == getattr(touch, name)
@@ -535,10 +535,10 @@ def test_an_obstacle_that_rubs_holds_on() -> None:
     case = whipcord.load("examples/contact/rubbing-wall.toml")
     (wall,) = case.obstacles
     assert wall.friction == 0.3
-    (touch,) = case.solve().touches
+    (touch,) = case.solve().contacts
     assert touch.force is not None and touch.friction is not None and not touch.sticks
     # Let go again, it slides up the wall: friction pulls it down.
     assert np.allclose(touch.friction, [0.0, 0.0, -0.3 * touch.force], rtol=1e-6, atol=1e-9)
     smooth = case.replace(obstacles=[wall.replace(friction=0.0)])
-    (slipping,) = smooth.solve().touches
+    (slipping,) = smooth.solve().contacts
     assert slipping.friction is not None and np.all(slipping.friction == 0.0)

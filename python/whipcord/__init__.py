@@ -52,7 +52,7 @@ from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
-from .solution import Branches, CableState, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution, Touch
+from .solution import Branches, CableState, Contact, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution
 from .viewing import Viewer
 from .warning import WhipcordWarning
 
@@ -70,6 +70,7 @@ __all__ = [
     "Camera",
     "Case",
     "Comparison",
+    "Contact",
     "CriticalPoint",
     "CrossValidation",
     "Derivatives",
@@ -115,7 +116,6 @@ __all__ = [
     "SolveError",
     "Standing",
     "Step",
-    "Touch",
     "Unknown",
     "Unresolved",
     "UnstableAnswer",

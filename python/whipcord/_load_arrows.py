@@ -64,7 +64,7 @@ def load_arrows(shape: Solution) -> LoadArrows:
     """The arrows of the loads of a case on its shape, which has many stations, and of the normal forces of contacts."""
     result, loads = LoadArrows(), shape.case.loads
     extent = float(np.ptp(shape.position, axis=0).max())
-    forces = [(touch, touch.force) for touch in shape.touches if touch.force]
+    forces = [(touch, touch.force) for touch in shape.contacts if touch.force]
     for touch, force in forces:
         # From within the obstacle.
         share = max(force / max(size for _, size in forces), SHORTEST)

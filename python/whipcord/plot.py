@@ -133,8 +133,8 @@ def _draw_whole(
             if len(path) > 1:
                 solids.tube(path, frames(path), np.broadcast_to(thin * circle(6), (len(path), 6, 2)), own)
     solids.draw(axes)
-    if answer.touches:
-        points = 1e3 * np.array([touch.point for touch in answer.touches])
+    if answer.contacts:
+        points = 1e3 * np.array([touch.point for touch in answer.contacts])
         axes.scatter(*points.T, color=CONTACT, s=18, depthshade=False, label="contacts")
 
 

@@ -30,7 +30,7 @@ __all__ = [
     "Equilibrium",
     "Shape",
     "Solution",
-    "Touch",
+    "Contact",
 ]
 
 Array = npt.NDArray[np.float64]
@@ -80,7 +80,7 @@ class CableState:
     """Whether it hangs loose."""
     span_tensions: tuple[float, ...]
     """Tension in N in each span between two disks; empty where friction does not make it vary."""
-    contacts: tuple[str, ...]
+    slip_states: tuple[str, ...]
     """``"sticks"``, ``"pulled"`` or ``"released"`` in the hole of each disk; empty without friction."""
 
     @property
@@ -90,7 +90,7 @@ class CableState:
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class Contact:
     """A place where the robot touches an obstacle."""
 
     obstacle: str
@@ -234,7 +234,7 @@ class Solution:
                 **{
                     **state,
                     "span_tensions": tuple(state["span_tensions"]),
-                    "contacts": tuple(state["contacts"]),
+                    "slip_states": tuple(state["slip_states"]),
                 }
             )
             for state in self._answer.cables
@@ -259,10 +259,10 @@ class Solution:
         return None if wrench is None else np.array(wrench)
 
     @cached_property
-    def touches(self) -> tuple[Touch, ...]:
+    def contacts(self) -> tuple[Contact, ...]:
         """Where the robot touches the obstacles of its case."""
         return tuple(
-            Touch(
+            Contact(
                 **{
                     **touch,
                     "point": np.array(touch["point"]),
@@ -270,7 +270,7 @@ class Solution:
                     "friction": None if touch["friction"] is None else np.array(touch["friction"]),
                 }
             )
-            for touch in self._answer.touches
+            for touch in self._answer.contacts
         )
 
     @cached_property

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use whipcord::{Drive, Model, ModelKind, ModelVariant, Stations, four_bar};
+use whipcord::{Actuation, Model, ModelKind, ModelVariant, Stations, four_bar};
 use whipcord_viewer::offered;
 
 use crate::deadline;
@@ -17,7 +17,7 @@ pub struct ChosenModel {
     /// Quantity that is prescribed for all cables; by default the one that the model prefers, if
     /// the file gives it
     #[arg(long, value_name = "WHAT")]
-    actuation: Option<Actuation>,
+    actuation: Option<ActuationArgument>,
     /// Objective that four-bar minimises in each section
     #[arg(long, value_name = "NAME", value_parser = named::<four_bar::Objective>(
         &["coupler-angle", "strain-energy", "as-printed"]))]
@@ -30,7 +30,7 @@ pub struct ChosenModel {
 
 /// What drives all cables.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Actuation {
+pub enum ActuationArgument {
     /// Cable tensions
     Tension,
     /// Cable shortenings
@@ -38,11 +38,11 @@ pub enum Actuation {
 }
 
 /// Which command of each cable counts.
-pub const fn drive(actuation: Option<Actuation>) -> Drive {
+pub const fn actuation(actuation: Option<ActuationArgument>) -> Actuation {
     match actuation {
-        None => Drive::Natural,
-        Some(Actuation::Tension) => Drive::Tension,
-        Some(Actuation::Shortening) => Drive::Shortening,
+        None => Actuation::Natural,
+        Some(ActuationArgument::Tension) => Actuation::Tension,
+        Some(ActuationArgument::Shortening) => Actuation::Shortening,
     }
 }
 
@@ -67,8 +67,8 @@ where
 
 impl ChosenModel {
     /// Which command of each cable counts.
-    pub const fn drive(&self) -> Drive {
-        drive(self.actuation)
+    pub const fn actuation(&self) -> Actuation {
+        actuation(self.actuation)
     }
 
     /// The model, giving the shape at the disks.
@@ -76,7 +76,7 @@ impl ChosenModel {
     /// # Errors
     /// [`Failure::Input`] for an option that the model does not have.
     pub fn model(&self) -> Result<Model, Failure> {
-        let model = Model::new(self.kind, Stations::Disks, self.drive());
+        let model = Model::new(self.kind, Stations::Disks, self.actuation());
         let mut model = model.cancelled_by(&deadline::cancel());
         if let Model::FourBar(options) = &mut model {
             options.objective = self.objective.unwrap_or(options.objective);

@@ -6,6 +6,7 @@
 mod benchmark;
 mod chosen;
 mod comparison;
+mod contacts;
 mod deadline;
 pub mod examples;
 mod failure;
@@ -28,7 +29,6 @@ mod table;
 mod template;
 mod timing;
 mod tips;
-mod touches;
 mod trial;
 mod verbs;
 mod warnings;

@@ -1,6 +1,6 @@
 //! What friction makes of the tension of cables, for people.
 
-use whipcord::{CableState, Contact, Solution};
+use whipcord::{CableState, SlipState, Solution};
 
 use crate::quantity::newtons;
 use crate::table::{Align, Table};
@@ -44,17 +44,17 @@ pub fn table<'a>(steps: impl ExactSizeIterator<Item = &'a Solution>) -> Option<T
 fn holes(cable: &CableState) -> String {
     let mut parts = Vec::new();
     let mut first = 0;
-    for run in cable.contacts.chunk_by(|a, b| a == b) {
+    for run in cable.slip_states.chunk_by(|a, b| a == b) {
         let (from, to) = (first + 1, first + run.len());
         let disks = if from == to { from.to_string() } else { format!("{from}–{to}") };
         let what = match run[0] {
-            Contact::Pulled => "pulled",
-            Contact::Released => "released",
-            Contact::Sticks => "sticking",
+            SlipState::Pulled => "pulled",
+            SlipState::Released => "released",
+            SlipState::Sticks => "sticking",
         };
         parts.push(format!("{disks} {what}"));
         first = to;
     }
-    let word = if cable.contacts.len() == 1 { "disk" } else { "disks" };
+    let word = if cable.slip_states.len() == 1 { "disk" } else { "disks" };
     format!("{word} {}", parts.join(", "))
 }

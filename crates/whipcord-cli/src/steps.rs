@@ -1,6 +1,6 @@
 //! The steps of actuation of a case in words.
 
-use whipcord::{Case, Drive, NoStability, Solution};
+use whipcord::{Actuation, Case, NoStability, Solution};
 
 use crate::quantity::{degrees, fixed_millimetres};
 use crate::table::{Align, Table};
@@ -35,7 +35,7 @@ pub fn stability_absent(answers: &[Solution]) -> Option<NoStability> {
 }
 
 /// Where each step takes the tip, in mm.
-pub fn table(case: &Case, drive: Drive, steps: &[(Solution, f64)]) -> Table {
+pub fn table(case: &Case, actuation: Actuation, steps: &[(Solution, f64)]) -> Table {
     let mut table = Table::new([
         ("step", Align::Right),
         ("driven by", Align::Left),
@@ -57,7 +57,7 @@ pub fn table(case: &Case, drive: Drive, steps: &[(Solution, f64)]) -> Table {
             };
         table.row(vec![
             (i + 1).to_string(),
-            driven_by(solution.model, drive, &step),
+            driven_by(solution.model, actuation, &step),
             x,
             y,
             z,

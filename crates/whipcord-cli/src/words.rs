@@ -6,7 +6,7 @@ use whipcord::case::Piece;
 use whipcord::obstacle::Bends;
 use whipcord::robot::SectionProperties;
 use whipcord::{
-    Along, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Form, Interpolation,
+    Actuation, Along, Cable, CableCommand, Case, Disks, DistributedLoad, Form, Interpolation,
     LoadFrame, Loads, ModelKind, NoStability, Pose, RestCurvature, Robot, Routing, Section,
     Solution, Stiffness, Vec3,
 };
@@ -446,13 +446,13 @@ pub fn compromise(solution: &Solution, case: &Case) -> Option<String> {
 }
 
 /// What drives a model: the tension or shortening of each cable that it uses.
-pub fn driven_by(model: ModelKind, drive: Drive, case: &Case) -> String {
-    let prefers_tension = match drive {
-        Drive::Natural => model.natural_drive() == Drive::Tension,
-        Drive::Tension => true,
-        Drive::Shortening => false,
+pub fn driven_by(model: ModelKind, actuation: Actuation, case: &Case) -> String {
+    let prefers_tension = match actuation {
+        Actuation::Natural => model.natural_actuation() == Actuation::Tension,
+        Actuation::Tension => true,
+        Actuation::Shortening => false,
     };
-    let is_strict = drive != Drive::Natural;
+    let is_strict = actuation != Actuation::Natural;
     let (mut tensions, mut shortenings) = (Vec::new(), Vec::new());
     for command in &case.commands {
         let tension = command.tension.map(newtons);

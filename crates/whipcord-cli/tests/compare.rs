@@ -7,11 +7,11 @@ mod support;
 use std::path::Path;
 
 use support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
-use whipcord::{Drive, ModelKind};
+use whipcord::{Actuation, ModelKind};
 
 /// Of a case that all models take: each once, and the geometric ones again with the lengths of another.
 fn runs() -> usize {
-    let geometric = |kind: &&ModelKind| kind.natural_drive() == Drive::Shortening;
+    let geometric = |kind: &&ModelKind| kind.natural_actuation() == Actuation::Shortening;
     ModelKind::ALL.len() + ModelKind::ALL.iter().filter(geometric).count()
 }
 

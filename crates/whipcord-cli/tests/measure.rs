@@ -8,7 +8,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use support::{Scratch, fail, root, succeed};
-use whipcord::{Drive, Model, ModelKind, Pose, Stations, UnitQuaternion, Vec3};
+use whipcord::{Actuation, Model, ModelKind, Pose, Stations, UnitQuaternion, Vec3};
 use whipcord_estimation::Seen;
 use whipcord_estimation::camera::{Camera, Lens, Orthographic};
 use whipcord_io::{CameraFormat, camera_text, load};
@@ -33,7 +33,7 @@ fn photograph() -> Rendered {
 /// A robot, with cards of this size before these pixels.
 fn photograph_of(robot: &Path, cards: &[[f64; 2]]) -> Rendered {
     let file = load(robot).unwrap();
-    let model = Model::new(ModelKind::Cosserat, Stations::Equal(46), Drive::Natural);
+    let model = Model::new(ModelKind::Cosserat, Stations::Equal(46), Actuation::Natural);
     let mut prepared = model.prepare(&file.robot, &file.case.loads).unwrap();
     let solution = prepared.solve(&file.case, None).unwrap();
     let mut scene = Scene::of(&file.robot);

@@ -8,7 +8,7 @@
 use serde_json::Value;
 use whipcord::cosserat::Options;
 use whipcord::{
-    CableCommand, Case, Drive, Model, Robot, Shortening, Solution, Statics, Stations,
+    Actuation, CableCommand, Case, Model, Robot, Shortening, Solution, Statics, Stations,
     UnitQuaternion, Vec3,
 };
 use whipcord_io::CaseFile;
@@ -47,8 +47,8 @@ fn vector(value: &Value) -> Vec3 {
     numbers(value).into()
 }
 
-fn solve(robot: &Robot, case: &Case, drive: Drive, name: &str) -> Solution {
-    let options = Options { stations: Stations::Equal(11), drive, ..Options::default() };
+fn solve(robot: &Robot, case: &Case, actuation: Actuation, name: &str) -> Solution {
+    let options = Options { stations: Stations::Equal(11), actuation, ..Options::default() };
     Model::Cosserat(options).solve(robot, case).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
@@ -104,7 +104,7 @@ fn shapes_lengths_and_base_wrench_are_those_of_the_references() {
     for Reference { name, file, expected } in references() {
         let robot = &file.robot;
         let length = robot.backbone().length;
-        let solution = solve(robot, &file.case, Drive::Tension, &name);
+        let solution = solve(robot, &file.case, Actuation::Tension, &name);
 
         let position = position_error(&solution, &expected) / length;
         assert!(position < TOLERANCE, "{name}: positions differ by {position:.1e} L");
@@ -132,7 +132,7 @@ fn prescribing_the_lengths_of_an_answer_returns_its_tensions_and_shape() {
         }
         let robot = &file.robot;
         let length = robot.backbone().length;
-        let pulled = solve(robot, &file.case, Drive::Tension, &name);
+        let pulled = solve(robot, &file.case, Actuation::Tension, &name);
         let shorten = |cable: &whipcord::CableState| CableCommand {
             tension: None,
             shortening: Some(Shortening::Length(cable.initial_length - cable.length)),
@@ -142,7 +142,7 @@ fn prescribing_the_lengths_of_an_answer_returns_its_tensions_and_shape() {
             loads: file.case.loads.clone(),
             ..Case::default()
         };
-        let shortened = solve(robot, &case, Drive::Shortening, &name);
+        let shortened = solve(robot, &case, Actuation::Shortening, &name);
 
         let position = position_error(&shortened, &expected) / length;
         assert!(position < TOLERANCE, "{name}: positions differ by {position:.1e} L");

@@ -484,8 +484,8 @@ fn friction_shows_at_every_step() {
     let tensions: Vec<f64> = serde_json::from_value(cable(1)["span_tensions"].clone()).unwrap();
     assert_eq!(tensions.len(), 9);
     assert!(tensions[0] < 4.0 && tensions.is_sorted_by(|a, b| a > b), "{tensions:?}");
-    assert_eq!(cable(2)["contacts"][0], "released");
-    assert_eq!(cable(2)["contacts"][8], "sticks");
+    assert_eq!(cable(2)["slip_states"][0], "released");
+    assert_eq!(cable(2)["slip_states"][8], "sticks");
 
     // One step, and no friction.
     let folder = Scratch::new();
@@ -497,7 +497,7 @@ fn friction_shows_at_every_step() {
     let text = succeed(&["solve", &free, "--model", "cosserat-disks"]);
     assert!(!text.contains("rubbing"), "{text}");
     let json = succeed(&["solve", &free, "--model", "cosserat-disks", "--json"]);
-    assert!(!json.contains("span_tensions") && !json.contains("contacts"), "{json}");
+    assert!(!json.contains("span_tensions") && !json.contains("slip_states"), "{json}");
 }
 
 /// A rod that a force along it buckles, and antagonists that turn it over to either side.

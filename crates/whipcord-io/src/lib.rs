@@ -35,9 +35,9 @@ pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
 pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
-    Beside, Cell, CsvTable, NonFinite, answer_json, fit_json, json_number, json_optional,
-    marks_csv, problems_json, remove_unfinished, shape_csv, solution_json, status_words, steps_csv,
-    stiffness_json, touches_csv, warnings_json, write_atomically,
+    Beside, Cell, CsvTable, NonFinite, answer_json, contacts_csv, fit_json, json_number,
+    json_optional, marks_csv, problems_json, remove_unfinished, shape_csv, solution_json,
+    status_words, steps_csv, stiffness_json, warnings_json, write_atomically,
 };
 pub use read::{
     Fit, LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers, quantity,

@@ -5,7 +5,7 @@ mod common;
 
 use std::path::Path;
 
-use whipcord::{Drive, Material, Model, ModelKind, Statics, Stations};
+use whipcord::{Actuation, Material, Model, ModelKind, Statics, Stations};
 use whipcord_io::{
     Item, MaterialPreset, Shear, Table, describe, load, materials, parse, table_in_si, toml,
 };
@@ -34,7 +34,7 @@ fn every_material_is_a_robot_that_can_be_solved_without_a_warning() {
         let text = robot(&format!("material = \"{}\"", preset.name));
         let file = parse(&text, "robot.toml").unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(file.warnings(), [], "{}", preset.name);
-        let model = Model::new(ModelKind::Cosserat, Stations::Disks, Drive::Natural);
+        let model = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Natural);
         let tip = model.solve(&file.robot, &file.case).unwrap().disks.tip();
         // One straight cable bends by u = τ r / EI.
         let stiffness = preset.young_modulus * std::f64::consts::PI * 0.001_f64.powi(4) / 64.0;

@@ -6,7 +6,7 @@ mod common;
 use std::path::Path;
 
 use whipcord::{
-    Along, CableCommand, DistributedLoad, Drive, Interpolation, LoadFrame, Model, ModelKind,
+    Actuation, Along, CableCommand, DistributedLoad, Interpolation, LoadFrame, Model, ModelKind,
     PointLoad, PointMass, Pose, Profile, RestCurvature, Robot, Routing, Section, Shortening,
     Statics as _, Stations, Stiffness, UnitQuaternion, Vec3,
 };
@@ -315,7 +315,7 @@ fn a_body_without_disks_has_stations() {
     // u = τ r / EI.
     let solve = |text: &str| {
         let file = read(text);
-        let model = Model::new(ModelKind::Cosserat, Stations::Disks, Drive::Natural);
+        let model = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Natural);
         model.solve(&file.robot, &file.case).unwrap().disks
     };
     let shape = solve(text);

@@ -14,6 +14,7 @@ mod axis;
 mod body;
 mod chart;
 mod colour;
+mod contact_marks;
 mod distance;
 mod ellipsoid;
 mod error;
@@ -38,7 +39,6 @@ mod svg;
 mod ticks;
 mod timing;
 mod title;
-mod touch_marks;
 mod unit;
 
 pub use accuracy::{AccuracySeries, accuracy_chart};

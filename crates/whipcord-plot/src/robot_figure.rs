@@ -2,11 +2,14 @@
 
 use core::fmt::Display;
 
-use whipcord::{ModelKind, Obstacle, Pose, Robot, Shape, Solution, Stations, Touch, Vec3, at_rest};
+use whipcord::{
+    Contact, ModelKind, Obstacle, Pose, Robot, Shape, Solution, Stations, Vec3, at_rest,
+};
 
 use crate::acting::Acting;
 use crate::body::{Body, Part};
 use crate::colour::Colour;
+use crate::contact_marks::TouchMarks;
 use crate::ellipsoid::{Ellipsoid, Ellipsoids};
 use crate::error::{PlotError, finite, not_empty};
 use crate::legend::{Entry, Legend, Swatch};
@@ -19,7 +22,6 @@ use crate::scene::{self, Form, Look};
 use crate::space;
 use crate::svg::{Fill, Point, Stroke, Svg};
 use crate::title::{LINE, Title};
-use crate::touch_marks::TouchMarks;
 
 /// One shape of the robot: that of a model, or that before actuation.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +73,7 @@ pub struct FigureOptions {
     /// What stands in its way.
     pub obstacles: Vec<Obstacle>,
     /// Where one of the shapes touches it; drawn over all of them.
-    pub touches: Vec<Touch>,
+    pub contacts: Vec<Contact>,
     /// Direction from which the robot is seen in space, in rad from x towards y; `None` for one
     /// that shows the bending well.
     pub azimuth: Option<f64>,
@@ -90,7 +92,7 @@ impl Default for FigureOptions {
             loads: Acting::default(),
             ellipsoids: Vec::new(),
             obstacles: Vec::new(),
-            touches: Vec::new(),
+            contacts: Vec::new(),
             azimuth: None,
             elevation: 22_f64.to_radians(),
             width: 980.0,
@@ -171,7 +173,7 @@ pub(crate) struct Drawn<'a> {
     pub loads: LoadMarks,
     pub ellipsoids: Ellipsoids,
     obstacles: Obstacles,
-    touches: TouchMarks,
+    contacts: TouchMarks,
     /// Points that span all of it.
     pub points: Vec<Vec3>,
 }
@@ -191,12 +193,12 @@ impl<'a> Drawn<'a> {
         let loads = LoadMarks::new(&options.loads, extent);
         let ellipsoids = Ellipsoids::new(&options.ellipsoids, extent, colours.cables.len());
         points.extend(loads.outline().chain(ellipsoids.outline()));
-        let touches = TouchMarks::new(&options.touches, extent);
-        points.extend(touches.outline());
+        let contacts = TouchMarks::new(&options.contacts, extent);
+        points.extend(contacts.outline());
         let obstacles = Obstacles::new(&options.obstacles, &points);
         points.extend(obstacles.outline());
         let (measured, outliers) = (options.measured.as_slice(), options.outliers.as_slice());
-        Self { bodies, measured, outliers, loads, ellipsoids, obstacles, touches, points }
+        Self { bodies, measured, outliers, loads, ellipsoids, obstacles, contacts, points }
     }
 
     /// All in a view of this name, which fills a box; measured positions of this radius in px.
@@ -212,7 +214,7 @@ impl<'a> Drawn<'a> {
         self.obstacles.draw(svg, view, (&format!("before-{name}"), at, size), true);
         self.ellipsoids.draw(svg, view);
         self.loads.draw(svg, view);
-        self.touches.draw(svg, view);
+        self.contacts.draw(svg, view);
         for (points, colour) in [(self.measured, MEASURED), (self.outliers, OUTLIER)] {
             for &p in points {
                 let (at, rim) = (view.place(p), Some(Stroke::new(colour, 1.1)));
@@ -319,10 +321,10 @@ fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
     }
     options.loads.check()?;
     options.ellipsoids.iter().try_for_each(Ellipsoid::check)?;
-    for touch in &options.touches {
+    for touch in &options.contacts {
         let numbers = touch.point.to_array().into_iter().chain(touch.normal.to_array());
         for value in numbers.chain(touch.force) {
-            finite(|| "a number of a touch".to_owned(), value)?;
+            finite(|| "a number of a contact".to_owned(), value)?;
         }
     }
     finite(|| "the elevation".to_owned(), options.elevation)?;
@@ -405,7 +407,7 @@ impl Colours {
         entries.extend(drawn.ellipsoids.legend(&options.ellipsoids));
         entries.extend(LoadMarks::legend(&options.loads));
         entries.extend(Obstacles::legend(&options.obstacles));
-        entries.extend(TouchMarks::legend(&options.touches));
+        entries.extend(TouchMarks::legend(&options.contacts));
         entries
     }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use common::{before, prototype, towards, view};
 use resvg::usvg::roxmltree::{Document, Node};
 use whipcord::obstacle::{Bends, Mesh, Pipe, Superellipsoid};
-use whipcord::{Form, ModelKind, Obstacle, Part, Pose, Robot, Touch, UnitQuaternion, Vec3};
+use whipcord::{Contact, Form, ModelKind, Obstacle, Part, Pose, Robot, UnitQuaternion, Vec3};
 use whipcord_plot::{FigureOptions, PlotError, RobotView, ViewStyle, png, robot_figure};
 
 /// One of every form, in a row before and behind the robot.
@@ -42,8 +42,8 @@ fn at(form: Form, position: Vec3) -> Obstacle {
     }
 }
 
-fn touch(obstacle: usize, force: Option<f64>) -> Touch {
-    Touch {
+fn touch(obstacle: usize, force: Option<f64>) -> Contact {
+    Contact {
         obstacle,
         part: Part::Disk(3),
         arc_length: 0.06,
@@ -64,9 +64,9 @@ fn robot() -> (Robot, Vec<RobotView>) {
     (robot, views)
 }
 
-fn figure(obstacles: Vec<Obstacle>, touches: Vec<Touch>) -> String {
+fn figure(obstacles: Vec<Obstacle>, contacts: Vec<Contact>) -> String {
     let (robot, views) = robot();
-    let options = FigureOptions { obstacles, touches, ..FigureOptions::default() };
+    let options = FigureOptions { obstacles, contacts, ..FigureOptions::default() };
     robot_figure(&robot, &views, &options).unwrap()
 }
 
@@ -118,14 +118,14 @@ fn contacts_have_their_forces() {
     let ball = || vec![at(Form::Sphere { radius: 0.02 }, Vec3::new(0.03, 0.0, 0.06))];
     let svg = figure(ball(), vec![touch(0, Some(1.25)), touch(0, Some(0.5))]);
     let document = Document::parse(&svg).unwrap();
-    let groups = class(&document, "touches");
+    let groups = class(&document, "contacts");
     assert_eq!(groups.len(), 4);
     assert!(svg.contains("contacts") && svg.contains("contact forces up to 1.25 N"), "{svg}");
     let geometric = figure(ball(), vec![touch(0, None)]);
     assert!(geometric.contains(">contact<") && !geometric.contains("contact force"));
     assert!(
         figure(vec![], vec![]) == figure(vec![], vec![])
-            && !figure(vec![], vec![]).contains("touches")
+            && !figure(vec![], vec![]).contains("class=\"contacts\"")
     );
 }
 
@@ -138,8 +138,8 @@ fn many_obstacles_share_an_entry() {
 #[test]
 fn a_force_that_is_none_is_refused() {
     let (robot, views) = robot();
-    let touches = vec![touch(0, Some(f64::NAN))];
-    let options = FigureOptions { touches, ..FigureOptions::default() };
+    let contacts = vec![touch(0, Some(f64::NAN))];
+    let options = FigureOptions { contacts, ..FigureOptions::default() };
     let refused = robot_figure(&robot, &views, &options);
     assert!(matches!(refused, Err(PlotError::NotFinite { .. })), "{refused:?}");
 }

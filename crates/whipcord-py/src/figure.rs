@@ -27,7 +27,7 @@ pub fn svg(
         title: title.unwrap_or_else(|| setup.title.clone()),
         loads: Acting::on(&setup.case, loaded),
         obstacles: setup.case.obstacles.clone(),
-        touches: solutions.last().map_or_else(Vec::new, |(_, of)| of.inner.touches.clone()),
+        contacts: solutions.last().map_or_else(Vec::new, |(_, of)| of.inner.contacts.clone()),
         width,
         ..FigureOptions::default()
     };

@@ -6,7 +6,7 @@ use std::time::Duration;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::cosserat::{self, Accuracy};
-use whipcord::{Drive, ModelKind, Stations, four_bar, linkage, pseudo_rigid_body};
+use whipcord::{Actuation, ModelKind, Stations, four_bar, linkage, pseudo_rigid_body};
 
 use crate::errors;
 use crate::wait::Limit;
@@ -59,10 +59,10 @@ impl Model {
         arguments.set_item("coefficients", coefficients)?;
         let kind: ModelKind = named(py, "model", kind)?;
         let stations = self::stations(stations)?;
-        let drive = match actuation {
-            None => Drive::Natural,
-            Some("tension") => Drive::Tension,
-            Some("shortening") => Drive::Shortening,
+        let actuation = match actuation {
+            None => Actuation::Natural,
+            Some("tension") => Actuation::Tension,
+            Some("shortening") => Actuation::Shortening,
             Some(other) => {
                 let message =
                     format!("there is no actuation `{other}`: choose tension or shortening");
@@ -72,7 +72,7 @@ impl Model {
         let rod = || -> PyResult<cosserat::Options> {
             let mut options = cosserat::Options {
                 stations: stations.clone(),
-                drive,
+                actuation,
                 stability,
                 ..Default::default()
             };
@@ -103,7 +103,7 @@ impl Model {
             ModelKind::Cosserat => whipcord::Model::Cosserat(rod()?),
             ModelKind::CosseratDisks => whipcord::Model::CosseratDisks(rod()?),
             ModelKind::FourBar => {
-                let mut options = four_bar::Options { stations, drive, ..Default::default() };
+                let mut options = four_bar::Options { stations, actuation, ..Default::default() };
                 if let Some(name) = objective {
                     options.objective = named(py, "objective", name)?;
                 }
@@ -115,11 +115,11 @@ impl Model {
                 }
                 whipcord::Model::FourBar(options)
             }
-            ModelKind::ConstantCurvature => whipcord::Model::new(kind, stations, drive),
+            ModelKind::ConstantCurvature => whipcord::Model::new(kind, stations, actuation),
             ModelKind::PiecewiseConstantCurvature => {
                 let cosserat::Options { residual: given, .. } = rod()?;
                 let mut options =
-                    linkage::Options { stations, drive, stability, ..Default::default() };
+                    linkage::Options { stations, actuation, stability, ..Default::default() };
                 if residual.is_some() {
                     options.residual = given;
                 }
@@ -127,8 +127,12 @@ impl Model {
             }
             ModelKind::PseudoRigidBody => {
                 let cosserat::Options { residual: given, .. } = rod()?;
-                let mut options =
-                    pseudo_rigid_body::Options { stations, drive, stability, ..Default::default() };
+                let mut options = pseudo_rigid_body::Options {
+                    stations,
+                    actuation,
+                    stability,
+                    ..Default::default()
+                };
                 if residual.is_some() {
                     options.residual = given;
                 }

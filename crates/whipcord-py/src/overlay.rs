@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use whipcord::{Case, Drive, Model, ModelKind, SolveError, Stations, Vec3};
+use whipcord::{Actuation, Case, Model, ModelKind, SolveError, Stations, Vec3};
 use whipcord_estimation::observation::{self, InImage, Overlaid, Rms, in_image};
 use whipcord_estimation::{Observation, Place, Seen};
 use whipcord_plot::{
@@ -98,7 +98,7 @@ pub fn overlay<'py>(
     let runs: Vec<(ModelKind, Result<Overlaid, SolveError>)> = within(py, &limit, move || {
         let robot = &handle.get().robot;
         let run = |kind| {
-            let model = Model::new(kind, Stations::Disks, Drive::Natural).cancelled_by(&cancel);
+            let model = Model::new(kind, Stations::Disks, Actuation::Natural).cancelled_by(&cancel);
             observation::overlay(&model, robot, &of, &camera, &seen, FINE_STATIONS)
         };
         kinds.into_iter().map(|kind| (kind, run(kind))).collect()

@@ -8,11 +8,11 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::cosserat::{BranchOptions, Cosserat, CriticalKind, Workspace};
-use whipcord::kinematics::{DrivenBy, Means, Yield};
+use whipcord::kinematics::{Compliance, DerivativeMethod, DrivenBy};
 use whipcord::warning::{of_answer, of_case, of_spacing};
 use whipcord::{
-    CableCommand, Case, Differentiable, Drive, ModelKind, Parameter, Prepared, Robot, Shortening,
-    SolveError, Statics, Warning,
+    Actuation, CableCommand, Case, Differentiable, ModelKind, Parameter, Prepared, Robot,
+    Shortening, SolveError, Statics, Warning,
 };
 use whipcord_io::CaseFile;
 
@@ -298,9 +298,9 @@ impl Setup {
             }
         }
         let count = self.robot.cables().len();
-        let slack = match kind.natural_drive() {
-            Drive::Shortening => Case::with_shortenings(&vec![Shortening::Length(0.0); count]),
-            Drive::Natural | Drive::Tension => Case::with_tensions(&vec![0.0; count]),
+        let slack = match kind.natural_actuation() {
+            Actuation::Shortening => Case::with_shortenings(&vec![Shortening::Length(0.0); count]),
+            Actuation::Natural | Actuation::Tension => Case::with_tensions(&vec![0.0; count]),
         };
         let model = whipcord::Model::new(kind, Default::default(), Default::default());
         let answer = model.solve(&self.robot, &slack).map_err(|error| errors::solve(py, &error))?;
@@ -336,7 +336,7 @@ impl Setup {
         let answer = &solution.inner;
         let by_tension = match model.actuation(py)?.as_deref() {
             Some(named) => named == "tension",
-            None => answer.model.natural_drive() == Drive::Tension,
+            None => answer.model.natural_actuation() == Actuation::Tension,
         };
         let mut case = (*solution.case).clone();
         for commands in case.before.iter_mut().chain([&mut case.commands]) {
@@ -396,22 +396,22 @@ impl Setup {
         });
         values.set_item("driven_by", driven_by.collect::<Vec<_>>())?;
         values.set_item("length_jacobian", convert::square(py, &local.length_jacobian)?)?;
-        let yielding = |name: &str, of: &Yield| -> PyResult<()> {
+        let yielding = |name: &str, of: &Compliance| -> PyResult<()> {
             let compliance = convert::matrix6(py, &of.compliance)?;
             values.set_item(format!("compliance_{name}"), compliance)?;
             let stiffness = of.stiffness.as_ref().map(|k| convert::matrix6(py, k)).transpose()?;
             values.set_item(format!("stiffness_{name}"), stiffness)
         };
-        match &local.yields {
+        match &local.compliances {
             Ok(yields) => {
                 yielding("tensions_held", &yields.tensions_held)?;
                 yielding("lengths_held", &yields.lengths_held)?;
             }
             Err(unknown) => values.set_item("yield_unknown", unknown.to_string())?,
         }
-        let error = match local.means {
-            Means::Exact => None,
-            Means::Differences { error } => Some(error),
+        let error = match local.method {
+            DerivativeMethod::Exact => None,
+            DerivativeMethod::Differences { error } => Some(error),
         };
         values.set_item("estimated_error", error)?;
         let dexterity = PyList::empty(py);

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
     CableState, Case, Contact, Diagnostics, ModelKind, NoStability, Part, Pose, Robot, Shape,
-    Touch, UnitQuaternion, Vec3, Wrench,
+    SlipState, UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::convert::{array, flat};
@@ -117,7 +117,7 @@ impl Solution {
             state.set_item("initial_length", cable.initial_length)?;
             state.set_item("slack", cable.slack)?;
             state.set_item("span_tensions", cable.span_tensions.clone())?;
-            state.set_item("contacts", contacts(cable))?;
+            state.set_item("slip_states", slip_states(cable))?;
             list.append(state)?;
         }
         Ok(list)
@@ -134,9 +134,9 @@ impl Solution {
 
     /// Where it touches obstacles.
     #[getter]
-    fn touches<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let list = PyList::empty(py);
-        for touch in &self.inner.touches {
+        for touch in &self.inner.contacts {
             let values = PyDict::new(py);
             let obstacle = self.case.obstacles.get(touch.obstacle);
             values.set_item("obstacle", obstacle.map(|obstacle| obstacle.name.as_str()))?;
@@ -194,7 +194,7 @@ impl Solution {
         let cables = of.cables.iter().map(|cable| {
             let &CableState { tension, length, initial_length, slack, .. } = cable;
             let spans = cable.span_tensions.clone();
-            (cable.name.clone(), tension, length, initial_length, slack, spans, contacts(cable))
+            (cable.name.clone(), tension, length, initial_length, slack, spans, slip_states(cable))
         });
         let d = &of.diagnostics;
         (
@@ -212,20 +212,20 @@ impl Solution {
                 d.stability_lost_at,
                 d.stability_absent.map(|reason| reason.name().to_owned()),
             ),
-            of.touches.iter().map(touch_row).collect(),
+            of.contacts.iter().map(touch_row).collect(),
         )
     }
 
     /// The answer of such numbers to a case.
     #[staticmethod]
     fn from_state(py: Python<'_>, setup: &Setup, state: State) -> PyResult<Self> {
-        let (model, shape, disks, cables, wrench, d, touches) = state;
+        let (model, shape, disks, cables, wrench, d, contacts) = state;
         let model: ModelKind =
             model.parse().map_err(|_| errors::input(py, "state", format!("no model `{model}`")))?;
         let cables = cables.into_iter().map(|row| {
-            let (name, tension, length, initial_length, slack, span_tensions, contacts) = row;
-            let contacts = contacts.iter().map(|name| contact(name)).collect();
-            CableState { name, tension, length, initial_length, slack, span_tensions, contacts }
+            let (name, tension, length, initial_length, slack, span_tensions, slip_states) = row;
+            let slip_states = slip_states.iter().map(|name| slip_state(name)).collect();
+            CableState { name, tension, length, initial_length, slack, span_tensions, slip_states }
         });
         let (iterations, residual, stability, discretization_error, steps, stability_lost_at, why) =
             d;
@@ -238,7 +238,7 @@ impl Solution {
                 force: Vec3::new(x, y, z),
                 moment: Vec3::new(a, b, c),
             }),
-            touches: touches.into_iter().map(touch_of).collect(),
+            contacts: contacts.into_iter().map(touch_of).collect(),
             diagnostics: Diagnostics {
                 iterations,
                 residual,
@@ -276,27 +276,28 @@ impl Solution {
     }
 }
 
-fn touch_row(touch: &Touch) -> TouchRow {
-    let &Touch { obstacle, part, arc_length, point, normal, force, friction, sticks, gap } = touch;
+fn touch_row(touch: &Contact) -> TouchRow {
+    let &Contact { obstacle, part, arc_length, point, normal, force, friction, sticks, gap } =
+        touch;
     let [point, normal] = [point, normal].map(|vector| vector.to_array());
     let friction = friction.map(|friction| friction.to_array());
     (obstacle, part.disk(), arc_length, force, gap, point, normal, friction, sticks)
 }
 
-fn touch_of(row: TouchRow) -> Touch {
+fn touch_of(row: TouchRow) -> Contact {
     let (obstacle, disk, arc_length, force, gap, point, normal, friction, sticks) = row;
     let part = disk.map_or(Part::Backbone, Part::Disk);
     let (point, normal, friction) = (point.into(), normal.into(), friction.map(Into::into));
-    Touch { obstacle, part, arc_length, point, normal, force, friction, sticks, gap }
+    Contact { obstacle, part, arc_length, point, normal, force, friction, sticks, gap }
 }
 
-fn contacts(cable: &CableState) -> Vec<String> {
-    cable.contacts.iter().map(|contact| contact.name().to_owned()).collect()
+fn slip_states(cable: &CableState) -> Vec<String> {
+    cable.slip_states.iter().map(|slip_state| slip_state.name().to_owned()).collect()
 }
 
-fn contact(name: &str) -> Contact {
-    let all = [Contact::Pulled, Contact::Released];
-    all.into_iter().find(|contact| contact.name() == name).unwrap_or(Contact::Sticks)
+fn slip_state(name: &str) -> SlipState {
+    let all = [SlipState::Pulled, SlipState::Released];
+    all.into_iter().find(|slip_state| slip_state.name() == name).unwrap_or(SlipState::Sticks)
 }
 
 fn arc_length<'py>(py: Python<'py>, shape: &Shape) -> PyResult<Bound<'py, PyArray1<f64>>> {

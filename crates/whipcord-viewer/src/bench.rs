@@ -6,13 +6,13 @@ use std::time::Instant;
 use whipcord::kinematics::principal_axes;
 use whipcord::warning::of_answer;
 use whipcord::{
-    Cancel, Case, Differentiable as _, Drive, Model, ModelKind, ModelVariant, Prepared, Robot,
+    Actuation, Cancel, Case, Differentiable as _, Model, ModelKind, ModelVariant, Prepared, Robot,
     Shape, Shortening, Solution, Vec3, Warning,
 };
 use whipcord_io::CaseFile;
 
 use crate::protocol::{
-    self, Answer, CableState, Compliance, Frame, Malformed, Request, Solved, Touch,
+    self, Answer, CableState, Compliance, Contact, Frame, Malformed, Request, Solved,
 };
 use crate::scene::{array, model};
 use crate::stations::Places;
@@ -97,7 +97,8 @@ impl Bench {
         case: &Case,
     ) -> Vec<(ModelVariant, Result<Found, Refusal>)> {
         let pulled = case.commands.iter().any(|command| command.tension.is_some());
-        let is_driven = |one: ModelVariant| pulled && one.kind.natural_drive() == Drive::Shortening;
+        let is_driven =
+            |one: ModelVariant| pulled && one.kind.natural_actuation() == Actuation::Shortening;
         let mut all: Vec<_> = variants
             .iter()
             .map(|&one| (one, if is_driven(one) { None } else { Some(self.one(one, case)) }))
@@ -200,7 +201,7 @@ impl Bench {
                 apart * 1e3
             ));
         }
-        let yields = local.yields.map_err(|error| error.to_string())?;
+        let yields = local.compliances.map_err(|error| error.to_string())?;
         let axes = principal_axes(&yields.tensions_held.compliance.blocks[0][0]);
         let turn = |d: Vec3| array(case.base.rotation.rotate(d));
         Ok(Compliance::Known { values: axes.values, directions: axes.directions.map(turn) })
@@ -243,7 +244,7 @@ fn solved(
         slack: cable.slack,
         span_tensions: cable.span_tensions.clone(),
     });
-    let touches = solution.touches.iter().map(|touch| Touch {
+    let contacts = solution.contacts.iter().map(|touch| Contact {
         obstacle: touch.obstacle,
         arc_length: touch.arc_length,
         point: array(touch.point),
@@ -258,7 +259,7 @@ fn solved(
         orientations: shape.poses.iter().map(|pose| pose.rotation.wxyz()).collect(),
         strains: strains(shape),
         cables: cables.collect(),
-        touches: touches.collect(),
+        contacts: contacts.collect(),
         residual: diagnostics.residual,
         iterations: diagnostics.iterations,
         stability: diagnostics.stability,
@@ -308,7 +309,7 @@ impl Solved {
                     && cable.tension.is_none_or(f64::is_finite)
                     && finite(&cable.span_tensions)
             })
-            && self.touches.iter().all(|touch| {
+            && self.contacts.iter().all(|touch| {
                 finite(&touch.point)
                     && finite(&touch.normal)
                     && touch.force.is_none_or(f64::is_finite)

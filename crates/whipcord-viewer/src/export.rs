@@ -52,10 +52,10 @@ struct Recorded {
     /// A byte for each frame: 0 where no solution was found.
     valid: String,
     /// A byte for each frame: how many touches it has.
-    touch_counts: String,
+    contact_counts: String,
     /// Of each touch, as 32-bit floats: obstacle, arc length in m, point in m, normal, force in N (negative where there is
     /// none), friction in N, and whether it sticks (negative where nothing rubs).
-    touches: String,
+    contacts: String,
     /// Of all frames.
     solved: usize,
     greatest_residual: f64,
@@ -198,7 +198,7 @@ fn frames(
         }
     }
     let valid: Vec<u8> = all.iter().map(|frame| u8::from(frame.is_some())).collect();
-    let (touch_counts, touches) = touches(&all);
+    let (contact_counts, contacts) = contacts(&all);
     let first = all.iter().flatten().next();
     Recorded {
         model: variant.name().to_owned(),
@@ -209,8 +209,8 @@ fn frames(
             .map(|solution| solution.cables.iter().map(|cable| cable.initial_length).collect())
             .unwrap_or_default(),
         valid: base64(&valid),
-        touch_counts: base64(&touch_counts),
-        touches: base64(&touches),
+        contact_counts: base64(&contact_counts),
+        contacts: base64(&contacts),
         solved: all.iter().flatten().count(),
         greatest_residual: all.iter().flatten().map(|s| s.diagnostics.residual).fold(0.0, f64::max),
         trials: trials(&mut bench, scene, grid, variant, &rounded, &lengths, one_more),
@@ -218,11 +218,11 @@ fn frames(
 }
 
 /// How many touches each frame has, and all of them: the first 255 of a frame, which no robot of disks comes near.
-fn touches(all: &[Option<Solution>]) -> (Vec<u8>, Vec<u8>) {
+fn contacts(all: &[Option<Solution>]) -> (Vec<u8>, Vec<u8>) {
     let (mut counts, mut packed) = (Vec::with_capacity(all.len()), Vec::new());
     for frame in all {
-        let touches = frame.as_ref().map_or(&[][..], |frame| &frame.touches);
-        let kept = &touches[..touches.len().min(usize::from(u8::MAX))];
+        let contacts = frame.as_ref().map_or(&[][..], |frame| &frame.contacts);
+        let kept = &contacts[..contacts.len().min(usize::from(u8::MAX))];
         counts.push(kept.len() as u8);
         for touch in kept {
             let [x, y, z] = touch.point.to_array();

@@ -6,7 +6,7 @@
 //! Positions are in the world frame, in which the file gives the pose of the base; quaternions are (w, x, y, z).
 
 use serde::{Deserialize, Serialize};
-use whipcord::{Drive, ModelKind, ModelVariant};
+use whipcord::{Actuation, ModelKind, ModelVariant};
 
 /// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
 pub const MOST_BYTES: usize = 64 * 1024;
@@ -312,7 +312,7 @@ pub struct Solved {
     /// What became of each cable.
     pub cables: Vec<CableState>,
     /// Where it touches obstacles.
-    pub touches: Vec<Touch>,
+    pub contacts: Vec<Contact>,
     /// What is left of the equations, relative to their scale.
     pub residual: f64,
     /// Newton iterations.
@@ -350,7 +350,7 @@ pub struct CableState {
 
 /// A point at which the robot touches an obstacle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Touch {
+pub struct Contact {
     /// The obstacle, by its number in the scene.
     pub obstacle: usize,
     /// Arc length in m of the cross-section that touches.
@@ -457,10 +457,10 @@ impl Command {
 
     /// What drives a cable by it.
     #[must_use]
-    pub const fn drive(self) -> Drive {
+    pub const fn actuation(self) -> Actuation {
         match self {
-            Self::Tension(_) => Drive::Tension,
-            Self::Shortening(_) => Drive::Shortening,
+            Self::Tension(_) => Actuation::Tension,
+            Self::Shortening(_) => Actuation::Shortening,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use whipcord::variant::Variant;
 use whipcord::{
-    Drive, LoadFrame, Model, ModelKind, ModelVariant, Prepared, Robot, Section, SolveError,
+    Actuation, LoadFrame, Model, ModelKind, ModelVariant, Prepared, Robot, Section, SolveError,
     Stations, Vec3,
 };
 use whipcord_estimation::observation::{in_space, measured_in_world};
@@ -207,8 +207,8 @@ fn refusal(file: &CaseFile, variant: ModelVariant) -> Option<String> {
     case.loads.tip_moment = Vec3::ZERO;
     case.loads.gravity = None;
     for command in &mut case.commands {
-        *command = match variant.kind.natural_drive() {
-            Drive::Shortening => Command::Shortening(0.0).command(),
+        *command = match variant.kind.natural_actuation() {
+            Actuation::Shortening => Command::Shortening(0.0).command(),
             _ => Command::Tension(0.0).command(),
         };
     }

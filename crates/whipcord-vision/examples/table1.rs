@@ -15,7 +15,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use whipcord::{
-    Drive, Model, ModelKind, Pose, Robot, Shape, Solution, Stations, UnitQuaternion, Vec3,
+    Actuation, Model, ModelKind, Pose, Robot, Shape, Solution, Stations, UnitQuaternion, Vec3,
 };
 use whipcord_estimation::camera::{
     Camera, Distortion, Lens, LocateError, Pinhole, Sighting, locate,
@@ -81,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ] {
             let shape = solve(&file, kind)?.disks;
             let errors: Vec<f64> = flat(&shape).zip(&seen).map(|(a, b)| distance(a, *b)).collect();
-            let model = Model::new(kind, Stations::Disks, Drive::Natural);
+            let model = Model::new(kind, Stations::Disks, Actuation::Natural);
             let overlaid = overlay(&model, &file.robot, &file.case, &located, &markers, 2)?;
             let beside: Vec<f64> =
                 overlaid.misses.iter().flatten().map(|miss| 1e3 * miss.distance).collect();
@@ -118,7 +118,7 @@ fn flat(shape: &Shape) -> impl Iterator<Item = [f64; 2]> + '_ {
 }
 
 fn solve(file: &CaseFile, kind: ModelKind) -> Result<Solution, Box<dyn Error>> {
-    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+    let model = Model::new(kind, Stations::Disks, Actuation::Natural);
     Ok(model.prepare(&file.robot, &file.case.loads)?.solve(&file.case, None)?)
 }
 

@@ -8,7 +8,7 @@ mod case_3;
 use case_3::TENSION;
 use divan::Bencher;
 use whipcord::{
-    Case, Drive, Model, Robot, Shortening, piecewise_constant_curvature, pseudo_rigid_body,
+    Actuation, Case, Model, Robot, Shortening, piecewise_constant_curvature, pseudo_rigid_body,
 };
 use whipcord::{ModelKind, Routing, Stations};
 
@@ -27,18 +27,18 @@ fn one_arc_by_length(bencher: Bencher<'_, '_>) {
     cables[0].routing = Routing::Straight { angle: 0.0, radius: 0.008 };
     let (backbone, disks) = (case_3::robot().backbone().clone(), case_3::robot().disks().clone());
     let robot = Robot::new(backbone, disks, cables).unwrap();
-    let model = Model::new(ModelKind::ConstantCurvature, Stations::Disks, Drive::Natural);
+    let model = Model::new(ModelKind::ConstantCurvature, Stations::Disks, Actuation::Natural);
     measure(bencher, &model, &robot, &Case::with_shortenings(&[Shortening::Fraction(0.057)]));
 }
 
-fn arcs(drive: Drive) -> Model {
+fn arcs(actuation: Actuation) -> Model {
     let options =
-        piecewise_constant_curvature::Options { drive, stability: false, ..Default::default() };
+        piecewise_constant_curvature::Options { actuation, stability: false, ..Default::default() };
     Model::PiecewiseConstantCurvature(options)
 }
 
-fn bodies(drive: Drive) -> Model {
-    let options = pseudo_rigid_body::Options { drive, stability: false, ..Default::default() };
+fn bodies(actuation: Actuation) -> Model {
+    let options = pseudo_rigid_body::Options { actuation, stability: false, ..Default::default() };
     Model::PseudoRigidBody(options)
 }
 
@@ -53,40 +53,41 @@ fn by_length() -> Case {
 #[divan::bench]
 fn arcs_unloaded(bencher: Bencher<'_, '_>) {
     let case = Case::with_tensions(&[TENSION]);
-    measure(bencher, &arcs(Drive::Tension), &case_3::robot(), &case);
+    measure(bencher, &arcs(Actuation::Tension), &case_3::robot(), &case);
 }
 
 #[divan::bench]
 fn arcs_loaded(bencher: Bencher<'_, '_>) {
-    measure(bencher, &arcs(Drive::Tension), &case_3::robot(), &loaded());
+    measure(bencher, &arcs(Actuation::Tension), &case_3::robot(), &loaded());
 }
 
 #[divan::bench]
 fn arcs_by_length(bencher: Bencher<'_, '_>) {
-    measure(bencher, &arcs(Drive::Shortening), &case_3::robot(), &by_length());
+    measure(bencher, &arcs(Actuation::Shortening), &case_3::robot(), &by_length());
 }
 
 #[divan::bench]
 fn arcs_with_stability(bencher: Bencher<'_, '_>) {
     let case = Case::with_tensions(&[TENSION]);
-    let model = Model::new(ModelKind::PiecewiseConstantCurvature, Stations::Disks, Drive::Tension);
+    let model =
+        Model::new(ModelKind::PiecewiseConstantCurvature, Stations::Disks, Actuation::Tension);
     measure(bencher, &model, &case_3::robot(), &case);
 }
 
 #[divan::bench]
 fn bodies_unloaded(bencher: Bencher<'_, '_>) {
     let case = Case::with_tensions(&[TENSION]);
-    measure(bencher, &bodies(Drive::Tension), &case_3::robot(), &case);
+    measure(bencher, &bodies(Actuation::Tension), &case_3::robot(), &case);
 }
 
 #[divan::bench]
 fn bodies_loaded(bencher: Bencher<'_, '_>) {
-    measure(bencher, &bodies(Drive::Tension), &case_3::robot(), &loaded());
+    measure(bencher, &bodies(Actuation::Tension), &case_3::robot(), &loaded());
 }
 
 #[divan::bench]
 fn bodies_by_length(bencher: Bencher<'_, '_>) {
-    measure(bencher, &bodies(Drive::Shortening), &case_3::robot(), &by_length());
+    measure(bencher, &bodies(Actuation::Shortening), &case_3::robot(), &by_length());
 }
 
 /// A length that another cable's keeps out of reach.
@@ -107,10 +108,10 @@ fn out_of_reach(bencher: Bencher<'_, '_>, model: &Model) {
 
 #[divan::bench]
 fn arcs_out_of_reach(bencher: Bencher<'_, '_>) {
-    out_of_reach(bencher, &arcs(Drive::Shortening));
+    out_of_reach(bencher, &arcs(Actuation::Shortening));
 }
 
 #[divan::bench]
 fn bodies_out_of_reach(bencher: Bencher<'_, '_>) {
-    out_of_reach(bencher, &bodies(Drive::Shortening));
+    out_of_reach(bencher, &bodies(Actuation::Shortening));
 }

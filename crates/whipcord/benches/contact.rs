@@ -7,7 +7,7 @@ use divan::Bencher;
 use whipcord::cosserat::{self, Cosserat};
 use whipcord::four_bar::{self, FourBar, LengthRule, Objective};
 use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Form, Loads, Material, Obstacle, Pose, Robot, Routing,
+    Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, Pose, Robot, Routing,
     Section, Shortening, UnitQuaternion, Vec3,
 };
 
@@ -47,7 +47,7 @@ fn chain(robot: &Robot) -> FourBar {
 }
 
 fn rod(robot: &Robot) -> Cosserat {
-    let options = cosserat::Options { drive: Drive::Shortening, ..Default::default() };
+    let options = cosserat::Options { actuation: Actuation::Shortening, ..Default::default() };
     Cosserat::new(robot, &Loads::default(), &options).unwrap()
 }
 

@@ -10,7 +10,7 @@ mod case_3;
 use case_3::TENSION;
 use divan::Bencher;
 use whipcord::cosserat::{Accuracy, Cosserat, Hold, Options, Place, Workspace};
-use whipcord::{Case, Drive, Robot, Shortening};
+use whipcord::{Actuation, Case, Robot, Shortening};
 
 fn main() {
     print_errors();
@@ -24,29 +24,29 @@ fn print_errors() {
     let robot = case_3::robot();
     println!("steps  error: unloaded   loaded  by length");
     for steps in STEPS {
-        let error = |case: &Case, drive: Drive| {
+        let error = |case: &Case, actuation: Actuation| {
             let solve = |options: &Options| {
                 let model = Cosserat::new(&robot, &case.loads, options).unwrap();
                 model.solve(case, None, &mut Workspace::default()).unwrap()
             };
-            let exact = solve(&Options { residual: 1e-12, ..options(576, drive) });
-            let distances = solve(&options(steps, drive)).disks;
+            let exact = solve(&Options { residual: 1e-12, ..options(576, actuation) });
+            let distances = solve(&options(steps, actuation)).disks;
             distances.distances(&exact.disks).fold(0.0, f64::max) / 0.18
         };
         println!(
             "{steps:5}        {:.1e}  {:.1e}    {:.1e}",
-            error(&tension, Drive::Tension),
-            error(&loaded, Drive::Tension),
-            error(&length, Drive::Shortening)
+            error(&tension, Actuation::Tension),
+            error(&loaded, Actuation::Tension),
+            error(&length, Actuation::Shortening)
         );
     }
 }
 
 /// A prescribed number of steps, and a residual in keeping with an error of 1e-6.
-fn options(steps: usize, drive: Drive) -> Options {
+fn options(steps: usize, actuation: Actuation) -> Options {
     Options {
         accuracy: Accuracy::Steps(steps),
-        drive,
+        actuation,
         stability: false,
         residual: 5e-7,
         ..Options::default()
@@ -59,7 +59,7 @@ const STEPS: [usize; 4] = [12, 24, 48, 96];
 #[divan::bench(args = STEPS)]
 fn unloaded_cold(bencher: Bencher, steps: usize) {
     let (robot, case) = (case_3::robot(), Case::with_tensions(&[TENSION]));
-    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Actuation::Tension)).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
 }
@@ -68,7 +68,7 @@ fn unloaded_cold(bencher: Bencher, steps: usize) {
 fn loaded_cold(bencher: Bencher, steps: usize) {
     let (robot, case) =
         (case_3::robot(), Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) });
-    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Actuation::Tension)).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
 }
@@ -87,7 +87,7 @@ fn unloaded_cold_with_derivatives(bencher: Bencher, steps: usize) {
 }
 
 fn derivatives(bencher: Bencher, robot: &Robot, case: &Case, steps: usize) {
-    let model = Cosserat::new(robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
+    let model = Cosserat::new(robot, &case.loads, &options(steps, Actuation::Tension)).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| {
         let (_, derivatives) =
@@ -103,7 +103,7 @@ fn loaded_warm(bencher: Bencher, steps: usize) {
     let (robot, case) =
         (case_3::robot(), Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) });
     let neighbour = Case { loads: case_3::loads(), ..Case::with_tensions(&[0.99 * TENSION]) };
-    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Tension)).unwrap();
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Actuation::Tension)).unwrap();
     let mut workspace = Workspace::default();
     let before = model.solve(&neighbour, None, &mut workspace).unwrap();
     bencher.bench_local(|| model.solve(&case, Some(&before), &mut workspace).unwrap());
@@ -112,7 +112,7 @@ fn loaded_warm(bencher: Bencher, steps: usize) {
 #[divan::bench(args = STEPS)]
 fn by_length_cold(bencher: Bencher, steps: usize) {
     let (robot, case) = (case_3::robot(), Case::with_shortenings(&[Shortening::Fraction(0.057)]));
-    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Shortening)).unwrap();
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Actuation::Shortening)).unwrap();
     let mut workspace = Workspace::default();
     bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
 }
@@ -122,7 +122,7 @@ fn by_length_cold(bencher: Bencher, steps: usize) {
 fn by_length_warm(bencher: Bencher, steps: usize) {
     let (robot, case) = (case_3::robot(), Case::with_shortenings(&[Shortening::Fraction(0.057)]));
     let neighbour = Case::with_shortenings(&[Shortening::Fraction(0.99 * 0.057)]);
-    let model = Cosserat::new(&robot, &case.loads, &options(steps, Drive::Shortening)).unwrap();
+    let model = Cosserat::new(&robot, &case.loads, &options(steps, Actuation::Shortening)).unwrap();
     let mut workspace = Workspace::default();
     let before = model.solve(&neighbour, None, &mut workspace).unwrap();
     bencher.bench_local(|| model.solve(&case, Some(&before), &mut workspace).unwrap());

@@ -10,7 +10,7 @@ use case_3::TENSION;
 use divan::Bencher;
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::{CosseratDisks, Options, Workspace};
-use whipcord::{Case, Drive, Robot, Shortening};
+use whipcord::{Actuation, Case, Robot, Shortening};
 
 fn main() {
     divan::main();
@@ -18,8 +18,8 @@ fn main() {
 
 const STEPS: [usize; 2] = [9, 18];
 
-fn options(steps: usize, drive: Drive) -> Options {
-    Options { accuracy: Accuracy::Steps(steps), drive, stability: false, ..Options::default() }
+fn options(steps: usize, actuation: Actuation) -> Options {
+    Options { accuracy: Accuracy::Steps(steps), actuation, stability: false, ..Options::default() }
 }
 
 fn measure(bencher: Bencher<'_, '_>, options: &Options, case: &Case) {
@@ -34,13 +34,13 @@ fn measure_of(robot: &Robot, bencher: Bencher<'_, '_>, options: &Options, case: 
 
 #[divan::bench(args = STEPS)]
 fn unloaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
-    measure(bencher, &options(steps, Drive::Tension), &Case::with_tensions(&[TENSION]));
+    measure(bencher, &options(steps, Actuation::Tension), &Case::with_tensions(&[TENSION]));
 }
 
 /// Of a robot no two spans of which are alike.
 #[divan::bench(args = STEPS)]
 fn unloaded_tapered_cold(bencher: Bencher<'_, '_>, steps: usize) {
-    let options = options(steps, Drive::Tension);
+    let options = options(steps, Actuation::Tension);
     measure_of(&case_3::tapered(), bencher, &options, &Case::with_tensions(&[TENSION]));
 }
 
@@ -51,18 +51,18 @@ fn by_length() -> Case {
 #[divan::bench(args = STEPS)]
 fn loaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
     let case = Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) };
-    measure(bencher, &options(steps, Drive::Tension), &case);
+    measure(bencher, &options(steps, Actuation::Tension), &case);
 }
 
 #[divan::bench(args = STEPS)]
 fn by_length_cold(bencher: Bencher<'_, '_>, steps: usize) {
-    measure(bencher, &options(steps, Drive::Shortening), &by_length());
+    measure(bencher, &options(steps, Actuation::Shortening), &by_length());
 }
 
 #[divan::bench(args = STEPS)]
 fn by_length_loaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
     let case = Case { loads: case_3::loads(), ..by_length() };
-    measure(bencher, &options(steps, Drive::Shortening), &case);
+    measure(bencher, &options(steps, Actuation::Shortening), &case);
 }
 
 /// To the default tolerance of 1e-9 of the length, with the estimate of the error and the stability.

@@ -3,7 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
-use crate::case::Drive;
+use crate::case::Actuation;
 
 /// The models, by the names they have in files and on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,16 +46,16 @@ impl ModelKind {
         }
     }
 
-    /// What it is driven by where a cable has both commands, never [`Drive::Natural`]: tensions by a model
+    /// What it is driven by where a cable has both commands, never [`Actuation::Natural`]: tensions by a model
     /// that knows forces, shortenings by a geometric one.
     #[must_use]
-    pub const fn natural_drive(self) -> Drive {
+    pub const fn natural_actuation(self) -> Actuation {
         match self {
             Self::Cosserat
             | Self::CosseratDisks
             | Self::PiecewiseConstantCurvature
-            | Self::PseudoRigidBody => Drive::Tension,
-            Self::FourBar | Self::ConstantCurvature => Drive::Shortening,
+            | Self::PseudoRigidBody => Actuation::Tension,
+            Self::FourBar | Self::ConstantCurvature => Actuation::Shortening,
         }
     }
 

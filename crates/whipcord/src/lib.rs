@@ -40,8 +40,8 @@ pub mod warning;
 
 pub use cancel::Cancel;
 pub use case::{
-    CableCommand, Case, DistributedLoad, Drive, LoadFrame, Loads, PointLoad, PointMass, Profile,
-    Shortening,
+    Actuation, CableCommand, Case, DistributedLoad, LoadFrame, Loads, PointLoad, PointMass,
+    Profile, Shortening,
 };
 pub use error::{LengthMiss, Obstruction, SolveError};
 pub use kind::{CommandDerivatives, ModelKind};
@@ -53,7 +53,7 @@ pub use robot::{
     RobotError, Routing, Section, Stiffness,
 };
 pub use shape::{
-    CableState, Contact, Diagnostics, NoStability, Part, Shape, Solution, Touch, Wrench,
+    CableState, Contact, Diagnostics, NoStability, Part, Shape, SlipState, Solution, Wrench,
 };
 pub use statics::Statics;
 pub use stations::Stations;

@@ -3,7 +3,7 @@
 use whipcord_numerics::Pose;
 
 use crate::cancel::Cancel;
-use crate::case::{Case, Drive, Loads};
+use crate::case::{Actuation, Case, Loads};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::kinematics::Local;
@@ -36,34 +36,34 @@ pub enum Model {
 impl Model {
     /// A model with its default options, giving the shape at these stations.
     #[must_use]
-    pub fn new(kind: ModelKind, stations: Stations, drive: Drive) -> Self {
+    pub fn new(kind: ModelKind, stations: Stations, actuation: Actuation) -> Self {
         match kind {
             ModelKind::Cosserat => {
-                Self::Cosserat(cosserat::Options { stations, drive, ..Default::default() })
+                Self::Cosserat(cosserat::Options { stations, actuation, ..Default::default() })
             }
             ModelKind::CosseratDisks => Self::CosseratDisks(cosserat_disks::Options {
                 stations,
-                drive,
+                actuation,
                 ..Default::default()
             }),
             ModelKind::FourBar => {
-                Self::FourBar(four_bar::Options { stations, drive, ..Default::default() })
+                Self::FourBar(four_bar::Options { stations, actuation, ..Default::default() })
             }
             ModelKind::ConstantCurvature => Self::ConstantCurvature(constant_curvature::Options {
                 stations,
-                drive,
+                actuation,
                 ..Default::default()
             }),
             ModelKind::PiecewiseConstantCurvature => {
                 Self::PiecewiseConstantCurvature(piecewise_constant_curvature::Options {
                     stations,
-                    drive,
+                    actuation,
                     ..Default::default()
                 })
             }
             ModelKind::PseudoRigidBody => Self::PseudoRigidBody(pseudo_rigid_body::Options {
                 stations,
-                drive,
+                actuation,
                 ..Default::default()
             }),
         }
@@ -131,7 +131,7 @@ impl Model {
 pub fn at_rest(robot: &Robot, base: Pose, stations: &Stations) -> Option<Solution> {
     let case = Case { base, ..Case::with_tensions(&vec![0.0; robot.cables().len()]) };
     [ModelKind::Cosserat, ModelKind::CosseratDisks].into_iter().find_map(|kind| {
-        Model::new(kind, stations.clone(), Drive::Tension).solve(robot, &case).ok()
+        Model::new(kind, stations.clone(), Actuation::Tension).solve(robot, &case).ok()
     })
 }
 

@@ -33,12 +33,12 @@ pub struct CableState {
     pub span_tensions: Vec<f64>,
     /// How the cable stands in the hole of each disk, from the base on, without the last one, where
     /// it is fastened; empty as [`Self::span_tensions`] is.
-    pub contacts: Vec<Contact>,
+    pub slip_states: Vec<SlipState>,
 }
 
 /// State of a cable at a hole with friction after a step of actuation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Contact {
+pub enum SlipState {
     /// It did not move.
     #[default]
     Sticks,
@@ -180,14 +180,14 @@ pub struct Solution {
     /// ([`crate::Case::base`]), without the loads applied to the base itself; `None` from a model that knows no forces.
     pub base_wrench: Option<Wrench>,
     /// Where it touches the obstacles of its case.
-    pub touches: Vec<Touch>,
+    pub contacts: Vec<Contact>,
     /// How it was obtained.
     pub diagnostics: Diagnostics,
 }
 
 /// A point at which the robot touches an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
+pub struct Contact {
     /// The obstacle, by its number in [`crate::Case::obstacles`].
     pub obstacle: usize,
     /// What of the robot touches it.
@@ -240,7 +240,7 @@ impl Part {
     }
 }
 
-impl Contact {
+impl SlipState {
     /// The name in outputs: `sticks`, `pulled` or `released`.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -4,7 +4,7 @@
 use core::fmt;
 use core::str::FromStr;
 
-use crate::case::Drive;
+use crate::case::Actuation;
 use crate::four_bar;
 use crate::kind::{ModelKind, UnknownModel};
 use crate::model::Model;
@@ -83,9 +83,9 @@ impl ModelVariant {
             })
         };
         match self.variant {
-            Variant::Usual => Model::new(self.kind, stations, Drive::Natural),
+            Variant::Usual => Model::new(self.kind, stations, Actuation::Natural),
             Variant::StepPerSection => {
-                step_per_section(Model::new(self.kind, stations, Drive::Natural), sections)
+                step_per_section(Model::new(self.kind, stations, Actuation::Natural), sections)
             }
             Variant::Sliding => sliding(stations, four_bar::Objective::CouplerAngle),
             Variant::StrainEnergy => sliding(stations, four_bar::Objective::StrainEnergy),

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use whipcord::{Drive, Model, ModelKind, Robot, SolveError, Statics as _, Stations};
+use whipcord::{Actuation, Model, ModelKind, Robot, SolveError, Statics as _, Stations};
 
 use super::Samples;
 use thiserror::Error;
@@ -47,12 +47,12 @@ pub enum Untimed {
 
 /// The model as the paper times it.
 fn model(kind: ModelKind, sections: usize) -> Model {
-    step_per_section(Model::new(kind, Stations::Disks, Drive::Natural), sections)
+    step_per_section(Model::new(kind, Stations::Disks, Actuation::Natural), sections)
 }
 
 /// Why a model does not solve an example as it is; then it is not to be cut into other sections.
 pub fn refusal(kind: ModelKind, example: &Example) -> Option<SolveError> {
-    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+    let model = Model::new(kind, Stations::Disks, Actuation::Natural);
     model.solve(&example.robot, &example.case).err()
 }
 

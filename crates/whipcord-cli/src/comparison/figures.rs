@@ -36,7 +36,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         measured: measured.map(|marker| marker.measured).collect(),
         loads: Acting::on(&study.file.case, &reference.fine),
         obstacles: study.file.case.obstacles.clone(),
-        touches: reference.solution.touches.clone(),
+        contacts: reference.solution.contacts.clone(),
         ..FigureOptions::default()
     };
     figures.push(Figure {

@@ -5,10 +5,10 @@ use whipcord_estimation::observation::Distances;
 
 use super::study::{Commands, FAR, Study};
 use super::tables::{self, OUTLIER, each_once, not_compared, with_mark};
+use crate::contacts;
 use crate::html::{Figure, escape, footer, list, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
-use crate::touches;
 use crate::words::{describe, instability};
 
 /// The report of these cases with the figures of each; `verdict` says which model to use for what, `accuracy` is the
@@ -86,9 +86,9 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
         }
     }
     for (run, solved) in study.solved() {
-        if let Some(touches) = touches::table(&solved.solution, &file.case.obstacles) {
+        if let Some(contacts) = contacts::table(&solved.solution, &file.case.obstacles) {
             html += &format!("<h3>Contact: {}</h3>\n", escape(&run.label()));
-            html += &touches.html();
+            html += &contacts.html();
         }
     }
     html += &list(&case_notes(study));

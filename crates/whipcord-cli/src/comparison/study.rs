@@ -1,6 +1,8 @@
 //! One case solved by every model that can take it.
 
-use whipcord::{Case, Drive, Model, ModelKind, Robot, Shape, Solution, SolveError, Stations, Vec3};
+use whipcord::{
+    Actuation, Case, Model, ModelKind, Robot, Shape, Solution, SolveError, Stations, Vec3,
+};
 use whipcord_estimation::observation::{Distances, Incomparable, distances};
 
 use crate::deadline;
@@ -130,7 +132,7 @@ impl Study {
         let geometric = kinds
             .iter()
             .copied()
-            .filter(|kind| kind.natural_drive() == Drive::Shortening)
+            .filter(|kind| kind.natural_actuation() == Actuation::Shortening)
             .filter(|kind| !runs.iter().any(|run| run.model == *kind && run.is_refused()));
         let like = geometric
             .filter_map(|kind| {
@@ -205,7 +207,7 @@ fn run(
         Solved { solution, answers, fine, is_smooth, solve, build, measured }
     });
     let outcome = outcome.map_err(|(_, error)| error);
-    Run { model: kind, commands, driven_by: driven_by(kind, Drive::Natural, case), outcome }
+    Run { model: kind, commands, driven_by: driven_by(kind, Actuation::Natural, case), outcome }
 }
 
 /// The Cosserat model's answers to all steps.
@@ -226,5 +228,5 @@ fn answered(runs: &[Run]) -> Vec<Answered<'_>> {
 
 /// The model as it is compared, giving the shape at the disks.
 fn model(kind: ModelKind) -> Model {
-    Model::new(kind, Stations::Disks, Drive::Natural).cancelled_by(&deadline::cancel())
+    Model::new(kind, Stations::Disks, Actuation::Natural).cancelled_by(&deadline::cancel())
 }

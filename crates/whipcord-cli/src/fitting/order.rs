@@ -1,6 +1,6 @@
 //! Whether markers are numbered from the wrong end.
 
-use whipcord::{Drive, Model, ModelKind, Stations, Vec3};
+use whipcord::{Actuation, Model, ModelKind, Stations, Vec3};
 use whipcord_estimation::identification::Unknown;
 use whipcord_estimation::observation::{is_reversed, places};
 use whipcord_estimation::{Observation, Seen};
@@ -18,7 +18,7 @@ pub fn reversed_cases(kind: ModelKind, cases: &[CaseFile], unknowns: &[Unknown])
 
 fn is_any_reversed(kind: ModelKind, file: &CaseFile) -> bool {
     let Some(measured) = &file.measured else { return false };
-    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+    let model = Model::new(kind, Stations::Disks, Actuation::Natural);
     let Ok(mut prepared) = model.prepare(&file.robot, &file.case.loads) else { return false };
     let mut solutions = Vec::new();
     // A step without an answer is spoken of elsewhere.

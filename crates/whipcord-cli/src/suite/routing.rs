@@ -125,7 +125,7 @@ fn case(routing: &'static str, robot: &Robot, degrees: f64, loaded: bool) -> Sui
 
 #[cfg(test)]
 mod tests {
-    use whipcord::{Cancel, Drive, Model, ModelKind, Statics as _, Stations};
+    use whipcord::{Actuation, Cancel, Model, ModelKind, Statics as _, Stations};
 
     use super::*;
     use crate::trial::contender::{Contender, Variant};
@@ -153,7 +153,7 @@ mod tests {
     /// θ = τrL/EI holds for a rod that does not stretch; here the tension takes up to 0.2 % of the length.
     #[test]
     fn straight_cables_bend_the_robot_as_the_suite_says() {
-        let model = Model::new(ModelKind::Cosserat, Stations::Disks, Drive::Natural);
+        let model = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Natural);
         let straight =
             |case: &SuiteCase| case.tags.routing == "straight" && case.tags.burden == Burden::None;
         for case in cases().unwrap().iter().filter(|case| straight(case)) {

@@ -1,7 +1,7 @@
 //! What takes part in a comparison: the models, and those of their variants that trade accuracy for time.
 
 use whipcord::cosserat::Accuracy;
-use whipcord::{Drive, Model, ModelKind, Stations};
+use whipcord::{Actuation, Model, ModelKind, Stations};
 
 pub use whipcord::ModelVariant as Contender;
 pub use whipcord::variant::{Variant, step_per_section};
@@ -11,7 +11,7 @@ const FINE: (f64, f64) = (1e-12, 1e-13);
 
 /// The model at fine resolution; `None` for one that has none to refine.
 pub fn fine(kind: ModelKind) -> Option<Model> {
-    let mut model = Model::new(kind, Stations::Disks, Drive::Natural);
+    let mut model = Model::new(kind, Stations::Disks, Actuation::Natural);
     let (Model::Cosserat(options) | Model::CosseratDisks(options)) = &mut model else {
         return None;
     };

@@ -15,7 +15,7 @@ pub mod yardstick;
 
 use whipcord::robot::Route;
 use whipcord::{
-    CableCommand, CableState, Cancel, Case, Drive, Model, NoStability, Pose, Robot, Shape,
+    Actuation, CableCommand, CableState, Cancel, Case, Model, NoStability, Pose, Robot, Shape,
     Shortening, Solution, SolveError, Stations, at_rest,
 };
 use whipcord_io::Measured;
@@ -234,8 +234,8 @@ fn entry(
     let as_reference = |case| (Commands::Reference, case, solve(case));
     // A geometric model is given the reference's lengths: its own, where the case has any, were measured or
     // chosen for other reasons. A model that knows forces gets the reference's only where the case has none for it.
-    let (commands, case, outcome) = match (contender.kind.natural_drive(), like) {
-        (Drive::Shortening, Some(like)) => as_reference(like),
+    let (commands, case, outcome) = match (contender.kind.natural_actuation(), like) {
+        (Actuation::Shortening, Some(like)) => as_reference(like),
         (_, like) => match (as_given(), like) {
             ((_, _, Err(SolveError::Missing { .. })), Some(like)) => as_reference(like),
             (given, _) => given,
@@ -258,7 +258,7 @@ fn entry(
     let without_material = bare.is_some_and(|bare| {
         model.prepare(bare, &case.loads).is_ok_and(|mut model| model.solve(case, None).is_ok())
     });
-    let driven_by = driven_by(contender.kind, Drive::Natural, case);
+    let driven_by = driven_by(contender.kind, Actuation::Natural, case);
     Entry { contender, commands, driven_by, outcome, without_material }
 }
 

@@ -3,7 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
-use whipcord::{Cancel, Drive, Model, ModelKind, Routing, Solution, SolveError, Stations};
+use whipcord::{Actuation, Cancel, Model, ModelKind, Routing, Solution, SolveError, Stations};
 use whipcord_estimation::observation::{Apart, distances, in_space};
 
 use super::{Miss, Subject};
@@ -188,7 +188,7 @@ fn solved(
     let name = if is_fine { format!("{kind} at fine resolution") } else { kind.to_string() };
     let model = fine(kind)
         .filter(|_| is_fine)
-        .unwrap_or_else(|| Model::new(kind, Stations::Disks, Drive::Natural))
+        .unwrap_or_else(|| Model::new(kind, Stations::Disks, Actuation::Natural))
         .cancelled_by(cancel);
     let solved = model
         .prepare(subject.robot, &subject.case.loads)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
-use whipcord::{Drive, Model, ModelKind, Solution, SolveError, Statics, Stations};
+use whipcord::{Actuation, Model, ModelKind, Solution, SolveError, Statics, Stations};
 use whipcord_io::{CaseFile, FileWarning, problems_json, warnings_json};
 
 use crate::deadline;
@@ -99,7 +99,7 @@ impl Checked {
     /// Solves the case with every model.
     fn new(file: CaseFile) -> Self {
         let model = |kind| {
-            Model::new(kind, Stations::Disks, Drive::Natural).cancelled_by(&deadline::cancel())
+            Model::new(kind, Stations::Disks, Actuation::Natural).cancelled_by(&deadline::cancel())
         };
         let answer = |kind| (kind, model(kind).solve(&file.robot, &file.case));
         let answers: Answers = ModelKind::ALL.into_iter().map(answer).collect();
@@ -165,7 +165,7 @@ impl Checked {
         for (kind, answer) in answers {
             let verdict = match answer {
                 Ok(solution) => {
-                    let driver = driven_by(*kind, Drive::Natural, &file.case);
+                    let driver = driven_by(*kind, Actuation::Natural, &file.case);
                     let unstable = instability(solution).map(|words| format!("; {words}"));
                     format!("takes it, driven by {driver}{}", unstable.unwrap_or_default())
                 }

@@ -8,7 +8,7 @@ use std::thread;
 use clap::Args;
 use serde_json::Value;
 use whipcord::ModelKind;
-use whipcord_io::{touches_csv, warnings_json};
+use whipcord_io::{contacts_csv, warnings_json};
 
 use crate::chosen::model_parser;
 use crate::comparison::figures::figures;
@@ -271,9 +271,9 @@ fn write_numbers(folder: &Folder, studies: &[Study]) -> Result<(), Failure> {
         if let Some(markers) = csv::markers(study) {
             folder.write_table(&format!("{stem}-measured.csv"), &markers)?;
         }
-        for (run, solved) in study.solved().filter(|(_, s)| !s.solution.touches.is_empty()) {
-            let touches = touches_csv(&solved.solution, &study.file.case.obstacles);
-            folder.write_table(&format!("{stem}-{}-touches.csv", run.model.name()), &touches)?;
+        for (run, solved) in study.solved().filter(|(_, s)| !s.solution.contacts.is_empty()) {
+            let contacts = contacts_csv(&solved.solution, &study.file.case.obstacles);
+            folder.write_table(&format!("{stem}-{}-contacts.csv", run.model.name()), &contacts)?;
         }
     }
     folder.write_table("cases.csv", &csv::summary(studies))?;

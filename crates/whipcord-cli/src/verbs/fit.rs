@@ -11,7 +11,7 @@ use whipcord_estimation::identification::{
 use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, quantity};
 
-use crate::chosen::{Actuation, drive, model_parser};
+use crate::chosen::{ActuationArgument, actuation, model_parser};
 use crate::deadline;
 use crate::failure::{Failure, refuses};
 use crate::files::{self, Folder};
@@ -36,7 +36,7 @@ pub struct FitArgs {
     /// Quantity that is prescribed for all cables; by default the one that the model prefers, if
     /// the file gives it
     #[arg(long, value_name = "WHAT")]
-    actuation: Option<Actuation>,
+    actuation: Option<ActuationArgument>,
     /// Parameter to estimate with one value for all files: a path such as backbone.diameter or
     /// cables[0].friction (lists count from 0); replaces [fit]
     #[arg(long = "parameter", value_name = "PATH", value_parser = path)]
@@ -105,7 +105,8 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         refuse_registration(case, e, &unknowns)?;
     }
     let model = |kind| {
-        Model::new(kind, Stations::Disks, drive(args.actuation)).cancelled_by(&deadline::cancel())
+        Model::new(kind, Stations::Disks, actuation(args.actuation))
+            .cancelled_by(&deadline::cancel())
     };
     let settings = Settings {
         robustness: match args.loss {

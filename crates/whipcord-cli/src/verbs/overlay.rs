@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use whipcord::{Case, Drive, Model, ModelKind, SolveError, Stations};
+use whipcord::{Actuation, Case, Model, ModelKind, SolveError, Stations};
 use whipcord_estimation::observation::{self, InImage, in_image};
 use whipcord_io::{AnswerOf, CaseFile, load_markers};
 use whipcord_plot::{
@@ -47,7 +47,7 @@ pub struct OverlayArgs {
     /// the table of [measured]
     #[arg(long, value_name = "CSV")]
     markers: Option<PathBuf>,
-    /// Actuation step that the photograph shows, from 1; by default the last
+    /// ActuationArgument step that the photograph shows, from 1; by default the last
     #[arg(long, value_name = "K")]
     step: Option<usize>,
     /// Model; may be given several times; by default all models that accept the case
@@ -82,7 +82,7 @@ pub fn run(args: &OverlayArgs, style: Style) -> Result<String, Failure> {
     let kinds = if args.model.is_empty() { ModelKind::ALL.to_vec() } else { args.model.clone() };
     let overlay = |kind| {
         let model =
-            Model::new(kind, Stations::Disks, Drive::Natural).cancelled_by(&deadline::cancel());
+            Model::new(kind, Stations::Disks, Actuation::Natural).cancelled_by(&deadline::cancel());
         observation::overlay(&model, &file.robot, &case, &camera, &markers, FINE_STATIONS)
     };
     let runs: Vec<Run> =

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::RangedU64ValueParser;
-use whipcord::{Drive, Model, NoStability, Shape, Solution, Stations};
+use whipcord::{Actuation, Model, NoStability, Shape, Solution, Stations};
 use whipcord_estimation::observation::measured_in_world;
 use whipcord_io::{Beside, CaseFile, Measured, answer_json, shape_csv, steps_csv, warnings_json};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
 use crate::chosen::ChosenModel;
+use crate::contacts;
 use crate::failure::Failure;
 use crate::files::{self, path_ending_in};
 use crate::inputs::{Settings, read_one};
@@ -21,7 +22,6 @@ use crate::steps;
 use crate::style::Style;
 use crate::table::{Align, Table};
 use crate::timing::{self, TimedSolution, duration};
-use crate::touches;
 use crate::warnings::{Warnings, about_answers};
 use crate::words::{compromise, driven_by, instability};
 
@@ -141,7 +141,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         csv.map_err(|error| files::no_result(&error))?
     } else {
         let branches = branches.as_ref().map(|b| paths::branches_text(b, style));
-        let summary = summary(&file, &timed, args.model.drive(), plot, style);
+        let summary = summary(&file, &timed, args.model.actuation(), plot, style);
         branches.map_or_else(|| summary.clone(), |branches| format!("{summary}\n{branches}"))
     };
     // What can fail has been done: now the picture is written, or there is neither.
@@ -219,7 +219,7 @@ fn draw(
         measured,
         loads: Acting::on(&file.case, &solution.shape),
         obstacles: file.case.obstacles.clone(),
-        touches: solution.touches.clone(),
+        contacts: solution.contacts.clone(),
         ..FigureOptions::default()
     };
     let svg = robot_figure(&file.robot, &views, &options)
@@ -230,7 +230,7 @@ fn draw(
 fn summary(
     file: &CaseFile,
     timed: &TimedSolution,
-    drive: Drive,
+    actuation: Actuation,
     plot: Option<(&Path, &[String])>,
     style: Style,
 ) -> String {
@@ -241,13 +241,13 @@ fn summary(
     let towards =
         if bend > 1e-9 { format!(", towards {}", degrees(direction)) } else { String::new() };
     let quaternion = tip.rotation.wxyz().map(|c| fixed(c, 6)).join(", ");
-    let driver = driven_by(solution.model, drive, &file.case);
+    let driver = driven_by(solution.model, actuation, &file.case);
 
     let mut text = format!("{}\n", style.heading(&file.title));
     if steps.is_empty() {
         text += &format!("{}, driven by {driver}\n\n", solution.model);
     } else {
-        let all = steps::table(&file.case, drive, steps).text(style);
+        let all = steps::table(&file.case, actuation, steps).text(style);
         text += &format!("{}, driven in steps\n\n{all}\nafter the last step:\n", solution.model);
     }
     let mut line = |name: &str, value: String| {
@@ -267,7 +267,7 @@ fn summary(
     } else {
         rubbing::table(steps.iter().map(|(step, _)| step))
     };
-    let touching = touches::table(solution, &file.case.obstacles);
+    let touching = contacts::table(solution, &file.case.obstacles);
     for table in [rubbing, touching].into_iter().flatten() {
         text += &format!("\n{}", table.text(style));
     }

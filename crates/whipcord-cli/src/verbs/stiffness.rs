@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use whipcord::kinematics::{
-    Dexterity, DrivenBy, Local, Matrix6, Means, PrincipalAxes, Yield, principal_axes,
+    Compliance, DerivativeMethod, Dexterity, DrivenBy, Local, Matrix6, PrincipalAxes,
+    principal_axes,
 };
 use whipcord::{Differentiable as _, Model, Solution, Stations, Twist, UnitQuaternion, Vec3};
 use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json, warnings_json};
@@ -22,7 +23,7 @@ use crate::table::{Align, Table};
 use crate::warnings::Warnings;
 use crate::words::{driven_by, instability};
 
-/// Actuation Jacobian, compliance and stiffness at one point of the backbone
+/// ActuationArgument Jacobian, compliance and stiffness at one point of the backbone
 ///
 /// Prints the actuation Jacobian, and compliance and stiffness both at constant tensions and with
 /// the taut cables locked. All are in the base frame, for a wrench that is fixed in space. cosserat
@@ -149,7 +150,7 @@ fn draw(
         title: file.title.clone(),
         loads: Acting::on(&file.case, &fine.shape),
         obstacles: file.case.obstacles.clone(),
-        touches: solution.touches.clone(),
+        contacts: solution.contacts.clone(),
         ellipsoids: ellipsoids(solution, local, file.case.base.rotation),
         ..FigureOptions::default()
     };
@@ -167,13 +168,13 @@ fn ellipsoids(solution: &Solution, local: &Local, base: UnitQuaternion) -> Vec<E
         directions: axes.directions.map(|d| base.rotate(d)),
         ..axes
     };
-    let compliance = |label: &str, yielding: &Yield| Ellipsoid {
+    let compliance = |label: &str, yielding: &Compliance| Ellipsoid {
         label: label.to_owned(),
         at,
         axes: turned(principal_axes(&yielding.compliance.blocks[0][0])),
         quantity: Quantity::Compliance,
     };
-    let mut ellipsoids = match &local.yields {
+    let mut ellipsoids = match &local.compliances {
         Err(_) => Vec::new(),
         Ok(yields) if local.actuation_jacobian.is_empty() => {
             return vec![compliance("compliance", &yields.tensions_held)];
@@ -215,7 +216,7 @@ fn summary(
     local: &Local,
     style: Style,
 ) -> String {
-    let driver = driven_by(solution.model, args.model.drive(), &file.case);
+    let driver = driven_by(solution.model, args.model.actuation(), &file.case);
     let [x, y, z] = solution.shape.tip().position.to_array().map(|c| fixed_millimetres(c, 3));
     let place = match args.at {
         Place::Tip => "tip".to_owned(),
@@ -229,7 +230,7 @@ fn summary(
     if turned {
         text += "the base is turned: all that follows is along the axes of the base, not of the world\n";
     }
-    if let Means::Differences { error } = local.means {
+    if let DerivativeMethod::Differences { error } = local.method {
         text += &format!(
             "from differences of solutions, with an estimated relative error of {} at held tensions\n",
             number(error, 2)
@@ -243,7 +244,7 @@ fn summary(
     if !local.actuation_jacobian.is_empty() {
         text += &format!("\n{}", actuation(solution, local, style));
     }
-    match &local.yields {
+    match &local.compliances {
         Err(unknown) => text += &format!("\nhow it yields is not known: {unknown}\n"),
         Ok(known) => {
             text += &format!("\n{}", yields("tensions held", &known.tensions_held, style));
@@ -366,7 +367,7 @@ fn tidy(value: f64, largest: f64) -> String {
     if value.abs() <= 1e-7 * largest { "0".to_owned() } else { number(value, 4) }
 }
 
-fn yields(name: &str, yielding: &Yield, style: Style) -> String {
+fn yields(name: &str, yielding: &Compliance, style: Style) -> String {
     let mut text = format!("{}\n", style.heading(format!("compliance with {name}")));
     let compliance = |i: usize, j: usize| {
         let moved = if i < 3 { 1e3 } else { 180.0 / core::f64::consts::PI };

@@ -3,7 +3,7 @@
 use whipcord_numerics::{UnitQuaternion, Vec3};
 
 use super::quantity::Quantity;
-use whipcord::case::{CableCommand, Case, Drive, Shortening};
+use whipcord::case::{Actuation, CableCommand, Case, Shortening};
 use whipcord::error::SolveError;
 use whipcord::parameter::{Parameter, StiffnessPart};
 use whipcord::robot::{Backbone, Material, Problem, Robot, RobotError, Stiffness};
@@ -94,11 +94,15 @@ fn for_commands(case: &mut Case, cable: usize, mut change: impl FnMut(&mut Cable
 
 /// Whether a cable is driven by its tension in all steps of a case, or by its shortening in all;
 /// `None` where it is now this, now that.
-pub(super) fn is_driven_by_tension(case: &Case, cable: usize, drive: Drive) -> Option<bool> {
+pub(super) fn is_driven_by_tension(
+    case: &Case,
+    cable: usize,
+    actuation: Actuation,
+) -> Option<bool> {
     let by_tension = |commands: &Vec<CableCommand>| {
         commands
             .get(cable)
-            .is_some_and(|command| command.tension.is_some() && drive != Drive::Shortening)
+            .is_some_and(|command| command.tension.is_some() && actuation != Actuation::Shortening)
     };
     let last = by_tension(&case.commands);
     case.before.iter().all(|commands| by_tension(commands) == last).then_some(last)

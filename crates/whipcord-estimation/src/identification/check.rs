@@ -5,7 +5,7 @@ use super::error::{IdentifyError, Misfit};
 use super::quantity::Quantity;
 use super::{Experiment, Settings, Unknown};
 use crate::observation::{Observation, Place, Seen};
-use whipcord::case::Drive;
+use whipcord::case::Actuation;
 use whipcord::kind::ModelKind;
 use whipcord::model::Model;
 use whipcord::robot::Robot;
@@ -176,20 +176,21 @@ fn check_unknown(
 fn driven_by_tension(experiment: &Experiment, cable: usize, model: &Model) -> Option<bool> {
     match model {
         Model::Cosserat(options) | Model::CosseratDisks(options) => {
-            is_driven_by_tension(&experiment.case, cable, options.drive)
+            is_driven_by_tension(&experiment.case, cable, options.actuation)
         }
-        Model::FourBar(_) => is_driven_by_tension(&experiment.case, cable, Drive::Shortening),
+        Model::FourBar(_) => is_driven_by_tension(&experiment.case, cable, Actuation::Shortening),
         Model::ConstantCurvature(options) => {
-            let by_nature = options.drive == Drive::Natural;
+            let by_nature = options.actuation == Actuation::Natural;
             let given = experiment.case.commands[cable].shortening.is_some();
-            let drive = if by_nature && given { Drive::Shortening } else { options.drive };
-            is_driven_by_tension(&experiment.case, cable, drive)
+            let actuation =
+                if by_nature && given { Actuation::Shortening } else { options.actuation };
+            is_driven_by_tension(&experiment.case, cable, actuation)
         }
         Model::PiecewiseConstantCurvature(options) => {
-            is_driven_by_tension(&experiment.case, cable, options.drive)
+            is_driven_by_tension(&experiment.case, cable, options.actuation)
         }
         Model::PseudoRigidBody(options) => {
-            is_driven_by_tension(&experiment.case, cable, options.drive)
+            is_driven_by_tension(&experiment.case, cable, options.actuation)
         }
     }
 }

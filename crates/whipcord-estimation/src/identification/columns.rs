@@ -16,7 +16,7 @@ use whipcord::shape::Solution;
 
 /// How the derivative by an unknown comes about.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Means {
+pub(super) enum DerivativeMethod {
     /// Exactly: the model differentiates its answer by a parameter.
     Parameter(Parameter),
     /// Exactly: by the command of a cable.
@@ -32,7 +32,7 @@ pub(super) enum Means {
 /// Step of the differences, as a part of what matters.
 const STEP: f64 = 1e-3;
 
-impl Means {
+impl DerivativeMethod {
     pub(super) fn of(
         unknown: &Unknown,
         unknowns: &[Unknown],
@@ -73,18 +73,17 @@ impl Forward<'_> {
         columns: &mut [f64],
     ) -> Result<(), NoAnswerReason> {
         columns.fill(0.0);
-        let means = self.means[experiment].clone();
+        let means = self.methods[experiment].clone();
         let parameters: Vec<Parameter> = means
             .iter()
             .filter_map(|means| match means {
-                Some(Means::Parameter(parameter)) => Some(*parameter),
+                Some(DerivativeMethod::Parameter(parameter)) => Some(*parameter),
                 _ => None,
             })
             .collect();
-        let asks = means
-            .iter()
-            .flatten()
-            .any(|means| matches!(means, Means::Parameter(_) | Means::Command { .. }));
+        let asks = means.iter().flatten().any(|means| {
+            matches!(means, DerivativeMethod::Parameter(_) | DerivativeMethod::Command { .. })
+        });
         let observed: Vec<usize> =
             self.experiments[experiment].observations.iter().map(|seen| seen.step).collect();
         let (prepared, case) = self.prepare(experiment, x)?;
@@ -113,7 +112,7 @@ impl Forward<'_> {
             let mut motions: Vec<Option<Motion>> = Vec::with_capacity(means.len());
             for (means, value) in means.iter().zip(x) {
                 let motion = match (means, derivatives) {
-                    (Some(Means::Parameter(what)), Some(derivatives)) => {
+                    (Some(DerivativeMethod::Parameter(what)), Some(derivatives)) => {
                         let change = derivatives.parameter(parameter, Hold::Commands);
                         parameter += 1;
                         // The model's factor counts from what the stiffness is now.
@@ -124,7 +123,7 @@ impl Forward<'_> {
                         };
                         Some(Motion::Change(change, by))
                     }
-                    (Some(Means::Command { cable }), Some(derivatives)) => {
+                    (Some(DerivativeMethod::Command { cable }), Some(derivatives)) => {
                         let by = match (commands[*cable].shortening, commands[*cable].tension) {
                             // An offset in m is a part of the length that the cable had before.
                             (Some(Shortening::Fraction(_)), _) if !self.rest().is_empty() => {
@@ -134,8 +133,8 @@ impl Forward<'_> {
                         };
                         Some(Motion::Change(derivatives.command(*cable), by))
                     }
-                    (Some(Means::Move { axis }), _) => Some(Motion::Move(AXES[*axis])),
-                    (Some(Means::Turn { axis }), _) => {
+                    (Some(DerivativeMethod::Move { axis }), _) => Some(Motion::Move(AXES[*axis])),
+                    (Some(DerivativeMethod::Turn { axis }), _) => {
                         Some(Motion::Turn(turning_axis(*axis, turn), case.base.position))
                     }
                     _ => None,
@@ -173,7 +172,7 @@ impl Forward<'_> {
         let n = self.unknowns.len();
         let rows = self.first_rows[experiment + 1] - self.first_rows[experiment];
         for j in 0..n {
-            if self.means[experiment][j] != Some(Means::Differences) {
+            if self.methods[experiment][j] != Some(DerivativeMethod::Differences) {
                 continue;
             }
             let h = STEP * scales[j];

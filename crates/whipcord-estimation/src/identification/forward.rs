@@ -3,7 +3,7 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use super::build;
-use super::columns::Means;
+use super::columns::DerivativeMethod;
 use super::error::{IdentifyError, NoAnswer, NoAnswerReason};
 use super::outcome::Unstable;
 use super::quantity::Quantity;
@@ -31,7 +31,7 @@ pub(super) struct Forward<'a> {
     /// Lengths of the cables at rest in m, before anything is estimated; empty where nobody asks.
     rest: Vec<f64>,
     /// How each unknown's derivative comes about, by experiments.
-    pub(super) means: Vec<Vec<Option<Means>>>,
+    pub(super) methods: Vec<Vec<Option<DerivativeMethod>>>,
     built: Option<Built>,
 }
 
@@ -79,7 +79,9 @@ impl<'a> Forward<'a> {
             unknowns
                 .iter()
                 .map(|unknown| {
-                    unknown.is_of(e).then(|| Means::of(unknown, unknowns, experiment, &model))
+                    unknown
+                        .is_of(e)
+                        .then(|| DerivativeMethod::of(unknown, unknowns, experiment, &model))
                 })
                 .collect()
         };
@@ -93,7 +95,7 @@ impl<'a> Forward<'a> {
                 .map(|experiment| experiment.observations.iter().map(station).collect())
                 .collect(),
             rest: Vec::new(),
-            means: experiments.iter().enumerate().map(means).collect(),
+            methods: experiments.iter().enumerate().map(means).collect(),
             model,
             built: None,
         };

@@ -3,7 +3,7 @@
 use whipcord_numerics::least_squares::{NoResiduals, Status, Workspace};
 use whipcord_numerics::student_quantile;
 
-use super::columns::Means;
+use super::columns::DerivativeMethod;
 use super::error::{IdentifyError, NoAnswer};
 use super::forward::Forward;
 use super::logarithm::Logarithms;
@@ -139,8 +139,9 @@ pub(super) fn tell(
         meets(*value, unknown.least()) || meets(*value, unknown.greatest())
     };
     let is_at_bound: Vec<bool> = unknowns.iter().zip(x).map(at_bound).collect();
-    let by_differences =
-        |j: usize| forward.means.iter().any(|means| means[j] == Some(Means::Differences));
+    let by_differences = |j: usize| {
+        forward.methods.iter().any(|means| means[j] == Some(DerivativeMethod::Differences))
+    };
     let any = (0..n).any(by_differences);
     let free: Vec<bool> = is_at_bound.iter().map(|bound| !bound).collect();
     let mut jacobian = workspace.jacobian().to_vec();

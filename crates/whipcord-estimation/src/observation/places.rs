@@ -3,7 +3,7 @@
 use whipcord_numerics::Vec3;
 
 use super::{Observation, Place};
-use whipcord::case::{Case, Drive};
+use whipcord::case::{Actuation, Case};
 use whipcord::error::SolveError;
 use whipcord::kind::ModelKind;
 use whipcord::model::Model;
@@ -100,7 +100,7 @@ fn shapes_at(
     stations: &[f64],
     needed: &[bool],
 ) -> Result<Vec<Option<Shape>>, SolveError> {
-    let model = Model::new(kind, Stations::At(stations.to_vec()), Drive::Natural);
+    let model = Model::new(kind, Stations::At(stations.to_vec()), Actuation::Natural);
     let mut prepared = model.prepare(robot, &case.loads)?;
     let mut shapes = Vec::with_capacity(answers.len());
     if kind == ModelKind::CosseratDisks && answers.len() > 1 {

@@ -1,8 +1,8 @@
 //! Models beside what was measured: what was put in comes out.
 
 use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Material, Model, ModelKind, Pose, Robot, Routing, Section,
-    Solution, Statics, Stations, UnitQuaternion, Vec3,
+    Actuation, Backbone, Cable, Case, Disks, Material, Model, ModelKind, Pose, Robot, Routing,
+    Section, Solution, Statics, Stations, UnitQuaternion, Vec3,
 };
 use whipcord_estimation::camera::{Camera, Lens, Orthographic};
 use whipcord_estimation::observation::{Incomparable, distances, in_image, overlay};
@@ -185,7 +185,7 @@ fn an_answer_is_as_far_from_what_a_camera_saw_as_was_put_in() {
         .collect();
     assert!(in_image(&robot, &seen, 0, 1).is_empty() && in_image(&robot, &seen, 1, 0).is_empty());
     let markers = in_image(&robot, &seen, 1, 1);
-    let model = Model::new(ModelKind::Cosserat, Stations::Disks, Drive::Natural);
+    let model = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Natural);
     let found = overlay(&model, &robot, &case(), &camera, &markers, 37).unwrap();
     let rms = found.rms(&markers).unwrap();
     assert!((rms.pixels - 5.0).abs() < 1e-6 && (rms.distance - 2.5e-3).abs() < 1e-9, "{rms:?}");

@@ -120,7 +120,7 @@ pub fn steps_csv<'a>(shapes: impl IntoIterator<Item = &'a Shape>) -> Result<Stri
 
 /// Where a robot touches obstacles, one line for each place; disks and obstacles count from 1.
 #[must_use]
-pub fn touches_csv(solution: &Solution, obstacles: &[Obstacle]) -> CsvTable {
+pub fn contacts_csv(solution: &Solution, obstacles: &[Obstacle]) -> CsvTable {
     let mut table = CsvTable::new([
         "obstacle",
         "name",
@@ -140,7 +140,7 @@ pub fn touches_csv(solution: &Solution, obstacles: &[Obstacle]) -> CsvTable {
         "sticks",
         "gap",
     ]);
-    for touch in &solution.touches {
+    for touch in &solution.contacts {
         let name = obstacles.get(touch.obstacle).map(|obstacle| obstacle.name.as_str());
         let mut row = vec![
             Cell::from(touch.obstacle + 1),

@@ -1,5 +1,5 @@
 use serde_json::{Map, Number, Value, json};
-use whipcord::{CableState, Diagnostics, Obstacle, Pose, Shape, Solution, Touch, Vec3};
+use whipcord::{CableState, Contact, Diagnostics, Obstacle, Pose, Shape, Solution, Vec3};
 
 use super::NonFinite;
 
@@ -45,7 +45,7 @@ pub fn solution_json(
             .map(|(i, cable)| state(i, cable))
             .collect::<Result<Vec<_>, _>>()?,
         "base_wrench": wrench.transpose()?,
-        "touches": solution.touches.iter().enumerate()
+        "contacts": solution.contacts.iter().enumerate()
             .map(|(i, of)| touch(i, of, obstacles))
             .collect::<Result<Vec<_>, _>>()?,
         "diagnostics": diagnostics(&solution.diagnostics, solve_time)?,
@@ -76,14 +76,14 @@ fn state(index: usize, cable: &CableState) -> Result<Value, NonFinite> {
     });
     if !cable.span_tensions.is_empty() {
         object["span_tensions"] = numbers(&path("span_tensions"), &cable.span_tensions)?;
-        object["contacts"] = cable.contacts.iter().map(|contact| contact.name()).collect();
+        object["slip_states"] = cable.slip_states.iter().map(|contact| contact.name()).collect();
     }
     Ok(object)
 }
 
 /// Obstacles and disks count from 0, as everything in JSON does.
-fn touch(index: usize, touch: &Touch, obstacles: &[Obstacle]) -> Result<Value, NonFinite> {
-    let path = |name: &str| format!("touches[{index}].{name}");
+fn touch(index: usize, touch: &Contact, obstacles: &[Obstacle]) -> Result<Value, NonFinite> {
+    let path = |name: &str| format!("contacts[{index}].{name}");
     Ok(json!({
         "obstacle": touch.obstacle,
         "name": obstacles.get(touch.obstacle).map(|obstacle| obstacle.name.as_str()),
@@ -164,7 +164,7 @@ fn located(path: impl FnOnce() -> String, values: &[f64]) -> Result<Value, NonFi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whipcord::{Contact, Form, ModelKind, NoStability, Part, UnitQuaternion, Wrench};
+    use whipcord::{Form, ModelKind, NoStability, Part, SlipState, UnitQuaternion, Wrench};
 
     fn solution() -> Solution {
         let shape = Shape {
@@ -189,7 +189,7 @@ mod tests {
                     initial_length: 0.1828,
                     slack: false,
                     span_tensions: vec![3.5, 3.1],
-                    contacts: vec![Contact::Pulled, Contact::Sticks],
+                    slip_states: vec![SlipState::Pulled, SlipState::Sticks],
                 },
                 CableState {
                     name: "idle".to_owned(),
@@ -198,12 +198,12 @@ mod tests {
                     initial_length: 0.18,
                     slack: true,
                     span_tensions: Vec::new(),
-                    contacts: Vec::new(),
+                    slip_states: Vec::new(),
                 },
             ],
             base_wrench: Some(Wrench::default()),
-            touches: vec![
-                Touch {
+            contacts: vec![
+                Contact {
                     obstacle: 0,
                     part: Part::Disk(1),
                     arc_length: 0.18,
@@ -214,7 +214,7 @@ mod tests {
                     sticks: false,
                     gap: -1e-9,
                 },
-                Touch {
+                Contact {
                     obstacle: 1,
                     part: Part::Backbone,
                     arc_length: 0.09,

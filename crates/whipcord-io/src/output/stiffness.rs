@@ -1,6 +1,6 @@
 use serde_json::{Value, json};
 use whipcord::kinematics::{
-    Dexterity, DrivenBy, Local, Matrix6, Means, Yield, Yields, principal_axes,
+    Compliance, Compliances, DerivativeMethod, Dexterity, DrivenBy, Local, Matrix6, principal_axes,
 };
 use whipcord::{Mat3, NoStability, Solution, Vec3};
 
@@ -54,7 +54,7 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
     let lengths: Vec<Value> = (local.length_jacobian.iter().enumerate())
         .map(|(i, row)| numbers(&format!("length_jacobian[{i}]"), row))
         .collect::<Result<_, _>>()?;
-    let held = |path: &str, of: fn(&Yields) -> &Yield| match &local.yields {
+    let held = |path: &str, of: fn(&Compliances) -> &Compliance| match &local.compliances {
         Ok(yields) => yielding(path, of(yields)),
         Err(_) => Ok(Value::Null),
     };
@@ -70,9 +70,9 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
             "orientation": quaternion(|| place("orientation"), &pose)?,
             "frame": "world",
         },
-        "derivatives": match local.means {
-            Means::Exact => json!({ "frame": "base", "by": "exact", "estimated_error": null }),
-            Means::Differences { error } => json!({
+        "derivatives": match local.method {
+            DerivativeMethod::Exact => json!({ "frame": "base", "by": "exact", "estimated_error": null }),
+            DerivativeMethod::Differences { error } => json!({
                 "frame": "base",
                 "by": "differences",
                 "estimated_error": number(|| "derivatives.estimated_error".to_owned(), error)?,
@@ -84,7 +84,7 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
         "length_jacobian": lengths,
         "tensions_held": held("tensions_held", |yields| &yields.tensions_held)?,
         "lengths_held": held("lengths_held", |yields| &yields.lengths_held)?,
-        "yield_unknown": local.yields.as_ref().err().map(ToString::to_string),
+        "yield_unknown": local.compliances.as_ref().err().map(ToString::to_string),
         "stability": optional(|| "stability".to_owned(), stability)?,
         "stability_absent": solution.diagnostics.stability_absent.map(NoStability::name),
         "version": env!("CARGO_PKG_VERSION"),
@@ -118,7 +118,7 @@ fn directions(path: &str, directions: &[Vec3]) -> Result<Vec<Value>, NonFinite> 
     along.map(|(i, d)| vector(|| format!("{path}.directions[{i}]"), *d)).collect()
 }
 
-fn yielding(path: &str, yielding: &Yield) -> Result<Value, NonFinite> {
+fn yielding(path: &str, yielding: &Compliance) -> Result<Value, NonFinite> {
     let stiffness = match &yielding.stiffness {
         Some(matrix) => by_rows(&format!("{path}.stiffness"), matrix)?,
         None => Value::Null,

@@ -1,6 +1,6 @@
 //! What models refuse of files without fault.
 
-use whipcord::{Drive, Model, ModelKind, Statics as _, Stations};
+use whipcord::{Actuation, Model, ModelKind, Statics as _, Stations};
 use whipcord_io::{CaseFile, load, parse};
 
 use crate::common::folder;
@@ -9,7 +9,7 @@ use crate::{BACKBONE, CABLE, DISKS};
 /// What the models say, at its place, of a file that is without fault in itself.
 fn refused(file: &CaseFile) -> String {
     let said = ModelKind::ALL.map(|kind| {
-        let model = Model::new(kind, Stations::Disks, Drive::Natural);
+        let model = Model::new(kind, Stations::Disks, Actuation::Natural);
         match model.solve(&file.robot, &file.case) {
             Ok(_) => format!("{kind} takes it\n"),
             Err(error) => file.locate(&error).unwrap().to_string(),
@@ -72,7 +72,7 @@ fn a_body_without_disks() {
     let file = parse(format!("{body}{curve}").as_str(), "robot.toml").unwrap();
     assert_eq!(file.warnings(), []);
     let told = ModelKind::ALL.map(|kind| {
-        let model = Model::new(kind, Stations::Disks, Drive::Natural);
+        let model = Model::new(kind, Stations::Disks, Actuation::Natural);
         let told = match model.solve(&file.robot, &file.case) {
             Ok(_) => "takes it\n".to_owned(),
             Err(error) => file.locate(&error).unwrap().to_string(),
@@ -116,7 +116,7 @@ fn what_a_model_refuses_of_a_file_that_extends_another() {
 fn what_no_file_is_at_fault_for_has_no_place() {
     let text = format!("{BACKBONE}young_modulus = 1e9\npoisson_ratio = 0.3\n{DISKS}{CABLE}");
     let file = parse(&text, "robot.toml").unwrap();
-    let model = Model::new(ModelKind::FourBar, Stations::Disks, Drive::Tension);
+    let model = Model::new(ModelKind::FourBar, Stations::Disks, Actuation::Tension);
     let error = model.solve(&file.robot, &file.case).unwrap_err();
     assert_eq!(file.locate(&error), None, "{error}");
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use whipcord::warning::of_spacing;
-use whipcord::{Drive, Model, ModelKind, Solution, Statics, Stations, Warning};
+use whipcord::{Actuation, Model, ModelKind, Solution, Statics, Stations, Warning};
 use whipcord_io::{CaseFile, FileWarning, load, parse, render_warnings, warnings_json};
 
 /// A robot about which there is nothing to warn.
@@ -63,12 +63,12 @@ fn with(old: &str, new: &str) -> String {
 }
 
 fn solve(file: &CaseFile, kind: ModelKind) -> Solution {
-    let model = Model::new(kind, Stations::Disks, Drive::Natural);
+    let model = Model::new(kind, Stations::Disks, Actuation::Natural);
     model.solve(&file.robot, &file.case).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn disks() -> Model {
-    Model::new(ModelKind::CosseratDisks, Stations::Disks, Drive::Natural)
+    Model::new(ModelKind::CosseratDisks, Stations::Disks, Actuation::Natural)
 }
 
 fn about_answer(file: &CaseFile, kind: ModelKind) -> Vec<FileWarning> {
@@ -209,7 +209,7 @@ fn nothing_is_said_where_all_is_as_usual() {
     let file = file(ROBOT);
     assert_eq!(file.warnings(), []);
     for kind in ModelKind::ALL {
-        if kind.natural_drive() == Drive::Tension {
+        if kind.natural_actuation() == Actuation::Tension {
             assert_eq!(about_answer(&file, kind), [], "{kind}");
         }
     }
@@ -394,7 +394,7 @@ fn no_example_warns() {
                 if !file.case.obstacles.is_empty() && kind != ModelKind::Cosserat {
                     continue;
                 }
-                let model = Model::new(kind, Stations::Disks, Drive::Natural);
+                let model = Model::new(kind, Stations::Disks, Actuation::Natural);
                 let Ok(answer) = model.solve(&file.robot, &file.case) else { continue };
                 let mut warnings = file.answer_warnings([(None, &answer)]);
                 warnings.extend(file.spacing_warning(&model, &answer));

@@ -382,7 +382,7 @@ export class App {
       mesh.stale = !solved.some((answer) => answer.model === model);
     }
     this.#stage.robots([...this.#shown.values()].map(({ mesh }) => mesh.group));
-    this.#stage.touches(solved.flatMap((answer) => answer.touches));
+    this.#stage.contacts(solved.flatMap((answer) => answer.contacts));
     const yields = solved.flatMap(({ compliance }) => (compliance?.status === "known" ? compliance.values : []));
     const bodies = solved.map(({ compliance, positions, model }) =>
       compliance ? ellipsoid(compliance, Math.max(...yields), positions.at(-1)!, scene, modelColour(model)) : undefined,

@@ -5,7 +5,7 @@ import { linear, modelColour, parse } from "./colours";
 import { course, place, rotate, spans, strainsOf, tensions, tipFrame } from "./geometry";
 import interpolation from "./interpolation.json";
 import { extent, ticks } from "./plots";
-import { around, move, touches } from "./recorded";
+import { around, contacts, move } from "./recorded";
 import { decode, encode, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
 import { fromPage, toPage } from "./samples";
 import { Sharpness } from "./sharpness";
@@ -207,11 +207,11 @@ describe("an exported page", () => {
     expect(around(axes, initial, initial, (frame) => frame !== 0)).toBeUndefined();
   });
 
-  it("has the touches of each frame", () => {
+  it("has the contacts of each frame", () => {
     const rubs = [1, 0.5, 1, 2, 3, 0, 0, 1, 4, 0.5, 0, 0, 1];
     const slides = [0, 0.25, 1, 2, 3, 0, 0, 1, -1, 0, 0, 0, -1];
     const numbers = new Float32Array([...rubs, ...slides]);
-    const found = touches(new Uint8Array([0, 2, 0]), numbers);
+    const found = contacts(new Uint8Array([0, 2, 0]), numbers);
     expect(found.map((frame) => frame.length)).toEqual([0, 2, 0]);
     expect(found[1]![0]).toEqual({ obstacle: 1, arc_length: 0.5, point: [1, 2, 3], normal: [0, 0, 1], force: 4, friction: [0.5, 0, 0], sticks: true });
     expect(found[1]![1]).toMatchObject({ force: null, friction: null, sticks: false });

@@ -84,7 +84,7 @@ function contactLegend(scene: Scene): Legend {
 
 function byContact(scene: Scene, solved: Solved): Paint {
   const near = scene.length / Math.max(scene.stations.length - 1, 1);
-  const touched = (s: number): boolean => solved.touches.some((touch) => Math.abs(touch.arc_length - s) < 0.75 * near);
+  const touched = (s: number): boolean => solved.contacts.some((touch) => Math.abs(touch.arc_length - s) < 0.75 * near);
   const touching = parse(TOUCHING);
   return {
     backbone: (i) => (touched(scene.stations[i]!) ? touching : GREY),

@@ -109,7 +109,7 @@ export interface CableState {
   span_tensions: number[];
 }
 
-export interface Touch {
+export interface Contact {
   obstacle: number;
   arc_length: number;
   point: Vector;
@@ -130,7 +130,7 @@ export interface Solved {
   /** Between each two stations: curvature of bending, twist, stretch. */
   strains: Vector[];
   cables: CableState[];
-  touches: Touch[];
+  contacts: Contact[];
   residual: number;
   iterations: number;
   stability: number | null;

@@ -40,7 +40,7 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
   }
   if (answer.stability !== null) facts.push(["stability", significant(answer.stability, 3)]);
   if (answer.driven_by !== null) facts.push(["driven by", `the cable lengths of ${answer.driven_by}`]);
-  if (answer.touches.length > 0) facts.push(["touches", touches(answer)]);
+  if (answer.contacts.length > 0) facts.push(["touches", contacts(answer)]);
   if (answer.compliance?.status === "known") {
     facts.push(["compliance", `${answer.compliance.values.map((v) => significant(v * 1e3, 3)).join(", ")} mm/N, tensions held`]);
     if (answer.compliance.values.every((v) => v > 0)) {
@@ -62,7 +62,7 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
   return made;
 }
 
-function touches({ touches: all }: Solved): string {
+function contacts({ contacts: all }: Solved): string {
   const total = all.reduce((sum, touch) => sum + (touch.force ?? 0), 0);
   const stuck = all.filter((touch) => touch.sticks).length;
   const points = `${count(all.length, "point")}${stuck > 0 ? ` (${stuck} stuck by friction)` : ""}`;

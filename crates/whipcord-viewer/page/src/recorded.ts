@@ -2,7 +2,7 @@
 // has it, and the shape is what they add up to: geometry, as everything here.
 
 import { add, rotate, scale, cross } from "./geometry";
-import type { Answer, Command, Frame, Pose, Quaternion, Request, Scene, Solved, Touch, Vector } from "./protocol";
+import type { Answer, Command, Contact, Frame, Pose, Quaternion, Request, Scene, Solved, Vector } from "./protocol";
 import type { Listener, Source } from "./source";
 import { valueOf } from "./state";
 import { significant } from "./units";
@@ -21,8 +21,8 @@ interface RecordedModel {
   cables: string;
   initial_lengths: number[];
   valid: string;
-  touch_counts: string;
-  touches: string;
+  contact_counts: string;
+  contacts: string;
   solved: number;
   greatest_residual: number;
   trials: { count: number; median: number; greatest: number };
@@ -33,7 +33,7 @@ interface Frames {
   strains: Int16Array;
   cables: Float32Array;
   valid: Uint8Array;
-  touches: Touch[][];
+  contacts: Contact[][];
 }
 
 function bytes(base64: string): ArrayBuffer {
@@ -108,7 +108,7 @@ export function around(
 const TOUCH = 13;
 
 /** The touches of each frame. */
-export function touches(counts: Uint8Array, numbers: Float32Array): Touch[][] {
+export function contacts(counts: Uint8Array, numbers: Float32Array): Contact[][] {
   let next = 0;
   return Array.from(counts, (count) =>
     Array.from({ length: count }, () => {
@@ -172,7 +172,7 @@ export class Recorded implements Source {
       strains: new Int16Array(bytes(recorded.strains)),
       cables: new Float32Array(bytes(recorded.cables)),
       valid: new Uint8Array(bytes(recorded.valid)),
-      touches: touches(new Uint8Array(bytes(recorded.touch_counts)), new Float32Array(bytes(recorded.touches))),
+      contacts: contacts(new Uint8Array(bytes(recorded.contact_counts)), new Float32Array(bytes(recorded.contacts))),
     }));
     // As a server does: after the page has been set up.
     queueMicrotask(() => {
@@ -199,7 +199,7 @@ export class Recorded implements Source {
     return { status: "solved", ...this.#mix(frames, weights) };
   }
 
-  #mix({ recorded, strains, cables, touches }: Frames, weights: Weights): Solved {
+  #mix({ recorded, strains, cables, contacts }: Frames, weights: Weights): Solved {
     const { scene } = this.#recording;
     const pieces = scene.stations.length - 1;
     const count = scene.cables.length;
@@ -235,7 +235,7 @@ export class Recorded implements Source {
         };
       }),
       // Those of the nearest frame: contact comes and goes, and has no mean.
-      touches: touches[nearest]!,
+      contacts: contacts[nearest]!,
       residual: recorded.greatest_residual,
       iterations: 0,
       stability: null,

@@ -1142,7 +1142,7 @@ export const toPage: ToPage[] = [
             ]
           }
         ],
-        "touches": [
+        "contacts": [
           {
             "obstacle": 0,
             "arc_length": 0.1,
@@ -1249,7 +1249,7 @@ export const toPage: ToPage[] = [
             "span_tensions": []
           }
         ],
-        "touches": [],
+        "contacts": [],
         "residual": 1e-12,
         "iterations": 3,
         "stability": null,

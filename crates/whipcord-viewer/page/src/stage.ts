@@ -28,7 +28,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { axes } from "./axes";
 import { HANDLE, TOUCHING } from "./colours";
 import { add, rotate } from "./geometry";
-import type { Scene, Touch, Vector } from "./protocol";
+import type { Contact, Scene, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
 import type { Colours } from "./theme";
 import { drawsBySoftware, REST, Sharpness } from "./sharpness";
@@ -176,17 +176,17 @@ export class Stage {
   }
 
   /** Where obstacles push the robot, and how strongly relative to one another. */
-  touches(touches: readonly Touch[]): void {
-    const pushes = touches.map(({ normal, force, friction }) =>
+  contacts(contacts: readonly Contact[]): void {
+    const pushes = contacts.map(({ normal, force, friction }) =>
       new Vector3(...normal).multiplyScalar(force ?? 0).add(new Vector3(...(friction ?? [0, 0, 0]))),
     );
     const most = Math.max(...pushes.map((push) => push.length()), Number.MIN_VALUE);
     // Arrows are kept from frame to frame: contacts come and go.
-    while (this.#pushes.children.length < touches.length) {
+    while (this.#pushes.children.length < contacts.length) {
       this.#pushes.add(new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, TOUCHING));
     }
-    this.#pushes.children.forEach((child, i) => (child.visible = i < touches.length));
-    touches.forEach(({ point, normal }, i) => {
+    this.#pushes.children.forEach((child, i) => (child.visible = i < contacts.length));
+    contacts.forEach(({ point, normal }, i) => {
       const push = pushes[i]!;
       const size = this.#length * (0.05 + 0.12 * (push.length() / most));
       const along = push.length() > 0 ? push.clone().normalize() : new Vector3(...normal);

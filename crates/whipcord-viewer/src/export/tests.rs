@@ -124,10 +124,10 @@ fn touches_are_those_of_the_frames() {
     let variant: ModelVariant = scene.initial.models[0].parse().unwrap();
     let touching = solve(&mut Bench::new(file), &scene, variant, scene.initial.commands.clone());
     let all = [None, touching.clone(), touching];
-    let expected = &all[1].as_ref().unwrap().touches;
+    let expected = &all[1].as_ref().unwrap().contacts;
     assert!(!expected.is_empty() && expected.iter().all(|touch| touch.friction.is_some()));
     assert!(expected.iter().any(|touch| touch.friction.unwrap().norm() > 1e-3));
-    let (counts, packed) = touches(&all);
+    let (counts, packed) = contacts(&all);
     assert_eq!(counts, [0, expected.len() as u8, expected.len() as u8]);
     assert_eq!(packed.len(), 2 * expected.len() * 13 * 4);
     let numbers = floats(&base64(&packed));

@@ -116,9 +116,9 @@ fn what_rubs_does_not_depend_on_how_the_sliders_went_there() {
         only(bench.solve(&request, Instant::now()).unwrap().answers)
     };
     let [up, _, down] = [3.0, 3.6, 3.0].map(&mut ask);
-    assert!(up.touches.iter().any(|touch| touch.friction.is_some()), "{:?}", up.touches);
+    assert!(up.contacts.iter().any(|touch| touch.friction.is_some()), "{:?}", up.contacts);
     assert_eq!(up.positions, down.positions);
-    assert_eq!(up.touches, down.touches);
+    assert_eq!(up.contacts, down.contacts);
 }
 
 #[test]

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::{env, fs};
 
 use crate::protocol::{
-    Answer, Cable, CableState, Command, Compliance, Disk, Form, Frame, FromPage, ModelChoice,
-    Obstacle, Pose, Ranges, Request, Scene, Section, Solved, ToPage, Touch, Warning, read,
+    Answer, Cable, CableState, Command, Compliance, Contact, Disk, Form, Frame, FromPage,
+    ModelChoice, Obstacle, Pose, Ranges, Request, Scene, Section, Solved, ToPage, Warning, read,
 };
 
 fn request() -> Request {
@@ -106,7 +106,7 @@ fn frame() -> Frame {
             slack: false,
             span_tensions: vec![1.5, 1.4],
         }],
-        touches: vec![Touch {
+        contacts: vec![Contact {
             obstacle: 0,
             arc_length: 0.1,
             point: [0.0, 0.0, 0.1],
@@ -137,7 +137,7 @@ fn frame() -> Frame {
             slack: true,
             span_tensions: vec![],
         }],
-        touches: vec![],
+        contacts: vec![],
         stability: None,
         driven_by: Some("cosserat".to_owned()),
         compliance: Some(Compliance::Unknown { message: "why".to_owned() }),

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use whipcord::{Drive, Model, ModelKind, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3};
+use whipcord::{
+    Actuation, Model, ModelKind, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3,
+};
 use whipcord_estimation::Place;
 use whipcord_estimation::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord_vision::Photo;
@@ -70,7 +72,7 @@ fn robot(case: usize) -> (Robot, Solution) {
     let name = if case == 0 { "prototype.toml".to_owned() } else { format!("case-{case}.toml") };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/table1");
     let file = whipcord_io::load(folder.join(name)).expect("the example is valid");
-    let model = Model::new(ModelKind::Cosserat, Stations::Equal(46), Drive::Natural);
+    let model = Model::new(ModelKind::Cosserat, Stations::Equal(46), Actuation::Natural);
     let mut prepared = model.prepare(&file.robot, &file.case.loads).expect("the model takes it");
     let solution = prepared.solve(&file.case, None).expect("there is an answer");
     (file.robot, solution)

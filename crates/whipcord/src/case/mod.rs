@@ -49,7 +49,7 @@ pub enum Shortening {
 
 /// Which of the two commands of a cable drives the model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Drive {
+pub enum Actuation {
     /// What the model is driven by by nature where it is given, else the other; each cable by
     /// itself.
     #[default]

@@ -8,7 +8,7 @@ mod refusal;
 use whipcord_numerics::Pose;
 
 use crate::cancel::Cancel;
-use crate::case::{Case, Drive};
+use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal as shared_refusal;
@@ -27,7 +27,7 @@ pub struct Options {
     /// Where the shape is given.
     pub stations: Stations,
     /// Which command of each cable counts; by nature the shortening.
-    pub drive: Drive,
+    pub actuation: Actuation,
     /// Ends a solve from outside.
     pub cancel: Cancel,
 }
@@ -54,7 +54,7 @@ pub struct Options {
 #[derive(Clone, Debug)]
 pub struct ConstantCurvature {
     robot: Robot,
-    drive: Drive,
+    actuation: Actuation,
     cancel: Cancel,
     /// Offsets of the cables from the backbone's axis, `(x, y)` in m.
     offsets: Vec<[f64; 2]>,
@@ -90,15 +90,15 @@ impl ConstantCurvature {
         let offsets = refusal::offsets(robot)?;
         let rest = refusal::rest(robot)?;
         let elasticity = refusal::elasticity(robot);
-        if let (Drive::Tension, Err(error)) = (options.drive, &elasticity) {
+        if let (Actuation::Tension, Err(error)) = (options.actuation, &elasticity) {
             return Err(error.clone());
         }
-        let drive = options.drive;
+        let actuation = options.actuation;
         let rest_lengths = offsets.iter().map(|offset| rest.cable_length(*offset)).collect();
         let stations = options.stations.arc_lengths(robot);
         Ok(Self {
             robot: robot.clone(),
-            drive,
+            actuation,
             cancel: options.cancel.clone(),
             offsets,
             elasticity,
@@ -140,11 +140,13 @@ impl ConstantCurvature {
         workspace.commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {
             let kind = ModelKind::ConstantCurvature;
-            let drive = match self.drive {
-                Drive::Natural if case.commands[i].shortening.is_some() => Drive::Shortening,
-                drive => drive,
+            let actuation = match self.actuation {
+                Actuation::Natural if case.commands[i].shortening.is_some() => {
+                    Actuation::Shortening
+                }
+                actuation => actuation,
             };
-            let command = Command::of(kind, &self.robot, i, case, drive, initial)?;
+            let command = Command::of(kind, &self.robot, i, case, actuation, initial)?;
             refusal::command(&self.robot, i, command, &self.elasticity)?;
             workspace.commands.push(command);
         }
@@ -206,7 +208,7 @@ impl ConstantCurvature {
             shape: shape(&self.stations),
             disks: shape(&self.robot.disks().arc_lengths),
             cables: commands.iter().enumerate().map(cable).collect(),
-            touches: Vec::new(),
+            contacts: Vec::new(),
             base_wrench: knows_forces.then(Wrench::default),
             diagnostics: Diagnostics {
                 iterations: effort.iterations,

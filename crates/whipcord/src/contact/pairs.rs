@@ -8,7 +8,7 @@ use super::model::{Compliant, Push};
 use super::scene::Scene;
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
-use crate::shape::{Part, Solution, Touch, Wrench};
+use crate::shape::{Contact, Part, Solution, Wrench};
 
 /// A part of the robot that can touch.
 #[derive(Clone, Copy, Debug)]
@@ -280,7 +280,7 @@ impl Pairs {
     }
 
     /// Takes over a contact of a known answer.
-    pub fn resume(&mut self, touch: &Touch, answer: &Solution, to_base: &Pose, scene: &Scene) {
+    pub fn resume(&mut self, touch: &Contact, answer: &Solution, to_base: &Pose, scene: &Scene) {
         let normal = to_base.rotation.rotate(touch.normal);
         let point = to_base.transform(touch.point);
         let (member, arm, local) = match touch.part {
@@ -351,14 +351,14 @@ impl Pairs {
     }
 
     /// The contacts in the frame that the base's pose is given in.
-    pub fn touches(&self, model: &impl Compliant, base: &Pose, forces: bool) -> Vec<Touch> {
+    pub fn contacts(&self, model: &impl Compliant, base: &Pose, forces: bool) -> Vec<Contact> {
         let touching = self.near.iter().filter(|pair| pair.force > 0.0);
-        let mut touches: Vec<Touch> = touching
+        let mut touches: Vec<Contact> = touching
             .map(|pair| {
                 let Pair { nearest, member, .. } = pair;
                 let centre = model.pose(member.arc_length).position;
                 let point = centre + nearest.arm - nearest.normal * member.body.rounding;
-                Touch {
+                Contact {
                     obstacle: pair.obstacle,
                     part: member.part,
                     arc_length: member.arc_length,

@@ -138,7 +138,7 @@ pub(crate) fn solve(
     }
     let mut solution = tracker.model.solution(&at(1.0), &tracker.pushes)?;
     let forces = tracker.model.knows_forces();
-    solution.touches = tracker.pairs.touches(tracker.model, &case.base, forces);
+    solution.contacts = tracker.pairs.contacts(tracker.model, &case.base, forces);
     solution.diagnostics.iterations = tracker.iterations;
     solution.diagnostics.stability_lost_at = tracker.slipped_at;
     solution.diagnostics.residual = solution.diagnostics.residual.max(tracker.residual);
@@ -164,8 +164,8 @@ impl<M: Compliant> PathTracker<'_, M> {
         };
         self.model.start_from(answer);
         let count = self.scene.count();
-        for touch in answer.touches.iter().filter(|t| t.obstacle < count) {
-            self.pairs.resume(touch, answer, to_base, &self.scene);
+        for contact in answer.contacts.iter().filter(|t| t.obstacle < count) {
+            self.pairs.resume(contact, answer, to_base, &self.scene);
         }
         self.pairs.pushes(&mut self.pushes);
         self.model.consider(case, &self.pushes)

@@ -324,7 +324,7 @@ mod tests {
     use crate::cosserat::{Accuracy, Cosserat, Options, Workspace};
     use crate::statics::grid::Layout;
     use crate::{
-        Backbone, Cable, Case, Disks, Drive, Loads, Material, Robot, Routing, Section as Bar,
+        Actuation, Backbone, Cable, Case, Disks, Loads, Material, Robot, Routing, Section as Bar,
     };
 
     fn robot(cables: usize) -> Robot {
@@ -385,7 +385,7 @@ mod tests {
     fn one_newton_step_suffices_from_a_rod_that_has_yielded_once() {
         let options = Options {
             accuracy: Accuracy::Steps(12),
-            drive: Drive::Tension,
+            actuation: Actuation::Tension,
             stability: false,
             residual: 1e-5,
             ..Options::default()

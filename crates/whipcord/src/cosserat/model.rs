@@ -8,7 +8,7 @@ use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, 
 use super::statics::{self, Scratch, Start};
 use super::strength::Strength;
 use crate::cancel::Cancel;
-use crate::case::{Case, Drive, Loads};
+use crate::case::{Actuation, Case, Loads};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
@@ -138,8 +138,8 @@ impl Cosserat {
     /// What solves many rows of tensions at once where there is no load, when the model takes that: cables
     /// driven by their tensions on a section whose stiffness is diagonal.
     pub(crate) fn unloaded_lanes(&self) -> Option<UnloadedLanes<'_>> {
-        let &Options { accuracy, stability, drive, .. } = &self.options;
-        if self.robot.cables().is_empty() || drive == Drive::Shortening {
+        let &Options { accuracy, stability, actuation, .. } = &self.options;
+        if self.robot.cables().is_empty() || actuation == Actuation::Shortening {
             return None;
         }
         let tolerance = match accuracy {
@@ -292,9 +292,9 @@ impl Cosserat {
     fn commands(&self, case: &Case, commands: &mut Vec<Command>) -> Result<(), SolveError> {
         commands.clear();
         for (&cable, &initial) in self.layout.order.iter().zip(&self.layout.rest_lengths) {
-            let drive = self.options.drive;
+            let actuation = self.options.actuation;
             let kind = ModelKind::Cosserat;
-            commands.push(Command::of(kind, &self.robot, cable, case, drive, initial)?);
+            commands.push(Command::of(kind, &self.robot, cable, case, actuation, initial)?);
         }
         Ok(())
     }
@@ -341,7 +341,7 @@ impl Cosserat {
             disks: shape(&self.robot.disks().arc_lengths, &grid.disks),
             cables,
             base_wrench: Some(scratch.base_wrench),
-            touches: Vec::new(),
+            contacts: Vec::new(),
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,

@@ -121,7 +121,7 @@ fn without(
 
 /// Cables driven by their length that have just that without load.
 fn touching(problem: &Problem<'_>, scratch: &Scratch) -> Vec<usize> {
-    let touches = |&i: &usize| match problem.commands[i] {
+    let contacts = |&i: &usize| match problem.commands[i] {
         Command::Length { compliance: 0.0, .. } => {
             let length = scratch.unloaded.lengths[i];
             let slack = problem.commands[i].slackness(scratch.tensions[i], length);
@@ -129,7 +129,7 @@ fn touching(problem: &Problem<'_>, scratch: &Scratch) -> Vec<usize> {
         }
         _ => false,
     };
-    (0..problem.commands.len()).filter(touches).collect()
+    (0..problem.commands.len()).filter(contacts).collect()
 }
 
 /// What the tensions do to the lengths without load, where some of these cables pull to no effect of their

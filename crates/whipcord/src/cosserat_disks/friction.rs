@@ -24,7 +24,7 @@ use whipcord_numerics::{DenseLu, Pose, Vec3};
 use super::layout::Frame;
 use super::span::Chord;
 use super::statics::Rod;
-use crate::shape::Contact;
+use crate::shape::SlipState;
 use crate::statics::command::Command;
 use crate::statics::lengths::{Effort, TensionResponse as _};
 use crate::statics::outcome::{Failure, Found};
@@ -39,7 +39,7 @@ pub(super) struct History {
     /// Tension below the base disk, by cable.
     pub base: Vec<f64>,
     /// How the cable came to stand in the near hole of every passage.
-    pub contacts: Vec<Contact>,
+    pub slip_states: Vec<SlipState>,
 }
 
 /// What does not change from step to step.
@@ -116,7 +116,7 @@ pub(super) fn step(
         history.beyond.clone_from(&holes.at_rest);
         history.tensions = vec![0.0; holes.at_rest.len()];
         history.base = vec![0.0; commands.len()];
-        history.contacts = vec![Contact::Sticks; holes.at_rest.len()];
+        history.slip_states = vec![SlipState::Sticks; holes.at_rest.len()];
     }
     if let Some(guess) = guess
         && let Ok(found) = newton(rod, holes, commands, history, guess)
@@ -230,15 +230,15 @@ fn newton(
                 };
                 let slip = history.beyond[p] - beyond[p];
                 let (above, below) = (tensions[p] - least * tension, most * tension - tensions[p]);
-                let contact = if slip - kappa * above > 0.0 {
-                    Contact::Pulled
+                let slip_state = if slip - kappa * above > 0.0 {
+                    SlipState::Pulled
                 } else if slip + kappa * below < 0.0 {
-                    Contact::Released
+                    SlipState::Released
                 } else {
-                    Contact::Sticks
+                    SlipState::Sticks
                 };
-                let factor = if contact == Contact::Pulled { least } else { most };
-                if contact == Contact::Sticks {
+                let factor = if slip_state == SlipState::Pulled { least } else { most };
+                if slip_state == SlipState::Sticks {
                     by_material(rod, holes, &passages[i..], row);
                     right[p] = slip;
                 } else {
@@ -253,21 +253,21 @@ fn newton(
         }
         let rounded = worst <= ROUNDING * length && worst > 0.3 * last;
         if worst <= TOLERANCE * length || rounded {
-            for (contact, (before, now)) in
-                history.contacts.iter_mut().zip(history.beyond.iter().zip(&beyond))
+            for (slip_state, (before, now)) in
+                history.slip_states.iter_mut().zip(history.beyond.iter().zip(&beyond))
             {
-                *contact = Contact::after(before - now, SLIDES * length);
+                *slip_state = SlipState::after(before - now, SLIDES * length);
             }
             for (cable, command) in commands.iter().enumerate() {
                 let first = holes.of_cable[cable][0];
                 let (wrap, tension) = (holes.coefficients[cable] * turns[first], tensions[first]);
                 let (least, most) = (tension * (-wrap).exp(), tension * wrap.exp());
-                history.base[cable] = match (*command, history.contacts[first]) {
+                history.base[cable] = match (*command, history.slip_states[first]) {
                     (Command::Tension(given), _) => given,
                     // Pulled in, the base bears more than the first piece.
-                    (Command::Length { .. }, Contact::Pulled) => most,
-                    (Command::Length { .. }, Contact::Released) => least,
-                    (Command::Length { .. }, Contact::Sticks) => {
+                    (Command::Length { .. }, SlipState::Pulled) => most,
+                    (Command::Length { .. }, SlipState::Released) => least,
+                    (Command::Length { .. }, SlipState::Sticks) => {
                         history.base[cable].clamp(least, most)
                     }
                 };
@@ -326,13 +326,13 @@ impl History {
     /// What the holes did since `before`.
     fn compare(&mut self, before: &Self, least: f64) {
         let beyond = before.beyond.iter().zip(&self.beyond);
-        for (contact, (before, now)) in self.contacts.iter_mut().zip(beyond) {
-            *contact = Contact::after(before - now, least);
+        for (slip_state, (before, now)) in self.slip_states.iter_mut().zip(beyond) {
+            *slip_state = SlipState::after(before - now, least);
         }
     }
 }
 
-impl Contact {
+impl SlipState {
     fn after(slip: f64, least: f64) -> Self {
         if slip > least {
             Self::Pulled

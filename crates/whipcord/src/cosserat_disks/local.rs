@@ -7,11 +7,11 @@
 use whipcord_numerics::{Twist, Vec3};
 
 use super::model::{CosseratDisks, Workspace};
-use crate::case::{CableCommand, Case, Drive, PointLoad};
+use crate::case::{Actuation, CableCommand, Case, PointLoad};
 use crate::differences::{Difference, ahead, differentiate};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, Yields};
+use crate::kinematics::{Compliance, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6};
 use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::Solution;
@@ -52,12 +52,12 @@ pub(crate) fn solve_at(
     let answer = model.solve(&case, warm_start, &mut workspace)?;
 
     let near = Options {
-        drive: Drive::Tension,
+        actuation: Actuation::Tension,
         accuracy: Accuracy::Steps(answer.diagnostics.steps),
         stability: false,
         ..options.clone()
     };
-    let driven_by = driven_by(&case, options.drive);
+    let driven_by = driven_by(&case, options.actuation);
     let tensions: Vec<f64> = answer.cables.iter().map(|c| c.tension.unwrap_or(0.0)).collect();
     for (command, &tension) in case.commands.iter_mut().zip(&tensions) {
         *command = CableCommand { tension: Some(tension), shortening: None };
@@ -153,7 +153,7 @@ impl Near {
                 add(twist(&by_wrench[i]), pulled(&tensions))
             });
             let compliance = Matrix6::from_columns(&columns);
-            Yield { compliance, stiffness: compliance.inverse(self.length) }
+            Compliance { compliance, stiffness: compliance.inverse(self.length) }
         };
         // What the command of a cable changes of every tension.
         let command = |cable: usize| match driven_by[cable] {
@@ -178,12 +178,12 @@ impl Near {
         Ok(Local {
             actuation_jacobian: by_command.iter().map(|tensions| pulled(tensions)).collect(),
             length_jacobian: (0..cables).map(lengths).collect(),
-            yields: Ok(Yields {
+            compliances: Ok(Compliances {
                 tensions_held: yielding(Hold::Tensions),
                 lengths_held: yielding(Hold::Lengths),
             }),
             driven_by,
-            means: Means::Differences { error: self.error },
+            method: DerivativeMethod::Differences { error: self.error },
         })
     }
 
@@ -239,9 +239,9 @@ impl Near {
     }
 }
 
-fn driven_by(case: &Case, drive: Drive) -> Vec<DrivenBy> {
+fn driven_by(case: &Case, actuation: Actuation) -> Vec<DrivenBy> {
     let by = |command: &CableCommand| match command.tension {
-        Some(_) if drive != Drive::Shortening => DrivenBy::Tension,
+        Some(_) if actuation != Actuation::Shortening => DrivenBy::Tension,
         _ => DrivenBy::Shortening,
     };
     case.commands.iter().map(by).collect()

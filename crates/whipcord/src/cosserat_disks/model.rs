@@ -383,9 +383,9 @@ impl CosseratDisks {
     fn commands(&self, case: &Case, commands: &mut Vec<Command>) -> Result<(), SolveError> {
         commands.clear();
         for (cable, &initial) in self.frame.rest_lengths.iter().enumerate() {
-            let drive = self.options.drive;
+            let actuation = self.options.actuation;
             let kind = ModelKind::CosseratDisks;
-            commands.push(Command::of(kind, &self.robot, cable, case, drive, initial)?);
+            commands.push(Command::of(kind, &self.robot, cable, case, actuation, initial)?);
         }
         Ok(())
     }
@@ -415,7 +415,7 @@ impl CosseratDisks {
             let initial = self.frame.rest_lengths[i];
             CableState {
                 span_tensions: self.at_holes(i, &scratch.history.tensions),
-                contacts: self.at_holes(i, &scratch.history.contacts),
+                slip_states: self.at_holes(i, &scratch.history.slip_states),
                 ..workspace.commands[i].answer(&cable.name, tension, length, initial, backbone)
             }
         });
@@ -425,7 +425,7 @@ impl CosseratDisks {
             disks: shape(&self.robot.disks().arc_lengths, &mesh.grid.disks),
             cables: cables.collect(),
             base_wrench: Some(scratch.base_wrench),
-            touches: Vec::new(),
+            contacts: Vec::new(),
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,

@@ -10,7 +10,7 @@ use super::span::Chord;
 use super::stability::{Equilibrium, Locked};
 use super::statics::{Problem, Scratch};
 use crate::section::BodyWrench;
-use crate::shape::{Contact, Diagnostics, NoStability};
+use crate::shape::{Diagnostics, NoStability, SlipState};
 use crate::statics::command::Command;
 use crate::statics::self_stress::is_idle;
 
@@ -237,7 +237,7 @@ fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Loc
                 };
                 let grip = holes.coefficients[cable] * turns[p];
                 let held = matches!((place, problem.commands[cable]), (0, Command::Length { .. }));
-                let slid = scratch.history.contacts[p] != Contact::Sticks;
+                let slid = scratch.history.slip_states[p] != SlipState::Sticks;
                 let slips = (scratch.pulled[p] / incoming).ln().abs() >= (1.0 - SLIPS) * grip;
                 if !held && (slid || slips) {
                     return None;

@@ -9,7 +9,9 @@ use super::options::{LengthRule, Objective, Options};
 use super::solve::Workspace;
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, YieldUnknown, Yields};
+use crate::kinematics::{
+    Compliance, ComplianceUnknown, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6,
+};
 use crate::robot::Robot;
 use crate::shape::{Solution, Wrench};
 use crate::stations::Stations;
@@ -34,11 +36,11 @@ pub(crate) fn solve_at(
         driven_by: vec![DrivenBy::Shortening; cables],
         actuation_jacobian: derivatives.station(0).iter().map(|t| turned(to_base, *t)).collect(),
         length_jacobian: (0..cables).map(|cable| derivatives.length(cable).to_vec()).collect(),
-        yields: match model.newtons() {
+        compliances: match model.newtons() {
             Err(unknown) => Err(unknown),
-            Ok(scale) => Ok(model.yields(arc_length, scale, &solution, &workspace)?),
+            Ok(scale) => Ok(model.compliances(arc_length, scale, &solution, &workspace)?),
         },
-        means: Means::Exact,
+        method: DerivativeMethod::Exact,
     };
     Ok((solution, local))
 }
@@ -49,24 +51,24 @@ fn turned(rotation: UnitQuaternion, Twist { linear, angular }: Twist) -> Twist {
 
 impl FourBar {
     /// Newtons by the model's own measure of force, or why it says nothing of wrenches.
-    fn newtons(&self) -> Result<f64, YieldUnknown> {
+    fn newtons(&self) -> Result<f64, ComplianceUnknown> {
         if self.options.objective != Objective::StrainEnergy {
-            return Err(YieldUnknown::NoEnergy);
+            return Err(ComplianceUnknown::NoEnergy);
         }
         if self.options.lengths != LengthRule::Free {
-            return Err(YieldUnknown::SharedLengths);
+            return Err(ComplianceUnknown::SharedLengths);
         }
-        self.tension_scale.ok_or(YieldUnknown::NoStiffness)
+        self.tension_scale.ok_or(ComplianceUnknown::NoStiffness)
     }
 
     /// How a place yields in an answer, whose joints are in the workspace.
-    fn yields(
+    fn compliances(
         &self,
         arc_length: f64,
         scale: f64,
         answer: &Solution,
         workspace: &Workspace,
-    ) -> Result<Yields, SolveError> {
+    ) -> Result<Compliances, SolveError> {
         let mut contact_response = ContactResponse::at(
             workspace.joints.iter().map(|joint| joint.bend()).collect(),
             answer.cables.iter().map(|c| c.tension.unwrap_or(0.0) / scale).collect(),
@@ -74,7 +76,7 @@ impl FourBar {
         let (section, part) = self.locate(arc_length);
         let load = Load { section, part, wrench: Wrench::default() };
         let length = self.robot.backbone().length;
-        let mut under = |lengths: &[f64]| -> Result<Yield, SolveError> {
+        let mut under = |lengths: &[f64]| -> Result<Compliance, SolveError> {
             let (mut entries, mut drift) = (Vec::new(), Vec::new());
             contact_response
                 .linearise(&self.sections, lengths, &[])
@@ -91,13 +93,13 @@ impl FourBar {
                 return Err(SolveError::NoDerivatives);
             }
             let compliance = Matrix6::from_columns(&columns);
-            Ok(Yield { compliance, stiffness: compliance.inverse(length) })
+            Ok(Compliance { compliance, stiffness: compliance.inverse(length) })
         };
         // A cable that may be as long as it likes keeps its tension, and so does one that is slack.
         let free = vec![f64::INFINITY; answer.cables.len()];
         let pulls = |cable: &crate::CableState| cable.tension.is_some_and(|tension| tension > 0.0);
         let held = |cable| if pulls(cable) { cable.length } else { f64::INFINITY };
         let locked: Vec<f64> = answer.cables.iter().map(held).collect();
-        Ok(Yields { tensions_held: under(&free)?, lengths_held: under(&locked)? })
+        Ok(Compliances { tensions_held: under(&free)?, lengths_held: under(&locked)? })
     }
 }

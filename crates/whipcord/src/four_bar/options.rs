@@ -4,7 +4,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use crate::cancel::Cancel;
-use crate::case::Drive;
+use crate::case::Actuation;
 use crate::stations::Stations;
 
 /// What is minimised, and how lengths are shared out.
@@ -22,7 +22,7 @@ pub struct Options {
     /// Where the shape is given.
     pub stations: Stations,
     /// Which command of each cable counts; this model knows shortenings only.
-    pub drive: Drive,
+    pub actuation: Actuation,
     /// What is minimised.
     pub objective: Objective,
     /// How the backbone runs from disk to disk.

@@ -4,7 +4,7 @@ use whipcord_numerics::Pose;
 
 use super::options::{Chord, LengthRule, Objective, Options};
 use super::section;
-use crate::case::{Case, Drive, Loads};
+use crate::case::{Actuation, Case, Loads};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
@@ -25,7 +25,7 @@ pub(super) fn unsupported(
 /// Refuses a robot or options.
 pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> {
     refusal::without_disks(ModelKind::FourBar, robot)?;
-    if options.drive == Drive::Tension {
+    if options.actuation == Actuation::Tension {
         return Err(unsupported("actuation", "tension", GIVE_SHORTENING));
     }
     if options.objective == Objective::StrainEnergy

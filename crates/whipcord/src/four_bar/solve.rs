@@ -324,11 +324,11 @@ impl FourBar {
                     initial_length,
                     slack: !found.binds,
                     span_tensions: Vec::new(),
-                    contacts: Vec::new(),
+                    slip_states: Vec::new(),
                 })
                 .collect(),
             base_wrench: None,
-            touches: Vec::new(),
+            contacts: Vec::new(),
             diagnostics: Diagnostics {
                 iterations: tally.iterations,
                 residual: tally.residual / self.robot.backbone().length,

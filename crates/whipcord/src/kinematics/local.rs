@@ -14,7 +14,7 @@ pub enum DrivenBy {
 
 /// Compliance of a place under a dead wrench.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Yield {
+pub struct Compliance {
     /// Motion under a wrench.
     pub compliance: Matrix6,
     /// Wrench that a motion takes; `None` where the place does not yield in every direction.
@@ -23,16 +23,16 @@ pub struct Yield {
 
 /// Compliance of a place under a dead wrench, by what is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Yields {
+pub struct Compliances {
     /// With every tension held.
-    pub tensions_held: Yield,
+    pub tensions_held: Compliance,
     /// With every taut cable locked.
-    pub lengths_held: Yield,
+    pub lengths_held: Compliance,
 }
 
 /// Why a model that says how a place moves does not say how it yields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum YieldUnknown {
+pub enum ComplianceUnknown {
     /// No energy is least, so that nothing resists a wrench.
     #[error(
         "only lengths and no energy decide where it bends: take the objective strain-energy and the length rule free, or use cosserat"
@@ -59,14 +59,14 @@ pub struct Local {
     /// Change of the length of each cable in m with the command of each, by rows of lengths.
     pub length_jacobian: Vec<Vec<f64>>,
     /// How it yields to loads, or why that is not known.
-    pub yields: Result<Yields, YieldUnknown>,
+    pub compliances: Result<Compliances, ComplianceUnknown>,
     /// Where the numbers come from.
-    pub means: Means,
+    pub method: DerivativeMethod,
 }
 
 /// Where derivatives come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Means {
+pub enum DerivativeMethod {
     /// The discrete answer, differentiated exactly.
     Exact,
     /// Differences of answers.

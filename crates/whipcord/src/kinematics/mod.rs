@@ -6,5 +6,5 @@ mod local;
 mod matrix6;
 
 pub use ellipsoid::{Dexterity, PrincipalAxes, dexterity, principal_axes};
-pub use local::{DrivenBy, Local, Means, Yield, YieldUnknown, Yields};
+pub use local::{Compliance, ComplianceUnknown, Compliances, DerivativeMethod, DrivenBy, Local};
 pub use matrix6::Matrix6;

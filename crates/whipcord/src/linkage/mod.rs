@@ -17,7 +17,7 @@ mod swing;
 use whipcord_numerics::Pose;
 
 use crate::cancel::Cancel;
-use crate::case::{Case, Drive};
+use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
@@ -40,7 +40,7 @@ pub struct Options {
     /// Where the shape is given.
     pub stations: Stations,
     /// Which command of each cable counts; by nature the tension.
-    pub drive: Drive,
+    pub actuation: Actuation,
     /// Whether the stability of the answer is computed.
     pub stability: bool,
     /// Residual at which equilibrium counts as met, relative to EI/L and the moments in play.
@@ -53,7 +53,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             stations: Stations::default(),
-            drive: Drive::default(),
+            actuation: Actuation::default(),
             stability: true,
             residual: 1e-11,
             cancel: Cancel::default(),
@@ -143,8 +143,8 @@ impl Linkage {
         loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
         commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {
-            let drive = self.options.drive;
-            commands.push(Command::of(self.kind, &self.robot, i, case, drive, initial)?);
+            let actuation = self.options.actuation;
+            commands.push(Command::of(self.kind, &self.robot, i, case, actuation, initial)?);
         }
         tensions.clear();
         tensions.resize(commands.len(), 0.0);
@@ -252,7 +252,7 @@ impl Linkage {
             shape: shape.moved(case.base),
             disks: Shape { arc_length: at.clone(), poses }.moved(case.base),
             cables: cables.collect(),
-            touches: Vec::new(),
+            contacts: Vec::new(),
             base_wrench: Some(chain.base),
             diagnostics: Diagnostics {
                 iterations: effort.iterations,

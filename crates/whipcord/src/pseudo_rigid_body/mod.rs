@@ -7,7 +7,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use crate::cancel::Cancel;
-use crate::case::Drive;
+use crate::case::Actuation;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::linkage::division::{Division, Joint};
@@ -23,7 +23,7 @@ pub struct Options {
     /// Where the shape is given.
     pub stations: Stations,
     /// Which command of each cable counts; by nature the tension.
-    pub drive: Drive,
+    pub actuation: Actuation,
     /// Whether the stability of the answer is computed.
     pub stability: bool,
     /// Residual at which equilibrium counts as met, relative to EI/L and the moments in play.
@@ -36,9 +36,10 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        let linkage::Options { stations, drive, stability, residual, cancel } = Default::default();
+        let linkage::Options { stations, actuation, stability, residual, cancel } =
+            Default::default();
         let coefficients = Coefficients::default();
-        Self { stations, drive, stability, residual, coefficients, cancel }
+        Self { stations, actuation, stability, residual, coefficients, cancel }
     }
 }
 
@@ -121,7 +122,8 @@ impl FromStr for Coefficients {
 /// # Errors
 /// As [`crate::piecewise_constant_curvature::build`].
 pub fn build(robot: &Robot, options: &Options) -> Result<Linkage, SolveError> {
-    let Options { stations, drive, stability, residual, coefficients, cancel } = options.clone();
-    let options = linkage::Options { stations, drive, stability, residual, cancel };
+    let Options { stations, actuation, stability, residual, coefficients, cancel } =
+        options.clone();
+    let options = linkage::Options { stations, actuation, stability, residual, cancel };
     Linkage::new(robot, ModelKind::PseudoRigidBody, coefficients.division(), options)
 }

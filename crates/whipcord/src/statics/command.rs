@@ -1,6 +1,6 @@
 //! What drives a cable, and what becomes of it.
 
-use crate::case::{Case, Drive};
+use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Robot;
@@ -75,12 +75,12 @@ impl Command {
         robot: &Robot,
         cable: usize,
         case: &Case,
-        drive: Drive,
+        actuation: Actuation,
         initial: f64,
     ) -> Result<Self, SolveError> {
         let command = &case.commands[cable];
-        let tension = command.tension.filter(|_| drive != Drive::Shortening);
-        let shortening = command.shortening.filter(|_| drive != Drive::Tension);
+        let tension = command.tension.filter(|_| actuation != Actuation::Shortening);
+        let shortening = command.shortening.filter(|_| actuation != Actuation::Tension);
         match (tension, shortening) {
             (Some(tension), _) => Ok(Self::Tension(tension)),
             (None, Some(shortening)) => Ok(Self::Length {
@@ -88,12 +88,12 @@ impl Command {
                 compliance: robot.cables()[cable].axial_stiffness.map_or(0.0, |k| initial / k),
             }),
             (None, None) => {
-                let (key, advice) = match drive {
-                    Drive::Natural => ("tension", "give this cable a tension, or a shortening"),
-                    Drive::Tension => {
+                let (key, advice) = match actuation {
+                    Actuation::Natural => ("tension", "give this cable a tension, or a shortening"),
+                    Actuation::Tension => {
                         ("tension", "give it, or drive the cables by their shortening")
                     }
-                    Drive::Shortening => {
+                    Actuation::Shortening => {
                         ("shortening", "give it, or drive the cables by their tension")
                     }
                 };
@@ -121,7 +121,7 @@ impl Command {
                 && tension == 0.0
                 && loose > 1e-12 * backbone,
             span_tensions: Vec::new(),
-            contacts: Vec::new(),
+            slip_states: Vec::new(),
         }
     }
 }

@@ -136,8 +136,8 @@ impl Elimination {
         self.kept.extend_from_slice(&self.compliance);
         self.kept.extend_from_slice(&self.turn);
         self.kept.extend_from_slice(inverse);
-        let drive = &rest[3 * wide..];
-        self.kept.extend_from_slice(drive);
+        let actuation = &rest[3 * wide..];
+        self.kept.extend_from_slice(actuation);
         for i in 0..3 {
             for j in 0..cut {
                 self.compliance[i * cut + j] =
@@ -145,7 +145,7 @@ impl Elimination {
             }
             for j in 0..wide {
                 let taken: f64 =
-                    (0..cut).map(|l| self.compliance[i * cut + l] * drive[l * wide + j]).sum();
+                    (0..cut).map(|l| self.compliance[i * cut + l] * actuation[l * wide + j]).sum();
                 self.turn[i * wide + j] = rest[i * wide + j] - taken;
             }
         }
@@ -165,14 +165,15 @@ impl Elimination {
             let kept = &self.kept[k * stride..(k + 1) * stride];
             let (compliance, kept) = kept.split_at(3 * cut);
             let (turn, kept) = kept.split_at(3 * wide);
-            let (inverse, drive) = kept.split_at(cut * cut);
+            let (inverse, actuation) = kept.split_at(cut * cut);
             let (here, next) = self.answers.split_at_mut(rows * (k + 1));
             let here = &mut here[rows * k..];
             for j in 0..wide {
                 for i in 0..cut {
                     here[(3 + i) * wide + j] = (0..cut)
                         .map(|l| {
-                            inverse[i * cut + l] * (next[(3 + l) * wide + j] - drive[l * wide + j])
+                            inverse[i * cut + l]
+                                * (next[(3 + l) * wide + j] - actuation[l * wide + j])
                         })
                         .sum();
                 }

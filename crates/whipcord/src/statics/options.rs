@@ -1,7 +1,7 @@
 //! How the two Cosserat models are discretised and driven.
 
 use crate::cancel::Cancel;
-use crate::case::Drive;
+use crate::case::Actuation;
 use crate::stations::Stations;
 
 /// How a model is discretised and driven.
@@ -10,7 +10,7 @@ pub struct Options {
     /// Where the shape is given.
     pub stations: Stations,
     /// Which command of each cable counts; by nature the tension.
-    pub drive: Drive,
+    pub actuation: Actuation,
     /// How finely it integrates. Where cables run straight between the disks, these are the model:
     /// they stay as many as the robot has, and only the spans between them are divided.
     pub accuracy: Accuracy,
@@ -30,7 +30,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             stations: Stations::default(),
-            drive: Drive::default(),
+            actuation: Actuation::default(),
             accuracy: Accuracy::default(),
             stability: true,
             residual: 2e-11,

@@ -3,7 +3,7 @@
 use crate::common::{fine_options, paper_robot, straight};
 use whipcord::case::Piece;
 use whipcord::{
-    Backbone, Case, DistributedLoad, Drive, LoadFrame, Loads, Material, Model, ModelKind,
+    Actuation, Backbone, Case, DistributedLoad, LoadFrame, Loads, Material, Model, ModelKind,
     PointLoad, PointMass, Pose, Profile, Robot, RobotError, Shape, Shortening, Solution,
     SolveError, Statics, Stations, UnitQuaternion, Vec3,
 };
@@ -128,7 +128,7 @@ fn models_without_loads_move_with_the_base() {
     let kinds = [ModelKind::FourBar, ModelKind::ConstantCurvature];
     let stations = [Stations::Disks, Stations::Equal(30)];
     for (kind, stations) in kinds.into_iter().flat_map(|kind| stations.clone().map(|s| (kind, s))) {
-        let model = Model::new(kind, stations, Drive::Natural);
+        let model = Model::new(kind, stations, Actuation::Natural);
         let [a, b] = [&lengths, &on_wall].map(|case| model.solve(&robot(), case).unwrap());
         assert!(apart(base(), &a.shape, &b.shape) < 2e-15);
         assert!(apart(base(), &a.disks, &b.disks) < 2e-15);
@@ -161,7 +161,7 @@ fn sections_and_their_loads_turn_with_the_base() {
         loads
     };
     for kind in [ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody] {
-        let model = Model::new(kind, Stations::Equal(30), Drive::Natural);
+        let model = Model::new(kind, Stations::Equal(30), Actuation::Natural);
         let solve = |case: &Case| model.solve(&robot(), case).unwrap();
         let fixed = Case { loads: at_disks(LoadFrame::Base), ..Case::with_tensions(&[2.0, 1.0]) };
         let on_wall = Case { base: base(), ..fixed.clone() };
@@ -218,7 +218,7 @@ fn a_base_that_is_no_pose_is_refused() {
             let mut case = Case::with_tensions(&[1.0, 1.0]);
             case.commands.iter_mut().for_each(|c| c.shortening = Some(Shortening::Length(0.0)));
             case.base = base;
-            let model = Model::new(kind, Stations::Disks, Drive::Natural);
+            let model = Model::new(kind, Stations::Disks, Actuation::Natural);
             match model.solve(&robot(), &case) {
                 Err(SolveError::Invalid(RobotError { path: found, .. })) => assert_eq!(found, path),
                 other => panic!("{other:?}"),

@@ -10,7 +10,7 @@ use whipcord::batch::{
 };
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Drive, Loads, Material, Model, ModelKind,
+    Actuation, Backbone, Cable, CableCommand, Case, Disks, Loads, Material, Model, ModelKind,
     PointLoad, Pose, Robot, Routing, Section, Shortening, Solution, SolveError, Statics, Stations,
     UnitQuaternion, Vec3,
 };
@@ -249,7 +249,7 @@ fn rows_stand_on_the_base_of_their_case() {
 #[test]
 fn a_path_is_the_same_for_any_threads_and_near_the_cold_answers() {
     let robot = robot(3);
-    let model = Model::new(ModelKind::Cosserat, Stations::Equal(7), Drive::Shortening);
+    let model = Model::new(ModelKind::Cosserat, Stations::Equal(7), Actuation::Shortening);
     let path: Vec<f64> = (0..70)
         .flat_map(|i| {
             let t = f64::from(i) * 0.03;
@@ -295,7 +295,7 @@ fn loads_may_sit_anywhere_from_row_to_row() {
         ..Case::default()
     };
     let cases: Vec<Case> = (0..12).map(case).collect();
-    let model = cosserat(Options { drive: Drive::Natural, ..Options::default() });
+    let model = cosserat(Options { actuation: Actuation::Natural, ..Options::default() });
     let batch = solve_batch(&model, &robot, Rows::Cases(&cases), &threads(2)).unwrap();
     for (row, case) in cases.iter().enumerate() {
         same_as(&batch, row, &model.solve(&robot, case));
@@ -305,7 +305,7 @@ fn loads_may_sit_anywhere_from_row_to_row() {
 #[test]
 fn the_other_model_takes_batches() {
     let robot = robot(1);
-    let model = Model::new(ModelKind::FourBar, Stations::Disks, Drive::Natural);
+    let model = Model::new(ModelKind::FourBar, Stations::Disks, Actuation::Natural);
     let shortenings = [0.0, 0.004, 0.5, 0.008];
     let under = Case::default();
     let rows = Rows::Shortenings { values: &shortenings, case: &under };

@@ -7,8 +7,8 @@ use whipcord::batch::{BatchError, BatchOptions, Rows, solve_batch};
 use whipcord::cosserat::{BranchOptions, Cosserat, Options, Workspace};
 use whipcord::differences::by_parameter;
 use whipcord::{
-    Backbone, Cable, Cancel, Case, Differentiable as _, Disks, Drive, Form, Loads, Material, Model,
-    ModelKind, Obstacle, Parameter, Pose, Robot, Routing, Section, Shortening, SolveError,
+    Actuation, Backbone, Cable, Cancel, Case, Differentiable as _, Disks, Form, Loads, Material,
+    Model, ModelKind, Obstacle, Parameter, Pose, Robot, Routing, Section, Shortening, SolveError,
     Statics as _, Stations, UnitQuaternion, Vec3,
 };
 
@@ -38,7 +38,7 @@ fn ball() -> Obstacle {
 
 /// The robot bent, driven by what each model knows, and loaded where it can be.
 fn case(kind: ModelKind) -> Case {
-    if kind.natural_drive() == Drive::Shortening {
+    if kind.natural_actuation() == Actuation::Shortening {
         return Case::with_shortenings(&[Shortening::Length(0.003)]);
     }
     let loads = Loads { tip_force: Vec3::new(0.0, 0.1, 0.0), ..Loads::default() };
@@ -46,7 +46,7 @@ fn case(kind: ModelKind) -> Case {
 }
 
 fn model(kind: ModelKind) -> Model {
-    Model::new(kind, Stations::Disks, Drive::Natural)
+    Model::new(kind, Stations::Disks, Actuation::Natural)
 }
 
 fn is_cancelled<T>(outcome: &Result<T, SolveError>) -> bool {
@@ -92,7 +92,7 @@ fn lengths_contacts_branches_batches_and_fits_end() {
         ModelKind::PseudoRigidBody,
         ModelKind::ConstantCurvature,
     ] {
-        let model = Model::new(kind, Stations::Disks, Drive::Shortening).cancelled_by(&cancel);
+        let model = Model::new(kind, Stations::Disks, Actuation::Shortening).cancelled_by(&cancel);
         assert!(is_cancelled(&model.solve(&robot, &short)), "{kind}");
     }
     let free = four_bar_free().cancelled_by(&cancel);

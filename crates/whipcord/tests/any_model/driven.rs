@@ -1,9 +1,9 @@
 //! What a model says of itself: what drives it by nature, and how it differentiates by that.
 
 use crate::common::{paper_robot, straight};
-use whipcord::kinematics::Means;
+use whipcord::kinematics::DerivativeMethod;
 use whipcord::{
-    CableCommand, Case, CommandDerivatives, Differentiable, Drive, Model, ModelKind, Shape,
+    Actuation, CableCommand, Case, CommandDerivatives, Differentiable, Model, ModelKind, Shape,
     Shortening, Statics, Stations,
 };
 
@@ -14,15 +14,15 @@ fn each_is_driven_by_what_it_says() {
     let command = CableCommand { tension: Some(1.0), shortening: Some(Shortening::Fraction(0.05)) };
     let case = Case { commands: vec![command], ..Case::default() };
     for kind in ModelKind::ALL {
-        let solve = |drive| -> Option<Shape> {
-            Some(Model::new(kind, Stations::Disks, drive).solve(&robot, &case).ok()?.disks)
+        let solve = |actuation| -> Option<Shape> {
+            Some(Model::new(kind, Stations::Disks, actuation).solve(&robot, &case).ok()?.disks)
         };
-        let natural = solve(Drive::Natural).unwrap();
-        assert_ne!(kind.natural_drive(), Drive::Natural);
-        assert_eq!(solve(kind.natural_drive()).as_ref(), Some(&natural), "{kind}");
-        let other = match kind.natural_drive() {
-            Drive::Shortening => Drive::Tension,
-            Drive::Natural | Drive::Tension => Drive::Shortening,
+        let natural = solve(Actuation::Natural).unwrap();
+        assert_ne!(kind.natural_actuation(), Actuation::Natural);
+        assert_eq!(solve(kind.natural_actuation()).as_ref(), Some(&natural), "{kind}");
+        let other = match kind.natural_actuation() {
+            Actuation::Shortening => Actuation::Tension,
+            Actuation::Natural | Actuation::Tension => Actuation::Shortening,
         };
         assert!(solve(other).is_none_or(|shape| shape.rms_distance(&natural) > 1e-3), "{kind}");
     }
@@ -32,11 +32,11 @@ fn each_is_driven_by_what_it_says() {
 fn derivatives_come_from_where_each_says() {
     let robot = paper_robot(vec![straight(0.0)]);
     for kind in ModelKind::ALL {
-        let model = Model::new(kind, Stations::Disks, Drive::Natural);
+        let model = Model::new(kind, Stations::Disks, Actuation::Natural);
         let Ok((_, local)) = model.solve_at(&robot, &Case::with_tensions(&[1.0]), 0.09) else {
             continue;
         };
-        let exact = local.means == Means::Exact;
+        let exact = local.method == DerivativeMethod::Exact;
         assert_eq!(exact, kind.command_derivatives() == CommandDerivatives::Exact, "{kind}");
     }
 }

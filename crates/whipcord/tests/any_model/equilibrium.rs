@@ -5,9 +5,9 @@
 
 use proptest::prelude::*;
 use whipcord::{
-    Backbone, Cable, Case, Disks, DistributedLoad, Drive, Form, LoadFrame, Loads, Material, Model,
-    ModelKind, Obstacle, PointLoad, PointMass, Pose, Profile, Robot, Shortening, Solution, Statics,
-    Stations, UnitQuaternion, Vec3, Wrench,
+    Actuation, Backbone, Cable, Case, Disks, DistributedLoad, Form, LoadFrame, Loads, Material,
+    Model, ModelKind, Obstacle, PointLoad, PointMass, Pose, Profile, Robot, Shortening, Solution,
+    Statics, Stations, UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::common::burden::burdened;
@@ -115,7 +115,7 @@ fn sum(robot: &Robot, case: &Case, solution: &Solution, rule: &[(f64, f64)]) -> 
             add(pose, force * *weight, moment * *weight, load.follower);
         }
     }
-    for touch in &solution.touches {
+    for touch in &solution.contacts {
         let to_base = base.inverse();
         let force = touch.normal * touch.force.unwrap() + touch.friction.unwrap();
         let force = to_base.rotation.rotate(force);
@@ -179,11 +179,11 @@ fn burdens() -> impl Strategy<Value = (Robot, Case)> {
     })
 }
 
-fn assert_in_equilibrium(kinds: &[ModelKind], cases: usize, drive: Drive) {
+fn assert_in_equilibrium(kinds: &[ModelKind], cases: usize, actuation: Actuation) {
     let mut worst = [[0.0_f64; 2]; 4];
     let mut solved = [0; 4];
     for (robot, mut case) in samples(burdens(), cases) {
-        if drive == Drive::Shortening {
+        if actuation == Actuation::Shortening {
             for command in &mut case.commands {
                 command.shortening = Some(Shortening::Fraction(0.01));
                 command.tension = None;
@@ -192,7 +192,7 @@ fn assert_in_equilibrium(kinds: &[ModelKind], cases: usize, drive: Drive) {
         let rule = rule(&robot, &case.loads, 4);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
         for (k, &kind) in kinds.iter().enumerate() {
-            let model = Model::new(kind, stations.clone(), drive);
+            let model = Model::new(kind, stations.clone(), actuation);
             let solution = match model.solve(&robot, &case) {
                 Ok(solution) => solution,
                 Err(_) => continue,
@@ -208,12 +208,12 @@ fn assert_in_equilibrium(kinds: &[ModelKind], cases: usize, drive: Drive) {
 
 #[test]
 fn the_base_bears_all_loads_in_every_model() {
-    assert_in_equilibrium(&MODELS, 40, Drive::Tension);
+    assert_in_equilibrium(&MODELS, 40, Actuation::Tension);
 }
 
 #[test]
 fn the_base_bears_all_loads_with_cables_held_at_lengths() {
-    assert_in_equilibrium(&MODELS, 20, Drive::Shortening);
+    assert_in_equilibrium(&MODELS, 20, Actuation::Shortening);
 }
 
 /// One load of every kind alone, so that none hides behind another.
@@ -261,7 +261,7 @@ fn the_base_bears_each_kind_of_load() {
         let rule = rule(&robot, &case.loads, 4);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
         for kind in MODELS {
-            let model = Model::new(kind, stations.clone(), Drive::Tension);
+            let model = Model::new(kind, stations.clone(), Actuation::Tension);
             let solution = model.solve(&robot, &case).unwrap();
             let off = left(&robot, &case, &solution, &rule);
             assert!(off.iter().all(|&off| off < 1e-6), "{kind}: {off:?} {:?}", case.loads);
@@ -308,9 +308,9 @@ fn the_base_bears_the_contacts_too() {
         let case = Case { loads, base, obstacles: vec![ball], ..Case::with_tensions(&[3.0]) };
         let rule = rule(&robot, &case.loads, 1);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
-        let model = Model::new(ModelKind::Cosserat, stations, Drive::Tension);
+        let model = Model::new(ModelKind::Cosserat, stations, Actuation::Tension);
         let solution = model.solve(&robot, &case).unwrap();
-        assert!(!solution.touches.is_empty());
+        assert!(!solution.contacts.is_empty());
         let off = left(&robot, &case, &solution, &rule);
         assert!(off.iter().all(|&off| off < 1e-6), "{off:?}");
     }

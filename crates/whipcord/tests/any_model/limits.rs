@@ -2,8 +2,8 @@
 
 use whipcord::robot::limits::{LENGTH, MODULUS, TENSION};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Drive, Material, Model, ModelKind, Robot, Routing,
-    Section, Shortening, Solution, Statics as _, Stations,
+    Actuation, Backbone, Cable, CableCommand, Case, Disks, Material, Model, ModelKind, Robot,
+    Routing, Section, Shortening, Solution, Statics as _, Stations,
 };
 
 fn is_finite(solution: &Solution) -> bool {
@@ -58,7 +58,7 @@ fn solve(length: f64, radius: f64, diameter: f64, young: f64, tension: f64) -> u
             CableCommand { tension: Some(tension), shortening: Some(Shortening::Fraction(0.05)) };
         let case = Case { commands: vec![command], ..Case::default() };
         for kind in ModelKind::ALL {
-            let said = Model::new(kind, Stations::Disks, Drive::Natural).solve(&robot, &case);
+            let said = Model::new(kind, Stations::Disks, Actuation::Natural).solve(&robot, &case);
             let given = format!(
                 "{kind}: length {length:e}, radius {radius:e}, diameter {diameter:e}, E {young:e}, tension {tension:e}"
             );

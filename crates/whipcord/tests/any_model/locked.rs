@@ -5,8 +5,8 @@ use core::f64::consts::TAU;
 
 use whipcord::cosserat::Options;
 use whipcord::{
-    Cable, Case, Disks, Drive, Loads, Model, Robot, Routing, Shortening, Solution, Statics as _,
-    Vec3,
+    Actuation, Cable, Case, Disks, Loads, Model, Robot, Routing, Shortening, Solution,
+    Statics as _, Vec3,
 };
 
 use crate::common::{paper_backbone, tensions};
@@ -56,7 +56,7 @@ fn missed(solution: &Solution, shortened: &[f64]) -> f64 {
 }
 
 fn by_length() -> Options {
-    Options { drive: Drive::Shortening, ..Options::default() }
+    Options { actuation: Actuation::Shortening, ..Options::default() }
 }
 
 /// The answer is an equilibrium under its tensions, whichever cables have them.

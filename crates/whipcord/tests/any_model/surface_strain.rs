@@ -2,7 +2,7 @@
 
 use whipcord::warning::of_answer;
 use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Loads, Material, Model, ModelKind, Robot, Routing,
+    Actuation, Backbone, Cable, Case, Disks, Loads, Material, Model, ModelKind, Robot, Routing,
     Section, Statics, Stations, Vec3, Warning,
 };
 
@@ -30,7 +30,7 @@ fn bending_stiffness() -> f64 {
 
 /// The greatest strain on the surface and its arc length in m.
 fn strain(kind: ModelKind, robot: &Robot, case: &Case) -> (f64, f64) {
-    let model = Model::new(kind, Stations::Disks, Drive::Tension);
+    let model = Model::new(kind, Stations::Disks, Actuation::Tension);
     let solution = model.solve(robot, case).unwrap();
     let found = of_answer(robot, &solution).into_iter().find_map(|warning| match warning {
         Warning::Strain { strain, arc_length, .. } => Some((strain, arc_length)),

@@ -6,8 +6,8 @@ use core::f64::consts::TAU;
 use proptest::prelude::*;
 use whipcord::constant_curvature::{ConstantCurvature, Options, Workspace};
 use whipcord::{
-    Backbone, Cable, Case, Drive, Loads, Model, ModelKind, RestCurvature, Robot, Routing, Section,
-    Shape, Shortening, Solution, SolveError, Statics as _, Stations, Stiffness, Vec3,
+    Actuation, Backbone, Cable, Case, Loads, Model, ModelKind, RestCurvature, Robot, Routing,
+    Section, Shape, Shortening, Solution, SolveError, Statics as _, Stations, Stiffness, Vec3,
 };
 
 use crate::common::{
@@ -15,13 +15,13 @@ use crate::common::{
     tensions,
 };
 
-fn try_solve(robot: &Robot, case: &Case, drive: Drive) -> Result<Solution, SolveError> {
-    let options = Options { drive, ..Options::default() };
+fn try_solve(robot: &Robot, case: &Case, actuation: Actuation) -> Result<Solution, SolveError> {
+    let options = Options { actuation, ..Options::default() };
     ConstantCurvature::new(robot, &options)?.solve(case, &mut Workspace::default())
 }
 
 fn solve(robot: &Robot, case: &Case) -> Solution {
-    try_solve(robot, case, Drive::Natural).unwrap()
+    try_solve(robot, case, Actuation::Natural).unwrap()
 }
 
 fn shortened(lengths: &[f64]) -> Case {
@@ -132,7 +132,7 @@ fn lengths_alone_need_no_material() {
     both.commands.iter_mut().for_each(|command| command.tension = Some(5.0));
     assert_eq!(solve(&bare, &both), b);
     assert_eq!(solve(&known, &both), a);
-    let pulled = try_solve(&known, &both, Drive::Tension).unwrap();
+    let pulled = try_solve(&known, &both, Actuation::Tension).unwrap();
     assert_eq!(pulled.cables[1].tension, Some(5.0));
 }
 
@@ -144,7 +144,7 @@ fn what_lengths_cannot_be_had_is_said() {
         paper_robot(vec![straight(0.0), straight(180.0)]).cables().to_vec(),
     )
     .unwrap();
-    match try_solve(&robot, &shortened(&[0.005, 0.003]), Drive::Shortening) {
+    match try_solve(&robot, &shortened(&[0.005, 0.003]), Actuation::Shortening) {
         Err(SolveError::ContradictoryLengths { misses }) => {
             // The best arc misses both by half of what they lack together.
             assert_eq!(misses.len(), 2);
@@ -152,7 +152,7 @@ fn what_lengths_cannot_be_had_is_said() {
         }
         other => panic!("{other:?}"),
     }
-    match try_solve(&robot, &shortened(&[0.2, -1.0]), Drive::Shortening) {
+    match try_solve(&robot, &shortened(&[0.2, -1.0]), Actuation::Shortening) {
         Err(SolveError::UnreachableLength { cable, reachable, .. }) => {
             assert_eq!(cable, "cable 0");
             assert!(reachable > 0.17 && reachable <= 0.18, "{reachable}");
@@ -163,7 +163,7 @@ fn what_lengths_cannot_be_had_is_said() {
     let robot = paper_robot(vec![straight(0.0)]);
     let stiffness = common::bending_stiffness(&robot);
     let limit = stiffness / 0.008_f64.powi(2);
-    match try_solve(&robot, &Case::with_tensions(&[4.0 * limit]), Drive::Tension) {
+    match try_solve(&robot, &Case::with_tensions(&[4.0 * limit]), Actuation::Tension) {
         Err(SolveError::SectionFolds { last_load, .. }) => {
             assert!((0.23..0.26).contains(&last_load), "{last_load}");
         }
@@ -172,8 +172,8 @@ fn what_lengths_cannot_be_had_is_said() {
 }
 
 /// What is refused, at which place of the file.
-fn refused(robot: &Robot, case: &Case, drive: Drive) -> String {
-    match try_solve(robot, case, drive) {
+fn refused(robot: &Robot, case: &Case, actuation: Actuation) -> String {
+    match try_solve(robot, case, actuation) {
         Err(
             SolveError::Unsupported { model: ModelKind::ConstantCurvature, path, .. }
             | SolveError::Missing { model: ModelKind::ConstantCurvature, path, .. },
@@ -193,17 +193,17 @@ fn courses_that_no_arc_takes_are_refused_by_name() {
         (spin(&[2, 2, 2, 3, 3, 3, 3, 3, 3, 3]), "cables[0].holes[3]"),
         (spin(&[2; 6]), "cables[0].holes"),
     ] {
-        assert_eq!(refused(&paper_robot(vec![routing]), &pull, Drive::Natural), path);
+        assert_eq!(refused(&paper_robot(vec![routing]), &pull, Actuation::Natural), path);
     }
     // A conical robot's cables converge.
     let mut disks = paper_disks();
     disks.hole_circle_radii[4] = 0.007;
     let cables = paper_robot(vec![spin(&[2; 10])]).cables().to_vec();
     let cone = Robot::new(paper_backbone(), disks, cables).unwrap();
-    assert_eq!(refused(&cone, &pull, Drive::Natural), "disks.hole_circle_radius[4]");
+    assert_eq!(refused(&cone, &pull, Actuation::Natural), "disks.hole_circle_radius[4]");
     let cables = vec![Cable { ends_at: Some(0.1), ..Cable::new("a", straight(0.0)) }];
     let short = Robot::new(paper_backbone(), paper_disks(), cables).unwrap();
-    assert_eq!(refused(&short, &pull, Drive::Natural), "cables[0].ends_at");
+    assert_eq!(refused(&short, &pull, Actuation::Natural), "cables[0].ends_at");
     // Holes in one line, and routings that amount to it, are taken.
     for routing in [
         spin(&[2; 10]),
@@ -227,7 +227,7 @@ fn backbones_that_tensions_do_not_bend_to_an_arc_are_refused_by_name() {
         inner: 0.0.into(),
     };
     let taper = with(Backbone { section: Some(tapered), ..paper_backbone() });
-    assert_eq!(refused(&taper, &pull, Drive::Tension), "backbone.diameters");
+    assert_eq!(refused(&taper, &pull, Actuation::Tension), "backbone.diameters");
     // Its lengths it may be given all the same.
     assert!(solve(&taper, &shortened(&[0.005])).cables[0].tension.is_none());
     let mut k = [[0.0; 6]; 6];
@@ -237,11 +237,14 @@ fn backbones_that_tensions_do_not_bend_to_an_arc_are_refused_by_name() {
     (k[3][5], k[5][3]) = (1e-3, 1e-3);
     let coupled =
         with(Backbone { stiffness: Some(Stiffness::Matrix(k.into())), ..Backbone::new(0.18) });
-    assert_eq!(refused(&coupled, &pull, Drive::Tension), "backbone.stiffness.matrix");
+    assert_eq!(refused(&coupled, &pull, Actuation::Tension), "backbone.stiffness.matrix");
     let twisted = RestCurvature::Uniform(Vec3::new(0.0, 2.0, 1.0));
     let twisted = with(Backbone { rest_curvature: twisted, ..paper_backbone() });
-    assert_eq!(refused(&twisted, &shortened(&[0.001]), Drive::Natural), "backbone.rest_curvature");
-    assert_eq!(refused(&with(Backbone::new(0.18)), &pull, Drive::Tension), "backbone.diameter");
+    assert_eq!(
+        refused(&twisted, &shortened(&[0.001]), Actuation::Natural),
+        "backbone.rest_curvature"
+    );
+    assert_eq!(refused(&with(Backbone::new(0.18)), &pull, Actuation::Tension), "backbone.diameter");
 }
 
 #[test]
@@ -249,21 +252,24 @@ fn cases_that_no_arc_answers_are_refused_by_name() {
     let robot = paper_robot(vec![straight(0.0)]);
     let loads = Loads { tip_force: Vec3::X, ..Loads::default() };
     let loaded = Case { loads, ..Case::with_tensions(&[1.0]) };
-    assert_eq!(refused(&robot, &loaded, Drive::Natural), "loads.tip_force");
+    assert_eq!(refused(&robot, &loaded, Actuation::Natural), "loads.tip_force");
     let lacking = Case { commands: vec![Default::default()], ..Case::default() };
-    assert_eq!(refused(&robot, &lacking, Drive::Natural), "cables[0].tension");
+    assert_eq!(refused(&robot, &lacking, Actuation::Natural), "cables[0].tension");
     let with = |cable: Cable, backbone: Backbone| {
         Robot::new(backbone, paper_disks(), vec![cable]).unwrap()
     };
     let plain = Cable::new("a", straight(0.0));
     let rubbing = with(Cable { friction: Some(0.1), ..plain.clone() }, paper_backbone());
     let pull = Case::with_tensions(&[1.0]);
-    assert_eq!(refused(&rubbing, &pull, Drive::Tension), "cables[0].friction");
+    assert_eq!(refused(&rubbing, &pull, Actuation::Tension), "cables[0].friction");
     // Friction changes no length, but then nobody knows the tension at the base.
     assert!(solve(&rubbing, &shortened(&[0.002])).cables[0].tension.is_none());
     let elastic = Cable { axial_stiffness: Some(2e3), ..plain };
     let bare = with(elastic.clone(), Backbone::new(0.18));
-    assert_eq!(refused(&bare, &shortened(&[0.002]), Drive::Natural), "cables[0].axial_stiffness");
+    assert_eq!(
+        refused(&bare, &shortened(&[0.002]), Actuation::Natural),
+        "cables[0].axial_stiffness"
+    );
     // On a backbone of known stiffness it stretches by what it is pulled with.
     let found = solve(&with(elastic, paper_backbone()), &shortened(&[0.002]));
     let cable = &found.cables[0];

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use whipcord::cosserat::Accuracy;
 use whipcord::pseudo_rigid_body::{Coefficients, Options};
 use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Loads, Model, ModelKind, PointLoad, PointMass, Pose,
+    Actuation, Backbone, Cable, Case, Disks, Loads, Model, ModelKind, PointLoad, PointMass, Pose,
     RestCurvature, Robot, Routing, Shortening, Solution, SolveError, Statics as _, Stations,
     Stiffness, Twist, UnitQuaternion, Vec3, cosserat_disks,
 };
@@ -18,7 +18,7 @@ const PCC: ModelKind = ModelKind::PiecewiseConstantCurvature;
 const PRB: ModelKind = ModelKind::PseudoRigidBody;
 
 fn try_solve(kind: ModelKind, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-    Model::new(kind, Stations::Disks, Drive::Natural).solve(robot, case)
+    Model::new(kind, Stations::Disks, Actuation::Natural).solve(robot, case)
 }
 
 fn solve(kind: ModelKind, robot: &Robot, case: &Case) -> Solution {
@@ -78,7 +78,8 @@ impl Parts {
             middles.iter().map(|t| pair[0] + t * (pair[1] - pair[0])).chain([pair[1]])
         });
         let stations = Stations::At(stations.collect());
-        let answer = Model::new(self.kind, stations, Drive::Natural).solve(robot, case).unwrap();
+        let answer =
+            Model::new(self.kind, stations, Actuation::Natural).solve(robot, case).unwrap();
         let mut start = UnitQuaternion::IDENTITY;
         let sections = answer.shape.poses.chunks(middles.len() + 1);
         sections
@@ -282,7 +283,7 @@ fn symmetries_hold_and_neighbours_lead_to_the_same_answer() {
     {
         // Anchors and loads between disks, and sections so long that their cables fold them, are for others.
         for (count, kind) in solved.iter_mut().zip([PCC, PRB]) {
-            let model = Model::new(kind, Stations::Disks, Drive::Natural);
+            let model = Model::new(kind, Stations::Disks, Actuation::Natural);
             let answer = match model.solve(&robot, &case) {
                 Ok(answer) => answer,
                 Err(SolveError::Unsupported { .. } | SolveError::SectionFolds { .. }) => continue,

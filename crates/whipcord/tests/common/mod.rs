@@ -13,7 +13,7 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
-    Along, Backbone, Cable, CableCommand, Case, Disks, Drive, Interpolation, Loads, Material,
+    Actuation, Along, Backbone, Cable, CableCommand, Case, Disks, Interpolation, Loads, Material,
     Model, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution, SolveError,
     Statics, Stations, Vec3,
 };
@@ -145,8 +145,11 @@ pub fn lengths_of(solution: &Solution, loads: &Loads) -> Case {
 
 /// By shortening, with eleven stations.
 pub fn solve_lengths(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-    let options =
-        Options { stations: Stations::Equal(11), drive: Drive::Shortening, ..Options::default() };
+    let options = Options {
+        stations: Stations::Equal(11),
+        actuation: Actuation::Shortening,
+        ..Options::default()
+    };
     solve_with(options, robot, case)
 }
 

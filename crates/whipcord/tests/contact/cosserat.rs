@@ -24,7 +24,7 @@ fn a_wall_holds_a_slender_rod_back_as_a_beam_says() {
         let held = part * free;
         let case = among(Case::with_tensions(&[tension]), vec![wall(held + 0.01)]);
         let solution = solve(&robot, &case).unwrap();
-        let [touch] = solution.touches[..] else { panic!("{:?}", solution.touches) };
+        let [touch] = solution.contacts[..] else { panic!("{:?}", solution.contacts) };
         assert_eq!((touch.part, touch.obstacle), (Part::Disk(9), 0));
         let force = 3.0 * STIFFNESS / LENGTH.powi(3) * (free - held);
         let found = touch.force.unwrap();
@@ -46,7 +46,7 @@ fn contacts_hold_the_shape_and_do_not_overlap() {
     ] {
         let case = among(Case::with_tensions(&[tension]), vec![obstacle.clone()]);
         let solution = solve(&robot, &case).unwrap();
-        assert!(!solution.touches.is_empty());
+        assert!(!solution.contacts.is_empty());
         assert_forces_hold(&robot, &case, &solution);
         super::assert_clear(&robot, &solution, &obstacle);
     }
@@ -67,7 +67,7 @@ fn moving_base_and_obstacles_moves_the_answer() {
     for (a, b) in here.disks.poses.iter().zip(&there.disks.poses) {
         assert!((base.transform(a.position) - b.position).norm() < 1e-8 * LENGTH);
     }
-    for (a, b) in here.touches.iter().zip(&there.touches) {
+    for (a, b) in here.contacts.iter().zip(&there.contacts) {
         assert!((base.transform(a.point) - b.point).norm() < 1e-8 * LENGTH);
         assert!((a.force.unwrap() - b.force.unwrap()).abs() < 1e-7);
     }
@@ -86,7 +86,7 @@ fn a_warm_start_keeps_the_contacts() {
     let warm = model.solve(&case(3.0), Some(&before), &mut workspace).unwrap();
     let cold = model.solve(&case(3.0), None, &mut workspace).unwrap();
     assert!(warm.diagnostics.iterations < cold.diagnostics.iterations);
-    assert_eq!(warm.touches.len(), cold.touches.len());
+    assert_eq!(warm.contacts.len(), cold.contacts.len());
     let apart = warm.disks.distances(&cold.disks).fold(0.0, f64::max);
     assert!(apart < 1e-7 * LENGTH, "{apart}");
 }
@@ -137,7 +137,7 @@ fn what_cannot_be_is_said() {
     let walls = quarters.map(|turns| moved(&wall(0.0105), &turned(turns * core::f64::consts::PI)));
     let case = among(Case::with_shortenings(&[Shortening::Length(0.03)]), walls.into());
     let options = Options {
-        drive: whipcord::Drive::Shortening,
+        actuation: whipcord::Actuation::Shortening,
         accuracy: Accuracy::Steps(9),
         ..Options::default()
     };
@@ -159,9 +159,9 @@ fn models_without_contact_refuse_obstacles() {
     let robot = finger(9);
     let case = among(Case::with_tensions(&[3.0]), vec![wall(0.05)]);
     for kind in ModelKind::ALL {
-        let model = Model::new(kind, Default::default(), whipcord::Drive::Natural);
+        let model = Model::new(kind, Default::default(), whipcord::Actuation::Natural);
         match (kind, model.solve(&robot, &case)) {
-            (ModelKind::Cosserat, Ok(solution)) => assert_eq!(solution.touches.len(), 1),
+            (ModelKind::Cosserat, Ok(solution)) => assert_eq!(solution.contacts.len(), 1),
             (ModelKind::Cosserat, Err(error)) => panic!("{error}"),
             (_, Ok(_)) => panic!("{kind} ignores the wall"),
             (_, Err(SolveError::Unsupported { .. } | SolveError::Missing { .. })) => {}

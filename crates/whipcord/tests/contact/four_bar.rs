@@ -3,7 +3,7 @@
 use super::{among, assert_clear, finger, sphere, wall};
 use whipcord::cosserat::{Cosserat, Options as RodOptions, Workspace as RodWorkspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective, Options, Workspace};
-use whipcord::{Case, Drive, Loads, Obstacle, Robot, Shortening, Solution, SolveError, Vec3};
+use whipcord::{Actuation, Case, Loads, Obstacle, Robot, Shortening, Solution, SolveError, Vec3};
 
 const LENGTH: f64 = 0.18;
 const STIFFNESS: f64 = 1.1e9 * core::f64::consts::PI * 0.003 * 0.003 * 0.003 * 0.003 / 64.0;
@@ -25,7 +25,7 @@ fn shortened(millimetres: f64, obstacles: Vec<Obstacle>) -> Case {
 #[test]
 fn many_sections_lie_where_the_rod_does() {
     let robot = finger(40);
-    let options = RodOptions { drive: Drive::Shortening, ..RodOptions::default() };
+    let options = RodOptions { actuation: Actuation::Shortening, ..RodOptions::default() };
     let rod = Cosserat::new(&robot, &Loads::default(), &options).unwrap();
     for (millimetres, obstacle) in [
         (4.0, wall(0.05)),
@@ -39,7 +39,7 @@ fn many_sections_lie_where_the_rod_does() {
         let apart = solution.disks.distances(&exact.disks).fold(0.0, f64::max);
         assert!(apart < 0.01 * LENGTH, "{apart}");
         let total = |solution: &Solution| {
-            let forces = solution.touches.iter().map(|t| t.normal * t.force.unwrap());
+            let forces = solution.contacts.iter().map(|t| t.normal * t.force.unwrap());
             forces.fold(Vec3::ZERO, |sum, force| sum + force)
         };
         let (found, expected) = (total(&solution), total(&exact));
@@ -55,7 +55,7 @@ fn many_sections_lie_where_the_rod_does() {
 fn every_section_is_in_equilibrium() {
     let robot = finger(9);
     let solution = solve(&robot, &shortened(8.0, vec![wall(0.05)])).unwrap();
-    let [touch] = solution.touches[..] else { panic!("{:?}", solution.touches) };
+    let [touch] = solution.contacts[..] else { panic!("{:?}", solution.contacts) };
     let (tension, push) = (solution.cables[0].tension.unwrap(), touch.force.unwrap());
     let length = LENGTH / 9.0;
     let bends: Vec<f64> = solution
@@ -100,7 +100,7 @@ fn a_known_stiffness_gives_forces_and_none_gives_the_same_shape() {
     };
     let case = shortened(4.0, vec![wall(0.05)]);
     let [with, without] = [&robot, &bare].map(|robot| solve(robot, &case).unwrap());
-    assert!(with.touches[0].force.is_some() && without.touches[0].force.is_none());
+    assert!(with.contacts[0].force.is_some() && without.contacts[0].force.is_none());
     assert!(without.base_wrench.is_none());
     assert!(with.disks.rms_distance(&without.disks) < 1e-9 * LENGTH);
 }
@@ -127,7 +127,7 @@ fn the_answer_to_the_same_case_starts_where_it_ends() {
     for (millimetres, x) in [(6.0, 0.02), (7.0, 0.03), (8.0, 0.045)] {
         let case = shortened(millimetres, vec![wall(x)]);
         let answer = solve(&robot, &case).unwrap();
-        assert!(!answer.touches.is_empty());
+        assert!(!answer.contacts.is_empty());
         let again = model.solve(&case, Some(&answer), &mut Workspace::default()).unwrap();
         let apart = again.disks.distances(&answer.disks).fold(0.0, f64::max);
         assert!(apart < 1e-7 * LENGTH, "{millimetres} mm: {apart}");

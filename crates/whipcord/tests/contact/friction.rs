@@ -3,7 +3,7 @@
 use super::{LENGTH, STIFFNESS, among, assert_clear, assert_forces_hold, finger, sphere, wall};
 use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective};
-use whipcord::{Case, Drive, Obstacle, Robot, Shortening, Solution, SolveError, Touch, Vec3};
+use whipcord::{Actuation, Case, Contact, Obstacle, Robot, Shortening, Solution, SolveError, Vec3};
 
 fn rubbing(obstacle: Obstacle, friction: f64) -> Obstacle {
     Obstacle { friction, ..obstacle }
@@ -14,9 +14,9 @@ fn solve(robot: &Robot, case: &Case, from: Option<&Solution>) -> Result<Solution
     model.solve(case, from, &mut Workspace::default())
 }
 
-fn only(solution: &Solution) -> Touch {
-    assert_eq!(solution.touches.len(), 1, "{:?}", solution.touches);
-    solution.touches[0]
+fn only(solution: &Solution) -> Contact {
+    assert_eq!(solution.contacts.len(), 1, "{:?}", solution.contacts);
+    solution.contacts[0]
 }
 
 /// The tip of a slender rod slides down a wall, and friction μN holds its rim, by R from the axis, back up: it
@@ -61,8 +61,8 @@ fn forces_keep_to_the_cone_and_hold_the_shape() {
         let obstacle = rubbing(obstacle, friction);
         let case = among(Case::with_tensions(&[3.0]), vec![obstacle.clone()]);
         let solution = solve(&robot, &case, None).unwrap();
-        assert!(!solution.touches.is_empty());
-        for touch in &solution.touches {
+        assert!(!solution.contacts.is_empty());
+        for touch in &solution.contacts {
             let (force, drag) = (touch.force.unwrap(), touch.friction.unwrap());
             assert!(drag.dot(touch.normal).abs() < 1e-9 * force);
             let part = drag.norm() / (friction * force);
@@ -101,7 +101,7 @@ fn the_chain_rubs_as_the_rod_does() {
     for friction in [0.3, 3.0] {
         let wall = rubbing(wall(0.05), friction);
         let case = among(Case::with_shortenings(&[Shortening::Length(0.012)]), vec![wall]);
-        let options = Options { drive: Drive::Shortening, ..Options::default() };
+        let options = Options { actuation: Actuation::Shortening, ..Options::default() };
         let model = Cosserat::new(&robot, &case.loads, &options).unwrap();
         let rod = model.solve(&case, None, &mut Workspace::default()).unwrap();
         let options = whipcord::four_bar::Options {

@@ -4,7 +4,7 @@ use super::{among, assert_clear, pushes_of, sphere};
 use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective};
 use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Material, Part, Robot, Routing, Section, Shortening,
+    Actuation, Backbone, Cable, Case, Disks, Material, Part, Robot, Routing, Section, Shortening,
     Solution, SolveError, Vec3,
 };
 
@@ -29,7 +29,7 @@ fn strip(sections: usize) -> Robot {
 }
 
 fn by_rod(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-    let options = Options { drive: Drive::Shortening, ..Options::default() };
+    let options = Options { actuation: Actuation::Shortening, ..Options::default() };
     Cosserat::new(robot, &case.loads, &options)?.solve(case, None, &mut Workspace::default())
 }
 
@@ -51,11 +51,11 @@ fn a_finger_closes_round_a_ball() {
     let robot = strip(24);
     let [rod, chain] = [by_rod(&robot, &case), by_chain(&robot, &case)].map(Result::unwrap);
     for solution in [&rod, &chain] {
-        let touches = &solution.touches;
-        assert!(touches.len() >= 3, "{touches:?}");
-        assert!(touches[0].normal.x < -0.7, "{touches:?}");
-        let last = touches.last().unwrap();
-        assert!(last.normal.x > 0.7 && last.part == Part::Disk(24), "{touches:?}");
+        let contacts = &solution.contacts;
+        assert!(contacts.len() >= 3, "{contacts:?}");
+        assert!(contacts[0].normal.x < -0.7, "{contacts:?}");
+        let last = contacts.last().unwrap();
+        assert!(last.normal.x > 0.7 && last.part == Part::Disk(24), "{contacts:?}");
         assert!(solution.disks.bend().0 > 2.9);
         assert_clear(&robot, solution, &ball);
     }

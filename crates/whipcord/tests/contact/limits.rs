@@ -93,8 +93,8 @@ fn a_disk_that_is_a_ball_touches_once() {
     // Beside the tip, which the cable bends towards +x.
     let ball = sphere(Vec3::new(0.03, 0.0, 0.115), 0.015);
     let solution = solve(&robot, &among(Case::with_tensions(&[2.0]), vec![ball])).unwrap();
-    let touches = solution.touches;
-    assert_eq!(touches.len(), 1, "{touches:?}");
+    let contacts = solution.contacts;
+    assert_eq!(contacts.len(), 1, "{contacts:?}");
     let centre = solution.disks.poses.last().unwrap().position;
     let apart = (centre - Vec3::new(0.03, 0.0, 0.115)).norm();
     assert!((apart - 0.023).abs() < 1e-7, "{apart}");
@@ -106,7 +106,7 @@ fn a_robot_that_curls_up_ends_within_its_budget() {
     let ball = sphere(Vec3::new(0.031, 0.0, 0.030), 0.022);
     let case = among(Case::with_tensions(&[24.0]), vec![ball]);
     match solve(&strip(2.0, 12, 0.002).unwrap(), &case) {
-        Ok(solution) => assert!(!solution.touches.is_empty()),
+        Ok(solution) => assert!(!solution.contacts.is_empty()),
         Err(SolveError::Obstructed { reached, why, .. }) => {
             assert!((0.0..1.0).contains(&reached));
             let Obstruction::BudgetSpent { iterations, contacts, residual } = why else {

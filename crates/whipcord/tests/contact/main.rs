@@ -73,7 +73,7 @@ fn moved(obstacle: &Obstacle, by: &Pose) -> Obstacle {
 fn pushes_of(solution: &Solution) -> (Loads, Wrench) {
     let mut loads = Loads::default();
     let mut total = Wrench::default();
-    for touch in &solution.touches {
+    for touch in &solution.contacts {
         let force = touch.normal * touch.force.unwrap() + touch.friction.unwrap();
         let Shape { arc_length, poses } = &solution.disks;
         let disk = arc_length.iter().position(|&s| s == touch.arc_length).unwrap();

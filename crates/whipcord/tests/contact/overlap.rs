@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use whipcord::cosserat::{Cosserat, Options as RodOptions, Workspace as RodWorkspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective, Options, Workspace};
 use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Form, Loads, Material, Obstacle, Part, Pose, Robot,
+    Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, Part, Pose, Robot,
     Routing, Section, Shortening, Solution, SolveError, Stations, UnitQuaternion, Vec3,
 };
 
@@ -99,9 +99,9 @@ type Solve = fn(&Robot, &Case) -> Result<Solution, SolveError>;
 /// For the rod they lie at sixths of the intervals between the watched places.
 const STATIONS: usize = 97;
 
-fn rod(drive: Drive, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+fn rod(actuation: Actuation, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
     let options =
-        RodOptions { drive, stations: Stations::Equal(STATIONS), ..RodOptions::default() };
+        RodOptions { actuation, stations: Stations::Equal(STATIONS), ..RodOptions::default() };
     Cosserat::new(robot, &Loads::default(), &options)?.solve(
         case,
         None,
@@ -110,7 +110,7 @@ fn rod(drive: Drive, robot: &Robot, case: &Case) -> Result<Solution, SolveError>
 }
 
 fn by_length(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-    rod(Drive::Shortening, robot, case)
+    rod(Actuation::Shortening, robot, case)
 }
 
 /// Pulled with tensions in proportion to the shortenings, and not at all where a cable is let out.
@@ -125,7 +125,7 @@ fn by_tension(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
             command.tension = Some(part.max(0.0) * stiffness / (radius * radius));
         }
     }
-    rod(Drive::Tension, robot, &case)
+    rod(Actuation::Tension, robot, &case)
 }
 
 fn four_bar(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
@@ -232,14 +232,14 @@ fn unbalanced(solution: &Solution) -> f64 {
     let base = solution.base_wrench.unwrap();
     let (mut force, mut moment) = (base.force, base.moment);
     let (mut forces, mut moments) = (f64::MIN_POSITIVE, f64::MIN_POSITIVE);
-    for touch in &solution.touches {
+    for touch in &solution.contacts {
         let push = touch.normal * touch.force.unwrap();
         force -= push;
         moment -= touch.point.cross(push);
         forces += push.norm();
         moments += touch.point.norm() * push.norm();
     }
-    if solution.touches.is_empty() {
+    if solution.contacts.is_empty() {
         return 0.0;
     }
     (force.norm() / forces).max(moment.norm() / moments)
@@ -265,18 +265,18 @@ fn sweep(solve: Solve, take: &dyn Fn(usize) -> bool, count: usize, tell: bool) -
         let Some(case) = placed(solve, &scenario) else { continue };
         let Ok(solution) = solve(&scenario.robot, &case) else { continue };
         let length = scenario.robot.backbone().length;
-        let touches = &solution.touches;
-        let gap = touches.iter().map(|t| t.gap.abs() / length).fold(0.0, f64::max);
+        let contacts = &solution.contacts;
+        let gap = contacts.iter().map(|t| t.gap.abs() / length).fold(0.0, f64::max);
         let deepest = overlap(&scenario.robot, &case, &solution);
         let left = unbalanced(&solution);
         if tell {
             let name = scenario.form.name();
-            let at: Vec<_> = touches.iter().map(|t| (t.part, t.arc_length / length)).collect();
+            let at: Vec<_> = contacts.iter().map(|t| (t.part, t.arc_length / length)).collect();
             println!("{number} {name}: gap {gap:.1e}, {deepest:?}, unbalanced {left:.1e}, {at:?}");
         }
         sweep.answers += 1;
-        sweep.touching += usize::from(!touches.is_empty());
-        sweep.backbone += usize::from(touches.iter().any(|t| t.part == Part::Backbone));
+        sweep.touching += usize::from(!contacts.is_empty());
+        sweep.backbone += usize::from(contacts.iter().any(|t| t.part == Part::Backbone));
         sweep.unbalanced = sweep.unbalanced.max(left);
         sweep.gap = sweep.gap.max(gap);
         sweep.watched = sweep.watched.max(deepest.watched.0);

@@ -5,8 +5,8 @@ use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective};
 use whipcord::obstacle::{Bends, Pipe};
 use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Form, Material, Obstacle, Pose, Robot, Routing, Section,
-    Shortening, Solution, SolveError, Vec3,
+    Actuation, Backbone, Cable, Case, Disks, Form, Material, Obstacle, Pose, Robot, Routing,
+    Section, Shortening, Solution, SolveError, Vec3,
 };
 
 const LENGTH: f64 = 0.15;
@@ -64,7 +64,7 @@ fn assert_balanced(solution: &Solution, sections: usize) {
         let pull = tension * 0.001 * (0.5 * bend).cos();
         // What is beyond turns about the lower disk's centre while the chord turns by half the bend.
         let mut pushed = 0.0;
-        for touch in &solution.touches {
+        for touch in &solution.contacts {
             let force = touch.normal * touch.force.unwrap();
             if touch.arc_length > solution.disks.arc_length[k] + 1e-9 {
                 let chord = pair[1].position - pair[0].position;
@@ -85,7 +85,7 @@ fn a_catheter_follows_a_vessel_round_a_right_angle() {
     for shortening in [0.0, 0.002] {
         let case = Case::with_shortenings(&[Shortening::Length(shortening)]);
         let solution = chain(&robot, &among(case, vec![vessel.clone()])).unwrap();
-        assert!(solution.touches.len() >= 3, "{:?}", solution.touches);
+        assert!(solution.contacts.len() >= 3, "{:?}", solution.contacts);
         let (bend, direction) = solution.disks.bend();
         assert!(bend > 1.2 && direction.abs() < 1e-6, "{bend} towards {direction}");
         assert_eq!(solution.cables[0].slack, shortening == 0.0);
@@ -100,13 +100,13 @@ fn assert_rod_agrees(steps: u8, sections: usize, shortening: f64) {
     let robot = catheter(sections);
     let case = Case::with_shortenings(&[Shortening::Length(shortening)]);
     let case = among(case, vec![vessel.clone()]);
-    let options = Options { drive: Drive::Shortening, ..Options::default() };
+    let options = Options { actuation: Actuation::Shortening, ..Options::default() };
     let model = Cosserat::new(&robot, &case.loads, &options).unwrap();
     let rod = model.solve(&case, None, &mut Workspace::default()).unwrap();
     let chain = chain(&robot, &case).unwrap();
     let apart = rod.disks.distances(&chain.disks).fold(0.0, f64::max);
     assert!(apart < 0.01 * LENGTH, "{apart}");
-    assert!(rod.touches.len() >= 2, "{:?}", rod.touches);
+    assert!(rod.contacts.len() >= 2, "{:?}", rod.contacts);
     assert!(rod.diagnostics.discretization_error.unwrap() < 1e-9 * LENGTH);
     assert_clear(&robot, &rod, &vessel);
     let (_, total) = super::pushes_of(&rod);

@@ -8,8 +8,8 @@ use crate::common::{
 use proptest::prelude::*;
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Drive, Interpolation, Loads, Robot, Routing, Shortening,
-    Solution, SolveError, Stations, Vec3,
+    Actuation, Backbone, Cable, CableCommand, Case, Interpolation, Loads, Robot, Routing,
+    Shortening, Solution, SolveError, Stations, Vec3,
 };
 
 const CASES: u32 = if cfg!(debug_assertions) { 24 } else { 96 };
@@ -137,15 +137,15 @@ fn cables_that_all_but_depend_on_one_another_settle() {
     let last = seeds[seeds.len() - 1];
     for (n, (robot, case)) in samples(robot(Wildness::UNLOADED), last + 1).enumerate() {
         if seeds.contains(&n) {
-            let options = |drive| Options {
+            let options = |actuation| Options {
                 stations: Stations::Equal(11),
                 accuracy: Accuracy::Steps(24),
-                drive,
+                actuation,
                 ..Options::default()
             };
-            let pulled = solve_with(options(Drive::Tension), &robot, &case).unwrap();
+            let pulled = solve_with(options(Actuation::Tension), &robot, &case).unwrap();
             let asked = lengths_of(&pulled, &case.loads);
-            let shortened = solve_with(options(Drive::Shortening), &robot, &asked).unwrap();
+            let shortened = solve_with(options(Actuation::Shortening), &robot, &asked).unwrap();
             assert!(distance(&pulled, &shortened) < 1e-10 * robot.backbone().length, "{n}");
         }
     }

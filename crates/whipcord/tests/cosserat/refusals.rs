@@ -6,7 +6,7 @@ use crate::common::{
 use proptest::prelude::*;
 use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Drive, Loads, Material, ModelKind, PointLoad, Robot,
+    Actuation, Backbone, Cable, CableCommand, Case, Loads, Material, ModelKind, PointLoad, Robot,
     RobotError, Routing, Shortening, Solution, SolveError, Vec3,
 };
 
@@ -74,14 +74,14 @@ fn every_cable_needs_what_drives_it() {
     let robot = paper_robot(vec![straight(0.0), straight(120.0)]);
     let tension = CableCommand { tension: Some(1.0), shortening: None };
     let length = CableCommand { tension: None, shortening: Some(Shortening::Fraction(0.01)) };
-    let refused = |commands: [CableCommand; 2], drive| {
+    let refused = |commands: [CableCommand; 2], actuation| {
         let case = Case { commands: commands.to_vec(), ..Case::default() };
-        missing(refusal(&robot, &case, Options { drive, ..Options::default() }))
+        missing(refusal(&robot, &case, Options { actuation, ..Options::default() }))
     };
     let nothing = CableCommand::default();
-    assert_eq!(refused([tension, nothing], Drive::Natural), "cables[1].tension");
-    assert_eq!(refused([length, tension], Drive::Tension), "cables[0].tension");
-    assert_eq!(refused([length, tension], Drive::Shortening), "cables[1].shortening");
+    assert_eq!(refused([tension, nothing], Actuation::Natural), "cables[1].tension");
+    assert_eq!(refused([length, tension], Actuation::Tension), "cables[0].tension");
+    assert_eq!(refused([length, tension], Actuation::Shortening), "cables[1].shortening");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use crate::common::bending::{self, CLASSES};
 use crate::common::{Wildness, bending_stiffness, lengths_of, robot, samples};
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
-    Case, DistributedLoad, Drive, Loads, Profile, Robot, Solution, SolveError, Statics, Vec3,
+    Actuation, Case, DistributedLoad, Loads, Profile, Robot, Solution, SolveError, Statics, Vec3,
 };
 
 /// Euler's load of the bare rod is π²/4 EI/L²; the tip force is up to twice that.
@@ -66,8 +66,8 @@ struct Row {
 /// Whether a reason is true, by a different way: from many base wrenches at once on a fine grid no
 /// equilibrium is found that the robot could stay in; a section that folds does so on fine steps, and lengths
 /// that cannot be had are refused there for the same reason.
-fn is_confirmed(robot: &Robot, case: &Case, drive: Drive, reason: &SolveError) -> bool {
-    let fine = |accuracy| Options { accuracy, drive, ..Options::default() };
+fn is_confirmed(robot: &Robot, case: &Case, actuation: Actuation, reason: &SolveError) -> bool {
+    let fine = |accuracy| Options { accuracy, actuation, ..Options::default() };
     match reason {
         SolveError::SectionFolds { .. }
         | SolveError::UnreachableLength { .. }
@@ -104,7 +104,7 @@ fn bent(n: usize, ((robot, mut case), direction, share): Drawn) -> Option<(Robot
 }
 
 /// Solves so many robots and sorts what comes of it by how far the cables alone bend them.
-fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
+fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
     let mut rows = [Row::default(); CLASSES];
     let (mut times, mut failure_times) = (Vec::new(), Vec::new());
     let robots = drawn(2 * count)
@@ -112,13 +112,13 @@ fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
         .filter_map(|(n, drawn)| Some((n, bent(n, drawn)?)))
         .take(count);
     for (n, (robot, bent, alone)) in robots {
-        let asked = match drive {
-            Drive::Shortening => lengths_of(&alone, &bent.loads),
+        let asked = match actuation {
+            Actuation::Shortening => lengths_of(&alone, &bent.loads),
             _ => bent,
         };
         let row = &mut rows[bending::class(&alone)];
         let begun = Instant::now();
-        let options = Options { drive, ..Options::default() };
+        let options = Options { actuation, ..Options::default() };
         let outcome = whipcord::Model::Cosserat(options).solve(&robot, &asked);
         let taken = begun.elapsed().as_secs_f64();
         times.push(taken);
@@ -147,7 +147,7 @@ fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
             SolveError::NotConverged { .. } => &mut row.not_converged,
             _ => &mut row.other,
         } += 1;
-        let confirmed = is_confirmed(&robot, &asked, drive, &reason);
+        let confirmed = is_confirmed(&robot, &asked, actuation, &reason);
         let verdict = if confirmed { "confirmed" } else { "NOT CONFIRMED" };
         println!("{n}: {reason} — {verdict}, {:.1} ms", 1e3 * taken);
         row.unconfirmed += usize::from(!confirmed);
@@ -203,9 +203,9 @@ fn check(rows: &[Row], count: usize) {
 #[test]
 fn random_robots_converge_or_say_why_not() {
     let count = if cfg!(debug_assertions) { 15 } else { 150 };
-    for drive in [Drive::Tension, Drive::Shortening] {
-        let rows = study(count, drive);
-        print(&format!("{drive:?}"), &rows);
+    for actuation in [Actuation::Tension, Actuation::Shortening] {
+        let rows = study(count, actuation);
+        print(&format!("{actuation:?}"), &rows);
         check(&rows, count);
     }
 }
@@ -227,7 +227,7 @@ fn times(case: &Case, factor: f64) -> Case {
 /// sharply back, and the robot snaps. Up to that load it does not, from there on it does.
 #[test]
 fn a_cable_that_goes_slack_lets_the_robot_snap() {
-    let options = Options { drive: Drive::Shortening, ..Options::default() };
+    let options = Options { actuation: Actuation::Shortening, ..Options::default() };
     let model = whipcord::Model::Cosserat(options);
     let numbers: &[usize] = if cfg!(debug_assertions) { &[333] } else { &[333, 707] };
     for (n, drawn) in drawn(708).enumerate().filter(|(n, _)| numbers.contains(n)) {
@@ -249,9 +249,9 @@ fn a_cable_that_goes_slack_lets_the_robot_snap() {
 #[test]
 #[ignore = "takes minutes: the whole study"]
 fn two_thousand_random_robots() {
-    for drive in [Drive::Tension, Drive::Shortening] {
-        let rows = study(2000, drive);
-        print(&format!("2000 random robots, driven by {drive:?}"), &rows);
+    for actuation in [Actuation::Tension, Actuation::Shortening] {
+        let rows = study(2000, actuation);
+        print(&format!("2000 random robots, driven by {actuation:?}"), &rows);
         check(&rows, 2000);
     }
 }

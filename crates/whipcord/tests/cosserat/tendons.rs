@@ -5,8 +5,8 @@ use core::f64::consts::PI;
 use crate::common::{fine_options, round, solve_finely};
 use whipcord::cosserat::Options;
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Drive, Mat3, Material, Model, Pose, Robot, Routing,
-    Section, Shortening, Statics, Vec3,
+    Actuation, Backbone, Cable, CableCommand, Case, Disks, Mat3, Material, Model, Pose, Robot,
+    Routing, Section, Shortening, Statics, Vec3,
 };
 
 /// The steel rod with tendons of the examples beside Till, Aloi and Rucker (2019): 0.5 m long, 2 mm
@@ -155,7 +155,7 @@ fn antagonistic_tendons_stiffen_torsion() {
 #[test]
 fn pulling_a_straight_tendon_takes_the_tension_of_the_closed_form() {
     let robot = till_rod(vec![straight(0.3)]);
-    let options = Options { drive: Drive::Shortening, ..fine_options() };
+    let options = Options { actuation: Actuation::Shortening, ..fine_options() };
     for pull in [0.001, 0.005, 0.02] {
         let case = Case::with_shortenings(&[Shortening::Length(pull)]);
         let solution = Model::Cosserat(options.clone()).solve(&robot, &case).unwrap();

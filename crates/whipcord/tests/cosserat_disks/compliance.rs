@@ -2,15 +2,15 @@
 //! continuous model that it tends to, and against loads that are applied.
 
 use crate::common::{helix, paper_backbone, paper_robot, straight};
-use whipcord::kinematics::{Local, Matrix6, Means};
+use whipcord::kinematics::{DerivativeMethod, Local, Matrix6};
 use whipcord::{
-    Cable, CableCommand, Case, Differentiable as _, Disks, Drive, LoadFrame, Model, ModelKind,
+    Actuation, Cable, CableCommand, Case, Differentiable as _, Disks, LoadFrame, Model, ModelKind,
     PointLoad, Pose, Robot, Shortening, SolveError, Statics as _, Stations, Twist, UnitQuaternion,
     Vec3,
 };
 
 fn model(kind: ModelKind, at: f64) -> Model {
-    Model::new(kind, Stations::At(vec![at]), Drive::Natural)
+    Model::new(kind, Stations::At(vec![at]), Actuation::Natural)
 }
 
 fn local(kind: ModelKind, robot: &Robot, case: &Case, at: f64) -> Local {
@@ -62,18 +62,18 @@ fn tends_to_the_continuous_model_with_order_two() {
                 let robot = with_sections(sections);
                 let exact = local(ModelKind::Cosserat, &robot, &case, at);
                 let ours = local(ModelKind::CosseratDisks, &robot, &case, at);
-                assert_eq!(exact.means, Means::Exact);
-                let Means::Differences { error } = ours.means else { panic!() };
+                assert_eq!(exact.method, DerivativeMethod::Exact);
+                let DerivativeMethod::Differences { error } = ours.method else { panic!() };
                 assert!(error < 1e-5, "{error}");
                 [
                     off(&jacobian(&ours.actuation_jacobian), &jacobian(&exact.actuation_jacobian)),
                     off(
-                        &entries(&ours.yields.unwrap().tensions_held.compliance),
-                        &entries(&exact.yields.unwrap().tensions_held.compliance),
+                        &entries(&ours.compliances.unwrap().tensions_held.compliance),
+                        &entries(&exact.compliances.unwrap().tensions_held.compliance),
                     ),
                     off(
-                        &entries(&ours.yields.unwrap().lengths_held.compliance),
-                        &entries(&exact.yields.unwrap().lengths_held.compliance),
+                        &entries(&ours.compliances.unwrap().lengths_held.compliance),
+                        &entries(&exact.compliances.unwrap().lengths_held.compliance),
                     ),
                 ]
             });
@@ -107,8 +107,11 @@ fn locked_cables_yield_as_solutions_of_given_lengths_do() {
     let case = locked(&robot, &loaded());
     // The place is midway between two disks.
     let at = 0.105;
-    let compliance =
-        local(ModelKind::CosseratDisks, &robot, &case, at).yields.unwrap().lengths_held.compliance;
+    let compliance = local(ModelKind::CosseratDisks, &robot, &case, at)
+        .compliances
+        .unwrap()
+        .lengths_held
+        .compliance;
     let options = whipcord::cosserat_disks::Options {
         stations: Stations::At(vec![at]),
         accuracy: whipcord::cosserat::Accuracy::Steps(14),
@@ -152,8 +155,8 @@ fn numbers_are_in_the_frame_of_the_base() {
     case.loads.frame = LoadFrame::World;
     case.loads.tip_force = case.base.rotation.rotate(case.loads.tip_force);
     let turned = local(ModelKind::CosseratDisks, &robot, &case, 0.18);
-    let compliances =
-        [&turned, &still].map(|local| entries(&local.yields.unwrap().tensions_held.compliance));
+    let compliances = [&turned, &still]
+        .map(|local| entries(&local.compliances.unwrap().tensions_held.compliance));
     assert!(off(&compliances[0], &compliances[1]) < 1e-6);
     let jacobians = [&turned, &still].map(|local| jacobian(&local.actuation_jacobian));
     assert!(off(&jacobians[0], &jacobians[1]) < 1e-6);

@@ -5,8 +5,8 @@ use crate::common::{helix, paper_backbone, straight};
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::Options;
 use whipcord::{
-    Cable, CableCommand, CableState, Case, Contact, Disks, Loads, Model, Robot, Routing,
-    Shortening, Solution, SolveError, Statics, Vec3,
+    Cable, CableCommand, CableState, Case, Disks, Loads, Model, Robot, Routing, Shortening,
+    SlipState, Solution, SolveError, Statics, Vec3,
 };
 
 fn solve(robot: &Robot, case: &Case) -> Solution {
@@ -67,7 +67,7 @@ fn steps_in_one_go_are_those_one_by_one() {
                 let alone = solve(&robot, &step);
                 assert!(apart(walked, &alone) < 1e-10, "{}", apart(walked, &alone));
                 for (a, b) in walked.cables.iter().zip(&alone.cables) {
-                    assert_eq!(a.contacts, b.contacts);
+                    assert_eq!(a.slip_states, b.slip_states);
                     assert!((a.tension.unwrap() - b.tension.unwrap()).abs() < 1e-9);
                 }
             }
@@ -146,7 +146,7 @@ fn obeys(robot: &Robot, before: &Solution, after: &Solution) {
         };
         for (i, turn) in turns(robot, c, after).into_iter().enumerate() {
             let (Some(&tension), Some(&contact)) =
-                (state.span_tensions.get(i), state.contacts.get(i))
+                (state.span_tensions.get(i), state.slip_states.get(i))
             else {
                 assert_eq!(mu, 0.0);
                 continue;
@@ -156,14 +156,14 @@ fn obeys(robot: &Robot, before: &Solution, after: &Solution) {
             assert!((least - slack..=most + slack).contains(&tension), "{state:?} {i}");
             let slip = was[i] - is[i];
             match contact {
-                Contact::Sticks => assert!(slip.abs() < 1e-10, "{state:?} {i} {slip}"),
-                Contact::Pulled => {
+                SlipState::Sticks => assert!(slip.abs() < 1e-10, "{state:?} {i} {slip}"),
+                SlipState::Pulled => {
                     assert!(
                         slip > 1e-12 && (tension - least).abs() < slack,
                         "{state:?} {i} {slip}"
                     );
                 }
-                Contact::Released => {
+                SlipState::Released => {
                     assert!(
                         slip < -1e-12 && (tension - most).abs() < slack,
                         "{state:?} {i} {slip}"
@@ -233,11 +233,11 @@ fn a_reversal_sticks_and_then_slides_back() {
         let let_go = |share: f64| 3.0 * (-2.0 * share * mu * turn).exp();
         let stuck = &along(&robot, &[3.0, let_go(0.99)])[1];
         assert!(apart(stuck, &pulled) < 1e-12);
-        assert!(stuck.cables[0].contacts.iter().all(|&c| c == Contact::Sticks), "{stuck:?}");
+        assert!(stuck.cables[0].slip_states.iter().all(|&c| c == SlipState::Sticks), "{stuck:?}");
         assert_eq!(stuck.cables[0].tension, Some(let_go(0.99)));
         let slid = &along(&robot, &[3.0, let_go(1.01)])[1];
-        let contacts = &slid.cables[0].contacts;
-        assert_eq!((contacts[0], contacts[1]), (Contact::Released, Contact::Sticks));
+        let slip_states = &slid.cables[0].slip_states;
+        assert_eq!((slip_states[0], slip_states[1]), (SlipState::Released, SlipState::Sticks));
         assert!(apart(slid, &pulled) > 1e-7);
 
         // Farther in, one hole after the other lets go, from the base on, none again sticking.
@@ -246,10 +246,13 @@ fn a_reversal_sticks_and_then_slides_back() {
         for k in 1..shares.len() {
             let now = &along(&robot, &[3.0, shares[k]])[1];
             obeys(&robot, &pulled, now);
-            let contacts = &now.cables[0].contacts;
-            let released = contacts.iter().take_while(|&&c| c == Contact::Released).count();
-            assert!(contacts[released..].iter().all(|&c| c == Contact::Sticks), "{contacts:?}");
-            assert!(released >= free, "{contacts:?}");
+            let slip_states = &now.cables[0].slip_states;
+            let released = slip_states.iter().take_while(|&&c| c == SlipState::Released).count();
+            assert!(
+                slip_states[released..].iter().all(|&c| c == SlipState::Sticks),
+                "{slip_states:?}"
+            );
+            assert!(released >= free, "{slip_states:?}");
             free = released;
         }
         assert_eq!(free, sections);
@@ -326,7 +329,7 @@ fn tensions_of_all_spans_obey_eytelwein() {
         for pair in answers.windows(2) {
             obeys(&robot, &pair[0], &pair[1]);
         }
-        assert!(answers[3].cables.iter().any(|c| c.contacts.contains(&Contact::Released)));
+        assert!(answers[3].cables.iter().any(|c| c.slip_states.contains(&SlipState::Released)));
     }
 }
 
@@ -354,7 +357,7 @@ fn lengths_give_back_a_history() {
             assert!(apart(a, b) < 1e-8, "{}", apart(a, b));
             for (a, b) in a.cables.iter().zip(&b.cables) {
                 assert!((a.tension.unwrap() - b.tension.unwrap()).abs() < 1e-6, "{a:?}\n{b:?}");
-                assert_eq!(a.contacts, b.contacts);
+                assert_eq!(a.slip_states, b.slip_states);
             }
         }
     }

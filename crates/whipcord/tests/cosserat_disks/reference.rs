@@ -3,7 +3,7 @@
 use crate::common::paper_backbone;
 use whipcord::cosserat_disks::Options;
 use whipcord::{
-    Backbone, Cable, Case, Contact, Disks, Loads, Material, Model, Robot, Routing, Section,
+    Backbone, Cable, Case, Disks, Loads, Material, Model, Robot, Routing, Section, SlipState,
     Statics, Stations, Vec3,
 };
 
@@ -21,7 +21,7 @@ struct Reference {
     lengths: Vec<f64>,
     span_tensions: Vec<Vec<f64>>,
     /// What each cable does in all of its holes, where it rubs.
-    contacts: [Contact; 2],
+    slip_states: [SlipState; 2],
 }
 
 /// Made with SciPy: `solve_ivp` (DOP853, tolerances 1e-12 and 1e-14) takes the rod of each span as an
@@ -42,7 +42,7 @@ fn references() -> Vec<Reference> {
         disks: vec![[-0.018_079_575_56, 0.002_457_623_39, 0.055_960_262_1], [-0.064_451_547_35, 0.006_693_869_66, 0.092_385_226_7], [-0.121_741_816, 0.010_208_522_32, 0.109_490_688_05]],
         lengths: vec![0.167_682_224_8, 0.108_872_273_34],
         span_tensions: vec![vec![1.468_127_282_49, 1.305_252_603_72, 1.216_828_900_71], vec![2.484_656_291_27, 2.201_815_512_61]],
-        contacts: [Contact::Pulled; 2],
+        slip_states: [SlipState::Pulled; 2],
     },
     Reference {
         // Precurved, three cables, a force at the tip.
@@ -54,7 +54,7 @@ fn references() -> Vec<Reference> {
         disks: vec![[0.001_951_516_81, 0.003_241_349_38, 0.044_771_358_25], [0.005_270_867_49, 0.011_397_957_46, 0.088_859_550_95], [0.011_497_151_09, 0.020_924_435_26, 0.132_360_923_34], [0.021_657_958_34, 0.029_960_679_56, 0.175_229_590_48]],
         lengths: vec![0.180_077_227_78, 0.088_672_922_86, 0.177_786_414_21],
         span_tensions: vec![],
-        contacts: [Contact::Pulled; 2],
+        slip_states: [SlipState::Pulled; 2],
     },
     Reference {
         // Two cables, a force and a moment at the tip.
@@ -66,7 +66,7 @@ fn references() -> Vec<Reference> {
         disks: vec![[-0.010_815_382_36, -0.007_384_068_88, 0.057_995_963_59], [-0.041_657_567_01, -0.019_949_719_57, 0.107_394_656_31], [-0.089_366_701_06, -0.027_650_587_99, 0.142_325_433_2]],
         lengths: vec![0.173_092_303_56, 0.060_307_297_81],
         span_tensions: vec![],
-        contacts: [Contact::Pulled; 2],
+        slip_states: [SlipState::Pulled; 2],
     },
     Reference {
         // From rest under loads, which draw the second cable in as they bend the robot.
@@ -78,7 +78,7 @@ fn references() -> Vec<Reference> {
         disks: vec![[0.004_029_972_05, 0.000_967_106_75, 0.035_660_284_26], [0.014_281_679_58, 0.004_642_436_08, 0.069_902_622_19], [0.027_961_002_35, 0.012_764_670_9, 0.102_125_427_36], [0.044_255_050_99, 0.026_313_998_94, 0.131_126_766_31], [0.061_822_949_29, 0.045_423_830_04, 0.155_980_645_03]],
         lengths: vec![0.172_827_072_39, 0.111_906_608_5],
         span_tensions: vec![vec![2.928_924_27, 2.801_154_955, 2.723_194_492, 2.601_170_516, 2.500_160_844], vec![1.546_728_92, 1.666_667_117, 1.788_449_878]],
-        contacts: [Contact::Pulled, Contact::Released],
+        slip_states: [SlipState::Pulled, SlipState::Released],
     },
     Reference {
         // The same, let go from 6 N and 3 N: every hole is slid through the other way.
@@ -90,7 +90,7 @@ fn references() -> Vec<Reference> {
         disks: vec![[0.002_875_333_06, 0.002_005_030_27, 0.035_764_123_56], [0.010_740_282_2, 0.007_948_960_13, 0.070_330_419_03], [0.022_280_490_21, 0.018_236_386_48, 0.102_787_546_97], [0.036_476_602_02, 0.032_600_190_82, 0.132_539_066_38], [0.051_701_405_15, 0.050_919_562_17, 0.159_488_244_31]],
         lengths: vec![0.174_400_909_83, 0.112_091_163_7],
         span_tensions: vec![vec![1.531_836_485, 1.606_760_371, 1.654_564_995, 1.720_161_877, 1.772_282_332], vec![0.385_342_799, 0.360_778_323, 0.335_742_133]],
-        contacts: [Contact::Released, Contact::Pulled],
+        slip_states: [SlipState::Released, SlipState::Pulled],
     },
     ]
 }
@@ -127,14 +127,14 @@ fn the_answers_of_another_formulation() {
         for (cable, length) in solution.cables.iter().zip(&reference.lengths) {
             assert!((cable.length - length).abs() < 2e-10, "{k}: {cable:?} {length}");
         }
-        assert_eq!(reference.span_tensions.is_empty(), solution.cables[0].contacts.is_empty());
-        let expected = reference.span_tensions.iter().zip(reference.contacts);
+        assert_eq!(reference.span_tensions.is_empty(), solution.cables[0].slip_states.is_empty());
+        let expected = reference.span_tensions.iter().zip(reference.slip_states);
         for (cable, (expected, contact)) in solution.cables.iter().zip(expected) {
             assert_eq!(cable.span_tensions.len(), expected.len());
             for (found, expected) in cable.span_tensions.iter().zip(expected) {
                 assert!((found - expected).abs() < 2e-8, "{k}: {cable:?} {expected}");
             }
-            assert!(cable.contacts.iter().all(|&c| c == contact), "{k}: {cable:?}");
+            assert!(cable.slip_states.iter().all(|&c| c == contact), "{k}: {cable:?}");
         }
     }
 }

@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::Options;
 use whipcord::{
-    Backbone, Cable, Case, Disks, Drive, Loads, Material, Model, Robot, Section, Solution,
+    Actuation, Backbone, Cable, Case, Disks, Loads, Material, Model, Robot, Section, Solution,
     SolveError, Statics as _, Vec3,
 };
 
@@ -106,9 +106,9 @@ struct Row {
 
 /// Whether a robot has no equilibrium that it stays in as far as another way finds: on a fine mesh, from
 /// many base wrenches.
-fn none_is_found(robot: &Robot, case: &Case, drive: Drive) -> bool {
+fn none_is_found(robot: &Robot, case: &Case, actuation: Actuation) -> bool {
     let accuracy = Accuracy::Steps(6 * robot.disks().count());
-    let options = Options { accuracy, drive, ..Options::default() };
+    let options = Options { accuracy, actuation, ..Options::default() };
     let model = Model::CosseratDisks(options);
     let unloaded = Case { loads: Loads::default(), ..case.clone() };
     match model.solve(robot, &unloaded) {
@@ -118,21 +118,21 @@ fn none_is_found(robot: &Robot, case: &Case, drive: Drive) -> bool {
 }
 
 /// Solves so many robots and sorts what comes of it by how far the cables alone bend them.
-fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
+fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
     let mut rows = [Row::default(); CLASSES];
     for (n, (robot, case)) in samples(robots(), count).enumerate() {
         let Some((bent, alone)) = bent_by(&robot, &case, bending::target(n)) else { continue };
-        let asked = match drive {
-            Drive::Shortening => lengths_of(&alone, &bent.loads),
+        let asked = match actuation {
+            Actuation::Shortening => lengths_of(&alone, &bent.loads),
             _ => bent,
         };
         let row = &mut rows[bending::class(&alone)];
-        let options = Options { drive, ..Options::default() };
+        let options = Options { actuation, ..Options::default() };
         let outcome = Model::CosseratDisks(options).solve(&robot, &asked);
         let reason = match outcome {
             Ok(solution) if solution.diagnostics.is_unstable() => {
                 row.unstable += 1;
-                let missed = !none_is_found(&robot, &asked, drive);
+                let missed = !none_is_found(&robot, &asked, actuation);
                 println!("{n}: unstable{}", if missed { ", and need not be" } else { "" });
                 row.missed += usize::from(missed);
                 continue;
@@ -150,7 +150,7 @@ fn study(count: usize, drive: Drive) -> [Row; CLASSES] {
             SolveError::NotConverged { .. } => &mut row.not_converged,
             _ => &mut row.other,
         } += 1;
-        let confirmed = none_is_found(&robot, &asked, drive);
+        let confirmed = none_is_found(&robot, &asked, actuation);
         println!("{n}: {reason} — {}", if confirmed { "confirmed" } else { "NOT CONFIRMED" });
         row.unconfirmed += usize::from(!confirmed);
     }
@@ -190,9 +190,9 @@ fn check(rows: &[Row], count: usize) {
 #[test]
 fn random_robots_converge_or_say_why_not() {
     let count = if cfg!(debug_assertions) { 8 } else { 50 };
-    for drive in [Drive::Tension, Drive::Shortening] {
-        let rows = study(count, drive);
-        print(&format!("{drive:?}"), &rows);
+    for actuation in [Actuation::Tension, Actuation::Shortening] {
+        let rows = study(count, actuation);
+        print(&format!("{actuation:?}"), &rows);
         check(&rows, count);
     }
 }
@@ -200,9 +200,9 @@ fn random_robots_converge_or_say_why_not() {
 #[test]
 #[ignore = "takes minutes: the whole study"]
 fn two_thousand_random_robots() {
-    for drive in [Drive::Tension, Drive::Shortening] {
-        let rows = study(2000, drive);
-        print(&format!("2000 random robots, driven by {drive:?}"), &rows);
+    for actuation in [Actuation::Tension, Actuation::Shortening] {
+        let rows = study(2000, actuation);
+        print(&format!("2000 random robots, driven by {actuation:?}"), &rows);
         check(&rows, 2000);
     }
 }

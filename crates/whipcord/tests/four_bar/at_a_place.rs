@@ -4,9 +4,9 @@
 use core::f64::consts::TAU;
 
 use whipcord::four_bar::{LengthRule, Objective, Options};
-use whipcord::kinematics::{DrivenBy, Local, Matrix6, Means, YieldUnknown};
+use whipcord::kinematics::{ComplianceUnknown, DerivativeMethod, DrivenBy, Local, Matrix6};
 use whipcord::{
-    Case, Differentiable, Drive, Model, ModelKind, Pose, Robot, Routing, Shortening, Solution,
+    Actuation, Case, Differentiable, Model, ModelKind, Pose, Robot, Routing, Shortening, Solution,
     Statics, Stations, Twist, UnitQuaternion, Vec3,
 };
 
@@ -53,8 +53,8 @@ fn jacobians_are_differences_of_answers_in_the_frame_of_the_base() {
         let model = Model::FourBar(options);
         let (solution, local) = model.solve_at(&robot, &case(&shortenings, base), place).unwrap();
         assert_eq!(
-            (local.driven_by.as_slice(), local.means),
-            (&[DrivenBy::Shortening; 3][..], Means::Exact)
+            (local.driven_by.as_slice(), local.method),
+            (&[DrivenBy::Shortening; 3][..], DerivativeMethod::Exact)
         );
         let there = model.at(Stations::At(vec![place]));
         let rest = solution.shape.tip().rotation.conjugate();
@@ -88,7 +88,7 @@ fn jacobians_are_differences_of_answers_in_the_frame_of_the_base() {
 }
 
 fn yields(local: &Local) -> [Matrix6; 2] {
-    let yields = local.yields.unwrap();
+    let yields = local.compliances.unwrap();
     [yields.tensions_held.compliance, yields.lengths_held.compliance]
 }
 
@@ -145,7 +145,7 @@ fn compliance_with_tensions_held_is_that_with_cables_locked_and_what_they_let_go
 fn many_sections_yield_as_the_rod_does() {
     let robot = robot(&equal_disks(0.18, 40), winding(3)[..2].to_vec());
     let tensions = [6.0, 2.0];
-    let rod = Model::new(ModelKind::Cosserat, Stations::Disks, Drive::Tension);
+    let rod = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Tension);
     let pulled = Case::with_tensions(&tensions);
     let (answer, exact) = rod.solve_at(&robot, &pulled, 0.18).unwrap();
     // The sections get no shorter: what all cables lose alike is put back.
@@ -184,13 +184,13 @@ fn what_is_not_known_is_said() {
     };
     let shared = Options { objective: Objective::StrainEnergy, ..Options::default() };
     for (robot, options, expected) in [
-        (&known, Options::default(), YieldUnknown::NoEnergy),
-        (&known, shared, YieldUnknown::SharedLengths),
-        (&bare, sliding(), YieldUnknown::NoStiffness),
+        (&known, Options::default(), ComplianceUnknown::NoEnergy),
+        (&known, shared, ComplianceUnknown::SharedLengths),
+        (&bare, sliding(), ComplianceUnknown::NoStiffness),
     ] {
         let case = case(&[0.004], Pose::IDENTITY);
         let (_, local) = Model::FourBar(options).solve_at(robot, &case, 0.1).unwrap();
-        assert_eq!(local.yields.unwrap_err(), expected);
+        assert_eq!(local.compliances.unwrap_err(), expected);
         assert_eq!(local.actuation_jacobian.len(), 1);
     }
 }

@@ -48,7 +48,7 @@ fn options() -> Options {
 /// the greatest.
 fn apart(sections: usize, routings: &[Routing], tensions: &[f64]) -> (f64, f64) {
     let robot = rigid(sections, routings);
-    let rod = Model::new(ModelKind::Cosserat, Default::default(), whipcord::Drive::Tension)
+    let rod = Model::new(ModelKind::Cosserat, Default::default(), whipcord::Actuation::Tension)
         .solve(&robot, &Case::with_tensions(tensions))
         .unwrap();
     let shortenings: Vec<f64> = rod
@@ -122,9 +122,10 @@ fn a_cable_that_ends_anywhere_bends_as_the_rod() {
         };
         let apart = |sections: usize| {
             let robot = ended(sections);
-            let rod = Model::new(ModelKind::Cosserat, Default::default(), whipcord::Drive::Tension)
-                .solve(&robot, &Case::with_tensions(&[5.0]))
-                .unwrap();
+            let rod =
+                Model::new(ModelKind::Cosserat, Default::default(), whipcord::Actuation::Tension)
+                    .solve(&robot, &Case::with_tensions(&[5.0]))
+                    .unwrap();
             let shortening = rod.cables[0].initial_length - rod.cables[0].length;
             let found = solve(&robot, &options(), &[shortening]);
             assert!((found.cables[0].tension.unwrap() / 5.0 - 1.0).abs() < 0.02);

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use whipcord::four_bar::{Chord, Objective, Options};
 use whipcord::{
-    Backbone, Case, Drive, Model, ModelKind, RestCurvature, Robot, Routing, Shortening, Statics,
-    Stations, Vec3,
+    Actuation, Backbone, Case, Model, ModelKind, RestCurvature, Robot, Routing, Shortening,
+    Statics, Stations, Vec3,
 };
 
 use super::oracle::{self, Section};
@@ -92,7 +92,7 @@ fn at_rest_it_is_the_rod() {
     let plane = RestCurvature::from(Vec3::new(3.0, 6.0, 0.0));
     for (curvature, same_places) in [(varying, false), (plane, true)] {
         let robot = bent(&straight, curvature);
-        let rod = Model::new(ModelKind::Cosserat, Stations::Disks, Drive::Tension)
+        let rod = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Tension)
             .solve(&robot, &Case::with_tensions(&[0.0]))
             .unwrap();
         for objective in [Objective::CouplerAngle, Objective::StrainEnergy] {
@@ -129,7 +129,8 @@ fn with_many_sections_it_is_the_rod() {
         let robot = bent(&rigid, curvature.clone());
         let solution = solve(&robot, &options, &[0.006]);
         let case = Case::with_shortenings(&[Shortening::Length(0.006)]);
-        let of_rod = whipcord::cosserat::Options { drive: Drive::Shortening, ..Default::default() };
+        let of_rod =
+            whipcord::cosserat::Options { actuation: Actuation::Shortening, ..Default::default() };
         let rod = Model::Cosserat(of_rod).solve(&robot, &case).unwrap();
         let tip = (solution.disks.tip().position - rod.disks.tip().position).norm() / 0.18;
         let tension = solution.cables[0].tension.unwrap() / rod.cables[0].tension.unwrap() - 1.0;

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 use whipcord::four_bar::{Chord, FourBar, LengthRule, Objective, Options, Workspace};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Material, PointLoad,
+    Actuation, Backbone, Cable, CableCommand, Case, Disks, DistributedLoad, Material, PointLoad,
     PointMass, RestCurvature, Robot, Routing, Shortening, SolveError, Vec3,
 };
 
@@ -49,7 +49,7 @@ fn what_a_geometric_model_cannot_take_is_named() {
         text.contains("`ends_at` of cable 1 (a cable that ends between two disks with"),
         "{text}"
     );
-    let text = refused(&plain(), &Options { drive: Drive::Tension, ..options.clone() });
+    let text = refused(&plain(), &Options { actuation: Actuation::Tension, ..options.clone() });
     assert!(text.contains("give each cable's shortening, or use cosserat"), "{text}");
     let strain = Options { objective: Objective::StrainEnergy, ..options.clone() };
     let text = refused(&plain(), &strain);

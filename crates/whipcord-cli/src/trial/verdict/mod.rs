@@ -6,7 +6,7 @@
 #[cfg(test)]
 mod tests;
 
-use whipcord::{CommandDerivatives, Drive, ModelKind};
+use whipcord::{Actuation, CommandDerivatives, ModelKind};
 
 use super::contender::{Contender, Variant};
 use super::standing::{Duel, Standing};
@@ -201,9 +201,9 @@ fn control(evidence: &Evidence) -> Finding {
             "with derivatives by differences, a solve or two more for each cable"
         }
     };
-    let driven = match best.contender.kind.natural_drive() {
-        Drive::Shortening => "driven by cable lengths",
-        Drive::Natural | Drive::Tension => "driven by tensions or lengths",
+    let driven = match best.contender.kind.natural_actuation() {
+        Actuation::Shortening => "driven by cable lengths",
+        Actuation::Natural | Actuation::Tension => "driven by tensions or lengths",
     };
     let mut text = format!(
         "{}, {driven}: {} a solve, {derivatives}, at most {} from the reference",
@@ -228,7 +228,7 @@ fn control(evidence: &Evidence) -> Finding {
 
 /// The nearest of those that know forces: what is designed are stiffness, tensions and what is carried.
 fn design(evidence: &Evidence) -> Finding {
-    let knows_forces = |s: &&Standing| s.contender.kind.natural_drive() == Drive::Tension;
+    let knows_forces = |s: &&Standing| s.contender.kind.natural_actuation() == Actuation::Tension;
     let able = complete(evidence.standings.iter().filter(knows_forces));
     let Some(best) = least(able.clone(), worst) else {
         return none(

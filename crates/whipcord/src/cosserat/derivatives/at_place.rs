@@ -4,7 +4,7 @@ use whipcord_numerics::Twist;
 
 use super::elimination::NodeChange;
 use super::{Derivatives, Place, Source};
-use crate::kinematics::{DrivenBy, Local, Matrix6, Means, Yield, Yields};
+use crate::kinematics::{Compliance, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6};
 use crate::statics::command::Command;
 use crate::statics::hold::Hold;
 
@@ -118,9 +118,9 @@ impl Derivatives {
     /// # Panics
     /// When there is no such station or disk.
     pub fn at(&self, place: Place) -> Result<Local, crate::SolveError> {
-        let yielding = |hold: Hold| -> Result<Yield, crate::SolveError> {
+        let yielding = |hold: Hold| -> Result<Compliance, crate::SolveError> {
             let compliance = self.compliance(place, hold)?;
-            Ok(Yield { compliance, stiffness: compliance.inverse(self.length) })
+            Ok(Compliance { compliance, stiffness: compliance.inverse(self.length) })
         };
         let driven = |&grid: &usize| match self.commands[grid] {
             Command::Tension(_) => DrivenBy::Tension,
@@ -130,11 +130,11 @@ impl Derivatives {
             driven_by: self.place_of.iter().map(driven).collect(),
             actuation_jacobian: self.actuation_jacobian(place),
             length_jacobian: self.length_by_command(),
-            yields: Ok(Yields {
+            compliances: Ok(Compliances {
                 tensions_held: yielding(Hold::Tensions)?,
                 lengths_held: yielding(Hold::Lengths)?,
             }),
-            means: Means::Exact,
+            method: DerivativeMethod::Exact,
         })
     }
 

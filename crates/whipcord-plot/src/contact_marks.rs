@@ -1,6 +1,6 @@
 //! Where the robot touches obstacles, and how strongly they push it.
 
-use whipcord::{Touch, Vec3};
+use whipcord::{Contact, Vec3};
 
 use crate::colour::Colour;
 use crate::legend::{Entry, Swatch};
@@ -28,9 +28,9 @@ pub(crate) struct TouchMarks {
 
 impl TouchMarks {
     /// On a robot of this extent in m.
-    pub fn new(touches: &[Touch], extent: f64) -> Self {
-        let largest = largest(touches);
-        let marks = touches.iter().map(|touch| {
+    pub fn new(contacts: &[Contact], extent: f64) -> Self {
+        let largest = largest(contacts);
+        let marks = contacts.iter().map(|touch| {
             // An arrow pushes from within the obstacle. A place that is merely touched has none.
             let tail = push(touch).map(|(size, way)| {
                 touch.point - way * (LONGEST * extent * (size / largest).max(SHORTEST))
@@ -46,15 +46,15 @@ impl TouchMarks {
     }
 
     /// What the marks mean, and how large the largest force is.
-    pub fn legend(touches: &[Touch]) -> Vec<Entry> {
-        if touches.is_empty() {
+    pub fn legend(contacts: &[Contact]) -> Vec<Entry> {
+        if contacts.is_empty() {
             return Vec::new();
         }
         let point = Swatch::Marker(Marker::Circle, Fill::new(CONTACT), None);
-        let label = if touches.len() == 1 { "contact" } else { "contacts" };
+        let label = if contacts.len() == 1 { "contact" } else { "contacts" };
         let mut entries = vec![Entry { label: label.to_owned(), swatches: vec![point] }];
-        let forces: Vec<f64> = touches.iter().filter_map(push).map(|(size, _)| size).collect();
-        let largest = largest(touches);
+        let forces: Vec<f64> = contacts.iter().filter_map(push).map(|(size, _)| size).collect();
+        let largest = largest(contacts);
         if largest > 0.0 {
             let up_to = if forces.len() > 1 { "forces up to" } else { "force" };
             let label = format!("contact {up_to} {}", unit::written(largest, unit::force(largest)));
@@ -67,7 +67,7 @@ impl TouchMarks {
         if self.marks.is_empty() {
             return;
         }
-        svg.open("touches");
+        svg.open("contacts");
         for &(point, tail) in &self.marks {
             let at = view.place(point);
             if let Some(tail) = tail {
@@ -82,13 +82,13 @@ impl TouchMarks {
 }
 
 /// With how much in N, and along which unit vector, a touch pushes and rubs the robot.
-fn push(touch: &Touch) -> Option<(f64, Vec3)> {
+fn push(touch: &Contact) -> Option<(f64, Vec3)> {
     let force = touch.force.filter(|&force| force > 0.0)?;
     let total = touch.normal * force + touch.friction.unwrap_or_default();
     let size = total.norm();
     Some((size, total / size))
 }
 
-fn largest(touches: &[Touch]) -> f64 {
-    touches.iter().filter_map(push).map(|(size, _)| size).fold(0.0, f64::max)
+fn largest(contacts: &[Contact]) -> f64 {
+    contacts.iter().filter_map(push).map(|(size, _)| size).fold(0.0, f64::max)
 }

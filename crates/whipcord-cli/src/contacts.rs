@@ -1,17 +1,17 @@
 //! Where a robot touches obstacles, for people.
 
-use whipcord::{Obstacle, Part, Solution, Touch};
+use whipcord::{Contact, Obstacle, Part, Solution};
 
 use crate::quantity::{fixed, fixed_millimetres, newtons, number};
 use crate::table::{Align, Table};
 
 /// All places where an answer touches the obstacles of its case; `None` where it touches none.
 pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
-    if solution.touches.is_empty() {
+    if solution.contacts.is_empty() {
         return None;
     }
-    let rubs = |touch: &Touch| obstacles.get(touch.obstacle).is_some_and(|it| it.friction > 0.0);
-    let any_rubs = solution.touches.iter().any(rubs);
+    let rubs = |touch: &Contact| obstacles.get(touch.obstacle).is_some_and(|it| it.friction > 0.0);
+    let any_rubs = solution.contacts.iter().any(rubs);
     let mut columns = vec![
         ("touches", Align::Left),
         ("with", Align::Left),
@@ -26,7 +26,7 @@ pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
     columns.push(("gap", Align::Right));
     let mut table = Table::new(columns);
     table.group();
-    for touch in &solution.touches {
+    for touch in &solution.contacts {
         let part = match touch.part {
             Part::Backbone => "the backbone".to_owned(),
             Part::Disk(disk) => format!("disk {}", disk + 1),
