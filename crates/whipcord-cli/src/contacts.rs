@@ -42,7 +42,7 @@ pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
         ];
         if any_rubs {
             let does = if touch.sticks { "sticks" } else { "slides" };
-            row.push(match touch.friction.filter(|_| rubs(touch)) {
+            row.push(match touch.friction.filter(|_| has_friction(touch)) {
                 Some(friction) => format!("{}, {does}", newtons(friction.norm())),
                 None => "–".to_owned(),
             });

@@ -144,7 +144,7 @@ impl Bench {
         ready.prepared.set_cancel(&cancel);
         let rubs = !case.before.is_empty()
             || case.obstacles.iter().any(|obstacle| obstacle.friction > 0.0)
-            || ready.prepared.robot().cables().iter().any(whipcord::Cable::rubs);
+            || ready.prepared.robot().cables().iter().any(whipcord::Cable::has_friction);
         let begun = Instant::now();
         let outcome = match (&ready.last, rubs) {
             (_, true) => ready.prepared.solve_to_the_end(case).map_err(|(_, error)| error),

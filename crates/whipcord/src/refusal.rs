@@ -24,7 +24,7 @@ pub(crate) fn hole_friction(
     what: &'static str,
     advice: &'static str,
 ) -> Result<(), SolveError> {
-    match robot.cables().iter().position(Cable::rubs) {
+    match robot.cables().iter().position(Cable::has_friction) {
         None => Ok(()),
         Some(cable) => Err(SolveError::Unsupported {
             model,

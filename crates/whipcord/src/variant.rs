@@ -19,7 +19,7 @@ use crate::stations::Stations;
 /// let variant: ModelVariant = "four-bar-strain-energy".parse()?;
 /// assert_eq!(variant.kind, ModelKind::FourBar);
 /// assert_eq!(variant.to_string(), "four-bar, strain energy");
-/// # Ok::<(), whipcord::model::UnknownModel>(())
+/// # Ok::<(), whipcord::kind::UnknownModel>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ModelVariant {

@@ -196,7 +196,8 @@ impl ConstantCurvature {
             Shape { arc_length: arc_lengths.to_vec(), poses }.moved(base)
         };
         // With hole friction, prescribed lengths leave their tensions open.
-        let knows_forces = self.elasticity.is_ok() && !self.robot.cables().iter().any(Cable::rubs);
+        let knows_forces =
+            self.elasticity.is_ok() && !self.robot.cables().iter().any(Cable::has_friction);
         let Workspace { commands, tensions, lengths, .. } = workspace;
         let cable = |(i, command): (usize, &Command)| {
             let (name, initial) = (&self.robot.cables()[i].name, self.rest_lengths[i]);

@@ -152,7 +152,7 @@ pub(super) fn command(
             if let Err(error) = elasticity {
                 return Err(error.clone());
             }
-            if this.rubs() {
+            if this.has_friction() {
                 return Err(unsupported(
                     format!("cables[{cable}].friction"),
                     "friction on a cable that is given its tension",

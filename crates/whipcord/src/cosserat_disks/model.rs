@@ -129,7 +129,7 @@ impl CosseratDisks {
                 (0..READY_MESHES).map(|level| frame.mesh(1, level)).collect::<Result<_, _>>()?
             }
         };
-        let rubs = robot.cables().iter().any(Cable::rubs);
+        let rubs = robot.cables().iter().any(Cable::has_friction);
         let holes = rubs.then(|| frame.holes(robot));
         let stability_steps = STABILITY_STEPS.max(steps_for_twist(robot));
         let fine = match (options.accuracy, meshes.last()) {

@@ -224,7 +224,7 @@ fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Loc
     for span in &problem.frame.spans {
         for (i, passage) in span.passages.iter().enumerate() {
             let p = span.first + i;
-            if let Some(holes) = problem.holes.filter(|_| rubs(passage.cable))
+            if let Some(holes) = problem.holes.filter(|_| has_friction(passage.cable))
                 && scratch.pulled[p] > 0.0
             {
                 let cable = passage.cable;
@@ -259,7 +259,7 @@ fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64]) -> Loc
     let end = problem.frame.rod.backbone().length;
     for (cable, (command, &tension)) in problem.commands.iter().zip(tensions).enumerate() {
         if let Command::Length { compliance, .. } = *command
-            && !rubs(cable)
+            && !has_friction(cable)
         {
             let slack = command.slackness(tension, lengths[cable]);
             let idle = tension <= 0.0;

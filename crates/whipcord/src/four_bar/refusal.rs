@@ -42,7 +42,7 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
             let path = format!("cables[{i}].axial_stiffness");
             return Err(unsupported(path, "an elastic cable", NO_FORCES));
         }
-        if options.lengths == LengthRule::Free && cable.rubs() {
+        if options.lengths == LengthRule::Free && cable.has_friction() {
             return Err(unsupported(
                 format!("cables[{i}].friction"),
                 "friction on a cable that slides freely",

@@ -95,7 +95,7 @@ impl Linkage {
         options: Options,
     ) -> Result<Self, SolveError> {
         options.stations.check(robot)?;
-        if let Some(i) = robot.cables().iter().position(|cable| cable.rubs()) {
+        if let Some(i) = robot.cables().iter().position(|cable| cable.has_friction()) {
             return Err(SolveError::Unsupported {
                 model: kind,
                 path: format!("cables[{i}].friction"),

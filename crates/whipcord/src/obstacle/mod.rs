@@ -91,7 +91,7 @@ impl Obstacle {
     }
 
     /// Whether it has friction.
-    pub(crate) fn rubs(&self) -> bool {
+    pub(crate) fn has_friction(&self) -> bool {
         self.friction > 0.0
     }
 

@@ -87,7 +87,7 @@ impl Cable {
 
     /// Whether it has friction at its holes.
     #[must_use]
-    pub fn rubs(&self) -> bool {
+    pub fn has_friction(&self) -> bool {
         self.friction.is_some_and(|coefficient| coefficient > 0.0)
     }
 }
