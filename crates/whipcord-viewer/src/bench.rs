@@ -142,11 +142,11 @@ impl Bench {
         let cancel = self.cancel.clone();
         let ready = self.ready(variant)?;
         ready.prepared.set_cancel(&cancel);
-        let rubs = !case.before.is_empty()
+        let has_friction = !case.before.is_empty()
             || case.obstacles.iter().any(|obstacle| obstacle.friction > 0.0)
             || ready.prepared.robot().cables().iter().any(whipcord::Cable::has_friction);
         let begun = Instant::now();
-        let outcome = match (&ready.last, rubs) {
+        let outcome = match (&ready.last, has_friction) {
             (_, true) => ready.prepared.solve_to_the_end(case).map_err(|(_, error)| error),
             (None, false) => ready.prepared.solve(case, None),
             (Some(last), false) => match ready.prepared.solve(case, Some(last)) {

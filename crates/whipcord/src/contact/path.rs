@@ -78,7 +78,9 @@ pub(crate) fn solve(
     case: &Case,
     warm_start: Option<&Solution>,
 ) -> Result<Solution, SolveError> {
-    if warm_start.is_none() && !case.before.is_empty() && case.obstacles.iter().any(Obstacle::rubs)
+    if warm_start.is_none()
+        && !case.before.is_empty()
+        && case.obstacles.iter().any(Obstacle::has_friction)
     {
         // Friction remembers the steps before the last.
         let mut last = None;

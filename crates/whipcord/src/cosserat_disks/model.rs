@@ -129,8 +129,8 @@ impl CosseratDisks {
                 (0..READY_MESHES).map(|level| frame.mesh(1, level)).collect::<Result<_, _>>()?
             }
         };
-        let rubs = robot.cables().iter().any(Cable::has_friction);
-        let holes = rubs.then(|| frame.holes(robot));
+        let has_friction = robot.cables().iter().any(Cable::has_friction);
+        let holes = has_friction.then(|| frame.holes(robot));
         let stability_steps = STABILITY_STEPS.max(steps_for_twist(robot));
         let fine = match (options.accuracy, meshes.last()) {
             (Accuracy::Tolerance(_), Some(mesh)) if mesh.grid.len() >= stability_steps => {
@@ -438,10 +438,10 @@ impl CosseratDisks {
         }
     }
 
-    /// The values that a cable which rubs has at its holes in the disks, of those of all passages.
+    /// The values that a cable which has_friction has at its holes in the disks, of those of all passages.
     fn at_holes<T: Copy>(&self, cable: usize, of_passages: &[T]) -> Vec<T> {
-        let rubs = |holes: &&Holes| holes.coefficients[cable] > 0.0;
-        let holes = self.holes.as_ref().filter(rubs);
+        let has_friction = |holes: &&Holes| holes.coefficients[cable] > 0.0;
+        let holes = self.holes.as_ref().filter(has_friction);
         holes.map_or_else(Vec::new, |holes| {
             holes.of_cable[cable].iter().map(|&p| of_passages[p]).collect()
         })

@@ -219,7 +219,8 @@ fn sample(problem: &Problem<'_>, mesh: &Mesh, load: f64, loaded: bool, scratch: 
 /// where a cable slid in a hole, and where a hole is about to let the cable slide, if only one way: its tensions then change with the
 /// turns, and the way it slides with the motion.
 fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Locked> {
-    let rubs = |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
+    let has_friction =
+        |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
     let mut locked = held_lengths(problem, &scratch.tensions, &scratch.lengths);
     for span in &problem.frame.spans {
         for (i, passage) in span.passages.iter().enumerate() {
@@ -254,7 +255,8 @@ fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Loc
 /// The cables that are driven by their length, are taut or at that length without tension, and do not rub.
 fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64]) -> Locked {
     let mut locked = Locked::default();
-    let rubs = |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
+    let has_friction =
+        |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
     let mut of_cable = vec![None; problem.commands.len()];
     let end = problem.frame.rod.backbone().length;
     for (cable, (command, &tension)) in problem.commands.iter().zip(tensions).enumerate() {
