@@ -438,7 +438,7 @@ impl CosseratDisks {
         }
     }
 
-    /// The values that a cable which has_friction has at its holes in the disks, of those of all passages.
+    /// The values that a cable with friction has at its holes in the disks, of those of all passages.
     fn at_holes<T: Copy>(&self, cable: usize, of_passages: &[T]) -> Vec<T> {
         let has_friction = |holes: &&Holes| holes.coefficients[cable] > 0.0;
         let holes = self.holes.as_ref().filter(has_friction);
