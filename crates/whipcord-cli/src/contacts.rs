@@ -10,8 +10,9 @@ pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
     if solution.contacts.is_empty() {
         return None;
     }
-    let rubs = |touch: &Contact| obstacles.get(touch.obstacle).is_some_and(|it| it.friction > 0.0);
-    let any_rubs = solution.contacts.iter().any(rubs);
+    let has_friction =
+        |contact: &Contact| obstacles.get(contact.obstacle).is_some_and(|it| it.friction > 0.0);
+    let any_friction = solution.contacts.iter().any(has_friction);
     let mut columns = vec![
         ("touches", Align::Left),
         ("with", Align::Left),
@@ -20,7 +21,7 @@ pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
         ("normal", Align::Right),
         ("force", Align::Right),
     ];
-    if any_rubs {
+    if any_friction {
         columns.push(("friction", Align::Right));
     }
     columns.push(("gap", Align::Right));
@@ -40,7 +41,7 @@ pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
             touch.normal.to_array().map(|x| fixed(x, 3)).join(", "),
             touch.force.map_or_else(|| "–".to_owned(), newtons),
         ];
-        if any_rubs {
+        if any_friction {
             let does = if touch.sticks { "sticks" } else { "slides" };
             row.push(match touch.friction.filter(|_| has_friction(touch)) {
                 Some(friction) => format!("{}, {does}", newtons(friction.norm())),
