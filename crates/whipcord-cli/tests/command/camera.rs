@@ -1,14 +1,10 @@
 //! `whipcord camera`: a lens is calibrated by photographs of a board, and a camera is located from what it saw of the robot
 //! before actuation.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::fmt::Write as _;
 
+use crate::support::{Scratch, fail, robot, succeed};
 use serde_json::Value;
-use support::{Scratch, fail, robot, succeed};
 use whipcord::{Pose, UnitQuaternion, Vec3};
 use whipcord_estimation::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
 use whipcord_io::{CameraFormat, camera_text, load_camera};

@@ -1,10 +1,5 @@
 //! Files made to take more memory or time than there is, and paths that are unusual.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-#![cfg(target_os = "linux")]
-
-mod support;
-
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::os::unix::ffi::OsStrExt as _;
@@ -14,7 +9,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, SystemTime};
 
-use support::{Scratch, robot, run};
+use crate::support::{Scratch, robot, run};
 
 /// Runs the command under a limit of the shell, such as `-v` and a number of KiB of memory.
 fn limited(limit: &str, args: &[&OsStr]) -> Output {

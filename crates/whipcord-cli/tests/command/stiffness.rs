@@ -1,11 +1,7 @@
 //! `whipcord stiffness`.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
+use crate::support::{Scratch, fail, robot, settings, succeed, warned};
 use serde_json::Value;
-use support::{Scratch, fail, robot, settings, succeed, warned};
 
 const THREE: &str = "examples/three-cable-segment.toml";
 const CASE_3: &str = "examples/table1/case-3.toml";

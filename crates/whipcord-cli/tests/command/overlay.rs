@@ -1,13 +1,9 @@
 //! `whipcord overlay`.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::fs;
 
+use crate::support::{Scratch, fail, robot, run, succeed};
 use serde_json::Value;
-use support::{Scratch, fail, robot, run, succeed};
 use whipcord::ModelKind;
 
 /// Pixels to the metre, and where the world's origin is seen.

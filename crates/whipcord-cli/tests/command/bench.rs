@@ -1,12 +1,8 @@
 //! `whipcord bench`.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::path::Path;
 
-use support::{Scratch, fail, robot, succeed, warned};
+use crate::support::{Scratch, fail, robot, succeed, warned};
 
 #[test]
 fn cost_and_accuracy_are_measured_tabled_and_drawn() {

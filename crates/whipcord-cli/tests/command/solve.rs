@@ -1,14 +1,10 @@
 //! `whipcord solve`.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::io::Read;
 use std::process::Stdio;
 
+use crate::support::{Scratch, command, fail, pushed_rod, robot, run, settings, succeed, warned};
 use serde_json::Value;
-use support::{Scratch, command, fail, pushed_rod, robot, run, settings, succeed, warned};
 
 const CASE_3: &str = "examples/table1/case-3.toml";
 

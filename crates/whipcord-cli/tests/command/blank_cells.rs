@@ -1,13 +1,9 @@
 //! Every cell without a number has a reason below its table, once.
 
-#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{Scratch, robot, succeed};
+use crate::support::{Scratch, robot, succeed};
 
 /// What `compare` prints of a robot with this measurement, and its report.
 fn compared(scratch: &Scratch, lines: &str, table: &str, models: &[&str]) -> (String, String) {

@@ -1,17 +1,13 @@
 //! Examples, templates, standard input, completions, manual pages and the width of the help.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use crate::support::{Run, Scratch, command, fail, robot, root, run, succeed};
 use serde_json::Value;
-use support::{Run, Scratch, command, fail, robot, root, run, succeed};
 
 /// The files of a folder and of those in it, by their paths with slashes.
 fn files_of(folder: &Path) -> BTreeSet<String> {

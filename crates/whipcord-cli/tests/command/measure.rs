@@ -1,13 +1,9 @@
 //! `whipcord measure` on synthetic photographs, whose truth is known.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::path::Path;
 
+use crate::support::{Scratch, fail, root, succeed};
 use serde_json::Value;
-use support::{Scratch, fail, root, succeed};
 use whipcord::{Actuation, Model, ModelKind, Pose, Stations, UnitQuaternion, Vec3};
 use whipcord_estimation::Seen;
 use whipcord_estimation::camera::{Camera, Lens, Orthographic};

@@ -1,11 +1,7 @@
 //! `whipcord fit`.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
+use crate::support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
 use serde_json::Value;
-use support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
 
 /// A robot file with a comment and units, whose rod is this thick, pulled by this much, with what was
 /// measured in a file beside it.
@@ -120,7 +116,7 @@ fn what_is_fitted_again_stays() {
     assert_eq!(two["status"], "converged");
     assert!((value(&one) - 0.003).abs() < 1e-5);
     // What a single pull cannot tell apart is said, whether the search ends or not.
-    let both = support::run(&["fit", &first, what[0], what[1], what[2], what[3]]);
+    let both = crate::support::run(&["fit", &first, what[0], what[1], what[2], what[3]]);
     let said = both.stdout + &both.stderr;
     assert!(
         said.contains("hardly anything that was measured changes when backbone.diameter"),

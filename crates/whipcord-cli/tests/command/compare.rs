@@ -1,12 +1,8 @@
 //! `whipcord compare`.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::path::Path;
 
-use support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
+use crate::support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
 use whipcord::{Actuation, ModelKind};
 
 /// Of a case that all models take: each once, and the geometric ones again with the lengths of another.

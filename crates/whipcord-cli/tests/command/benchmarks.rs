@@ -1,17 +1,8 @@
 //! Problems with known answers, asked as a user asks them: a robot file in, JSON out. The library's
 //! tests hold the model to more of them, and to tighter bounds.
 
-#![allow(
-    clippy::expect_used,
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test fails by panicking"
-)]
-
-mod support;
-
+use crate::support::{Scratch, warned};
 use serde_json::Value;
-use support::{Scratch, warned};
 
 /// A rod of length 1, EI = 1 and GJ = 0.7 that neither stretches nor shears.
 const RIGID: &str = r#"

@@ -1,10 +1,6 @@
 //! Warnings go to standard error and into JSON, and can be denied.
-#![expect(clippy::expect_used, reason = "a test fails by panicking")]
-
-mod support;
-
+use crate::support::{Run, Scratch, fail, robot, run};
 use serde_json::{Value, json};
-use support::{Run, Scratch, fail, robot, run};
 
 /// A robot whose modulus has no unit, and whose bend is more than its material bears.
 fn odd(modulus: &str) -> String {

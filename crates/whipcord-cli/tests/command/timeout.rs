@@ -1,13 +1,9 @@
 //! `--timeout`: what takes longer ends, with the reason and nothing on standard output.
 
-#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::fs;
 use std::time::{Duration, Instant};
 
-use support::{fail, root, succeed};
+use crate::support::{fail, root, succeed};
 
 /// The gripping finger, two metres long: it curls up, and presses ever more disks against the ball.
 fn long_finger(folder: &tempfile::TempDir) -> String {

@@ -1,11 +1,7 @@
 //! `whipcord check`, `whipcord schema`, and what all verbs share.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
+use crate::support::{Run, Scratch, fail, pushed_rod, robot, run, succeed};
 use serde_json::{Value, json};
-use support::{Run, Scratch, fail, pushed_rod, robot, run, succeed};
 
 #[test]
 fn a_robot_is_put_in_words() {
@@ -44,7 +40,8 @@ fn a_body_without_disks_is_solved_drawn_and_compared() {
     };
     let disks = scratch.write(
         "disks.toml",
-        &(std::fs::read_to_string(support::root().join(file)).unwrap() + "\n[disks]\ncount = 5\n"),
+        &(std::fs::read_to_string(crate::support::root().join(file)).unwrap()
+            + "\n[disks]\ncount = 5\n"),
     );
     assert_eq!(picture(file, "none.svg"), 0);
     // As many pieces of each disk in each of the views.

@@ -1,0 +1,27 @@
+//! Runs the command as people do, and reads what it says.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test fails by panicking"
+)]
+
+mod bench;
+mod benchmarks;
+mod blank_cells;
+mod camera;
+mod check;
+mod compare;
+mod fit;
+#[cfg(target_os = "linux")]
+mod hostile;
+mod measure;
+mod overlay;
+mod reference;
+mod solve;
+mod start;
+mod stiffness;
+mod support;
+mod timeout;
+mod warnings;
