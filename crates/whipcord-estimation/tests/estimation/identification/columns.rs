@@ -1,0 +1,165 @@
+//! Without noise the true values are found, from wherever the search starts, by all models and for all kinds
+//! of unknowns: derivatives that are wrong would keep it from ending there, or make it slow.
+
+use crate::common::{helix, paper_robot, straight};
+use crate::identification::synthetic::{
+    as_pixels, experiments, model, quantity, settings, unknowns,
+};
+use whipcord::{
+    Cable, Case, LoadFrame, Loads, ModelKind, Pose, Robot, Shortening, UnitQuaternion, Vec3,
+};
+use whipcord_estimation::identification::{Experiment, Settings, Unknown, identify};
+
+/// Fits the unknowns, started off by these factors or sums, to what the robot with the true ones shows;
+/// asserts that they are found, in at most so many evaluations.
+fn found(
+    kind: ModelKind,
+    robot: &Robot,
+    seen: &[Experiment],
+    unknowns: &[Unknown],
+    truth: &[f64],
+    evaluations: usize,
+) {
+    let settings = Settings::new(model(kind));
+    let found = identify(robot, seen, unknowns, &settings).unwrap();
+    assert!(found.status.is_converged(), "{:?}", found.status);
+    for (estimate, truth) in found.estimates.iter().zip(truth) {
+        let off = (estimate.value - truth).abs() / truth.abs().max(1e-3);
+        assert!(off < 1e-6, "{}: {} instead of {truth}", estimate.unknown, estimate.value);
+    }
+    assert!(found.evaluations <= evaluations, "{} evaluations", found.evaluations);
+}
+
+fn at(path: &str, start: f64) -> Unknown {
+    Unknown { start: Some(start), ..Unknown::new(quantity(path)) }
+}
+
+/// Of the rod, the holes, the loads and the base at once, under gravity-free loads in the frame of the
+/// base.
+#[test]
+fn of_a_loaded_robot_in_two_cases() {
+    let robot = paper_robot(vec![straight(0.0), helix(90.0, 0.4)]);
+    let case = |tensions: &[f64], position: Vec3, about: Vec3| Case {
+        loads: Loads { tip_force: Vec3::new(0.05, -0.02, 0.03), ..Loads::default() },
+        base: Pose { position, rotation: UnitQuaternion::exp(about) },
+        ..Case::with_tensions(tensions)
+    };
+    let truth = [
+        case(&[2.0, 0.5], Vec3::new(0.1, -0.2, 0.3), Vec3::new(0.3, 0.2, -0.4)),
+        case(&[0.3, 2.5], Vec3::new(0.1, -0.2, 0.3), Vec3::new(0.3, 0.2, -0.4)),
+    ];
+    let seen = experiments(&model(ModelKind::Cosserat), &robot, &truth);
+    let unknowns = [
+        at("backbone.young_modulus", 1.5e9),
+        at("cables[1].routing.radius", 0.006),
+        at("loads.tip_force[0]", 0.0),
+        at("backbone.rest_curvature[1]", 1.0),
+        at("base.position[2]", 0.32),
+        Unknown { start: Some(-0.15), ..Unknown::of(quantity("base.position[1]"), 1) },
+        at("base.turn[0]", 0.1),
+        at("base.turn[1]", -0.1),
+        at("base.turn[2]", 0.05),
+    ];
+    let values = [1.1e9, 0.008, 0.05, 0.0, 0.3, -0.2, 0.0, 0.0, 0.0];
+    found(ModelKind::Cosserat, &robot, &seen, &unknowns, &values, 12);
+}
+
+/// A turn of the base turns loads of the world in the robot: there are only differences.
+#[test]
+fn of_a_base_under_gravity() {
+    let backbone = crate::common::paper_backbone();
+    let mut material = backbone.material;
+    material.density = Some(1040.0);
+    let backbone = whipcord::Backbone { material, ..backbone };
+    let plain = paper_robot(vec![straight(0.0)]);
+    let robot = Robot::new(backbone, plain.disks().clone(), plain.cables().to_vec()).unwrap();
+    let case = Case {
+        loads: Loads {
+            frame: LoadFrame::World,
+            gravity: Some(Vec3::new(0.0, -9.81, 0.0)),
+            ..Loads::default()
+        },
+        ..Case::with_tensions(&[1.0])
+    };
+    let seen = experiments(&model(ModelKind::Cosserat), &robot, &[case]);
+    let unknowns =
+        [at("base.turn[0]", 0.2), at("base.turn[2]", -0.1), at("backbone.density", 2000.0)];
+    found(ModelKind::Cosserat, &robot, &seen, &unknowns, &[0.0, 0.0, 1040.0], 10);
+}
+
+#[test]
+fn of_offsets_and_factors() {
+    let robot = paper_robot(vec![straight(0.0), helix(120.0, 0.3)]);
+    let mut case = Case::with_shortenings(&[Shortening::Fraction(0.03), Shortening::Length(0.0)]);
+    case.commands[1] = Case::with_tensions(&[1.0]).commands[0];
+    let seen = experiments(&model(ModelKind::Cosserat), &robot, &[case.clone()]);
+    let mut moved = case;
+    moved.commands[0].shortening = Some(Shortening::Fraction(0.03 - 0.002 / 0.18));
+    moved.commands[1].tension = Some(1.2);
+    let seen: Vec<Experiment> =
+        seen.into_iter().map(|of| Experiment { case: moved.clone(), ..of }).collect();
+    let unknowns = [
+        at("cables[0].shortening_offset", 0.0),
+        at("cables[1].tension_offset", 0.0),
+        at("backbone.torsion_factor", 1.3),
+    ];
+    found(ModelKind::Cosserat, &robot, &seen, &unknowns, &[0.002, -0.2, 1.0], 12);
+}
+
+#[test]
+fn of_markers_in_images() {
+    let robot = paper_robot(vec![straight(0.0), straight(120.0)]);
+    let cases = [Case::with_tensions(&[2.0, 0.2]), Case::with_tensions(&[0.2, 1.5])];
+    let model = model(ModelKind::Cosserat);
+    let seen = as_pixels(&model, &robot, &cases, Vec3::new(0.008, 0.002, 0.001));
+    let unknowns = [
+        at("backbone.young_modulus", 0.9e9),
+        at("disks.hole_circle_radius", 0.008),
+        at("base.position[0]", 0.004),
+        at("base.turn[2]", 0.1),
+    ];
+    // These cables do not run through the holes.
+    let found = identify(&robot, &seen, &unknowns, &settings()).unwrap();
+    assert_eq!(found.unresolved.len(), 1);
+    assert_eq!(
+        found.unresolved[0].to_string(),
+        "nothing that was measured depends on disks.hole_circle_radius"
+    );
+    assert!(found.estimates[1].deviation.is_none());
+    assert!(found.rms_distance.is_none() && found.rms_pixels.is_some_and(|rms| rms < 1e-6));
+    for (i, truth) in [(0, 1.1e9), (2, 0.0), (3, 0.0)] {
+        assert!((found.estimates[i].value - truth).abs() < 1e-8 + 1e-6 * truth, "{found:?}");
+    }
+}
+
+/// The other models by differences, friction along steps that pull and release among them.
+#[test]
+fn of_friction_and_of_length() {
+    let plain = paper_robot(vec![straight(0.0)]);
+    let cable = Cable { friction: Some(0.2), ..plain.cables()[0].clone() };
+    let robot = Robot::new(plain.backbone().clone(), plain.disks().clone(), vec![cable]).unwrap();
+    let commands = |tension: f64| Case::with_tensions(&[tension]).commands;
+    let case = Case { before: vec![commands(1.0), commands(3.0)], ..Case::with_tensions(&[1.5]) };
+    let seen = experiments(&model(ModelKind::CosseratDisks), &robot, &[case]);
+    let start = [at("cables.friction", 0.1), at("backbone.young_modulus", 1.2e9)];
+    found(ModelKind::CosseratDisks, &robot, &seen, &start, &[0.2, 1.1e9], 12);
+
+    let robot = paper_robot(vec![helix(0.0, 0.4)]);
+    let case = Case::with_shortenings(&[Shortening::Fraction(0.05)]);
+    let seen = experiments(&model(ModelKind::FourBar), &robot, &[case]);
+    let start = [at("cables[0].routing.radius", 0.007), at("cables[0].shortening_offset", 1e-3)];
+    found(ModelKind::FourBar, &robot, &seen, &start, &[0.008, 0.0], 12);
+}
+
+/// A friction that is nought lies at the end of what it can be: the differences are one-sided.
+#[test]
+fn of_friction_that_is_none() {
+    let robot = paper_robot(vec![straight(0.0)]);
+    let seen =
+        experiments(&model(ModelKind::CosseratDisks), &robot, &[Case::with_tensions(&[2.0])]);
+    let settings = Settings::new(model(ModelKind::CosseratDisks));
+    let found = identify(&robot, &seen, &unknowns(&["cables[0].friction"]), &settings).unwrap();
+    let friction = &found.estimates[0];
+    assert!(friction.value == 0.0 && friction.is_at_bound && friction.deviation.is_none());
+    assert!(friction.by_differences);
+}

@@ -1,0 +1,7 @@
+//! What is seen of a robot: cameras, their places and their calibration, rigid registration, and models beside it.
+
+mod calibrating;
+mod camera;
+mod compared;
+mod locating;
+mod registration;

@@ -1,0 +1,11 @@
+//! Robot files and what is said of them: the schema, the messages, the examples and damaged files.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+mod damaged;
+mod examples;
+mod materials;
+mod messages;
+mod reading;
+mod schema;

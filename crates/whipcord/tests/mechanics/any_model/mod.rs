@@ -1,0 +1,13 @@
+//! What is asked of every model: the pose of the base, batches, cables locked in number, and the ends of what quantities may be.
+
+mod base_pose;
+mod batch;
+mod cancelled;
+#[allow(clippy::print_stdout, reason = "prints the table of docs/theory/critical-loads.md")]
+mod critical_loads;
+mod driven;
+mod equilibrium;
+mod gradients;
+mod limits;
+mod locked;
+mod surface_strain;

@@ -1,0 +1,4 @@
+//! The baseline models against closed forms, against the rods and against each other.
+
+mod constant_curvature;
+mod sections;

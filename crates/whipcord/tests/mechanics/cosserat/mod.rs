@@ -1,0 +1,25 @@
+//! The Cosserat rod with continuous cables: against the literature and closed forms, against a second
+//! formulation, and what must hold for any robot. One module for each subject, in one binary: to run one
+//! of them, `cargo test -p whipcord --test cosserat MODULE::`.
+
+mod backbones;
+mod benchmarks;
+mod bent_rods;
+mod branches;
+mod closed_forms;
+mod columns;
+mod compliance;
+mod contradictions;
+mod derivatives;
+mod distributed;
+mod dual_numbers;
+mod follower;
+mod lengths;
+mod load_properties;
+mod properties;
+mod refusals;
+mod second_formulation;
+mod stability;
+mod strong_loads;
+mod study;
+mod tendons;

@@ -1,0 +1,10 @@
+//! The Cosserat rod with cables straight from hole to hole: to run one module,
+//! `cargo test -p whipcord --test cosserat_disks MODULE::`.
+
+mod compliance;
+mod friction;
+mod loads;
+mod reference;
+mod stability;
+mod statics;
+mod study;
