@@ -117,7 +117,7 @@ fn the_answer_is_the_same_whatever_is_shown_of_it() {
 
 /// Under many times the weight that buckles it a rod comes to an answer that none with closer stations is
 /// near to.
-// cargo test --release -p whipcord-cli --test solve -- --ignored
+// cargo test --release -p whipcord-cli --test command -- --ignored solve::
 #[test]
 #[ignore = "a minute without optimisation"]
 fn a_picture_is_drawn_where_closer_stations_have_no_answer() {

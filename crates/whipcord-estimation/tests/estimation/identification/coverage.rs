@@ -51,7 +51,7 @@ fn of_few_runs() {
     assert!((52..=60).contains(&held), "{held} of 60");
 }
 
-/// `cargo test --release -p whipcord --test identification -- --ignored --nocapture study`
+/// `cargo test --release -p whipcord-estimation --test estimation -- --ignored --nocapture study`
 #[test]
 #[ignore = "a study of three minutes; of_few_runs asks the same of fewer"]
 fn study() {

@@ -3,7 +3,7 @@
 //! Rods have length 1 and a least bending stiffness of 1. Exact values are closed forms, or come from the
 //! linearised equations of the column, integrated here by another method.
 //!
-//! `cargo test --release -p whipcord --test any_model critical_loads:: -- --nocapture` prints the table of
+//! `cargo test --release -p whipcord --test mechanics any_model::critical_loads:: -- --nocapture` prints the table of
 //! `docs/theory/critical-loads.md`.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};

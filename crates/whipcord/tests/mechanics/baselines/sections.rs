@@ -495,7 +495,7 @@ fn lengths_out_of_reach_are_refused_with_what_can_be_had() {
 }
 
 /// How long refusals take:
-/// `cargo test --release -p whipcord --test baselines refusals_are_quick -- --ignored --nocapture`
+/// `cargo test --release -p whipcord --test mechanics refusals_are_quick -- --ignored --nocapture`
 #[test]
 #[ignore = "a measurement"]
 #[allow(clippy::print_stdout, reason = "a measurement tells what it found")]

@@ -311,7 +311,7 @@ fn four_bar_sections_do_not_enter_obstacles() {
     assert_clear(&sweep(four_bar, &|number| [3, 6, 7, 11].contains(&number), 15, false));
 }
 
-/// `cargo test --release -p whipcord --test contact overlap:: -- --ignored --nocapture`
+/// `cargo test --release -p whipcord --test mechanics contact::overlap:: -- --ignored --nocapture`
 fn study(solve: Solve) {
     let found = sweep(solve, &|_| true, 60, true);
     println!("{found:?}");

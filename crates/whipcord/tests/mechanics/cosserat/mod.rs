@@ -1,6 +1,6 @@
 //! The Cosserat rod with continuous cables: against the literature and closed forms, against a second
 //! formulation, and what must hold for any robot. One module for each subject, in one binary: to run one
-//! of them, `cargo test -p whipcord --test cosserat MODULE::`.
+//! of them, `cargo test -p whipcord --test mechanics cosserat::MODULE::`.
 
 mod backbones;
 mod benchmarks;

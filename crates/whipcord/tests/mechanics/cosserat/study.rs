@@ -3,7 +3,7 @@
 //! reasons of those that do not are true.
 //!
 //! The whole study, which prints its table:
-//! `cargo test --release -p whipcord --test cosserat study:: -- --ignored --nocapture`.
+//! `cargo test --release -p whipcord --test mechanics cosserat::study:: -- --ignored --nocapture`.
 
 use crate::common;
 use core::f64::consts::PI;

@@ -1,5 +1,5 @@
 //! The Cosserat rod with cables straight from hole to hole: to run one module,
-//! `cargo test -p whipcord --test cosserat_disks MODULE::`.
+//! `cargo test -p whipcord --test mechanics cosserat_disks::MODULE::`.
 
 mod compliance;
 mod friction;

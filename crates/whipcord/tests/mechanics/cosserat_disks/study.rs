@@ -3,7 +3,7 @@
 //! and whether the reasons of those that do not are true.
 //!
 //! The whole study, which prints its table:
-//! `cargo test --release -p whipcord --test cosserat_disks -- --ignored --nocapture study::`.
+//! `cargo test --release -p whipcord --test mechanics -- --ignored --nocapture cosserat_disks::study::`.
 
 use core::f64::consts::PI;
 
