@@ -1,45 +1,76 @@
-//! The font that ships with the crate, and how wide text is in it.
+//! The font that ships with the crate: how wide text is in it, and the outlines of its letters.
 //!
 //! Arimo has the widths of Arial, Helvetica and Liberation Sans, so that what is laid out with it
 //! also fits in a browser that has one of those.
 
 use std::sync::LazyLock;
 
-use skrifa::charmap::Charmap;
-use skrifa::instance::{LocationRef, Size};
-use skrifa::metrics::GlyphMetrics;
-use skrifa::{FontRef, MetadataProvider};
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// The font, and those of the same widths, for `font-family`.
 pub(crate) const FAMILY: &str = "Arimo,'Liberation Sans',Arial,Helvetica,sans-serif";
 
-pub(crate) static REGULAR: &[u8] = include_bytes!("../fonts/Arimo-Regular.ttf");
-pub(crate) static BOLD: &[u8] = include_bytes!("../fonts/Arimo-Bold.ttf");
+static REGULAR: &[u8] = include_bytes!("../fonts/Arimo-Regular.ttf");
+static BOLD: &[u8] = include_bytes!("../fonts/Arimo-Bold.ttf");
 
-struct Widths {
-    charmap: Charmap<'static>,
-    glyphs: GlyphMetrics<'static>,
-}
-
-static WIDTHS: LazyLock<[Option<Widths>; 2]> = LazyLock::new(|| {
-    [REGULAR, BOLD].map(|data| {
-        let font = FontRef::new(data).ok()?;
-        // Units per em is what `width` divides by.
-        let glyphs = font.glyph_metrics(Size::new(1.0), LocationRef::default());
-        Some(Widths { charmap: font.charmap(), glyphs })
-    })
-});
+static FACES: LazyLock<[Option<Face<'static>>; 2]> =
+    LazyLock::new(|| [REGULAR, BOLD].map(|data| Face::parse(data, 0).ok()));
 
 /// Width of a letter the font does not have, in em: that of a wide one.
 const UNKNOWN: f64 = 1.0;
 
+/// The glyph of every letter that the font does not have: a box.
+const MISSING: GlyphId = GlyphId(0);
+
 /// Width of a line of text in px.
 pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
-    let widths = WIDTHS[usize::from(bold)].as_ref();
-    let letter = |c| {
-        widths.and_then(|w| w.glyphs.advance_width(w.charmap.map(c)?)).map_or(UNKNOWN, f64::from)
-    };
+    let face = FACES[usize::from(bold)].as_ref();
+    let letter = |c| face.and_then(|face| advance(face, c)).unwrap_or(UNKNOWN);
     size * text.chars().map(letter).sum::<f64>()
+}
+
+/// Width of a letter in em.
+fn advance(face: &Face<'_>, letter: char) -> Option<f64> {
+    let units = face.glyph_hor_advance(face.glyph_index(letter)?)?;
+    Some(f64::from(units) / f64::from(face.units_per_em()))
+}
+
+/// Draws the outline of a letter in em, with y upwards from the baseline. Nothing for white space.
+pub(crate) fn outline(letter: char, bold: bool, pen: &mut dyn OutlineBuilder) {
+    if let Some(face) = &FACES[usize::from(bold)] {
+        let mut scaled = Scaled { pen, scale: 1.0 / f32::from(face.units_per_em()) };
+        face.outline_glyph(face.glyph_index(letter).unwrap_or(MISSING), &mut scaled);
+    }
+}
+
+/// Passes coordinates on in em instead of in units of the font.
+struct Scaled<'a> {
+    pen: &'a mut dyn OutlineBuilder,
+    scale: f32,
+}
+
+impl OutlineBuilder for Scaled<'_> {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.pen.move_to(self.scale * x, self.scale * y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.pen.line_to(self.scale * x, self.scale * y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let k = self.scale;
+        self.pen.quad_to(k * x1, k * y1, k * x, k * y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let k = self.scale;
+        self.pen.curve_to(k * x1, k * y1, k * x2, k * y2, k * x, k * y);
+    }
+
+    fn close(&mut self) {
+        self.pen.close();
+    }
 }
 
 /// The text, or its beginning and an ellipsis where it is wider than `limit` px.
@@ -102,9 +133,9 @@ mod tests {
     #[test]
     fn signs_of_figures_are_there() {
         for bold in [0, 1] {
-            let widths = WIDTHS[bold].as_ref().unwrap();
+            let face = FACES[bold].as_ref().unwrap();
             for c in "µμ°−×·≤≥≈→′″…τφωδ²³–—éÅßŁжЯ".chars() {
-                assert!(widths.charmap.map(c).is_some(), "{c}");
+                assert!(face.glyph_index(c).is_some(), "{c}");
             }
         }
     }

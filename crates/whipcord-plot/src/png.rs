@@ -1,28 +1,15 @@
 //! PNG from SVG.
 
-use std::sync::{Arc, LazyLock};
-
-use resvg::usvg::{Options, Tree, fontdb};
+use resvg::usvg::{Options, Tree};
 use resvg::{tiny_skia, usvg};
 
 use crate::error::PlotError;
-use crate::font;
+use crate::outlines::outlined;
 
 /// Longest side of a PNG in pixels.
 const LARGEST: u32 = 16_384;
 
-static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
-    let mut fonts = fontdb::Database::new();
-    fonts.load_font_data(font::REGULAR.to_vec());
-    fonts.load_font_data(font::BOLD.to_vec());
-    // Whatever family an SVG asks for, this is what there is.
-    fonts.set_sans_serif_family("Arimo");
-    fonts.set_serif_family("Arimo");
-    fonts.set_monospace_family("Arimo");
-    Arc::new(fonts)
-});
-
-/// An SVG as PNG, `scale` pixels to the SVG's px. Letters come from a font in this crate: the
+/// An SVG of this crate as PNG, `scale` pixels to the SVG's px. Letters come from a font in this crate: the
 /// picture is the same on every machine.
 ///
 /// ```
@@ -37,12 +24,8 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
 /// # Errors
 /// [`PlotError`] when the SVG cannot be read or the picture would have no pixels or too many.
 pub fn png(svg: &str, scale: f64) -> Result<Vec<u8>, PlotError> {
-    let options = Options {
-        font_family: "Arimo".to_owned(),
-        fontdb: Arc::clone(&FONTS),
-        ..Options::default()
-    };
-    let tree = Tree::from_str(svg, &options).map_err(|e| PlotError::Svg(e.to_string()))?;
+    let tree = Tree::from_str(&outlined(svg)?, &Options::default())
+        .map_err(|e| PlotError::Svg(e.to_string()))?;
     let [width, height] =
         [tree.size().width(), tree.size().height()].map(|side| (f64::from(side) * scale).round());
     let size = PlotError::Size { width, height, largest: LARGEST };

@@ -421,7 +421,7 @@ impl Ellipse {
 }
 
 /// Text as XML takes it.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

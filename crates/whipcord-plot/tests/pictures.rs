@@ -5,12 +5,10 @@
 
 mod common;
 
-use std::sync::{Arc, LazyLock};
-
 use common::{arm, before, catheter, prototype, towards, view};
 use proptest::prelude::*;
 use resvg::tiny_skia::Pixmap;
-use resvg::usvg::{Group, Node, Options, Rect, Tree, fontdb, roxmltree};
+use resvg::usvg::{Group, Node, Options, Rect, Tree, roxmltree};
 use whipcord::kinematics::PrincipalAxes;
 use whipcord::{
     Backbone, Cable, Case, Disks, DistributedLoad, LoadFrame, Loads, ModelKind, PointLoad,
@@ -19,26 +17,27 @@ use whipcord::{
 use whipcord_plot::{
     AccuracySeries, Acting, AxisSpec, Chart, Colour, DistanceSeries, Ellipsoid, FigureOptions,
     Layer, Marker, ParetoSeries, PlotError, Quantity, RobotView, Scale, Series, TimingSeries,
-    ViewStyle, accuracy_chart, distance_chart, pareto_chart, png, robot_figure, timing_chart,
+    ViewStyle, accuracy_chart, distance_chart, outlined, pareto_chart, png, robot_figure,
+    timing_chart,
 };
 
-static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
-    let mut fonts = fontdb::Database::new();
-    fonts.load_font_data(include_bytes!("../fonts/Arimo-Regular.ttf").to_vec());
-    fonts.load_font_data(include_bytes!("../fonts/Arimo-Bold.ttf").to_vec());
-    Arc::new(fonts)
-});
-
+/// The picture, with every text as a path of this name.
 fn tree(svg: &str) -> Tree {
-    let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
-    Tree::from_str(svg, &options).unwrap()
+    let svg = outlined(svg).unwrap().replace("class=\"text\"", "id=\"text\"");
+    Tree::from_str(&svg, &Options::default()).unwrap()
 }
 
+/// Boxes of the texts: of their letters and the space of a px around them.
 fn texts(group: &Group, found: &mut Vec<Rect>) {
     for node in group.children() {
         match node {
             Node::Group(group) => texts(group, found),
-            Node::Text(text) => found.push(text.abs_bounding_box()),
+            Node::Path(path) if path.id() == "text" => {
+                let letters = path.abs_bounding_box();
+                let [left, top] = [letters.left(), letters.top()].map(|low| low - 1.0);
+                let [right, bottom] = [letters.right(), letters.bottom()].map(|high| high + 1.0);
+                found.push(Rect::from_ltrb(left, top, right, bottom).unwrap());
+            }
             _ => {}
         }
     }
