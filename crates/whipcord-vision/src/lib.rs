@@ -13,6 +13,7 @@ mod coverage;
 pub mod detect;
 mod photo;
 mod plane;
+mod raster;
 pub mod render;
 
 pub use annotate::annotated;

@@ -1,15 +1,12 @@
 //! A photograph: linear light in three channels.
 
-use std::io::Cursor;
-
-use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, RgbImage};
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use thiserror::Error;
 
 use crate::plane::Plane;
-
-/// Memory in bytes that a decoder may take for what a file holds beside its pixels.
-const MOST_BESIDE_PIXELS: u64 = 1 << 26;
+use crate::raster::Raster;
 
 /// A photograph. Each pixel is linear light in red, green and blue, 0 black and 1 white.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,44 +132,12 @@ impl Photo {
         if bytes.is_empty() {
             return Err(PhotoError::Empty);
         }
-        let broken = |error: ImageError| PhotoError::Broken { reason: error.to_string() };
-        let mut reader = ImageReader::new(Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|error| PhotoError::Broken { reason: error.to_string() })?;
-        match reader.format() {
-            Some(ImageFormat::Png) => {}
-            // The decoder takes what is missing at the end of a file for grey.
-            Some(ImageFormat::Jpeg) if !is_whole_jpeg(bytes) => {
-                return Err(PhotoError::Broken { reason: "the file ends too early".to_owned() });
-            }
-            Some(ImageFormat::Jpeg) => {}
-            _ => return Err(PhotoError::NotAnImage),
-        }
-        // The number of pixels is checked below, where the message can name it. The limit of memory is for all else: a
-        // few bytes can say that a colour profile of gigabytes follows. Profiles are not used, so that one beyond the
-        // limit does not matter.
-        let mut limits = Limits::no_limits();
-        limits.max_alloc = Some(MOST_BESIDE_PIXELS);
-        reader.limits(limits);
-        let mut decoder = reader.into_decoder().map_err(broken)?;
-        let (width, height) = decoder.dimensions();
-        check_size(width, height)?;
-        let orientation = decoder.orientation().map_err(broken)?;
-        let mut image = DynamicImage::from_decoder(decoder).map_err(broken)?;
-        image.apply_orientation(orientation);
-        Ok((Self::of_image(&image), orientation != Orientation::NoTransforms))
-    }
-
-    /// Strip by strip, so that no copy of all pixels is made in between.
-    fn of_image(image: &DynamicImage) -> Self {
-        const ROWS: u32 = 16;
-        let (width, height) = (image.width(), image.height());
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
-        for top in (0..height).step_by(ROWS as usize) {
-            let strip = image.crop_imm(0, top, width, ROWS.min(height - top)).to_rgb32f();
-            pixels.extend(strip.pixels().map(|pixel| pixel.0.map(linear)));
-        }
-        Self { width: width as usize, height: height as usize, pixels }
+        let raster = Raster::decode(bytes, check_size)?;
+        let [width, height] = raster.size();
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let mut pixels = Vec::with_capacity(width * height);
+        pixels.extend(places.map(|(x, y)| raster.colour(x, y).map(linear)));
+        Ok((Self { width, height, pixels }, raster.is_turned()))
     }
 
     /// The photograph as a PNG file of eight bits a channel.
@@ -180,7 +145,9 @@ impl Photo {
     /// # Errors
     /// [`PhotoError::Encoding`] when there is nothing to encode.
     pub fn to_png(&self) -> Result<Vec<u8>, PhotoError> {
-        self.encode(ImageFormat::Png)
+        let mut out = Vec::new();
+        self.encode(PngEncoder::new(&mut out))?;
+        Ok(out)
     }
 
     /// The photograph as a JPEG file.
@@ -188,7 +155,20 @@ impl Photo {
     /// # Errors
     /// [`PhotoError::Encoding`] when there is nothing to encode.
     pub fn to_jpeg(&self) -> Result<Vec<u8>, PhotoError> {
-        self.encode(ImageFormat::Jpeg)
+        let mut out = Vec::new();
+        self.encode(JpegEncoder::new(&mut out))?;
+        Ok(out)
+    }
+
+    fn encode(&self, encoder: impl ImageEncoder) -> Result<(), PhotoError> {
+        encoder
+            .write_image(
+                &self.to_rgb8(),
+                self.width as u32,
+                self.height as u32,
+                ExtendedColorType::Rgb8,
+            )
+            .map_err(|error| PhotoError::Encoding { reason: error.to_string() })
     }
 
     /// The photograph whose pixels, row by row, are these bytes of red, green and blue.
@@ -222,15 +202,6 @@ impl Photo {
     pub fn to_rgb8(&self) -> Vec<u8> {
         self.pixels.iter().flat_map(|pixel| pixel.map(quantised)).collect()
     }
-
-    fn encode(&self, format: ImageFormat) -> Result<Vec<u8>, PhotoError> {
-        let failed = |reason: String| PhotoError::Encoding { reason };
-        let image = RgbImage::from_raw(self.width as u32, self.height as u32, self.to_rgb8())
-            .ok_or_else(|| failed("its size is out of range".to_owned()))?;
-        let mut out = Cursor::new(Vec::new());
-        image.write_to(&mut out, format).map_err(|error| failed(error.to_string()))?;
-        Ok(out.into_inner())
-    }
 }
 
 /// Refuses what has no pixels, or more than are worked on.
@@ -243,27 +214,6 @@ fn check_size(width: u32, height: u32) -> Result<(), PhotoError> {
     } else {
         Ok(())
     }
-}
-
-/// Whether the scan of a JPEG file has an end (ITU-T T.81, annex B): segments with their lengths up to the start of
-/// scan, and after that, where no byte FF stands before anything else but a zero or a restart, the end of image.
-fn is_whole_jpeg(bytes: &[u8]) -> bool {
-    const START_OF_SCAN: u8 = 0xda;
-    const END_OF_IMAGE: [u8; 2] = [0xff, 0xd9];
-    let mut at = 2;
-    while let Some(&[0xff, marker, high, low]) = bytes.get(at..at + 4) {
-        // Bytes FF may fill up before a marker.
-        if marker == 0xff {
-            at += 1;
-            continue;
-        }
-        at += 2 + usize::from(u16::from_be_bytes([high, low]));
-        if marker == START_OF_SCAN {
-            let scan = bytes.get(at..).unwrap_or_default();
-            return scan.windows(2).any(|pair| pair == END_OF_IMAGE);
-        }
-    }
-    false
 }
 
 /// Linear light of an sRGB value from 0 to 1 (IEC 61966-2-1).
