@@ -1,6 +1,9 @@
-# The tests of mechanics run in debug and in release: overflow and debug assertions show in the
-# one, what the optimiser makes of the numerics in the other.
 CARGO ?= cargo
+
+# The crates of mechanics are tested in release with default flags: what the optimiser makes of the numerics counts. All
+# other tests run in the profile dev, which compiles fast and has debug assertions and overflow checks, those of the
+# mechanics under them included. `make test-long` runs the tests of mechanics in that profile as well.
+MECHANICS := whipcord-numerics whipcord whipcord-estimation
 
 PYTHON ?= python3
 # Where the tests of the Python package have their packages.
@@ -19,12 +22,12 @@ HAS_NODE := command -v $(NPM) >/dev/null && node -e 'const [a, b] = process.vers
 # here, and becomes a test of its own.
 export PROPTEST_RNG_SEED ?= 1
 
-.PHONY: test test-long test-rust page page-where-node test-page fmt fmt-check lint doc test-debug test-release bench-build bench wheel sdist installed test-python test-torch docs test-docs bench-python
+.PHONY: test test-long test-damaged test-studies test-mechanics-checked test-rust page page-where-node test-page fmt fmt-check lint doc test-mechanics test-others bench wheel sdist installed test-python test-torch docs test-docs bench-python
 
 test: page-where-node test-rust test-page test-python test-torch test-docs
 
 # All that needs Rust alone.
-test-rust: fmt-check lint doc test-debug test-release bench-build
+test-rust: fmt-check lint doc test-mechanics test-others
 
 fmt:
 	$(CARGO) fmt --all
@@ -32,6 +35,7 @@ fmt:
 fmt-check:
 	$(CARGO) fmt --all --check
 
+# Checks the benchmarks too.
 lint:
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
 
@@ -39,22 +43,32 @@ doc:
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
 
 # Unit, property, reference, snapshot and documentation tests.
-test-debug:
-	$(CARGO) test --workspace --locked
+test-mechanics:
+	$(CARGO) test $(MECHANICS:%=-p %) --locked --release
 
-test-release:
-	$(CARGO) test --workspace --locked --release
+test-others:
+	$(CARGO) test --workspace $(MECHANICS:%=--exclude %) --locked
+
+# What takes too long for every change.
+test-long: test-damaged test-studies test-mechanics-checked
 
 # Damaged files of every kind, by the tens of thousands: `make test` runs a few hundred of each. FUZZ_SEED=7 takes others,
 # FUZZ_SCALE=3 three times as many, 0.1 a tenth. What was not answered is kept in target/fuzz.
-test-long:
+test-damaged:
 	$(CARGO) test -p whipcord-cli --locked --release --test fuzz -- --ignored --exact \
 	    damaged_files_of_every_kind_are_answered \
 	    the_largest_photographs_are_measured_in_the_stated_memory \
 	    --nocapture --test-threads=1
 
-bench-build:
-	$(CARGO) bench --workspace --locked --no-run
+# Convergence, coverage and accuracy, with the tables of docs/theory.
+test-studies:
+	$(CARGO) test $(MECHANICS:%=-p %) --locked --release --tests -- --ignored --nocapture
+	$(CARGO) test -p whipcord-vision --locked --release --test photographs -- --ignored --nocapture
+	$(CARGO) test -p whipcord-cli --locked --release --test command -- --ignored
+
+# The tests of mechanics with debug assertions and overflow checks.
+test-mechanics-checked:
+	$(CARGO) test $(MECHANICS:%=-p %) --locked
 
 bench:
 	$(CARGO) bench --workspace --locked
