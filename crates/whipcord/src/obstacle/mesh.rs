@@ -1,11 +1,9 @@
 //! Bodies that triangles enclose.
 
-use parry3d_f64::glamx::DVec3;
-use parry3d_f64::query::PointQueryWithLocation;
-use parry3d_f64::shape::{TriMesh, TriMeshFlags, TrianglePointLocation};
 use whipcord_numerics::Vec3;
 
 use super::Surface;
+use super::nearest::{Part, Pseudonormals, Tree};
 use super::topology;
 use crate::robot::{Problem, RobotError, limits};
 
@@ -15,9 +13,9 @@ pub struct Mesh {
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     file: Option<MeshFile>,
-    /// The triangles in a tree, shrunk by a power of two to about 1 m, where no tolerance of the
-    /// library's matters.
-    tree: TriMesh,
+    /// Of the body shrunk by a power of two to about 1 m, where no product of coordinates is too small or too large.
+    tree: Tree,
+    normals: Pseudonormals,
     shrink: f64,
 }
 
@@ -57,10 +55,10 @@ impl Mesh {
         topology::check(&vertices, &triangles).map_err(refused)?;
         let extent = vertices.iter().map(|v| v.max_abs()).fold(0.0, f64::max);
         let shrink = (-extent.log2().ceil()).exp2();
-        let shrunk = vertices.iter().map(|&v| to_library(shrink * v)).collect();
-        let tree = TriMesh::with_flags(shrunk, triangles.clone(), TriMeshFlags::ORIENTED)
-            .map_err(|error| refused(Problem::Mesh { reason: error.to_string() }))?;
-        Ok(Self { vertices, triangles, file: None, tree, shrink })
+        let shrunk: Vec<Vec3> = vertices.iter().map(|&v| shrink * v).collect();
+        let tree = Tree::new(&shrunk, &triangles);
+        let normals = Pseudonormals::new(&shrunk, &triangles);
+        Ok(Self { vertices, triangles, file: None, tree, normals, shrink })
     }
 
     /// The same mesh, known to be from a file.
@@ -91,31 +89,31 @@ impl Mesh {
     /// triangle, edge or vertex says that the nearest point is on (J. A. Bærentzen and H. Aanæs,
     /// Signed distance computation using the angle weighted pseudonormal, 2005).
     pub(super) fn surface(&self, point: Vec3) -> Surface {
-        let p = to_library(self.shrink * point);
-        let (nearest, (triangle, place)) = self.tree.project_local_point_and_get_location(p, false);
-        let face = self.tree.triangle(triangle);
-        let face_normal = (face.b - face.a).cross(face.c - face.a).normalize();
-        let pseudo = self.tree.pseudo_normals();
-        let pseudo = match place {
-            TrianglePointLocation::OnEdge(i, _) => {
-                pseudo.map(|all| all.edges_pseudo_normal[triangle as usize][i as usize])
-            }
-            TrianglePointLocation::OnVertex(i) => {
-                let vertex = self.triangles[triangle as usize][i as usize];
-                pseudo.map(|all| all.vertices_pseudo_normal[vertex as usize])
-            }
-            TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => None,
+        let p = self.shrink * point;
+        let corners = |triangle: usize| {
+            self.triangles[triangle].map(|k| self.shrink * self.vertices[k as usize])
         };
-        let Some(pseudo) = pseudo.and_then(DVec3::try_normalize) else {
-            let distance = (p - face.a).dot(face_normal) / self.shrink;
-            return Surface { distance, normal: from_library(face_normal) };
+        let nearest = self.tree.nearest(p, corners);
+        let pseudo = match nearest.part {
+            Part::Edge(i) => Some(self.normals.edges[nearest.triangle][i]),
+            Part::Corner(i) => {
+                Some(self.normals.corners[self.triangles[nearest.triangle][i] as usize])
+            }
+            Part::Face => None,
+        };
+        // Where two faces lie on one another their normals cancel.
+        let Some(pseudo) = pseudo.filter(|sum| sum.norm() > 0.0).map(|sum| sum / sum.norm()) else {
+            let [a, b, c] = corners(nearest.triangle);
+            let across = (b - a).cross(c - a);
+            let normal = across / across.norm();
+            return Surface { distance: (p - a).dot(normal) / self.shrink, normal };
         };
         let away = p - nearest.point;
-        let distance = away.length();
+        let distance = away.norm();
         let sign = if away.dot(pseudo) < 0.0 { -1.0 } else { 1.0 };
         // So near to an edge or a vertex, the way from it is rounding.
-        let normal = if distance < 1e-13 { pseudo } else { away * (sign / distance) };
-        Surface { distance: sign * distance / self.shrink, normal: from_library(normal) }
+        let normal = if distance < 1e-13 { pseudo } else { (sign / distance) * away };
+        Surface { distance: sign * distance / self.shrink, normal }
     }
 }
 
@@ -135,12 +133,4 @@ impl core::fmt::Debug for Mesh {
             .field("file", &self.file)
             .finish()
     }
-}
-
-fn to_library(v: Vec3) -> DVec3 {
-    DVec3::new(v.x, v.y, v.z)
-}
-
-fn from_library(v: DVec3) -> Vec3 {
-    Vec3::new(v.x, v.y, v.z)
 }

@@ -5,6 +5,7 @@
 
 mod centreline;
 mod mesh;
+mod nearest;
 mod pipe;
 mod solid;
 mod superellipsoid;

@@ -253,12 +253,6 @@ pub enum Problem {
         /// What it encloses in m³, negative, or zero.
         volume: f64,
     },
-    /// What the library of shapes has against a mesh.
-    #[error("is no mesh that distances can be told from: {reason}")]
-    Mesh {
-        /// Its words.
-        reason: String,
-    },
     /// More holes than disks.
     #[error(
         "names {given} holes, but there are only {disks} disks: give at most one hole for each disk, from the base on"

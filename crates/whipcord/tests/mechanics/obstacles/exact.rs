@@ -1,11 +1,54 @@
 //! Distances against closed forms, another library, and the dense sampling of surfaces.
 
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
 use parry3d_f64::glamx::DVec3;
-use parry3d_f64::shape::{Capsule, Cuboid, Cylinder, SharedShape};
-use whipcord::obstacle::Bends;
+use parry3d_f64::query::PointQuery as _;
+use parry3d_f64::shape::{Capsule, Cuboid, Cylinder, SharedShape, TriMesh};
+use whipcord::obstacle::{Bends, Mesh};
 use whipcord::{Form, Vec3};
 
 use crate::obstacles::forms::{Draws, at_origin, pipe, quarter, superellipsoid};
+
+/// A ring of triangles, in steps that make some of them thin, against the nearest triangle that
+/// parry finds.
+#[test]
+fn meshes_agree_with_another_library() {
+    let (around, along) = (40, 25);
+    let number = |i: u32, j: u32| (i % around) * along + j % along;
+    let mut vertices = Vec::new();
+    for (i, j) in (0..around).flat_map(|i| (0..along).map(move |j| (i, j))) {
+        let (turn, tilt) = (f64::from(i) / f64::from(around), f64::from(j) / f64::from(along));
+        let ((sin, cos), (s, c)) = ((TAU * turn * turn).sin_cos(), (TAU * tilt).sin_cos());
+        let radius = 0.02 + 0.007 * c;
+        vertices.push(Vec3::new(radius * cos, radius * sin, 0.007 * s));
+    }
+    let mut triangles = Vec::new();
+    for (i, j) in (0..around).flat_map(|i| (0..along).map(move |j| (i, j))) {
+        let [a, b, c, d] = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+        triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    let places = vertices.iter().map(|v| DVec3::new(v.x, v.y, v.z)).collect();
+    let theirs = TriMesh::new(places, triangles.clone()).unwrap();
+    let mesh = at_origin(Form::Mesh(Arc::new(Mesh::new(&vertices, &triangles).unwrap())));
+    let mut draws = Draws::new(6);
+    let mut within = 0;
+    for k in 0..20_000 {
+        let p = draws.vector(if k % 2 == 0 { 0.03 } else { 0.2 });
+        let q = DVec3::new(p.x, p.y, p.z);
+        let away = (theirs.project_local_point(q, false).point - q).length();
+        let surface = mesh.surface(p);
+        assert!((surface.distance.abs() - away).abs() < 1e-14, "{p:?}: {surface:?} {away}");
+        // What is inside the mesh is inside the ring, but for the difference of both.
+        let ring = (p.x.hypot(p.y) - 0.02).hypot(p.z) - 0.007;
+        if ring.abs() > 2e-3 {
+            assert_eq!(surface.distance < 0.0, ring < 0.0, "{p:?}: {surface:?}");
+        }
+        within += usize::from(surface.distance < 0.0);
+    }
+    assert!(within > 500, "{within}");
+}
 
 /// Capsules, boxes and cylinders against the projections of points that parry has.
 #[test]
