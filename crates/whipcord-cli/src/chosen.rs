@@ -6,7 +6,7 @@ use whipcord::{Actuation, Model, ModelKind, ModelVariant, Stations, four_bar};
 use whipcord_viewer::offered;
 
 use crate::deadline;
-use crate::failure::Failure;
+use whipcord_study::failure::Failure;
 
 /// A model, what drives it, and what only the four-bar model has to choose.
 #[derive(Debug, Args)]

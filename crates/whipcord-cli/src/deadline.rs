@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use whipcord::Cancel;
 
-use crate::failure::Failure;
+use whipcord_study::failure::Failure;
 
 /// What ends a verb that does not answer the flag: so long after it.
 const GRACE: Duration = Duration::from_secs(1);

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use clap::Args;
-use whipcord_io::{CaseFile, FileError, load_stream, load_with, render};
+use whipcord_io::{CaseFile, FileError, load_stream, load_with};
 
-use crate::failure::Failure;
-use crate::style::Style;
+use whipcord_study::failure::{Failure, message};
+use whipcord_study::files::STANDARD_INPUT;
 
 /// Keys of robot files that the command line gives instead of the files.
 #[derive(Debug, Default, Args)]
@@ -41,8 +41,6 @@ impl Settings {
     }
 }
 
-/// Name of standard input in messages.
-pub const STANDARD_INPUT: &str = "<stdin>";
 /// The keys that end the input of a terminal.
 pub const END_OF_INPUT: &str = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
 
@@ -128,11 +126,6 @@ impl Inputs {
 /// What is wrong with it.
 pub fn read_one(path: &Path, settings: &Settings) -> Result<CaseFile, Failure> {
     settings.load(path).map_err(|error| Failure::Input(message(&error)))
-}
-
-/// A file's error as standard error shows it.
-pub fn message(error: &FileError) -> String {
-    render(error, Style::for_stderr().is_enabled()).trim_end().to_owned()
 }
 
 /// The file, or all `.toml` files of the folder in the order of their names.

@@ -3,36 +3,20 @@
 //! A library of one function, so that the Python package carries the same command, and of what the package says in
 //! the words of the command.
 
-mod benchmark;
 mod chosen;
-mod comparison;
-mod contacts;
 mod deadline;
 pub mod examples;
-mod failure;
-mod files;
-pub mod fitting;
-mod html;
 mod inputs;
-pub mod judging;
+mod path_argument;
 mod paths;
 mod photographs;
 mod progress;
-mod quantity;
 mod rubbing;
-mod statistics;
-mod steps;
-mod style;
-mod suite;
 mod superposition;
-mod table;
 mod template;
-mod timing;
 mod tips;
-mod trial;
 mod verbs;
 mod warnings;
-mod words;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -42,12 +26,12 @@ use std::time::Duration;
 use clap::{Parser, Subcommand};
 
 use crate::deadline::{Deadline, Limit};
-use crate::failure::Failure;
-use crate::style::Style;
 use crate::verbs::{
     bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure, new,
     overlay, schema, solve, stiffness, view,
 };
+use whipcord_study::failure::Failure;
+use whipcord_study::style::Style;
 
 /// Mechanics of cable-driven continuum robots with any cable routing
 #[derive(Debug, Parser)]

@@ -7,10 +7,10 @@ use whipcord::cosserat_disks::{self, CosseratDisks};
 use whipcord::{Case, Diagnostics, Model, SolveError};
 use whipcord_io::CaseFile;
 
-use crate::failure::Failure;
-use crate::quantity::{fixed_millimetres, number};
-use crate::style::Style;
-use crate::table::{Align, Table};
+use whipcord_study::failure::Failure;
+use whipcord_study::quantity::{fixed_millimetres, number};
+use whipcord_study::style::Style;
+use whipcord_study::table::{Align, Table};
 
 /// The iterations of one solve, whether it finds an answer or not: from cold, or for the last of several
 /// steps from where the one before left the robot.

@@ -7,8 +7,8 @@ use whipcord_estimation::camera::Camera;
 use whipcord_io::read_photograph;
 use whipcord_vision::{Photo, PhotoError};
 
-use crate::failure::Failure;
-use crate::inputs::message;
+use whipcord_study::failure::Failure;
+use whipcord_study::failure::message;
 
 /// A photograph and the file it was read from.
 #[derive(Debug)]

@@ -2,8 +2,8 @@
 
 use whipcord::{CableState, SlipState, Solution};
 
-use crate::quantity::newtons;
-use crate::table::{Align, Table};
+use whipcord_study::quantity::newtons;
+use whipcord_study::table::{Align, Table};
 
 /// Tension at both ends of every cable that rubs, and what it does in the holes of the disks: by step
 /// where there are several. `None` where no cable rubs.

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use whipcord::ModelKind;
-use whipcord_cli::judging::{Judgement, JudgingError, Tried};
+use whipcord_study::judging::{Judgement, JudgingError, Tried};
 
 use crate::errors;
 use crate::model::{self, named};

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use whipcord::Model as Method;
-use whipcord_cli::fitting::{self, moves_unasked, not_converged};
 use whipcord_estimation::identification::{
     Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, compare_models,
     cross_validate, identify,
 };
 use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit};
+use whipcord_study::fitting::{self, moves_unasked, not_converged};
 
 use crate::errors;
 use crate::file_data::FileData;

@@ -7,9 +7,8 @@ use whipcord_estimation::camera::Camera;
 use whipcord_estimation::observation::InImage;
 use whipcord_io::{CaseFile, MeasuringCamera, load_camera};
 
-use crate::failure::Failure;
-use crate::inputs;
-use crate::quantity::{millimetres, number};
+use whipcord_study::failure::Failure;
+use whipcord_study::quantity::{millimetres, number};
 
 /// What tables call a marker.
 pub fn name(marker: &InImage) -> String {
@@ -56,7 +55,8 @@ pub fn camera(file: &CaseFile, named: Option<&str>) -> Result<(Camera, Option<us
             names()
         )));
     }
-    let camera = load_camera(path).map_err(|error| Failure::Input(inputs::message(&error)))?;
+    let camera = load_camera(path)
+        .map_err(|error| Failure::Input(whipcord_study::failure::message(&error)))?;
     // What the file with the measurement calls by a name may be given by its path as well.
     let same = |known: &MeasuringCamera| matches!((known.path.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
     Ok((camera, known.iter().position(same)))

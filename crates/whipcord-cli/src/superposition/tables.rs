@@ -5,8 +5,8 @@ use whipcord_io::{Cell, CsvTable};
 
 use super::Run;
 use super::seen::name;
-use crate::quantity::{fixed, fixed_millimetres};
-use crate::table::{Align, Table};
+use whipcord_study::quantity::{fixed, fixed_millimetres};
+use whipcord_study::table::{Align, Table};
 
 /// For people: each marker, then the root mean square.
 pub fn table(runs: &[Run], markers: &[InImage], length: f64) -> Table {

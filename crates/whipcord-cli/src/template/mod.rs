@@ -8,7 +8,7 @@ use std::iter::repeat_n;
 
 use clap::ValueEnum;
 
-use crate::quantity::number;
+use whipcord_study::quantity::number;
 
 /// The kind of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

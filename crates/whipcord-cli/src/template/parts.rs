@@ -1,7 +1,7 @@
 //! The tables of a template, with comments on the keys.
 
 use super::{Given, Kind, Material, Plan, TAUT, millimetres, same_hole};
-use crate::quantity::number;
+use whipcord_study::quantity::number;
 
 /// Columns up to the comments beside the keys.
 const COLUMN: usize = 34;

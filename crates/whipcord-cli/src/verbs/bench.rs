@@ -8,17 +8,17 @@ use whipcord_plot::{
     AccuracySeries, Colour, Marker, Scale, TimingSeries, accuracy_chart, timing_chart,
 };
 
-use crate::benchmark::Samples;
-use crate::benchmark::accuracy::{StepError, step_errors};
-use crate::benchmark::cost::{Cost, SECTIONS, cost, refusal};
-use crate::benchmark::paper::{self, Example};
-use crate::benchmark::tables;
-use crate::failure::Failure;
-use crate::files::Folder;
 use crate::inputs::{Inputs, Settings};
 use crate::progress;
-use crate::style::Style;
 use crate::warnings::Warnings;
+use whipcord_study::benchmark::Samples;
+use whipcord_study::benchmark::accuracy::{StepError, step_errors};
+use whipcord_study::benchmark::cost::{Cost, SECTIONS, cost, refusal};
+use whipcord_study::benchmark::paper::{self, Example};
+use whipcord_study::benchmark::tables;
+use whipcord_study::failure::Failure;
+use whipcord_study::files::Folder;
+use whipcord_study::style::Style;
 
 /// Measure solve time against number of sections (Fig. 4 of the paper), and the error of the
 /// Cosserat model against its integration steps

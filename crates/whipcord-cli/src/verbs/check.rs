@@ -8,12 +8,13 @@ use whipcord::{Actuation, Model, ModelKind, Solution, SolveError, Statics, Stati
 use whipcord_io::{CaseFile, FileWarning, problems_json, warnings_json};
 
 use crate::deadline;
-use crate::failure::{Failure, refuses};
 use crate::inputs::{self, Settings};
-use crate::quantity::millimetres;
-use crate::style::Style;
-use crate::warnings::{Answered, Warnings, about_file_and_answers, text as warnings_text};
-use crate::words::{describe, driven_by, instability, markers};
+use crate::warnings::{Warnings, text as warnings_text};
+use whipcord_study::failure::{Failure, refuses};
+use whipcord_study::quantity::millimetres;
+use whipcord_study::style::Style;
+use whipcord_study::warnings::{Answered, about_file_and_answers};
+use whipcord_study::words::{describe, driven_by, instability, markers};
 
 /// Check robot files and print a description of each robot
 ///
@@ -63,7 +64,7 @@ pub fn run(args: &CheckArgs, style: Style) -> Result<String, Failure> {
                 }
                 Err(error) => {
                     objects.push(invalid(&path, problems_json(&error), error.more));
-                    messages.push(inputs::message(&error));
+                    messages.push(whipcord_study::failure::message(&error));
                 }
             }
         }

@@ -6,26 +6,27 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde_json::Value;
 use whipcord::ModelKind;
 use whipcord_io::{contacts_csv, warnings_json};
 
 use crate::chosen::model_parser;
-use crate::comparison::figures::figures;
-use crate::comparison::study::Study;
-use crate::comparison::{csv, report, tables};
 use crate::deadline;
-use crate::failure::Failure;
-use crate::files::{self, Folder, picture, plot_failure, unique_names, write};
-use crate::html::{Figure, page};
 use crate::inputs::{Inputs, Settings};
 use crate::progress;
-use crate::style::Style;
-use crate::suite::{self, Suite, SuiteCase};
-use crate::trial::results::Results;
-use crate::trial::yardstick::Choice;
-use crate::trial::{self, Subject};
 use crate::warnings::Warnings;
+use whipcord_study::comparison::figures::figures;
+use whipcord_study::comparison::study::Study;
+use whipcord_study::comparison::{csv, report, tables};
+use whipcord_study::failure::Failure;
+use whipcord_study::files::{self, Folder, picture, plot_failure, unique_names, write};
+use whipcord_study::html::{Figure, page};
+use whipcord_study::style::Style;
+use whipcord_study::suite::{self, Suite, SuiteCase};
+use whipcord_study::trial::results::Results;
+use whipcord_study::trial::yardstick::Choice;
+use whipcord_study::trial::{self, Subject};
 
 /// Compare all models on every case, and recommend a model for each purpose
 ///
@@ -48,7 +49,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "MODEL[:fine]", default_value = "trusted")]
     reference: Choice,
     /// Built-in set of cases, instead of files
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = suite_parser())]
     suite: Option<Suite>,
     /// Use only those cases of the suite whose names contain one of these texts
     #[arg(long, value_name = "TEXT", requires = "suite")]
@@ -86,6 +87,12 @@ pub fn run(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     }
 }
 
+fn suite_parser() -> impl TypedValueParser<Value = Suite> {
+    let of = |suite: Suite| PossibleValue::new(suite.name()).help(suite.description());
+    PossibleValuesParser::new(Suite::ALL.map(of))
+        .try_map(|name| Suite::named(&name).ok_or("no such suite"))
+}
+
 fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, Failure> {
     let cases = suite.cases().map_err(|error| Failure::Input(format!("error: {error}")))?;
     let Some(cases) = suite::only(cases, &args.only) else {
@@ -112,7 +119,8 @@ fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, F
     let folder = Folder::create(&args.out)?;
     let (accuracy, text) = accuracy(args, &folder, &results, style)?;
     let verdict = trial::report::verdict(&results);
-    let body = format!("<h1>Models on trial</h1>\n{verdict}{accuracy}{}", crate::html::footer());
+    let body =
+        format!("<h1>Models on trial</h1>\n{verdict}{accuracy}{}", whipcord_study::html::footer());
     folder.write("report.html", &page("Whipcord: models on trial", &body))?;
     finish(args, &results, Vec::new(), text, &folder)
 }
@@ -139,7 +147,7 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
         .zip(stems)
         .map(|(case, stem)| {
             progress.set_message(case.title.clone());
-            let study = Study::new(case, stem, &kinds);
+            let study = Study::new(case, stem, &kinds, &deadline::cancel());
             progress.inc(1);
             study
         })

@@ -4,7 +4,7 @@ use clap::{Args, CommandFactory as _};
 use clap_complete::{Shell, generate};
 
 use crate::Cli;
-use crate::failure::Failure;
+use whipcord_study::failure::Failure;
 
 /// Print the completion script for a shell
 ///

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::examples::EXAMPLES;
-use crate::failure::Failure;
-use crate::files::{self, Folder};
-use crate::style::Style;
+use whipcord_study::failure::Failure;
+use whipcord_study::files::{self, Folder};
+use whipcord_study::style::Style;
 
 /// List the example robot files, or copy them to a folder
 ///

@@ -13,12 +13,12 @@ use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, quantity
 
 use crate::chosen::{ActuationArgument, actuation, model_parser};
 use crate::deadline;
-use crate::failure::{Failure, refuses};
-use crate::files::{self, Folder};
-use crate::fitting::{Fit, moves_unasked, not_converged, tables};
 use crate::inputs::{self, Inputs};
-use crate::style::Style;
 use crate::warnings::Warnings;
+use whipcord_study::failure::{Failure, refuses};
+use whipcord_study::files::{self, Folder};
+use whipcord_study::fitting::{Fit, moves_unasked, not_converged, tables};
+use whipcord_study::style::Style;
 
 /// Estimate parameters of the robot from what was measured
 ///

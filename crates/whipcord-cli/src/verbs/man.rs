@@ -7,8 +7,8 @@ use clap::{Args, Command, CommandFactory as _};
 use clap_mangen::Man;
 
 use crate::Cli;
-use crate::failure::Failure;
-use crate::files::Folder;
+use whipcord_study::failure::Failure;
+use whipcord_study::files::Folder;
 
 /// Print the manual page, or write those of all verbs to a folder
 ///

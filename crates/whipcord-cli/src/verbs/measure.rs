@@ -9,13 +9,15 @@ use whipcord_io::{load_camera, marks_csv};
 use whipcord_vision::detect::{Base, DetectError, Kind, Mark, Mask, Row, Search, colour, find_row};
 use whipcord_vision::{Photo, annotated};
 
-use crate::failure::Failure;
-use crate::files::{self, no_result, path_ending_in, write};
-use crate::inputs::{Settings, message, read_one};
+use crate::inputs::{Settings, read_one};
+use crate::path_argument::path_ending_in;
 use crate::photographs::Photograph;
-use crate::quantity::fixed;
-use crate::style::Style;
-use crate::table::{Align, Table};
+use whipcord_study::failure::Failure;
+use whipcord_study::failure::message;
+use whipcord_study::files::{self, no_result, write};
+use whipcord_study::quantity::fixed;
+use whipcord_study::style::Style;
+use whipcord_study::table::{Align, Table};
 
 /// Find disks or markers in a photograph
 ///

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::failure::Failure;
-use crate::files::{self, path_ending_in};
-use crate::inputs;
+use crate::path_argument::path_ending_in;
 use crate::template::questions::{self, Unanswered};
 use crate::template::{Kind, Plan};
+use whipcord_study::failure::Failure;
+use whipcord_study::files;
 
 /// Write a template of a robot file
 ///
@@ -80,7 +80,7 @@ fn check(text: &str, path: &Path) -> Result<(), Failure> {
         Ok(_) => Ok(()),
         Err(error) => Err(Failure::Input(format!(
             "error: these answers give no valid robot; nothing was written\n{}",
-            inputs::message(&error)
+            whipcord_study::failure::message(&error)
         ))),
     }
 }

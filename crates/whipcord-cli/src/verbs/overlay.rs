@@ -13,16 +13,17 @@ use whipcord_plot::{
 
 use crate::chosen::model_parser;
 use crate::deadline;
-use crate::failure::Failure;
-use crate::files::{self, Folder};
-use crate::inputs::{Settings, message, read_one};
+use crate::inputs::{Settings, read_one};
 use crate::photographs::Photograph;
-use crate::quantity::millimetres;
-use crate::style::Style;
 use crate::superposition::seen;
 use crate::superposition::{Run, tables};
 use crate::warnings::Warnings;
-use crate::words::{REVERSED_HELP, reversed};
+use whipcord_study::failure::Failure;
+use whipcord_study::failure::message;
+use whipcord_study::files::{self, Folder};
+use whipcord_study::quantity::millimetres;
+use whipcord_study::style::Style;
+use whipcord_study::words::{REVERSED_HELP, reversed};
 
 /// Draw the models over a photograph of the robot
 ///

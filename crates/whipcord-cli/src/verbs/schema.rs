@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::failure::Failure;
-use crate::files;
+use whipcord_study::failure::Failure;
+use whipcord_study::files;
 
 /// Print the JSON Schema of robot files, for completion and checking in editors
 #[derive(Debug, Args)]

@@ -11,19 +11,21 @@ use whipcord_io::{Beside, CaseFile, Measured, answer_json, shape_csv, steps_csv,
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
 use crate::chosen::ChosenModel;
-use crate::contacts;
-use crate::failure::Failure;
-use crate::files::{self, path_ending_in};
 use crate::inputs::{Settings, read_one};
+use crate::path_argument::path_ending_in;
 use crate::paths;
-use crate::quantity::{degrees, fixed, fixed_millimetres, newtons, number, percent};
 use crate::rubbing;
-use crate::steps;
-use crate::style::Style;
-use crate::table::{Align, Table};
-use crate::timing::{self, TimedSolution, duration};
-use crate::warnings::{Warnings, about_answers};
-use crate::words::{compromise, driven_by, instability};
+use crate::warnings::Warnings;
+use whipcord_study::contacts;
+use whipcord_study::failure::Failure;
+use whipcord_study::files;
+use whipcord_study::quantity::{degrees, fixed, fixed_millimetres, newtons, number, percent};
+use whipcord_study::steps;
+use whipcord_study::style::Style;
+use whipcord_study::table::{Align, Table};
+use whipcord_study::timing::{self, TimedSolution, duration};
+use whipcord_study::warnings::about_answers;
+use whipcord_study::words::{compromise, driven_by, instability};
 
 /// Solve one case with one model
 ///

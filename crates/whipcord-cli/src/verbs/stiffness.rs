@@ -14,14 +14,15 @@ use whipcord_plot::{
 };
 
 use crate::chosen::ChosenModel;
-use crate::failure::Failure;
-use crate::files::{self, path_ending_in};
 use crate::inputs::{Settings, read_one};
-use crate::quantity::{fixed_millimetres, millimetres, number};
-use crate::style::Style;
-use crate::table::{Align, Table};
+use crate::path_argument::path_ending_in;
 use crate::warnings::Warnings;
-use crate::words::{driven_by, instability};
+use whipcord_study::failure::Failure;
+use whipcord_study::files;
+use whipcord_study::quantity::{fixed_millimetres, millimetres, number};
+use whipcord_study::style::Style;
+use whipcord_study::table::{Align, Table};
+use whipcord_study::words::{driven_by, instability};
 
 /// ActuationArgument Jacobian, compliance and stiffness at one point of the backbone
 ///
@@ -449,6 +450,6 @@ fn axes(compliance: &Matrix6) -> String {
 }
 
 fn components(direction: Vec3) -> String {
-    let [x, y, z] = direction.to_array().map(|c| crate::quantity::fixed(c, 3));
+    let [x, y, z] = direction.to_array().map(|c| whipcord_study::quantity::fixed(c, 3));
     format!("({x}, {y}, {z})")
 }

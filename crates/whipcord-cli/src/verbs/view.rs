@@ -8,10 +8,9 @@ use whipcord::ModelVariant;
 use whipcord_viewer::{View, ViewError, export};
 
 use crate::chosen::variant_parser;
-use crate::failure::Failure;
-use crate::files;
-use crate::inputs;
 use crate::progress;
+use whipcord_study::failure::Failure;
+use whipcord_study::files;
 
 /// Move the cables of a robot in the browser
 ///
@@ -67,7 +66,7 @@ pub fn run(args: &ViewArgs) -> Result<String, Failure> {
 
 fn failure(error: &ViewError) -> Failure {
     match error {
-        ViewError::File(error) => Failure::Input(inputs::message(error)),
+        ViewError::File(error) => Failure::Input(whipcord_study::failure::message(error)),
         error => Failure::Input(format!("error: {error}")),
     }
 }

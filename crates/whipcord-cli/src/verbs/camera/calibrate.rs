@@ -13,12 +13,12 @@ use whipcord_vision::boards::{
 };
 
 use super::format_of;
-use crate::failure::Failure;
-use crate::files;
 use crate::photographs::Photograph;
-use crate::quantity::{degrees, fixed, number};
-use crate::style::Style;
-use crate::table::{Align, Table};
+use whipcord_study::failure::Failure;
+use whipcord_study::files;
+use whipcord_study::quantity::{degrees, fixed, number};
+use whipcord_study::style::Style;
+use whipcord_study::table::{Align, Table};
 
 /// Calibrate the lens of a camera from photographs of a chessboard or a ChArUco board
 ///

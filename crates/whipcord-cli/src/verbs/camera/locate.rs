@@ -9,11 +9,11 @@ use whipcord_estimation::{Observation, Place, Seen};
 use whipcord_io::{camera_text, load_camera, load_markers};
 
 use super::format_of;
-use crate::failure::Failure;
-use crate::files;
-use crate::inputs::{self, Settings, read_one};
-use crate::quantity::{number, vector};
-use crate::style::Style;
+use crate::inputs::{Settings, read_one};
+use whipcord_study::failure::Failure;
+use whipcord_study::files;
+use whipcord_study::quantity::{number, vector};
+use whipcord_study::style::Style;
 
 /// Find the pose of a camera from a photograph of the robot before actuation
 ///
@@ -52,7 +52,7 @@ fn direction(text: &str) -> Result<Vec3, String> {
 pub fn run(args: &LocateArgs, style: Style) -> Result<String, Failure> {
     let format = args.output.as_deref().map(format_of).transpose()?;
     let file = read_one(&args.file, &Settings::default())?;
-    let unusable = |error| Failure::Input(inputs::message(&error));
+    let unusable = |error| Failure::Input(whipcord_study::failure::message(&error));
     let lens = args.lens.as_deref().map(load_camera).transpose().map_err(unusable)?;
     let markers = load_markers(&args.markers, &file.robot).map_err(unusable)?;
     let seen = sightings(&file.robot, file.case.base, &markers);
@@ -155,7 +155,7 @@ fn named(marker: &Observation) -> String {
     match marker.place {
         Place::Disk(disk) => format!("disk {}", disk + 1),
         Place::ArcLength(arc_length) => {
-            format!("the marker at {}", crate::quantity::millimetres(arc_length))
+            format!("the marker at {}", whipcord_study::quantity::millimetres(arc_length))
         }
     }
 }

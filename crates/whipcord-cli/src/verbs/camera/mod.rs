@@ -8,8 +8,8 @@ use std::path::Path;
 use clap::{Args, Subcommand};
 use whipcord_io::CameraFormat;
 
-use crate::failure::Failure;
-use crate::style::Style;
+use whipcord_study::failure::Failure;
+use whipcord_study::style::Style;
 
 /// Calibrate and locate the cameras that photograph the robot
 #[derive(Debug, Args)]

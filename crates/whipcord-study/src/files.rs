@@ -1,30 +1,16 @@
 //! Files and folders that are written.
 
 use std::collections::HashSet;
-use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clap::builder::{PathBufValueParser, TypedValueParser};
 use whipcord_io::{CsvTable, NonFinite, write_atomically};
 use whipcord_plot::{PlotError, png};
 
 use crate::failure::Failure;
-use crate::inputs::STANDARD_INPUT;
 
-/// Takes a path, in any encoding, whose name ends in one of these.
-pub fn path_ending_in(
-    extensions: &'static [&'static str],
-) -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(move |path: PathBuf| {
-        let ends = |extension: &OsStr| extensions.iter().any(|e| extension.eq_ignore_ascii_case(e));
-        if path.extension().is_some_and(ends) {
-            Ok(path)
-        } else {
-            Err(format!("the name must end in .{}", extensions.join(" or .")))
-        }
-    })
-}
+/// Name of standard input in messages.
+pub const STANDARD_INPUT: &str = "<stdin>";
 
 /// Pixels of a PNG for each px of its SVG: sharp on dense displays and in print.
 const PNG_SCALE: f64 = 2.0;

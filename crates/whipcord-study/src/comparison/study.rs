@@ -1,11 +1,10 @@
 //! One case solved by every model that can take it.
 
 use whipcord::{
-    Actuation, Case, Model, ModelKind, Robot, Shape, Solution, SolveError, Stations, Vec3,
+    Actuation, Cancel, Case, Model, ModelKind, Robot, Shape, Solution, SolveError, Stations, Vec3,
 };
 use whipcord_estimation::observation::{Distances, Incomparable, distances};
 
-use crate::deadline;
 use crate::steps;
 use crate::timing::{self, TimedSolution, Timing};
 use crate::trial::like_for_like;
@@ -122,10 +121,12 @@ impl Run {
 }
 
 impl Study {
-    /// Solves the case with these models.
-    pub fn new(file: CaseFile, stem: String, kinds: &[ModelKind]) -> Self {
+    /// Solves the case with these models, until the flag is set.
+    pub fn new(file: CaseFile, stem: String, kinds: &[ModelKind], cancel: &Cancel) -> Self {
         let CaseFile { robot, case, measured, .. } = &file;
-        let run = |kind, case, commands| run(kind, robot, case, commands, measured.as_ref());
+        let run = |kind, case, commands| {
+            run(model(kind, cancel), robot, case, commands, measured.as_ref())
+        };
         let mut runs: Vec<Run> =
             kinds.iter().map(|&kind| run(kind, case, Commands::File)).collect();
         // Of geometric models, which take their lengths alone from the case.
@@ -140,11 +141,17 @@ impl Study {
                 Some((kind, like_for_like(robot, case, answers)?))
             })
             .map(|(kind, case)| {
-                self::run(kind, robot, &case, Commands::CosseratShape, measured.as_ref())
+                self::run(
+                    model(kind, cancel),
+                    robot,
+                    &case,
+                    Commands::CosseratShape,
+                    measured.as_ref(),
+                )
             })
             .collect::<Vec<_>>();
         runs.extend(like);
-        let warnings = about_file_and_answers(&file, &answered(&runs));
+        let warnings = about_file_and_answers(&file, &answered(&runs, cancel));
         Self { file, stem, runs, warnings }
     }
 
@@ -187,14 +194,15 @@ impl Study {
 }
 
 fn run(
-    kind: ModelKind,
+    model: Model,
     robot: &Robot,
     case: &Case,
     commands: Commands,
     measured: Option<&Measured>,
 ) -> Run {
-    let outcome = timing::solve(&model(kind), robot, case).map(|timed| {
-        let smooth = model(kind).at(Stations::Equal(FINE_STATIONS));
+    let kind = model.kind();
+    let outcome = timing::solve(&model, robot, case).map(|timed| {
+        let smooth = model.at(Stations::Equal(FINE_STATIONS));
         let fine = timed.shapes_at_stations_of(&smooth, robot, case).pop().flatten();
         let answers = timed.answers();
         let measured = measured.and_then(|Measured { observations, alignment, .. }| {
@@ -217,16 +225,16 @@ fn cosserat(runs: &[Run]) -> Option<&[Solution]> {
 }
 
 /// The answers to what the file itself asks.
-fn answered(runs: &[Run]) -> Vec<Answered<'_>> {
+fn answered<'a>(runs: &'a [Run], cancel: &Cancel) -> Vec<Answered<'a>> {
     let own = runs.iter().filter(|run| run.commands == Commands::File);
     own.filter_map(|run| {
         let solved = run.outcome.as_ref().ok()?;
-        Some((model(run.model), solved.answers.iter().collect()))
+        Some((model(run.model, cancel), solved.answers.iter().collect()))
     })
     .collect()
 }
 
 /// The model as it is compared, giving the shape at the disks.
-fn model(kind: ModelKind) -> Model {
-    Model::new(kind, Stations::Disks, Actuation::Natural).cancelled_by(&deadline::cancel())
+fn model(kind: ModelKind, cancel: &Cancel) -> Model {
+    Model::new(kind, Stations::Disks, Actuation::Natural).cancelled_by(cancel)
 }

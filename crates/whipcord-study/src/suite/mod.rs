@@ -3,7 +3,6 @@
 mod contact;
 mod routing;
 
-use clap::ValueEnum;
 use whipcord::{Case, Robot, RobotError};
 use whipcord_io::{Inexpressible, describe, toml};
 
@@ -12,7 +11,7 @@ use crate::table::{Align, Table};
 use crate::trial::{Burden, Subject, Tags};
 
 /// A suite of cases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Suite {
     /// Straight, helical, S-shaped, converging and crossing cables; 5 to 100 sections; bent by 30° to 270°;
     /// without and with a load; against a wall, a ball and in a pipe
@@ -35,6 +34,33 @@ pub struct SuiteCase {
 }
 
 impl Suite {
+    /// All suites.
+    pub const ALL: [Self; 1] = [Self::Routing];
+
+    /// The name on the command line and in Python.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Routing => "routing",
+        }
+    }
+
+    /// What it contains.
+    #[must_use]
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Routing => {
+                "Straight, helical, S-shaped, converging and crossing cables; 5 to 100 sections; bent by 30° to 270°; without and with a load; against a wall, a ball and in a pipe"
+            }
+        }
+    }
+
+    /// The suite of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|suite| suite.name() == name)
+    }
+
     /// Its cases.
     ///
     /// # Errors

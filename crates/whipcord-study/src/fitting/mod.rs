@@ -3,7 +3,7 @@
 mod figures;
 mod order;
 mod report;
-pub(crate) mod tables;
+pub mod tables;
 
 use std::path::{Path, PathBuf};
 
@@ -160,7 +160,7 @@ impl Fit {
     }
 
     /// Report, figures and CSV: their names and what is in them.
-    pub(crate) fn files(&self) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let mut files = Vec::new();
         let (estimates, residuals) = (tables::estimates_csv(self), tables::residuals_csv(self));
         for (name, table) in [("estimates.csv", estimates), ("residuals.csv", residuals)] {

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use thiserror::Error;
 use whipcord::SolveError;
-use whipcord_io::CaseFile;
+use whipcord_io::{CaseFile, FileError, render};
 
-use crate::inputs;
+use crate::style::Style;
 
 /// Why a verb did not do its work. The message is what standard error shows.
 #[derive(Debug, Error)]
@@ -56,7 +56,7 @@ impl Failure {
     /// What a model said about the case in `file`: with its place there when the model refuses it.
     pub fn from_solve(file: &CaseFile, error: &SolveError) -> Self {
         if let Some(located) = file.locate(error) {
-            return Self::Input(inputs::message(&located));
+            return Self::Input(message(&located));
         }
         let message = format!("error: {}: {error}", file.path.display());
         if refuses(error) { Self::Input(message) } else { Self::Solve(message) }
@@ -69,4 +69,9 @@ pub const fn refuses(error: &SolveError) -> bool {
         error,
         SolveError::Invalid(_) | SolveError::Missing { .. } | SolveError::Unsupported { .. }
     )
+}
+
+/// A file's error as standard error shows it.
+pub fn message(error: &FileError) -> String {
+    render(error, Style::for_stderr().is_enabled()).trim_end().to_owned()
 }

@@ -2,7 +2,6 @@
 
 use std::str::FromStr;
 
-use clap::ValueEnum as _;
 use serde_json::Value;
 use whipcord::{Cancel, Case, ModelKind, Robot, RobotError};
 use whipcord_io::{Measured, NonFinite};
@@ -62,8 +61,7 @@ impl Tried {
     /// # Errors
     /// [`JudgingError::NoSuite`] and [`JudgingError::NoCase`].
     pub fn suite(name: &str, only: &[String]) -> Result<Vec<Self>, JudgingError> {
-        let suite =
-            Suite::from_str(name, false).map_err(|_| JudgingError::NoSuite(name.to_owned()))?;
+        let suite = Suite::named(name).ok_or_else(|| JudgingError::NoSuite(name.to_owned()))?;
         let cases = suite::only(suite.cases()?, only)
             .ok_or_else(|| JudgingError::NoCase(only.join(" or ")))?;
         let tried = |SuiteCase { stem, title, robot, case, tags }| Self {
