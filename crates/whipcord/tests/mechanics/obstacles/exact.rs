@@ -201,7 +201,7 @@ fn the_nearest_place_of_a_coil_is_found() {
     let radius = 0.006;
     let at = |k: u32| {
         let angle = f64::from(k) * core::f64::consts::PI / 12.0;
-        [0.03 * angle.cos(), 0.03 * angle.sin(), 0.014 * angle / core::f64::consts::TAU]
+        [0.03 * angle.cos(), 0.03 * angle.sin(), 0.014 * angle / TAU]
     };
     let points: Vec<[f64; 3]> = (0..=120).map(at).collect();
     let coil = pipe(radius, &points, Bends::Smooth);
