@@ -128,7 +128,7 @@ pub fn branches_text(branches: &Branches, style: Style) -> String {
             equilibrium.branch.map_or_else(|| String::from("none"), |b| b.to_string()),
             format!("({x}, {y}, {z}) mm"),
             stability.map_or_else(|| String::from("–"), |least| number(settled(least), 3)),
-            verdict(equilibrium).to_owned(),
+            recommendation(equilibrium).to_owned(),
         ]);
     }
     let mut text = format!("{}\n", style.heading("equilibria under all of the load"));
@@ -161,7 +161,7 @@ fn settled(least: f64) -> f64 {
     if least.abs() <= Diagnostics::NEUTRAL { 0.0 } else { least }
 }
 
-fn verdict(equilibrium: &Equilibrium) -> &'static str {
+fn recommendation(equilibrium: &Equilibrium) -> &'static str {
     let neutral = |least: f64| settled(least) == 0.0;
     match equilibrium.stable {
         Some(true) if equilibrium.solution.diagnostics.stability.is_some_and(neutral) => {

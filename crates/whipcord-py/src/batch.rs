@@ -55,13 +55,13 @@ impl Outcomes {
     /// (N,) whether a row has an answer that is known to be stable.
     #[getter]
     fn stable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        self.verdict(py, Some(true))
+        self.recommendation(py, Some(true))
     }
 
     /// (N,) whether a row has an answer that is known to be unstable.
     #[getter]
     fn unstable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        self.verdict(py, Some(false))
+        self.recommendation(py, Some(false))
     }
 
     /// (N,) a diagnostic; NaN where a row has none.
@@ -97,7 +97,7 @@ impl Outcomes {
 
 impl Outcomes {
     /// (N,) whether a row has an answer with this verdict of stability.
-    fn verdict<'py>(
+    fn recommendation<'py>(
         &self,
         py: Python<'py>,
         stable: Option<bool>,

@@ -7,11 +7,11 @@ use whipcord::{Cancel, Case, ModelKind, Robot, RobotError};
 use whipcord_io::{Measured, NonFinite};
 use whipcord_plot::PlotError;
 
+use crate::model_benchmark::reference::Choice;
+use crate::model_benchmark::results::Results;
+use crate::model_benchmark::{Subject, Tags, output, picture, tables};
 use crate::style::Style;
 use crate::suite::{self, Suite, SuiteCase};
-use crate::trial::results::Results;
-use crate::trial::yardstick::Choice;
-use crate::trial::{Subject, Tags, output, picture, tables};
 
 /// A case that models are tried on.
 #[derive(Clone, Debug)]
@@ -120,7 +120,7 @@ impl Judgement {
         output::json(&self.0)
     }
 
-    /// The tables, notes and verdict that `whipcord compare` prints.
+    /// The tables, notes and recommendation that `whipcord compare` prints.
     #[must_use]
     pub fn text(&self) -> String {
         tables::text(&self.0, false, Style::default())

@@ -2,9 +2,9 @@
 
 use whipcord::{Actuation, Case, NoStability, Solution};
 
+use crate::describe::driven_by;
 use crate::quantity::{degrees, fixed_millimetres};
 use crate::table::{Align, Table};
-use crate::words::driven_by;
 
 /// Root mean square distance in m over the disks of two models, without the base disk, and over all steps of a case.
 pub fn rms_distance(a: &[Solution], b: &[Solution]) -> f64 {

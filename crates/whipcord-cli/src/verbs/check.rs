@@ -10,11 +10,11 @@ use whipcord_io::{CaseFile, FileWarning, problems_json, warnings_json};
 use crate::deadline;
 use crate::inputs::{self, Settings};
 use crate::warnings::{Warnings, text as warnings_text};
+use whipcord_study::describe::{describe, driven_by, instability, markers};
 use whipcord_study::failure::{Failure, refuses};
 use whipcord_study::quantity::millimetres;
 use whipcord_study::style::Style;
 use whipcord_study::warnings::{Answered, about_file_and_answers};
-use whipcord_study::words::{describe, driven_by, instability, markers};
 
 /// Check robot files and print a description of each robot
 ///
@@ -164,7 +164,7 @@ impl Checked {
             lines.push((String::from("reference"), reference.source.clone()));
         }
         for (kind, answer) in answers {
-            let verdict = match answer {
+            let recommendation = match answer {
                 Ok(solution) => {
                     let driver = driven_by(*kind, Actuation::Natural, &file.case);
                     let unstable = instability(solution).map(|words| format!("; {words}"));
@@ -173,7 +173,7 @@ impl Checked {
                 Err(error) if refuses(error) => format!("cannot take it: {error}"),
                 Err(error) => format!("takes it, but finds no answer: {error}"),
             };
-            lines.push((kind.to_string(), verdict));
+            lines.push((kind.to_string(), recommendation));
         }
         let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let mut text = format!("{}\n", style.heading(format!("{}: valid", file.path.display())));

@@ -22,11 +22,11 @@ use whipcord_study::comparison::{csv, report, tables};
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder, picture, plot_failure, unique_names, write};
 use whipcord_study::html::{Figure, page};
+use whipcord_study::model_benchmark::reference::Choice;
+use whipcord_study::model_benchmark::results::Results;
+use whipcord_study::model_benchmark::{self, Subject};
 use whipcord_study::style::Style;
 use whipcord_study::suite::{self, Suite, SuiteCase};
-use whipcord_study::trial::results::Results;
-use whipcord_study::trial::yardstick::Choice;
-use whipcord_study::trial::{self, Subject};
 
 /// Compare all models on every case, and recommend a model for each purpose
 ///
@@ -118,9 +118,11 @@ fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, F
     not_ended()?;
     let folder = Folder::create(&args.out)?;
     let (accuracy, text) = accuracy(args, &folder, &results, style)?;
-    let verdict = trial::report::verdict(&results);
-    let body =
-        format!("<h1>Models on trial</h1>\n{verdict}{accuracy}{}", whipcord_study::html::footer());
+    let recommendation = model_benchmark::report::recommendation(&results);
+    let body = format!(
+        "<h1>Models on trial</h1>\n{recommendation}{accuracy}{}",
+        whipcord_study::html::footer()
+    );
     folder.write("report.html", &page("Whipcord: models on trial", &body))?;
     finish(args, &results, Vec::new(), text, &folder)
 }
@@ -174,8 +176,8 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     let figures = write_figures(&folder, &studies)?;
     write_numbers(&folder, &studies)?;
     let (accuracy, trials) = accuracy(args, &folder, &results, style)?;
-    let verdict = trial::report::verdict(&results);
-    let report = report::html(&studies, &figures, &verdict, &accuracy, &passed_over);
+    let recommendation = model_benchmark::report::recommendation(&results);
+    let report = report::html(&studies, &figures, &recommendation, &accuracy, &passed_over);
     folder.write("report.html", &report)?;
 
     if !unsolved.is_empty() {
@@ -231,7 +233,7 @@ fn accuracy(
     results: &Results,
     style: Style,
 ) -> Result<(String, String), Failure> {
-    let pareto = trial::picture::pareto("Error against time", results)
+    let pareto = model_benchmark::picture::pareto("Error against time", results)
         .map_err(|error| plot_failure(folder.path(), &error))?;
     if let Some(svg) = &pareto {
         folder.write_figure("pareto", svg)?;
@@ -239,15 +241,15 @@ fn accuracy(
             write(path, &picture(svg, path)?)?;
         }
     }
-    folder.write_table("accuracy.csv", &trial::output::csv(results))?;
+    folder.write_table("accuracy.csv", &model_benchmark::output::csv(results))?;
     let figure = pareto.map(|svg| Figure {
         name: "pareto".into(),
         caption: "Error, relative to the length of the backbone, against the time of a solve: each case as a dot, the medians of each model as its sign, hollow for a variant. Models in pale colours are slower and less accurate than another model.".into(),
         svg,
     });
-    let html = trial::report::section(results, figure.as_ref());
+    let html = model_benchmark::report::section(results, figure.as_ref());
     let mut text = style.heading("Accuracy and time") + "\n\n";
-    text += &trial::tables::text(results, args.rows, style);
+    text += &model_benchmark::tables::text(results, args.rows, style);
     Ok((html, text))
 }
 
@@ -260,7 +262,8 @@ fn finish(
     folder: &Folder,
 ) -> Result<String, Failure> {
     if args.json {
-        let mut json = trial::output::json(results).map_err(|error| files::no_result(&error))?;
+        let mut json =
+            model_benchmark::output::json(results).map_err(|error| files::no_result(&error))?;
         json["warnings"] = warnings.into();
         return Ok(format!("{json:#}\n"));
     }

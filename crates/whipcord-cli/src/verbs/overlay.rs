@@ -18,12 +18,12 @@ use crate::photographs::Photograph;
 use crate::superposition::seen;
 use crate::superposition::{Run, tables};
 use crate::warnings::Warnings;
+use whipcord_study::describe::{REVERSED_HELP, reversed};
 use whipcord_study::failure::Failure;
 use whipcord_study::failure::message;
 use whipcord_study::files::{self, Folder};
 use whipcord_study::quantity::millimetres;
 use whipcord_study::style::Style;
-use whipcord_study::words::{REVERSED_HELP, reversed};
 
 /// Draw the models over a photograph of the robot
 ///

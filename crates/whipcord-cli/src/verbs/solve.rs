@@ -17,6 +17,7 @@ use crate::paths;
 use crate::rubbing;
 use crate::warnings::Warnings;
 use whipcord_study::contacts;
+use whipcord_study::describe::{compromise, driven_by, instability};
 use whipcord_study::failure::Failure;
 use whipcord_study::files;
 use whipcord_study::quantity::{degrees, fixed, fixed_millimetres, newtons, number, percent};
@@ -25,7 +26,6 @@ use whipcord_study::style::Style;
 use whipcord_study::table::{Align, Table};
 use whipcord_study::timing::{self, TimedSolution, duration};
 use whipcord_study::warnings::about_answers;
-use whipcord_study::words::{compromise, driven_by, instability};
 
 /// Solve one case with one model
 ///

@@ -17,12 +17,12 @@ use crate::chosen::ChosenModel;
 use crate::inputs::{Settings, read_one};
 use crate::path_argument::path_ending_in;
 use crate::warnings::Warnings;
+use whipcord_study::describe::{driven_by, instability};
 use whipcord_study::failure::Failure;
 use whipcord_study::files;
 use whipcord_study::quantity::{fixed_millimetres, millimetres, number};
 use whipcord_study::style::Style;
 use whipcord_study::table::{Align, Table};
-use whipcord_study::words::{driven_by, instability};
 
 /// ActuationArgument Jacobian, compliance and stiffness at one point of the backbone
 ///

@@ -11,7 +11,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 9] = [
+const ALLOWED: [(&str, &[&str]); 10] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-estimation", &["whipcord", "whipcord-numerics"]),
@@ -19,6 +19,7 @@ const ALLOWED: [(&str, &[&str]); 9] = [
     ("whipcord-plot", &["whipcord", "whipcord-estimation"]),
     ("whipcord-vision", &["whipcord", "whipcord-estimation", "whipcord-numerics"]),
     ("whipcord-viewer", &["whipcord", "whipcord-estimation", "whipcord-io", "whipcord-plot"]),
+    ("whipcord-study", &["whipcord", "whipcord-estimation", "whipcord-io", "whipcord-plot"]),
     (
         "whipcord-cli",
         &[
@@ -26,17 +27,20 @@ const ALLOWED: [(&str, &[&str]); 9] = [
             "whipcord-estimation",
             "whipcord-io",
             "whipcord-plot",
+            "whipcord-study",
             "whipcord-vision",
             "whipcord-viewer",
         ],
     ),
     (
+        // Of the command line the extension module takes the command itself and the examples in it, no results.
         "whipcord-py",
         &[
             "whipcord",
             "whipcord-estimation",
             "whipcord-io",
             "whipcord-plot",
+            "whipcord-study",
             "whipcord-vision",
             "whipcord-cli",
         ],

@@ -10,8 +10,8 @@ use thiserror::Error;
 use super::paper::Example;
 use super::resample::resample;
 use crate::failure::refuses;
+use crate::model_benchmark::candidate::step_per_section;
 use crate::statistics::Line;
-use crate::trial::contender::step_per_section;
 
 /// Numbers of sections: six from 5 to 320, about equally far apart on a logarithmic axis.
 pub const SECTIONS: [usize; 6] = [5, 10, 20, 50, 125, 320];

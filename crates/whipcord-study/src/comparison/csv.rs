@@ -67,7 +67,7 @@ pub fn summary(studies: &[Study]) -> CsvTable {
                     row.push(Cell::from(diagnostics.stability));
                     row.push(Cell::from(diagnostics.steps));
                     row.push(Cell::Empty);
-                    row.extend(verdict(solved));
+                    row.extend(recommendation(solved));
                     row.extend(measured(study, solved));
                 }
                 Err(error) => {
@@ -83,7 +83,7 @@ pub fn summary(studies: &[Study]) -> CsvTable {
 }
 
 /// Whether the answers to all steps are stable, why that is not known, and how many are unstable.
-fn verdict(solved: &Solved) -> [Cell; 3] {
+fn recommendation(solved: &Solved) -> [Cell; 3] {
     let stable = steps::all_stable(&solved.answers);
     let absent = steps::stability_absent(&solved.answers).filter(|_| stable.is_none());
     let unstable = solved.answers.iter().filter(|answer| answer.diagnostics.is_unstable()).count();

@@ -6,22 +6,22 @@ use whipcord_estimation::observation::Distances;
 use super::study::{Commands, FAR, Study};
 use super::tables::{self, OUTLIER, each_once, not_compared, with_mark};
 use crate::contacts;
+use crate::describe::{describe, instability};
 use crate::html::{Figure, escape, footer, list, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
-use crate::words::{describe, instability};
 
-/// The report of these cases with the figures of each; `verdict` says which model to use for what, `accuracy` is the
+/// The report of these cases with the figures of each; `recommendation` says which model to use for what, `accuracy` is the
 /// section about all cases.
 pub fn html(
     studies: &[Study],
     figures: &[Vec<Figure>],
-    verdict: &str,
+    recommendation: &str,
     accuracy: &str,
     passed_over: &[String],
 ) -> String {
     let mut body = String::from("<h1>Models side by side</h1>\n");
-    body += verdict;
+    body += recommendation;
     body += "<h2>Answers</h2>\n";
     body += &tables::summary(studies, true).html();
     let outliers = studies.iter().any(Study::has_outliers).then(outlier_note);

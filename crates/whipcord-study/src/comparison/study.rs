@@ -5,17 +5,17 @@ use whipcord::{
 };
 use whipcord_estimation::observation::{Distances, Incomparable, distances};
 
+use crate::describe::driven_by;
+use crate::model_benchmark::like_for_like;
 use crate::steps;
 use crate::timing::{self, TimedSolution, Timing};
-use crate::trial::like_for_like;
 use crate::warnings::{Answered, about_file_and_answers};
-use crate::words::driven_by;
 use whipcord_io::{CaseFile, FileWarning, Measured};
 use whipcord_plot::FINE_STATIONS;
 
 /// Distance relative to the backbone's length beyond which an answer is marked as an outlier: what the models are
 /// judged by.
-pub const FAR: f64 = crate::trial::verdict::TOLERANCE;
+pub const FAR: f64 = crate::model_benchmark::recommendation::TOLERANCE;
 
 /// A case and what the models say of it.
 #[derive(Clone, Debug)]

@@ -5,10 +5,10 @@ use whipcord_estimation::observation::Distances;
 use whipcord_io::Measured;
 
 use super::study::{Commands, Run, Solved, Study};
+use crate::describe::{REVERSED_HELP, reversed};
 use crate::quantity::{degrees, fixed, fixed_millimetres, millimetres};
 use crate::table::{Align, Table};
 use crate::timing::duration;
-use crate::words::{REVERSED_HELP, reversed};
 
 /// Marks an answer that the robot leaves.
 const UNSTABLE: &str = "†";

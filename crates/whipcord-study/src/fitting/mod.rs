@@ -17,10 +17,10 @@ use whipcord_io::{
     AnswerOf, CaseFile, FileWarning, NonFinite, fit_json, status_words, warnings_json,
 };
 
+use crate::describe::REVERSED_HELP;
 use crate::failure::Failure;
 use crate::files::{Folder, no_result, picture, plot_failure, unique_names, write};
 use crate::quantity::number;
-use crate::words::REVERSED_HELP;
 
 /// A warning about a fit as a whole.
 #[derive(Clone, Debug, PartialEq, Eq)]

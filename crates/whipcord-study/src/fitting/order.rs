@@ -7,7 +7,7 @@ use whipcord_estimation::{Observation, Seen};
 use whipcord_io::CaseFile;
 
 use super::moves_base;
-use crate::words::reversed;
+use crate::describe::reversed;
 
 /// What is said of the cases whose markers on the axis fit the model of the file as it is far better in
 /// opposite order, in one of its steps. Where the place of the base is what is sought, the order is not told by it.

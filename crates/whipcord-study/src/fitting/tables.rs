@@ -6,10 +6,10 @@ use whipcord_io::{CaseFile, Cell, CsvTable};
 
 use super::Fit;
 use super::figures::is_outlier;
+use crate::describe::markers;
 use crate::quantity::{fixed, number, percent};
 use crate::style::Style;
 use crate::table::{Align, Table};
-use crate::words::markers;
 
 /// What standard output shows.
 pub fn summary(fit: &Fit, unknowns: &[Unknown], style: Style) -> String {

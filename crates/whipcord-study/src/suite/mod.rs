@@ -6,9 +6,9 @@ mod routing;
 use whipcord::{Case, Robot, RobotError};
 use whipcord_io::{Inexpressible, describe, toml};
 
+use crate::model_benchmark::{LoadKind, Subject, Tags};
 use crate::quantity::degrees;
 use crate::table::{Align, Table};
-use crate::trial::{Burden, Subject, Tags};
 
 /// A suite of cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,9 +122,9 @@ pub fn list(cases: &[SuiteCase]) -> Table {
             case.tags.routing.to_owned(),
             (case.robot.disks().count() - 1).to_string(),
             degrees(case.tags.bending),
-            match case.tags.burden {
-                Burden::None => String::new(),
-                burden => burden.name().to_owned(),
+            match case.tags.load_kind {
+                LoadKind::None => String::new(),
+                load_kind => load_kind.name().to_owned(),
             },
         ]);
     }

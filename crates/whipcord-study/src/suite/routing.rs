@@ -7,7 +7,7 @@ use whipcord::{
 };
 
 use super::SuiteCase;
-use crate::trial::{Burden, Tags};
+use crate::model_benchmark::{LoadKind, Tags};
 
 /// The paper's prototype: length, diameter and hole circle in m, Young's modulus in Pa, Poisson's ratio.
 pub(super) const LENGTH: f64 = 0.18;
@@ -118,7 +118,7 @@ fn case(routing: &'static str, robot: &Robot, degrees: f64, loaded: bool) -> Sui
         tags: Tags {
             routing,
             bending,
-            burden: if loaded { Burden::TipForce } else { Burden::None },
+            load_kind: if loaded { LoadKind::TipForce } else { LoadKind::None },
         },
     }
 }
@@ -128,10 +128,10 @@ mod tests {
     use whipcord::{Actuation, Cancel, Model, ModelKind, Statics as _, Stations};
 
     use super::*;
-    use crate::trial::contender::{Contender, Variant};
-    use crate::trial::results::Results;
-    use crate::trial::summary;
-    use crate::trial::yardstick::Choice;
+    use crate::model_benchmark::candidate::{Candidate, Variant};
+    use crate::model_benchmark::reference::Choice;
+    use crate::model_benchmark::results::Results;
+    use crate::model_benchmark::summary;
 
     #[test]
     fn cases_are_valid_and_written_as_files_that_say_the_same() {
@@ -154,8 +154,9 @@ mod tests {
     #[test]
     fn straight_cables_bend_the_robot_as_the_suite_says() {
         let model = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Natural);
-        let straight =
-            |case: &SuiteCase| case.tags.routing == "straight" && case.tags.burden == Burden::None;
+        let straight = |case: &SuiteCase| {
+            case.tags.routing == "straight" && case.tags.load_kind == LoadKind::None
+        };
         for case in cases().unwrap().iter().filter(|case| straight(case)) {
             let answer = model.solve(&case.robot, &case.case).unwrap();
             let tip = answer.disks.tip().rotation.log().norm();
@@ -178,23 +179,23 @@ mod tests {
         let reference = Choice::Model { kind: ModelKind::CosseratDisks, fine: false };
         let results = Results::of(&subjects, &kinds, reference, &Cancel::default(), |_| ());
         for trial in &results.trials {
-            let loaded = trial.tags.unwrap().burden != Burden::None;
+            let loaded = trial.tags.unwrap().load_kind != LoadKind::None;
             for entry in &trial.entries {
-                let geometric = entry.contender.kind == ModelKind::FourBar;
+                let geometric = entry.candidate.kind == ModelKind::FourBar;
                 assert_eq!(entry.outcome.is_err(), loaded && geometric, "{}", trial.title);
             }
         }
-        let usual = Contender { kind: ModelKind::Cosserat, variant: Variant::Usual };
+        let usual = Candidate { kind: ModelKind::Cosserat, variant: Variant::Usual };
         // 1.7 % at the paper's tension, which bends a robot by 73°.
         let error = results.trials[0].error(usual).unwrap();
         assert!((0.005..0.03).contains(&error), "{error}");
-        let tables = summary::tables(&results.trials, &results.contenders);
+        let tables = summary::tables(&results.trials, &results.candidates);
         let text = tables[0].1.text(Default::default());
         let head: Vec<&str> = text.lines().next().unwrap().split_whitespace().collect();
         assert_eq!(head, ["model", "straight", "helical", "S-shaped", "converging", "crossing"]);
         assert!(text.contains("(1/2)"), "{text}");
-        let verdict = results.verdict();
-        assert_eq!(verdict.len(), 4 + 3, "{verdict:?}");
+        let recommendation = results.recommendation();
+        assert_eq!(recommendation.len(), 4 + 3, "{recommendation:?}");
         // Nothing in the suite has many sections here, so that the robots were cut.
         assert_eq!((results.cut.len(), results.cut[0].sections), (4, 100));
     }

@@ -109,13 +109,13 @@ fn words(args: &LocateArgs, found: &Located, markers: &[Observation], style: Sty
         lines.push(("farthest", format!("{}, {}", named(marker), pixels(distance))));
     }
     if let Some(other) = &found.other {
-        let verdict = if found.is_ambiguous() {
+        let recommendation = if found.is_ambiguous() {
             "the markers do not tell the two apart: check which one it is"
         } else {
             "the markers tell it apart"
         };
         let place = in_place(&other.camera);
-        lines.push(("next best", format!("{place}: {} RMS; {verdict}", pixels(other.rms))));
+        lines.push(("next best", format!("{place}: {} RMS; {recommendation}", pixels(other.rms))));
     }
     if let Some(path) = &args.output {
         lines.push(("written", path.display().to_string()));

@@ -10,7 +10,7 @@ use whipcord::{
     Statics, Stations, UnitQuaternion, Vec3, Wrench,
 };
 
-use crate::common::burden::burdened;
+use crate::common::load_kind::burdened;
 use crate::common::{Wildness, ball, bending_stiffness, paper_backbone, samples, straight};
 
 /// Of the points of a Gauss rule between two arc lengths, where they are and their weights.
@@ -147,7 +147,7 @@ const MODELS: [ModelKind; 4] = [
 ];
 
 /// Random robots with every kind of load, moved to disks where a load sits at one place.
-fn burdens() -> impl Strategy<Value = (Robot, Case)> {
+fn load_kinds() -> impl Strategy<Value = (Robot, Case)> {
     let wild = Wildness { cables: 3, tension: 0.5, force: 0.8, moment: 0.5, weight: 1.0 };
     let flags = (proptest::bool::ANY, proptest::bool::ANY, proptest::bool::ANY, ball(), ball());
     (burdened(wild), flags).prop_map(|((robot, mut case), (tip, spread, world, at, turn))| {
@@ -182,7 +182,7 @@ fn burdens() -> impl Strategy<Value = (Robot, Case)> {
 fn assert_in_equilibrium(kinds: &[ModelKind], cases: usize, actuation: Actuation) {
     let mut worst = [[0.0_f64; 2]; 4];
     let mut solved = [0; 4];
-    for (robot, mut case) in samples(burdens(), cases) {
+    for (robot, mut case) in samples(load_kinds(), cases) {
         if actuation == Actuation::Shortening {
             for command in &mut case.commands {
                 command.shortening = Some(Shortening::Fraction(0.01));
@@ -219,7 +219,7 @@ fn the_base_bears_all_loads_with_cables_held_at_lengths() {
 /// One load of every kind alone, so that none hides behind another.
 #[test]
 fn the_base_bears_each_kind_of_load() {
-    let (robot, case) = samples(burdens(), 1).next().unwrap();
+    let (robot, case) = samples(load_kinds(), 1).next().unwrap();
     let length = robot.backbone().length;
     let force = bending_stiffness(&robot) / (length * length);
     let (f, m) = (Vec3::new(0.4, -0.3, 0.2) * force, Vec3::new(0.1, 0.2, -0.1) * (force * length));

@@ -2,7 +2,7 @@
 //! the rod by about 1 rad over its length, a force of 1 is `EI/L²`, a moment of 1 is `EI/L`.
 
 pub mod bending;
-pub mod burden;
+pub mod load_kind;
 pub mod symmetry;
 
 use core::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! What must hold for the loads of any robot, whatever they are.
 
-use crate::common::burden::burdened;
+use crate::common::load_kind::burdened;
 use crate::common::{Wildness, ball, bending_stiffness, config, distance, solve, solve_finely};
 use proptest::prelude::*;
 use whipcord::{

@@ -1,7 +1,7 @@
 //! What must hold for any robot under the Cosserat model.
 
 use crate::common;
-use crate::common::burden::burdened;
+use crate::common::load_kind::burdened;
 use crate::common::symmetry::Symmetry;
 use crate::common::{
     Wildness, config, distance, fine_options, helix, paper_backbone, paper_robot, robot, solve,

@@ -1,11 +1,11 @@
-//! How the contenders did, in tables for people.
+//! How the candidates did, in tables for people.
 
 use whipcord::CommandDerivatives;
 
-use super::contender::Variant;
+use super::candidate::Variant;
 use super::results::Results;
 use super::standing::Standing;
-use super::{Answer, Entry, Trial, summary};
+use super::{Answer, CaseBenchmark, Entry, summary};
 use crate::quantity::{fixed, millimetres, number};
 use crate::style::Style;
 use crate::table::{Align, Table};
@@ -14,7 +14,7 @@ use crate::timing::duration;
 /// Nothing to show.
 const NONE: &str = "–";
 
-/// A row for each contender over all cases.
+/// A row for each candidate over all cases.
 pub fn standings(results: &Results) -> Table {
     let mut table = Table::new([
         ("model", Align::Left),
@@ -39,7 +39,7 @@ fn row(standing: &Standing) -> Vec<String> {
     let or_none = |text: Option<String>| text.unwrap_or_else(|| NONE.to_owned());
     let unknown = standing.answered == 0;
     vec![
-        standing.contender.to_string(),
+        standing.candidate.to_string(),
         format!("{}/{}", standing.answered, standing.of),
         or_none(standing.median_error.map(percent)),
         or_none(standing.worst_error.map(percent)),
@@ -65,8 +65,8 @@ pub fn percent(share: f64) -> String {
     if value >= 0.01 || value == 0.0 { fixed(value, 2) } else { format!("{value:.0e}") }
 }
 
-/// A row for each contender on each case.
-pub fn entries(trials: &[Trial]) -> Table {
+/// A row for each candidate on each case.
+pub fn entries(trials: &[CaseBenchmark]) -> Table {
     let mut table = Table::new([
         ("case", Align::Left),
         ("model", Align::Left),
@@ -85,7 +85,7 @@ pub fn entries(trials: &[Trial]) -> Table {
         table.group();
         for (i, entry) in trial.entries.iter().enumerate() {
             let title = if i == 0 { trial.title.clone() } else { String::new() };
-            let mut row = vec![title, entry.contender.to_string()];
+            let mut row = vec![title, entry.candidate.to_string()];
             match &entry.outcome {
                 Ok(answer) => row.extend(answer_cells(trial, entry, answer)),
                 Err(_) => row.resize(11, NONE.to_owned()),
@@ -96,7 +96,7 @@ pub fn entries(trials: &[Trial]) -> Table {
     table
 }
 
-fn answer_cells(trial: &Trial, entry: &Entry, answer: &Answer) -> Vec<String> {
+fn answer_cells(trial: &CaseBenchmark, entry: &Entry, answer: &Answer) -> Vec<String> {
     let in_mm = |metres: f64| match 1e3 * metres {
         mm if mm >= 0.001 || mm == 0.0 => fixed(mm, 3),
         mm => format!("{mm:.0e}"),
@@ -134,20 +134,20 @@ pub fn notes(results: &Results) -> Vec<String> {
             "\"sliding\": four-bar with the length rule free, for cables that slide freely; \"strain energy\": the same with the objective strain-energy, as its authors extended the model. Else every section loses the same fraction, as in the paper.",
         ),
     ] {
-        if results.contenders.iter().any(|one| one.variant == variant) {
+        if results.candidates.iter().any(|one| one.variant == variant) {
             notes.push(meaning.to_owned());
         }
     }
     let mut references: Vec<(&str, usize, Option<f64>)> = Vec::new();
     for trial in &results.trials {
-        let Ok(yardstick) = &trial.yardstick else { continue };
-        let known = references.iter_mut().find(|(name, ..)| *name == yardstick.name);
+        let Ok(reference) = &trial.reference else { continue };
+        let known = references.iter_mut().find(|(name, ..)| *name == reference.name);
         match known {
             Some((_, count, uncertainty)) => {
                 *count += 1;
-                *uncertainty = (*uncertainty).zip(yardstick.uncertainty).map(|(a, b)| a.max(b));
+                *uncertainty = (*uncertainty).zip(reference.uncertainty).map(|(a, b)| a.max(b));
             }
-            None => references.push((&yardstick.name, 1, yardstick.uncertainty)),
+            None => references.push((&reference.name, 1, reference.uncertainty)),
         }
     }
     for (name, count, uncertainty) in references {
@@ -168,7 +168,7 @@ pub fn notes(results: &Results) -> Vec<String> {
             "A case in steps is compared in all steps: \"steps\" and \"points\" of each are in accuracy.csv and, with --rows, in the table.",
         ));
     }
-    let untold = |trial: &&Trial| {
+    let untold = |trial: &&CaseBenchmark| {
         trial.entries.iter().any(|entry| {
             entry
                 .outcome
@@ -183,7 +183,7 @@ pub fn notes(results: &Results) -> Vec<String> {
         ));
     }
     for trial in &results.trials {
-        if let Err(why) = &trial.yardstick {
+        if let Err(why) = &trial.reference {
             notes.push(format!("{}: no reference: {why}", trial.title));
         }
     }
@@ -197,23 +197,23 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// Who has no answer, or one that cannot be compared, and why: each reason once with the number of cases.
-fn failures(trials: &[Trial]) -> Vec<String> {
+fn failures(trials: &[CaseBenchmark]) -> Vec<String> {
     let mut reasons: Vec<Reason> = Vec::new();
     for trial in trials {
         for entry in &trial.entries {
             let why = match &entry.outcome {
                 Err(error) => error.to_string(),
-                Ok(Answer { miss: Err(why), .. }) if trial.yardstick.is_ok() => why.clone(),
+                Ok(Answer { miss: Err(why), .. }) if trial.reference.is_ok() => why.clone(),
                 Ok(_) => continue,
             };
             let index = reasons.iter().position(|known| known.why == why).unwrap_or_else(|| {
-                reasons.push(Reason { why, contenders: Vec::new(), titles: Vec::new() });
+                reasons.push(Reason { why, candidates: Vec::new(), titles: Vec::new() });
                 reasons.len() - 1
             });
             let reason = &mut reasons[index];
-            let name = entry.contender.to_string();
-            if !reason.contenders.contains(&name) {
-                reason.contenders.push(name);
+            let name = entry.candidate.to_string();
+            if !reason.candidates.contains(&name) {
+                reason.candidates.push(name);
             }
             if reason.titles.last() != Some(&trial.title.as_str()) {
                 reason.titles.push(&trial.title);
@@ -226,7 +226,7 @@ fn failures(trials: &[Trial]) -> Vec<String> {
 /// Why some have no answer.
 struct Reason<'a> {
     why: String,
-    contenders: Vec<String>,
+    candidates: Vec<String>,
     titles: Vec<&'a str>,
 }
 
@@ -237,14 +237,14 @@ impl Reason<'_> {
             n => format!(" and {} more", n - 1),
         };
         let first = self.titles.first().unwrap_or(&"");
-        format!("{first}{more}: {}: {}", self.contenders.join("; "), self.why)
+        format!("{first}{more}: {}: {}", self.candidates.join("; "), self.why)
     }
 }
 
-/// How the contenders did, what must not be read into it, and the verdict; with `rows` also on each case.
+/// How the candidates did, what must not be read into it, and the recommendation; with `rows` also on each case.
 pub fn text(results: &Results, rows: bool, style: Style) -> String {
     let mut text = standings(results).text(style) + "\n";
-    for (heading, table) in summary::tables(&results.trials, &results.contenders) {
+    for (heading, table) in summary::tables(&results.trials, &results.candidates) {
         text += &format!("{}\n\n{}\n", style.heading(heading), table.text(style));
     }
     if rows {
@@ -257,11 +257,11 @@ pub fn text(results: &Results, rows: bool, style: Style) -> String {
     for note in notes(results) {
         text += &format!("{note}\n");
     }
-    let verdict = results.verdict();
-    if !verdict.is_empty() {
+    let recommendation = results.recommendation();
+    if !recommendation.is_empty() {
         text += &format!("\n{}\n\n", style.heading("Which model for what"));
     }
-    for finding in verdict {
+    for finding in recommendation {
         text += &format!("{}: {}\n", finding.topic.words(), finding.text);
     }
     text

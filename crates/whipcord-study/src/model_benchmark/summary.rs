@@ -1,22 +1,22 @@
 //! What the models do with routing, number of sections, bending and load, in a suite whose cases say so.
 
-use super::contender::Contender;
+use super::candidate::Candidate;
 use super::standing::Standing;
 use super::tables::percent;
-use super::{Burden, Tags, Trial};
+use super::{CaseBenchmark, LoadKind, Tags};
 use crate::quantity::degrees;
 use crate::table::{Align, Table};
 use crate::timing::duration;
 
 /// Heading and table for each: median errors, and times over the number of sections. None where no case has tags.
-pub fn tables(trials: &[Trial], contenders: &[Contender]) -> Vec<(String, Table)> {
-    let tagged: Vec<(&Trial, Tags)> =
+pub fn tables(trials: &[CaseBenchmark], candidates: &[Candidate]) -> Vec<(String, Table)> {
+    let tagged: Vec<(&CaseBenchmark, Tags)> =
         trials.iter().filter_map(|trial| Some((trial, trial.tags?))).collect();
     if tagged.is_empty() {
         return Vec::new();
     }
-    let by = |of: &dyn Fn(&Trial, Tags) -> String| {
-        let mut groups: Vec<(String, Vec<&Trial>)> = Vec::new();
+    let by = |of: &dyn Fn(&CaseBenchmark, Tags) -> String| {
+        let mut groups: Vec<(String, Vec<&CaseBenchmark>)> = Vec::new();
         for &(trial, tags) in &tagged {
             let name = of(trial, tags);
             match groups.iter_mut().find(|(known, _)| *known == name) {
@@ -28,10 +28,12 @@ pub fn tables(trials: &[Trial], contenders: &[Contender]) -> Vec<(String, Table)
     };
     let sections = by(&|trial, _| trial.sections.to_string());
     // Not every number of sections is loaded, and loads take their own time.
-    let unloaded: Vec<(String, Vec<&Trial>)> = sections
+    let unloaded: Vec<(String, Vec<&CaseBenchmark>)> = sections
         .iter()
         .map(|(name, trials)| {
-            let free = |trial: &&&Trial| trial.tags.is_some_and(|tags| tags.burden == Burden::None);
+            let free = |trial: &&&CaseBenchmark| {
+                trial.tags.is_some_and(|tags| tags.load_kind == LoadKind::None)
+            };
             (name.clone(), trials.iter().filter(free).copied().collect())
         })
         .collect();
@@ -46,36 +48,36 @@ pub fn tables(trials: &[Trial], contenders: &[Contender]) -> Vec<(String, Table)
     vec![
         (
             "Median error, % of the length, by routing".to_owned(),
-            table(&by(&|_, tags| tags.routing.to_owned()), contenders, &error),
+            table(&by(&|_, tags| tags.routing.to_owned()), candidates, &error),
         ),
-        ("Median error, %, by number of sections".to_owned(), table(&sections, contenders, &error)),
+        ("Median error, %, by number of sections".to_owned(), table(&sections, candidates, &error)),
         (
             "Median error, %, by bending".to_owned(),
-            table(&by(&|_, tags| degrees(tags.bending)), contenders, &error),
+            table(&by(&|_, tags| degrees(tags.bending)), candidates, &error),
         ),
         (
             "Median error, %, by load and obstacle".to_owned(),
-            table(&by(&|_, tags| tags.burden.name().to_owned()), contenders, &error),
+            table(&by(&|_, tags| tags.load_kind.name().to_owned()), candidates, &error),
         ),
         (
             "Median time without load, by number of sections".to_owned(),
-            table(&unloaded, contenders, &time),
+            table(&unloaded, candidates, &time),
         ),
     ]
 }
 
 fn table(
-    groups: &[(String, Vec<&Trial>)],
-    contenders: &[Contender],
+    groups: &[(String, Vec<&CaseBenchmark>)],
+    candidates: &[Candidate],
     cell: &dyn Fn(&Standing) -> String,
 ) -> Table {
     let head = [("model".to_owned(), Align::Left)];
     let names = groups.iter().map(|(name, _)| (name.clone(), Align::Right));
     let mut table = Table::new(head.into_iter().chain(names));
     table.group();
-    for &contender in contenders {
-        let mut row = vec![contender.to_string()];
-        row.extend(groups.iter().map(|(_, trials)| cell(&Standing::of(contender, trials))));
+    for &candidate in candidates {
+        let mut row = vec![candidate.to_string()];
+        row.extend(groups.iter().map(|(_, trials)| cell(&Standing::of(candidate, trials))));
         table.row(row);
     }
     table

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use whipcord::{Backbone, Cable, Cancel, Disks, Material, ModelKind, Routing, Section};
 
-use super::contender::Variant;
+use super::candidate::Variant;
 use super::*;
 
 const LENGTH: f64 = 0.18;
@@ -54,7 +54,7 @@ fn apart([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
     (a - c).hypot(b - d)
 }
 
-fn tried(kinds: &[ModelKind], choice: Choice) -> Trial {
+fn tried(kinds: &[ModelKind], choice: Choice) -> CaseBenchmark {
     let (robot, case) = arc();
     let subject = Subject {
         title: "arc",
@@ -64,14 +64,14 @@ fn tried(kinds: &[ModelKind], choice: Choice) -> Trial {
         measured: None,
         tags: None,
     };
-    Trial::new(&subject, &Contender::of(kinds), choice, &Cancel::default())
+    CaseBenchmark::new(&subject, &Candidate::of(kinds), choice, &Cancel::default())
 }
 
-fn is(trial: &Trial, contender: Contender, expected: [f64; 3], bound: f64) {
-    let found = trial.answer(contender).unwrap().miss.as_ref().unwrap();
+fn is(trial: &CaseBenchmark, candidate: Candidate, expected: [f64; 3], bound: f64) {
+    let found = trial.answer(candidate).unwrap().miss.as_ref().unwrap();
     let found = [found.rms, found.greatest, found.tip.unwrap()];
     for (a, b) in found.into_iter().zip(expected) {
-        assert!((a - b).abs() < bound, "{contender}: {found:?}, not {expected:?}");
+        assert!((a - b).abs() < bound, "{candidate}: {found:?}, not {expected:?}");
     }
 }
 
@@ -86,14 +86,14 @@ fn one_arc_for_another_is_as_far_off_as_the_two_arcs_are_apart() {
     let other = (LENGTH - length) / RADIUS;
     let expected = miss(|k| apart(disk(theta, k), disk(other, k)));
     assert!(expected[2] > 1e-4);
-    let arc = Contender { kind: ModelKind::ConstantCurvature, variant: Variant::Usual };
+    let arc = Candidate { kind: ModelKind::ConstantCurvature, variant: Variant::Usual };
     is(&trial, arc, expected, 1e-10);
     assert!((trial.error(arc).unwrap() - expected[0] / LENGTH).abs() < 1e-9);
     let entry = &trial.entries[0];
     assert_eq!(entry.commands, Commands::Reference);
     assert!(entry.without_material);
     // The reference is the arc to rounding, and says so.
-    let sure = trial.yardstick.as_ref().unwrap().uncertainty.unwrap();
+    let sure = trial.reference.as_ref().unwrap().uncertainty.unwrap();
     assert!(sure < 1e-11, "{sure}");
 }
 
@@ -116,8 +116,8 @@ fn four_bars_for_an_arc_are_as_far_off_as_their_polygon() {
     let expected = miss(|k| apart(disk(theta, k), corner(k)));
     assert!(expected[2] > 1e-4);
     // A straight cable loses as much in every section, however it is shared out.
-    for contender in Contender::of(&[ModelKind::FourBar]) {
-        is(&trial, contender, expected, 1e-9);
+    for candidate in Candidate::of(&[ModelKind::FourBar]) {
+        is(&trial, candidate, expected, 1e-9);
     }
 }
 
@@ -125,23 +125,23 @@ fn four_bars_for_an_arc_are_as_far_off_as_their_polygon() {
 fn the_reference_is_trusted_with_its_own_model_and_not_with_what_has_no_answer() {
     let trial = tried(&[ModelKind::Cosserat], Choice::Trusted);
     // The cable is not given by holes.
-    let yardstick = trial.yardstick.as_ref().unwrap();
+    let reference = trial.reference.as_ref().unwrap();
     assert_eq!(
-        (yardstick.kind, yardstick.name.as_str()),
+        (reference.kind, reference.name.as_str()),
         (Some(ModelKind::Cosserat), "cosserat at fine resolution")
     );
-    let usual = Contender { kind: ModelKind::Cosserat, variant: Variant::Usual };
+    let usual = Candidate { kind: ModelKind::Cosserat, variant: Variant::Usual };
     is(&trial, usual, [0.0; 3], 1e-9);
     assert!(!trial.entries[0].without_material);
     // The four-bar model has no shortening to go by, and so nothing is measured against it.
     let choice = Choice::Model { kind: ModelKind::FourBar, fine: false };
     let trial = tried(&[ModelKind::Cosserat, ModelKind::FourBar], choice);
-    assert!(trial.yardstick.unwrap_err().to_string().contains("shortening"));
+    assert!(trial.reference.unwrap_err().to_string().contains("shortening"));
     let miss = trial.entries[0].outcome.as_ref().unwrap().miss.as_ref();
     assert_eq!(miss.unwrap_err(), "there is no reference");
     // Nor was anything measured.
     let trial = tried(&[ModelKind::Cosserat], Choice::Measured);
-    assert!(trial.yardstick.unwrap_err().to_string().contains("there is nothing in space"));
+    assert!(trial.reference.unwrap_err().to_string().contains("there is nothing in space"));
 }
 
 #[test]
@@ -149,13 +149,13 @@ fn holes_ask_for_cables_that_run_straight_between_them() {
     let example = crate::benchmark::paper::table_1().unwrap().remove(2);
     let (robot, case) = (&example.robot, &example.case);
     let subject = Subject { title: "III", stem: "iii", robot, case, measured: None, tags: None };
-    let yardstick = Yardstick::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
-    assert_eq!(yardstick.kind, Some(ModelKind::CosseratDisks));
+    let reference = ReferenceAnswers::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
+    assert_eq!(reference.kind, Some(ModelKind::CosseratDisks));
     // Cut finely, the difference is none, and the continuous rod is as good.
     let fine = crate::benchmark::resample::resample(robot, 101).unwrap();
     let subject = Subject { robot: &fine, ..subject };
-    let yardstick = Yardstick::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
-    assert_eq!(yardstick.kind, Some(ModelKind::Cosserat));
+    let reference = ReferenceAnswers::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
+    assert_eq!(reference.kind, Some(ModelKind::Cosserat));
 }
 
 #[test]

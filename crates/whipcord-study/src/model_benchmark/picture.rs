@@ -3,30 +3,30 @@
 use whipcord::ModelKind;
 use whipcord_plot::{Colour, Marker, ParetoSeries, PlotError, pareto_chart};
 
-use super::Trial;
-use super::contender::{Contender, Variant};
+use super::CaseBenchmark;
+use super::candidate::{Candidate, Variant};
 use super::results::Results;
 
-/// The chart of all contenders that have an error somewhere; `None` where none has.
+/// The chart of all candidates that have an error somewhere; `None` where none has.
 ///
 /// # Errors
 /// [`PlotError`] when it cannot be drawn.
 pub fn pareto(title: &str, results: &Results) -> Result<Option<String>, PlotError> {
     let series: Vec<ParetoSeries> = results
-        .contenders
+        .candidates
         .iter()
-        .map(|&contender| {
+        .map(|&candidate| {
             let of = results.trials.len();
             let cases: Vec<[f64; 2]> =
-                results.trials.iter().filter_map(|trial| point(contender, trial)).collect();
+                results.trials.iter().filter_map(|trial| point(candidate, trial)).collect();
             let part = cases.len();
             let label = if part < of {
-                format!("{contender} ({part} of {of})")
+                format!("{candidate} ({part} of {of})")
             } else {
-                contender.to_string()
+                candidate.to_string()
             };
-            let hollow = contender.variant != Variant::Usual;
-            ParetoSeries { label, cases, look: look(contender.kind), hollow }
+            let hollow = candidate.variant != Variant::Usual;
+            ParetoSeries { label, cases, look: look(candidate.kind), hollow }
         })
         .filter(|series| !series.cases.is_empty())
         .collect();
@@ -35,10 +35,10 @@ pub fn pareto(title: &str, results: &Results) -> Result<Option<String>, PlotErro
 
 /// Time, and error relative to the length. What is nearer to the reference than that is to the truth is drawn as
 /// far off as the reference may be.
-fn point(contender: Contender, trial: &Trial) -> Option<[f64; 2]> {
-    let error = trial.error(contender)?;
-    let sure = trial.yardstick.as_ref().ok()?.uncertainty.unwrap_or(0.0) / trial.length;
-    Some([trial.answer(contender)?.solve.median, error.max(sure)])
+fn point(candidate: Candidate, trial: &CaseBenchmark) -> Option<[f64; 2]> {
+    let error = trial.error(candidate)?;
+    let sure = trial.reference.as_ref().ok()?.uncertainty.unwrap_or(0.0) / trial.length;
+    Some([trial.answer(candidate)?.solve.median, error.max(sure)])
 }
 
 /// Of every model its own, whichever take part.

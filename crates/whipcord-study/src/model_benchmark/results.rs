@@ -2,11 +2,11 @@
 
 use whipcord::{Cancel, ModelKind};
 
-use super::contender::{Contender, Variant};
-use super::standing::{Duel, Standing};
-use super::verdict::{Evidence, Finding, MANY_SECTIONS, Many, verdict};
-use super::yardstick::Choice;
-use super::{Subject, Trial};
+use super::candidate::{Candidate, Variant};
+use super::recommendation::{Evidence, Finding, MANY_SECTIONS, Many, recommendation};
+use super::reference::Choice;
+use super::standing::{PairwiseComparison, Standing};
+use super::{CaseBenchmark, Subject};
 use crate::benchmark::resample::resample;
 
 /// Sections that robots are cut into to see what many of them cost.
@@ -18,11 +18,11 @@ const CUT: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Results {
     /// Who took part.
-    pub contenders: Vec<Contender>,
+    pub candidates: Vec<Candidate>,
     /// On every case.
-    pub trials: Vec<Trial>,
+    pub trials: Vec<CaseBenchmark>,
     /// On some of the same robots cut into many sections, where none has many of its own.
-    pub cut: Vec<Trial>,
+    pub cut: Vec<CaseBenchmark>,
 }
 
 impl Results {
@@ -35,13 +35,13 @@ impl Results {
         cancel: &Cancel,
         mut each: impl FnMut(&str),
     ) -> Self {
-        let contenders = Contender::of(kinds);
-        let trials: Vec<Trial> = subjects
+        let candidates = Candidate::of(kinds);
+        let trials: Vec<CaseBenchmark> = subjects
             .iter()
             .take_while(|_| !cancel.is_cancelled())
             .map(|subject| {
                 each(subject.title);
-                Trial::new(subject, &contenders, choice, cancel)
+                CaseBenchmark::new(subject, &candidates, choice, cancel)
             })
             .collect();
         let cut = if trials.iter().any(|trial| trial.sections >= MANY_SECTIONS) {
@@ -55,37 +55,37 @@ impl Results {
             let free = free.take_while(|_| !cancel.is_cancelled());
             let cut = free.filter_map(|subject| {
                 let robot = resample(subject.robot, CUT_INTO).ok()?;
-                Some(Trial::new(
+                Some(CaseBenchmark::new(
                     &Subject { robot: &robot, measured: None, ..*subject },
-                    &contenders,
+                    &candidates,
                     choice,
                     cancel,
                 ))
             });
-            cut.filter(|trial| trial.yardstick.is_ok()).take(CUT).collect()
+            cut.filter(|trial| trial.reference.is_ok()).take(CUT).collect()
         };
-        Self { contenders, trials, cut }
+        Self { candidates, trials, cut }
     }
 
     /// How each did on all cases that there is a reference for.
     pub fn standings(&self) -> Vec<Standing> {
-        Standing::of_all(&self.contenders, &judged(&self.trials))
+        Standing::of_all(&self.candidates, &judged(&self.trials))
     }
 
     /// Which model to use for what.
-    pub fn verdict(&self) -> Vec<Finding> {
-        verdict(&self.evidence())
+    pub fn recommendation(&self) -> Vec<Finding> {
+        recommendation(&self.evidence())
     }
 
     fn evidence(&self) -> Evidence {
         // Obstacles, which few models take, and which take their time, are a question of their own where there
         // are robots without.
-        let (touching, free): (Vec<&Trial>, Vec<&Trial>) =
+        let (touching, free): (Vec<&CaseBenchmark>, Vec<&CaseBenchmark>) =
             judged(&self.trials).into_iter().partition(|trial| trial.among_obstacles);
-        let standings = |trials: &[&Trial]| Standing::of_all(&self.contenders, trials);
+        let standings = |trials: &[&CaseBenchmark]| Standing::of_all(&self.candidates, trials);
         let (trials, touching) =
             if free.is_empty() { (touching, Vec::new()) } else { (free, touching) };
-        let mut kinds = trials.iter().map(|trial| trial.yardstick.as_ref().ok()?.kind);
+        let mut kinds = trials.iter().map(|trial| trial.reference.as_ref().ok()?.kind);
         let first = kinds.next().flatten();
         let many = if self.cut.is_empty() {
             trials.iter().copied().filter(|trial| trial.sections >= MANY_SECTIONS).collect()
@@ -96,25 +96,29 @@ impl Results {
             standings: standings(&trials),
             among_obstacles: (!touching.is_empty()).then(|| standings(&touching)),
             reference: first.filter(|_| kinds.all(|kind| kind == first)),
-            duels: self.duels(&trials),
+            pairwise_comparisons: self.pairwise_comparisons(&trials),
             many: many.iter().map(|trial| trial.sections).min().map(|sections| Many {
                 sections,
                 standings: standings(&many),
-                duels: self.duels(&many),
+                pairwise_comparisons: self.pairwise_comparisons(&many),
             }),
         }
     }
 
     /// The paper's two models against each other: the four-bar model as it is, and the Cosserat model in each
     /// variant, first as it is.
-    fn duels(&self, trials: &[&Trial]) -> Vec<(Contender, Duel)> {
-        let four_bar = Contender { kind: ModelKind::FourBar, variant: Variant::Usual };
-        let rods = self.contenders.iter().filter(|rod| rod.kind == ModelKind::Cosserat);
-        rods.filter_map(|&rod| Some((rod, Duel::between(four_bar, rod, trials)?))).collect()
+    fn pairwise_comparisons(
+        &self,
+        trials: &[&CaseBenchmark],
+    ) -> Vec<(Candidate, PairwiseComparison)> {
+        let four_bar = Candidate { kind: ModelKind::FourBar, variant: Variant::Usual };
+        let rods = self.candidates.iter().filter(|rod| rod.kind == ModelKind::Cosserat);
+        rods.filter_map(|&rod| Some((rod, PairwiseComparison::between(four_bar, rod, trials)?)))
+            .collect()
     }
 }
 
 /// Those with a reference.
-fn judged(trials: &[Trial]) -> Vec<&Trial> {
-    trials.iter().filter(|trial| trial.yardstick.is_ok()).collect()
+fn judged(trials: &[CaseBenchmark]) -> Vec<&CaseBenchmark> {
+    trials.iter().filter(|trial| trial.reference.is_ok()).collect()
 }

@@ -7,9 +7,9 @@ use whipcord::{Actuation, Cancel, Model, ModelKind, Routing, Solution, SolveErro
 use whipcord_estimation::observation::{Apart, distances, in_space};
 
 use super::{Miss, Subject};
+use crate::model_benchmark::candidate::fine;
 use crate::statistics::root_mean_square;
 use crate::steps::rms_distance;
-use crate::trial::contender::fine;
 
 /// What a user wants errors to be measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,7 +56,7 @@ const FEW_SECTIONS: usize = 100;
 
 /// What is measured against.
 #[derive(Clone, Debug)]
-pub struct Yardstick {
+pub struct ReferenceAnswers {
     /// In words.
     pub name: String,
     /// The model; `None` for a measurement.
@@ -85,7 +85,7 @@ impl fmt::Display for NoYardstick {
     }
 }
 
-impl Yardstick {
+impl ReferenceAnswers {
     /// What a case is measured against; the flag ends the solve.
     ///
     /// # Errors
@@ -142,9 +142,9 @@ impl Yardstick {
     }
 }
 
-fn measured(subject: &Subject) -> Option<Yardstick> {
+fn measured(subject: &Subject) -> Option<ReferenceAnswers> {
     let measured = subject.measured?;
-    in_space(&measured.observations).next().is_some().then(|| Yardstick {
+    in_space(&measured.observations).next().is_some().then(|| ReferenceAnswers {
         name: "what was measured".to_owned(),
         kind: None,
         uncertainty: measured.deviation,
@@ -155,7 +155,7 @@ fn measured(subject: &Subject) -> Option<Yardstick> {
 /// The rod whose cables run as the real ones do: straight from hole to hole, where the file gives the holes
 /// and there are few enough sections for it to matter; else the rod with continuous cables. At fine
 /// resolution; where that gives no answer, as it is; and then the other rod.
-fn trusted(subject: &Subject, cancel: &Cancel) -> Result<Yardstick, NoYardstick> {
+fn trusted(subject: &Subject, cancel: &Cancel) -> Result<ReferenceAnswers, NoYardstick> {
     let robot = subject.robot;
     // Robots of a suite are like real ones, whose files list their holes.
     let through_holes = subject.tags.is_some()
@@ -169,7 +169,7 @@ fn trusted(subject: &Subject, cancel: &Cancel) -> Result<Yardstick, NoYardstick>
     for kind in kinds {
         for fine in [true, false] {
             match solved(subject, kind, fine, cancel) {
-                Ok(yardstick) => return Ok(yardstick),
+                Ok(reference) => return Ok(reference),
                 // The same refusal twice says nothing more.
                 Err((name, error)) if !fine => refusals.push((name, Some(error))),
                 Err(_) => {}
@@ -184,7 +184,7 @@ fn solved(
     kind: ModelKind,
     is_fine: bool,
     cancel: &Cancel,
-) -> Result<Yardstick, (String, SolveError)> {
+) -> Result<ReferenceAnswers, (String, SolveError)> {
     let name = if is_fine { format!("{kind} at fine resolution") } else { kind.to_string() };
     let model = fine(kind)
         .filter(|_| is_fine)
@@ -201,7 +201,7 @@ fn solved(
                 diagnostics.discretization_error.unwrap_or(0.0) + diagnostics.residual * length
             };
             let uncertainty = Some(answers.iter().map(of).fold(0.0, f64::max));
-            Ok(Yardstick { name, kind: Some(kind), uncertainty, answers })
+            Ok(ReferenceAnswers { name, kind: Some(kind), uncertainty, answers })
         }
     }
 }

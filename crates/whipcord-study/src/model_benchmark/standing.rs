@@ -1,18 +1,18 @@
-//! How the contenders did on several cases together.
+//! How the candidates did on several cases together.
 
 use whipcord::CommandDerivatives;
 
-use super::contender::Contender;
-use super::verdict::TOLERANCE;
-use super::{Answer, Trial};
+use super::candidate::Candidate;
+use super::recommendation::TOLERANCE;
+use super::{Answer, CaseBenchmark};
 use crate::statistics::median;
 
-/// How a contender did on several cases. Errors are root mean squares over the disks, relative to the length of
+/// How a candidate did on several cases. Errors are root mean squares over the disks, relative to the length of
 /// the backbone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standing {
     /// Who.
-    pub contender: Contender,
+    pub candidate: Candidate,
     /// Number of cases.
     pub of: usize,
     /// Number of those that it answered.
@@ -40,21 +40,21 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// How a contender did.
-    pub fn of(contender: Contender, trials: &[&Trial]) -> Self {
+    /// How a candidate did.
+    pub fn of(candidate: Candidate, trials: &[&CaseBenchmark]) -> Self {
         let answers: Vec<&Answer> =
-            trials.iter().filter_map(|trial| trial.answer(contender)).collect();
+            trials.iter().filter_map(|trial| trial.answer(candidate)).collect();
         let errors: Vec<(f64, &str)> = trials
             .iter()
-            .filter_map(|trial| Some((trial.error(contender)?, trial.title.as_str())))
+            .filter_map(|trial| Some((trial.error(candidate)?, trial.title.as_str())))
             .collect();
         let worst = errors.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let answered = || {
             let entries = trials.iter().flat_map(|trial| &trial.entries);
-            entries.filter(|entry| entry.contender == contender && entry.outcome.is_ok())
+            entries.filter(|entry| entry.candidate == candidate && entry.outcome.is_ok())
         };
         Self {
-            contender,
+            candidate,
             of: trials.len(),
             answered: answers.len(),
             judged: errors.len(),
@@ -67,14 +67,14 @@ impl Standing {
             iterations: some_median(
                 answers.iter().map(|answer| answer.iterations as f64).collect(),
             ),
-            derivatives: contender.kind.command_derivatives(),
+            derivatives: candidate.kind.command_derivatives(),
             without_material: !answers.is_empty() && answered().all(|entry| entry.without_material),
         }
     }
 
     /// How each did.
-    pub fn of_all(contenders: &[Contender], trials: &[&Trial]) -> Vec<Self> {
-        contenders.iter().map(|&contender| Self::of(contender, trials)).collect()
+    pub fn of_all(candidates: &[Candidate], trials: &[&CaseBenchmark]) -> Vec<Self> {
+        candidates.iter().map(|&candidate| Self::of(candidate, trials)).collect()
     }
 }
 
@@ -83,9 +83,9 @@ fn some_median(mut values: Vec<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| median(&mut values))
 }
 
-/// Two contenders on the cases that both answered and whose errors are known.
+/// Two candidates on the cases that both answered and whose errors are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Duel {
+pub struct PairwiseComparison {
     /// Number of those cases.
     pub cases: usize,
     /// Median of how many times as long the second takes.
@@ -98,9 +98,9 @@ pub struct Duel {
     pub worst_errors: [f64; 2],
 }
 
-impl Duel {
+impl PairwiseComparison {
     /// `None` where there is no such case.
-    pub fn between(a: Contender, b: Contender, trials: &[&Trial]) -> Option<Self> {
+    pub fn between(a: Candidate, b: Candidate, trials: &[&CaseBenchmark]) -> Option<Self> {
         let both: Vec<[(f64, f64); 2]> = trials
             .iter()
             .filter_map(|trial| {
@@ -127,16 +127,16 @@ mod tests {
     use whipcord::{Cancel, ModelKind, SolveError};
 
     use super::*;
+    use crate::model_benchmark::candidate::Variant;
+    use crate::model_benchmark::reference::{Choice, ReferenceAnswers};
+    use crate::model_benchmark::{Commands, Entry, Miss, Subject};
     use crate::timing::Timing;
-    use crate::trial::contender::Variant;
-    use crate::trial::yardstick::{Choice, Yardstick};
-    use crate::trial::{Commands, Entry, Miss, Subject};
 
-    const A: Contender = Contender { kind: ModelKind::FourBar, variant: Variant::Usual };
-    const B: Contender = Contender { kind: ModelKind::Cosserat, variant: Variant::Usual };
+    const A: Candidate = Candidate { kind: ModelKind::FourBar, variant: Variant::Usual };
+    const B: Candidate = Candidate { kind: ModelKind::Cosserat, variant: Variant::Usual };
 
     /// Of a robot of 2 m: error in m and time of both, `None` where there is no answer.
-    fn trial(title: &str, results: [Option<(f64, f64)>; 2]) -> Trial {
+    fn trial(title: &str, results: [Option<(f64, f64)>; 2]) -> CaseBenchmark {
         let example = crate::benchmark::paper::table_1().unwrap().remove(0);
         let subject = Subject {
             title,
@@ -147,8 +147,8 @@ mod tests {
             tags: None,
         };
         let timing = |median| Timing { median, repeats: 1 };
-        let entry = |(contender, result): (Contender, Option<(f64, f64)>)| Entry {
-            contender,
+        let entry = |(candidate, result): (Candidate, Option<(f64, f64)>)| Entry {
+            candidate,
             commands: Commands::Case,
             driven_by: String::new(),
             outcome: result
@@ -162,17 +162,17 @@ mod tests {
                     stability_absent: None,
                 })
                 .ok_or(SolveError::NoLever { cable: String::new(), disk: 1 }),
-            without_material: contender == A,
+            without_material: candidate == A,
         };
         let reference = Choice::Model { kind: ModelKind::Cosserat, fine: false };
-        Trial {
+        CaseBenchmark {
             title: title.to_owned(),
             stem: title.to_owned(),
             sections: 9,
             length: 2.0,
             tags: None,
             among_obstacles: false,
-            yardstick: Yardstick::new(&subject, reference, &Cancel::default()),
+            reference: ReferenceAnswers::new(&subject, reference, &Cancel::default()),
             entries: [A, B].into_iter().zip(results).map(entry).collect(),
         }
     }
@@ -184,16 +184,19 @@ mod tests {
             trial("far", [Some((0.125, 3.0)), Some((0.002, 3.0))]),
             trial("refused", [None, Some((0.004, 9.0))]),
         ];
-        let trials: Vec<&Trial> = trials.iter().collect();
+        let trials: Vec<&CaseBenchmark> = trials.iter().collect();
         let a = Standing::of(A, &trials);
         assert_eq!((a.of, a.answered, a.judged, a.within), (3, 2, 2, 1));
         assert_eq!((a.median_error, a.worst_error), (Some(0.0390625), Some(0.0625)));
         assert_eq!((a.worst_case.as_deref(), a.time), (Some("far"), Some(2.0)));
         assert!(a.without_material && !Standing::of(B, &trials).without_material);
         // The two are compared on what both answered: 4 and 1 times as long.
-        let duel = Duel::between(A, B, &trials).unwrap();
-        assert_eq!((duel.cases, duel.slower, duel.times), (2, 2.5, [2.0, 3.5]));
-        assert_eq!(duel.worst_errors, [0.0625, 0.001]);
-        assert_eq!(Duel::between(A, B, &trials[2..]), None);
+        let pairwise_comparison = PairwiseComparison::between(A, B, &trials).unwrap();
+        assert_eq!(
+            (pairwise_comparison.cases, pairwise_comparison.slower, pairwise_comparison.times),
+            (2, 2.5, [2.0, 3.5])
+        );
+        assert_eq!(pairwise_comparison.worst_errors, [0.0625, 0.001]);
+        assert_eq!(PairwiseComparison::between(A, B, &trials[2..]), None);
     }
 }

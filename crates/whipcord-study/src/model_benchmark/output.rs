@@ -4,10 +4,10 @@ use serde_json::{Value, json};
 use whipcord::CommandDerivatives;
 use whipcord_io::{Cell, CsvTable, NonFinite, json_number, json_optional};
 
+use super::recommendation::Finding;
 use super::results::Results;
 use super::standing::Standing;
-use super::verdict::Finding;
-use super::{Answer, Commands, Entry, Tags, Trial};
+use super::{Answer, CaseBenchmark, Commands, Entry, Tags};
 
 impl Commands {
     /// In tables for programs.
@@ -19,7 +19,7 @@ impl Commands {
     }
 }
 
-/// One row for each contender on each case, those with many sections last.
+/// One row for each candidate on each case, those with many sections last.
 pub fn csv(results: &Results) -> CsvTable {
     let mut csv = CsvTable::new([
         "case",
@@ -54,8 +54,8 @@ pub fn csv(results: &Results) -> CsvTable {
         for entry in &trial.entries {
             let mut row = identity(trial).to_vec();
             row.extend([
-                Cell::from(entry.contender.kind.name()),
-                Cell::from(entry.contender.variant_name()),
+                Cell::from(entry.candidate.kind.name()),
+                Cell::from(entry.candidate.variant_name()),
                 Cell::from(entry.commands.name()),
                 Cell::from(entry.driven_by.as_str()),
             ]);
@@ -66,8 +66,8 @@ pub fn csv(results: &Results) -> CsvTable {
     csv
 }
 
-fn identity(trial: &Trial) -> [Cell; 8] {
-    let yardstick = trial.yardstick.as_ref().ok();
+fn identity(trial: &CaseBenchmark) -> [Cell; 8] {
+    let reference = trial.reference.as_ref().ok();
     let tags = trial.tags;
     let text = |text: Option<&str>| text.map_or(Cell::Empty, Cell::from);
     [
@@ -76,13 +76,13 @@ fn identity(trial: &Trial) -> [Cell; 8] {
         Cell::from(trial.sections),
         text(tags.map(|tags| tags.routing)),
         Cell::from(tags.map(|tags| tags.bending)),
-        text(tags.map(|tags| tags.burden.name())),
-        text(yardstick.map(|yardstick| yardstick.name.as_str())),
-        Cell::from(yardstick.and_then(|yardstick| yardstick.uncertainty)),
+        text(tags.map(|tags| tags.load_kind.name())),
+        text(reference.map(|reference| reference.name.as_str())),
+        Cell::from(reference.and_then(|reference| reference.uncertainty)),
     ]
 }
 
-fn answer_cells(trial: &Trial, entry: &Entry) -> Vec<Cell> {
+fn answer_cells(trial: &CaseBenchmark, entry: &Entry) -> Vec<Cell> {
     let answer = match &entry.outcome {
         Ok(answer) => answer,
         Err(error) => {
@@ -119,7 +119,7 @@ fn answer_cells(trial: &Trial, entry: &Entry) -> Vec<Cell> {
 /// # Errors
 /// [`NonFinite`] with the place of a number that is not finite.
 pub fn json(results: &Results) -> Result<Value, NonFinite> {
-    let trials = |trials: &[Trial], name: &str| -> Result<Vec<Value>, NonFinite> {
+    let trials = |trials: &[CaseBenchmark], name: &str| -> Result<Vec<Value>, NonFinite> {
         let each = trials.iter().enumerate();
         each.map(|(i, trial)| trial_json(&format!("{name}[{i}]"), trial)).collect()
     };
@@ -129,16 +129,16 @@ pub fn json(results: &Results) -> Result<Value, NonFinite> {
         "cases": trials(&results.trials, "cases")?,
         "with_many_sections": trials(&results.cut, "with_many_sections")?,
         "models": models,
-        "verdict": results.verdict().iter().map(finding_json).collect::<Vec<_>>(),
+        "verdict": results.recommendation().iter().map(finding_json).collect::<Vec<_>>(),
     }))
 }
 
-fn trial_json(path: &str, trial: &Trial) -> Result<Value, NonFinite> {
-    let reference = match &trial.yardstick {
-        Ok(yardstick) => json!({
-            "name": yardstick.name,
-            "model": yardstick.kind.map(whipcord::ModelKind::name),
-            "uncertainty": json_optional(|| format!("{path}.reference.uncertainty"), yardstick.uncertainty)?,
+fn trial_json(path: &str, trial: &CaseBenchmark) -> Result<Value, NonFinite> {
+    let reference = match &trial.reference {
+        Ok(reference) => json!({
+            "name": reference.name,
+            "model": reference.kind.map(whipcord::ModelKind::name),
+            "uncertainty": json_optional(|| format!("{path}.reference.uncertainty"), reference.uncertainty)?,
         }),
         Err(_) => Value::Null,
     };
@@ -149,19 +149,19 @@ fn trial_json(path: &str, trial: &Trial) -> Result<Value, NonFinite> {
         "stem": trial.stem,
         "sections": trial.sections,
         "length": json_number(|| format!("{path}.length"), trial.length)?,
-        "tags": trial.tags.map(|Tags { routing, bending, burden }| {
-            json!({ "routing": routing, "bending": bending, "burden": burden.name() })
+        "tags": trial.tags.map(|Tags { routing, bending, load_kind }| {
+            json!({ "routing": routing, "bending": bending, "burden": load_kind.name() })
         }),
         "reference": reference,
-        "no_reference": trial.yardstick.as_ref().err().map(ToString::to_string),
+        "no_reference": trial.reference.as_ref().err().map(ToString::to_string),
         "runs": runs.collect::<Result<Vec<_>, _>>()?,
     }))
 }
 
-fn run_json(path: &str, trial: &Trial, entry: &Entry) -> Result<Value, NonFinite> {
+fn run_json(path: &str, trial: &CaseBenchmark, entry: &Entry) -> Result<Value, NonFinite> {
     let mut run = json!({
-        "model": entry.contender.kind.name(),
-        "variant": entry.contender.variant_name(),
+        "model": entry.candidate.kind.name(),
+        "variant": entry.candidate.variant_name(),
         "commands": entry.commands.name(),
         "driven_by": entry.driven_by,
     });
@@ -201,7 +201,7 @@ fn run_json(path: &str, trial: &Trial, entry: &Entry) -> Result<Value, NonFinite
 }
 
 fn standing_json(standing: &Standing) -> Result<Value, NonFinite> {
-    let (kind, variant) = (standing.contender.kind.name(), standing.contender.variant_name());
+    let (kind, variant) = (standing.candidate.kind.name(), standing.candidate.variant_name());
     let number = |name: &str, value| json_optional(|| format!("models.{kind}.{name}"), value);
     Ok(json!({
         "model": kind,
@@ -227,7 +227,7 @@ fn finding_json(finding: &Finding) -> Value {
     json!({
         "topic": finding.topic.name(),
         "model": finding.choice.map(|choice| choice.kind.name()),
-        "variant": finding.choice.map(super::contender::Contender::variant_name),
+        "variant": finding.choice.map(super::candidate::Candidate::variant_name),
         "confirmed": finding.confirmed,
         "text": finding.text,
     })

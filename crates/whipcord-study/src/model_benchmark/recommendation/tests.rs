@@ -1,14 +1,14 @@
 use super::*;
 
-const COSSERAT: Contender = Contender { kind: ModelKind::Cosserat, variant: Variant::Usual };
-const STEPS: Contender = Contender { variant: Variant::StepPerSection, ..COSSERAT };
-const DISKS: Contender = Contender { kind: ModelKind::CosseratDisks, variant: Variant::Usual };
-const FOUR_BAR: Contender = Contender { kind: ModelKind::FourBar, variant: Variant::Usual };
+const COSSERAT: Candidate = Candidate { kind: ModelKind::Cosserat, variant: Variant::Usual };
+const STEPS: Candidate = Candidate { variant: Variant::StepPerSection, ..COSSERAT };
+const DISKS: Candidate = Candidate { kind: ModelKind::CosseratDisks, variant: Variant::Usual };
+const FOUR_BAR: Candidate = Candidate { kind: ModelKind::FourBar, variant: Variant::Usual };
 
-/// Of one contender: cases judged of four, greatest error, and time.
-fn standing(contender: Contender, judged: usize, error: f64, time: f64) -> Standing {
+/// Of one candidate: cases judged of four, greatest error, and time.
+fn standing(candidate: Candidate, judged: usize, error: f64, time: f64) -> Standing {
     Standing {
-        contender,
+        candidate,
         of: 4,
         answered: judged,
         judged,
@@ -19,35 +19,44 @@ fn standing(contender: Contender, judged: usize, error: f64, time: f64) -> Stand
         worst_case: None,
         time: (judged > 0).then_some(time),
         iterations: None,
-        derivatives: contender.kind.command_derivatives(),
-        without_material: contender == FOUR_BAR,
+        derivatives: candidate.kind.command_derivatives(),
+        without_material: candidate == FOUR_BAR,
     }
 }
 
 /// Four bars against a rod: how many times as long the rod takes, and the greatest errors of both.
-fn duel(slower: f64, worst_errors: [f64; 2]) -> Duel {
+fn pairwise_comparison(slower: f64, worst_errors: [f64; 2]) -> PairwiseComparison {
     let median_errors = worst_errors.map(|error| 0.5 * error);
-    Duel { cases: 4, slower, times: [4e-6, 4e-6 * slower], median_errors, worst_errors }
+    PairwiseComparison {
+        cases: 4,
+        slower,
+        times: [4e-6, 4e-6 * slower],
+        median_errors,
+        worst_errors,
+    }
 }
 
 fn evidence(standings: Vec<Standing>) -> Evidence {
     Evidence { standings, ..Evidence::default() }
 }
 
-fn paper_of(duels: Vec<(Contender, Duel)>, many: Option<Duel>) -> Vec<(Option<bool>, String)> {
-    let many = many.map(|duel| Many {
+fn paper_of(
+    pairwise_comparisons: Vec<(Candidate, PairwiseComparison)>,
+    many: Option<PairwiseComparison>,
+) -> Vec<(Option<bool>, String)> {
+    let many = many.map(|pairwise_comparison| Many {
         sections: 100,
         standings: Vec::new(),
-        duels: vec![(COSSERAT, duel)],
+        pairwise_comparisons: vec![(COSSERAT, pairwise_comparison)],
     });
-    let found = paper(&Evidence { duels, many, ..Evidence::default() });
+    let found = paper(&Evidence { pairwise_comparisons, many, ..Evidence::default() });
     found.into_iter().map(|finding| (finding.confirmed, finding.text)).collect()
 }
 
 #[test]
 fn nothing_is_said_of_nothing() {
-    assert_eq!(verdict(&Evidence::default()), []);
-    assert_eq!(verdict(&evidence(vec![standing(COSSERAT, 0, 0.0, 0.0)])), []);
+    assert_eq!(recommendation(&Evidence::default()), []);
+    assert_eq!(recommendation(&evidence(vec![standing(COSSERAT, 0, 0.0, 0.0)])), []);
 }
 
 #[test]
@@ -143,7 +152,7 @@ fn without_a_material_only_what_needs_none_counts() {
 
 #[test]
 fn many_sections_take_the_fastest_that_is_near_enough() {
-    let many = |standings| Many { sections: 100, standings, duels: Vec::new() };
+    let many = |standings| Many { sections: 100, standings, pairwise_comparisons: Vec::new() };
     let all = vec![
         standing(COSSERAT, 4, 1e-4, 60e-6),
         standing(STEPS, 4, 1e-4, 20e-6),
@@ -160,7 +169,7 @@ fn many_sections_take_the_fastest_that_is_near_enough() {
 
 #[test]
 fn obstacles_are_a_question_of_their_own() {
-    let strain = Contender { variant: Variant::StrainEnergy, ..FOUR_BAR };
+    let strain = Candidate { variant: Variant::StrainEnergy, ..FOUR_BAR };
     let free = vec![standing(COSSERAT, 4, 0.03, 12e-6), standing(DISKS, 4, 0.0, 3e-4)];
     let touching = vec![
         standing(COSSERAT, 4, 1e-4, 0.04),
@@ -170,7 +179,7 @@ fn obstacles_are_a_question_of_their_own() {
         standing(strain, 4, 0.015, 2e-3),
     ];
     let all = Evidence { among_obstacles: Some(touching), ..evidence(free) };
-    let found = verdict(&all);
+    let found = recommendation(&all);
     // A model that knows no contact is not passed over where nothing is in the way.
     assert_eq!((found[0].choice, found[1].choice), (Some(DISKS), Some(DISKS)));
     let last = found.last().unwrap();
@@ -181,8 +190,10 @@ fn obstacles_are_a_question_of_their_own() {
 
 #[test]
 fn the_paper_is_confirmed_where_its_figures_are() {
-    let found =
-        paper_of(vec![(COSSERAT, duel(4.6, [0.0117 * 0.99, 0.0116]))], Some(duel(0.5, [0.0; 2])));
+    let found = paper_of(
+        vec![(COSSERAT, pairwise_comparison(4.6, [0.0117 * 0.99, 0.0116]))],
+        Some(pairwise_comparison(0.5, [0.0; 2])),
+    );
     assert_eq!(found.iter().map(|(confirmed, _)| *confirmed).collect::<Vec<_>>(), [Some(true); 3]);
     assert!(
         found[0]
@@ -191,41 +202,45 @@ fn the_paper_is_confirmed_where_its_figures_are() {
     );
     assert!(found[2].1.ends_with("with 100 of them cosserat takes 2.0 µs and four-bar 4.0 µs."));
     // Without robots of many sections nothing is said of them, and without four bars nothing at all.
-    assert_eq!(paper_of(vec![(COSSERAT, duel(4.6, [0.01; 2]))], None).len(), 2);
+    assert_eq!(paper_of(vec![(COSSERAT, pairwise_comparison(4.6, [0.01; 2]))], None).len(), 2);
     assert_eq!(paper_of(Vec::new(), None), []);
 }
 
 #[test]
 fn the_paper_is_refuted_by_each_claim_alone() {
-    let confirmed = |duels, many| {
-        paper_of(duels, many)
+    let confirmed = |pairwise_comparisons, many| {
+        paper_of(pairwise_comparisons, many)
             .into_iter()
             .map(|(confirmed, _)| confirmed == Some(true))
             .collect::<Vec<_>>()
     };
-    let one = |slower, error| vec![(COSSERAT, duel(slower, [error, 0.01]))];
+    let one = |slower, error| vec![(COSSERAT, pairwise_comparison(slower, [error, 0.01]))];
     assert_eq!(confirmed(one(1.9, 0.01), None), [false, true]);
     assert_eq!(confirmed(one(2.1, 0.012), None), [true, false]);
-    assert_eq!(confirmed(one(2.1, 0.01), Some(duel(1.1, [0.0; 2]))), [true, true, false]);
+    assert_eq!(
+        confirmed(one(2.1, 0.01), Some(pairwise_comparison(1.1, [0.0; 2]))),
+        [true, true, false]
+    );
 }
 
 #[test]
 fn four_bars_are_not_faster_than_a_rod_that_is_as_near_and_quicker() {
-    let with = |steps: Duel| {
-        paper_of(vec![(COSSERAT, duel(3.0, [0.01, 0.005])), (STEPS, steps)], None).remove(0)
+    let with = |steps: PairwiseComparison| {
+        paper_of(vec![(COSSERAT, pairwise_comparison(3.0, [0.01, 0.005])), (STEPS, steps)], None)
+            .remove(0)
     };
-    let (confirmed, text) = with(duel(0.5, [0.01, 0.006]));
+    let (confirmed, text) = with(pairwise_comparison(0.5, [0.01, 0.006]));
     assert_eq!(confirmed, Some(false));
     assert!(
         text.contains("; but cosserat, step a section takes 2.0 µs where four-bar takes 4.0 µs"),
         "{text}"
     );
     // One that is farther off is no rival.
-    let (confirmed, text) = with(duel(0.5, [0.01, 0.02]));
+    let (confirmed, text) = with(pairwise_comparison(0.5, [0.01, 0.02]));
     assert_eq!(confirmed, Some(true));
     assert!(!text.contains("step a section"), "{text}");
     // One that is as near and slow enough is told and changes nothing.
-    let (confirmed, text) = with(duel(2.5, [0.01, 0.006]));
+    let (confirmed, text) = with(pairwise_comparison(2.5, [0.01, 0.006]));
     assert_eq!(confirmed, Some(true));
     assert!(text.contains("; and cosserat, step a section"), "{text}");
 }

@@ -8,8 +8,8 @@ mod tests;
 
 use whipcord::{Actuation, CommandDerivatives, ModelKind};
 
-use super::contender::{Contender, Variant};
-use super::standing::{Duel, Standing};
+use super::candidate::{Candidate, Variant};
+use super::standing::{PairwiseComparison, Standing};
 use crate::quantity::number;
 use crate::timing::duration;
 
@@ -74,23 +74,23 @@ impl Topic {
     }
 }
 
-/// One sentence or two of a verdict.
+/// One sentence or two of a recommendation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// What it is about.
     pub topic: Topic,
     /// The model to use, where there is one.
-    pub choice: Option<Contender>,
+    pub choice: Option<Candidate>,
     /// Of the paper's conclusion: whether it was confirmed, where that could be tried.
     pub confirmed: Option<bool>,
     /// In words, with the figures.
     pub text: String,
 }
 
-/// What a verdict is derived from.
+/// What a recommendation is derived from.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
-    /// How each contender did on the cases that there is a reference for: on those without obstacles, where there
+    /// How each candidate did on the cases that there is a reference for: on those without obstacles, where there
     /// are any.
     pub standings: Vec<Standing>,
     /// How each did among obstacles, where others are without.
@@ -98,12 +98,12 @@ pub struct Evidence {
     /// The model that is the reference, where one alone is.
     pub reference: Option<ModelKind>,
     /// The four-bar model against each of the Cosserat model's variants.
-    pub duels: Vec<(Contender, Duel)>,
+    pub pairwise_comparisons: Vec<(Candidate, PairwiseComparison)>,
     /// The same robots with many sections.
     pub many: Option<Many>,
 }
 
-/// How the contenders did with many sections.
+/// How the candidates did with many sections.
 #[derive(Clone, Debug)]
 pub struct Many {
     /// Least number of sections.
@@ -111,11 +111,11 @@ pub struct Many {
     /// How each did.
     pub standings: Vec<Standing>,
     /// The four-bar model against each of the Cosserat model's variants.
-    pub duels: Vec<(Contender, Duel)>,
+    pub pairwise_comparisons: Vec<(Candidate, PairwiseComparison)>,
 }
 
 /// What to use for what; nothing where no model has an error to be judged by.
-pub fn verdict(evidence: &Evidence) -> Vec<Finding> {
+pub fn recommendation(evidence: &Evidence) -> Vec<Finding> {
     if evidence.standings.iter().all(|standing| standing.judged == 0) {
         return Vec::new();
     }
@@ -132,7 +132,7 @@ fn share(error: f64) -> String {
 }
 
 fn found(topic: Topic, standing: &Standing, text: String) -> Finding {
-    Finding { topic, choice: Some(standing.contender), confirmed: None, text }
+    Finding { topic, choice: Some(standing.candidate), confirmed: None, text }
 }
 
 fn none(topic: Topic, text: String) -> Finding {
@@ -176,12 +176,12 @@ fn control(evidence: &Evidence) -> Finding {
         let why = match (least(near, time), least(all, worst)) {
             (Some(quickest), _) => format!(
                 "{} is near enough and takes {}",
-                quickest.contender,
+                quickest.candidate,
                 duration(time(quickest))
             ),
             (None, Some(nearest)) => format!(
                 "the nearest that answers every case, {}, is {} off",
-                nearest.contender,
+                nearest.candidate,
                 share(worst(nearest))
             ),
             (None, None) => "none answers every case".to_owned(),
@@ -201,13 +201,13 @@ fn control(evidence: &Evidence) -> Finding {
             "with derivatives by differences, a solve or two more for each cable"
         }
     };
-    let driven = match best.contender.kind.natural_actuation() {
+    let driven = match best.candidate.kind.natural_actuation() {
         Actuation::Shortening => "driven by cable lengths",
         Actuation::Natural | Actuation::Tension => "driven by tensions or lengths",
     };
     let mut text = format!(
         "{}, {driven}: {} a solve, {derivatives}, at most {} from the reference",
-        best.contender,
+        best.candidate,
         duration(time(best)),
         share(worst(best))
     );
@@ -216,7 +216,7 @@ fn control(evidence: &Evidence) -> Finding {
     if let Some(other) = partly.filter(|s| time(s) < time(best)).max_by_key(|s| s.within) {
         text += &format!(
             "; {} takes {} and is within {} on {} of {} cases",
-            other.contender,
+            other.candidate,
             duration(time(other)),
             share(TOLERANCE),
             other.within,
@@ -228,7 +228,7 @@ fn control(evidence: &Evidence) -> Finding {
 
 /// The nearest of those that know forces: what is designed are stiffness, tensions and what is carried.
 fn design(evidence: &Evidence) -> Finding {
-    let knows_forces = |s: &&Standing| s.contender.kind.natural_actuation() == Actuation::Tension;
+    let knows_forces = |s: &&Standing| s.candidate.kind.natural_actuation() == Actuation::Tension;
     let able = complete(evidence.standings.iter().filter(knows_forces));
     let Some(best) = least(able.clone(), worst) else {
         return none(
@@ -237,15 +237,15 @@ fn design(evidence: &Evidence) -> Finding {
         );
     };
     let (off, took) = (share(worst(best)), duration(time(best)));
-    let mut text = if evidence.reference == Some(best.contender.kind) {
+    let mut text = if evidence.reference == Some(best.candidate.kind) {
         format!(
             "{}, which the others are measured against: it knows forces, loads and stiffness; {took} a solve, {off} from its own exact answer",
-            best.contender
+            best.candidate
         )
     } else {
         format!(
             "{}, the nearest to the reference of those that know forces, loads and stiffness: at most {off} off, {took} a solve",
-            best.contender
+            best.candidate
         )
     };
     if best.derivatives != CommandDerivatives::Exact {
@@ -253,7 +253,7 @@ fn design(evidence: &Evidence) -> Finding {
         if let Some(other) = least(exact, worst) {
             text += &format!(
                 "; of those with exact derivatives {} is the nearest: at most {} off, {} a solve",
-                other.contender,
+                other.candidate,
                 share(worst(other)),
                 duration(time(other))
             );
@@ -276,17 +276,17 @@ fn unknown_material(evidence: &Evidence) -> Finding {
     } else {
         String::new()
     };
-    let (contender, off) = (best.contender, share(worst(best)));
+    let (candidate, off) = (best.candidate, share(worst(best)));
     if worst(best) <= TOLERANCE {
         let text = format!(
-            "{contender}, driven by cable lengths: it needs the geometry alone, and is at most {off} from the reference{part}."
+            "{candidate}, driven by cable lengths: it needs the geometry alone, and is at most {off} from the reference{part}."
         );
         return found(Topic::UnknownMaterial, best, text);
     }
     none(
         Topic::UnknownMaterial,
         format!(
-            "of those that need the geometry alone {contender} is the nearest, but up to {off} off{part}: measure the stiffness (`whipcord fit`)."
+            "of those that need the geometry alone {candidate} is the nearest, but up to {off} off{part}: measure the stiffness (`whipcord fit`)."
         ),
     )
 }
@@ -294,7 +294,7 @@ fn unknown_material(evidence: &Evidence) -> Finding {
 /// The fastest that is near enough with many sections, beside the other models as they are.
 fn many_sections(many: &Many) -> Finding {
     let (of_them, sections) = (format!("with {} of them", many.sections), many.sections);
-    let usual = |s: &Standing| s.contender.variant == Variant::Usual;
+    let usual = |s: &Standing| s.candidate.variant == Variant::Usual;
     fastest(
         Topic::ManySections,
         &many.standings,
@@ -325,23 +325,27 @@ fn fastest(
             format!("{place} no model that answers every case is within {}.", share(TOLERANCE));
         return none(topic, text);
     };
-    let (contender, took) = (best.contender, duration(time(best)));
+    let (candidate, took) = (best.candidate, duration(time(best)));
     let others: Vec<String> = complete(standings.iter())
-        .filter(|s| s.contender.kind != contender.kind && others(s))
-        .map(|s| format!("{} takes {}", s.contender, duration(time(s))))
+        .filter(|s| s.candidate.kind != candidate.kind && others(s))
+        .map(|s| format!("{} takes {}", s.candidate, duration(time(s))))
         .collect();
     let others = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
     let off = share(worst(best));
     let text =
-        format!("{before} {contender}: {took} a solve, at most {off} from the reference{others}.");
+        format!("{before} {candidate}: {took} a solve, at most {off} from the reference{others}.");
     found(topic, best, text)
 }
 
 /// "Faster", "accurate enough", "beyond 50 sections rather the Cosserat model": each claim by the figures.
 fn paper(evidence: &Evidence) -> Vec<Finding> {
-    let Some((usual, duel)) = evidence.duels.first() else { return Vec::new() };
-    let mut findings =
-        vec![faster(*usual, duel, &evidence.duels), accurate(duel, evidence.reference)];
+    let Some((usual, pairwise_comparison)) = evidence.pairwise_comparisons.first() else {
+        return Vec::new();
+    };
+    let mut findings = vec![
+        faster(*usual, pairwise_comparison, &evidence.pairwise_comparisons),
+        accurate(pairwise_comparison, evidence.reference),
+    ];
     findings.extend(evidence.many.as_ref().and_then(beyond));
     findings
 }
@@ -354,21 +358,28 @@ fn claim(confirmed: bool, claim: &str, figures: &str) -> Finding {
 
 /// Faster than the Cosserat model, and than each variant of it that is no farther from the reference: for the accuracy
 /// of four bars a rod need not be solved to 1e-9.
-fn faster(usual: Contender, duel: &Duel, duels: &[(Contender, Duel)]) -> Finding {
-    let error = duel.worst_errors[0];
-    let no_farther = duels.iter().filter(|(_, duel)| duel.worst_errors[1] <= error);
+fn faster(
+    usual: Candidate,
+    pairwise_comparison: &PairwiseComparison,
+    pairwise_comparisons: &[(Candidate, PairwiseComparison)],
+) -> Finding {
+    let error = pairwise_comparison.worst_errors[0];
+    let no_farther = pairwise_comparisons
+        .iter()
+        .filter(|(_, pairwise_comparison)| pairwise_comparison.worst_errors[1] <= error);
     let rival = no_farther.min_by(|a, b| a.1.slower.total_cmp(&b.1.slower));
-    let confirmed =
-        duel.slower >= SIGNIFICANT && rival.is_none_or(|(_, duel)| duel.slower >= SIGNIFICANT);
-    let [ours, theirs] = duel.times.map(duration);
+    let confirmed = pairwise_comparison.slower >= SIGNIFICANT
+        && rival.is_none_or(|(_, pairwise_comparison)| pairwise_comparison.slower >= SIGNIFICANT);
+    let [ours, theirs] = pairwise_comparison.times.map(duration);
     let mut figures = format!(
         "four-bar takes {ours}, {usual} {theirs}, {} times as long",
-        number(duel.slower, 2)
+        number(pairwise_comparison.slower, 2)
     );
     if let Some((rod, rival)) = rival.filter(|(rod, _)| *rod != usual) {
         let times = [rival.times[1], rival.times[0]].map(duration);
         let [of_rod, of_four_bar] = [rival.worst_errors[1], rival.worst_errors[0]].map(share);
-        let word = if !confirmed && duel.slower >= SIGNIFICANT { "but" } else { "and" };
+        let word =
+            if !confirmed && pairwise_comparison.slower >= SIGNIFICANT { "but" } else { "and" };
         figures += &format!(
             "; {word} {rod} takes {} where four-bar takes {}, and is no farther off: at most {of_rod}, not {of_four_bar}",
             times[0], times[1]
@@ -377,17 +388,20 @@ fn faster(usual: Contender, duel: &Duel, duels: &[(Contender, Duel)]) -> Finding
     claim(confirmed, "the optimisation-based model is significantly faster", &figures)
 }
 
-fn accurate(duel: &Duel, reference: Option<ModelKind>) -> Finding {
+fn accurate(pairwise_comparison: &PairwiseComparison, reference: Option<ModelKind>) -> Finding {
     let both = |i: usize| {
-        let (median, worst) = (share(duel.median_errors[i]), share(duel.worst_errors[i]));
-        if duel.cases == 1 {
+        let (median, worst) = (
+            share(pairwise_comparison.median_errors[i]),
+            share(pairwise_comparison.worst_errors[i]),
+        );
+        if pairwise_comparison.cases == 1 {
             format!("{worst} off")
         } else {
             format!("{median} off, at most {worst}")
         }
     };
     let lengths = if reference.is_some() { ", given the reference's cable lengths," } else { "" };
-    let cases = match duel.cases {
+    let cases = match pairwise_comparison.cases {
         1 => "on 1 case".to_owned(),
         n => format!("on {n} cases"),
     };
@@ -397,14 +411,19 @@ fn accurate(duel: &Duel, reference: Option<ModelKind>) -> Finding {
         both(1),
         share(PAPER_ERROR)
     );
-    claim(duel.worst_errors[0] <= PAPER_ERROR, "its accuracy is comparable", &figures)
+    claim(
+        pairwise_comparison.worst_errors[0] <= PAPER_ERROR,
+        "its accuracy is comparable",
+        &figures,
+    )
 }
 
 fn beyond(many: &Many) -> Option<Finding> {
-    let (rod, duel) = many.duels.iter().min_by(|a, b| a.1.slower.total_cmp(&b.1.slower))?;
-    let [ours, theirs] = duel.times.map(duration);
+    let (rod, pairwise_comparison) =
+        many.pairwise_comparisons.iter().min_by(|a, b| a.1.slower.total_cmp(&b.1.slower))?;
+    let [ours, theirs] = pairwise_comparison.times.map(duration);
     let figures =
         format!("with {} of them {rod} takes {theirs} and four-bar {ours}", many.sections);
     let claimed = format!("beyond {MANY_SECTIONS} sections rather the Cosserat model");
-    Some(claim(duel.slower < 1.0, &claimed, &figures))
+    Some(claim(pairwise_comparison.slower < 1.0, &claimed, &figures))
 }

@@ -5,13 +5,13 @@ use super::{summary, tables};
 use crate::html::{Figure, escape, list};
 
 /// Which model to use for what; nothing where that cannot be said.
-pub fn verdict(results: &Results) -> String {
-    let verdict = results.verdict();
-    if verdict.is_empty() {
+pub fn recommendation(results: &Results) -> String {
+    let recommendation = results.recommendation();
+    if recommendation.is_empty() {
         return String::new();
     }
     let mut html = String::from("<h2>Which model for what</h2>\n<dl>\n");
-    for finding in &verdict {
+    for finding in &recommendation {
         let (topic, text) = (finding.topic.words(), escape(&finding.text));
         html += &format!("<dt>{topic}</dt><dd>{text}</dd>\n");
     }
@@ -24,7 +24,7 @@ pub fn section(results: &Results, pareto: Option<&Figure>) -> String {
     html += &tables::standings(results).html();
     html += &list(&tables::notes(results));
     html += &pareto.map(Figure::html).unwrap_or_default();
-    for (heading, table) in summary::tables(&results.trials, &results.contenders) {
+    for (heading, table) in summary::tables(&results.trials, &results.candidates) {
         html += &format!("<h3>{}</h3>\n{}", escape(&heading), table.html());
     }
     html += "<h3>Case by case</h3>\n";

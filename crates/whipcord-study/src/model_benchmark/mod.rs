@@ -1,8 +1,10 @@
 //! Models on trial: how far each is from a reference, and how long it takes.
 
-pub mod contender;
+pub mod candidate;
 pub mod output;
 pub mod picture;
+pub mod recommendation;
+pub mod reference;
 pub mod report;
 pub mod results;
 pub mod standing;
@@ -10,8 +12,6 @@ pub mod summary;
 pub mod tables;
 #[cfg(test)]
 mod tests;
-pub mod verdict;
-pub mod yardstick;
 
 use whipcord::robot::Route;
 use whipcord::{
@@ -20,11 +20,11 @@ use whipcord::{
 };
 use whipcord_io::Measured;
 
-use self::contender::Contender;
-use self::yardstick::{Choice, NoYardstick, Yardstick};
+use self::candidate::Candidate;
+use self::reference::{Choice, NoYardstick, ReferenceAnswers};
+use crate::describe::driven_by;
 use crate::steps::{all_stable, stability_absent};
 use crate::timing::{self, Timing};
-use crate::words::driven_by;
 
 /// What the models are tried on.
 #[derive(Clone, Copy, Debug)]
@@ -51,12 +51,12 @@ pub struct Tags {
     /// By how much it is bent, in rad, as the suite counts it.
     pub bending: f64,
     /// What else acts on it.
-    pub burden: Burden,
+    pub load_kind: LoadKind,
 }
 
 /// What acts on the robot of a case of a suite, beside its cables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Burden {
+pub enum LoadKind {
     /// Nothing.
     None,
     /// A force at the tip.
@@ -69,7 +69,7 @@ pub enum Burden {
     Pipe,
 }
 
-impl Burden {
+impl LoadKind {
     /// In tables.
     pub const fn name(self) -> &'static str {
         match self {
@@ -91,7 +91,7 @@ impl Subject<'_> {
 
 /// One case, and how the models did on it.
 #[derive(Clone, Debug)]
-pub struct Trial {
+pub struct CaseBenchmark {
     /// For people.
     pub title: String,
     /// What tells it from others.
@@ -105,16 +105,16 @@ pub struct Trial {
     /// Whether anything stands in the robot's way.
     pub among_obstacles: bool,
     /// What is measured against, or why there is nothing.
-    pub yardstick: Result<Yardstick, NoYardstick>,
-    /// One for each contender.
+    pub reference: Result<ReferenceAnswers, NoYardstick>,
+    /// One for each candidate.
     pub entries: Vec<Entry>,
 }
 
-/// One contender on one case.
+/// One candidate on one case.
 #[derive(Clone, Debug)]
 pub struct Entry {
     /// Who.
-    pub contender: Contender,
+    pub candidate: Candidate,
     /// Where its commands come from.
     pub commands: Commands,
     /// What drove it, in words.
@@ -176,25 +176,25 @@ pub struct Miss {
     pub points: usize,
 }
 
-impl Trial {
-    /// Tries all contenders on a case; the flag ends their solves.
+impl CaseBenchmark {
+    /// Tries all candidates on a case; the flag ends their solves.
     pub fn new(
         subject: &Subject,
-        contenders: &[Contender],
+        candidates: &[Candidate],
         choice: Choice,
         cancel: &Cancel,
     ) -> Self {
-        let yardstick = Yardstick::new(subject, choice, cancel);
-        let reference = yardstick.as_ref().ok();
+        let answers = ReferenceAnswers::new(subject, choice, cancel);
+        let reference = answers.as_ref().ok();
         let like = reference
-            .and_then(|yardstick| like_for_like(subject.robot, subject.case, &yardstick.answers));
+            .and_then(|reference| like_for_like(subject.robot, subject.case, &reference.answers));
         let bare = without_material(subject.robot);
-        let entries = contenders
+        let entries = candidates
             .iter()
-            .map(|&contender| {
-                let model = contender.model(Stations::Disks, subject.sections());
+            .map(|&candidate| {
+                let model = candidate.model(Stations::Disks, subject.sections());
                 let model = model.cancelled_by(cancel);
-                entry(contender, &model, subject, reference, like.as_ref(), bare.as_ref())
+                entry(candidate, &model, subject, reference, like.as_ref(), bare.as_ref())
             })
             .collect();
         Self {
@@ -204,27 +204,27 @@ impl Trial {
             length: subject.robot.backbone().length,
             tags: subject.tags,
             among_obstacles: !subject.case.obstacles.is_empty(),
-            yardstick,
+            reference: answers,
             entries,
         }
     }
 
-    /// The answer of a contender.
-    pub fn answer(&self, contender: Contender) -> Option<&Answer> {
-        self.entries.iter().find(|entry| entry.contender == contender)?.outcome.as_ref().ok()
+    /// The answer of a candidate.
+    pub fn answer(&self, candidate: Candidate) -> Option<&Answer> {
+        self.entries.iter().find(|entry| entry.candidate == candidate)?.outcome.as_ref().ok()
     }
 
-    /// How far a contender is from the reference, relative to the length of the backbone.
-    pub fn error(&self, contender: Contender) -> Option<f64> {
-        Some(self.answer(contender)?.miss.as_ref().ok()?.rms / self.length)
+    /// How far a candidate is from the reference, relative to the length of the backbone.
+    pub fn error(&self, candidate: Candidate) -> Option<f64> {
+        Some(self.answer(candidate)?.miss.as_ref().ok()?.rms / self.length)
     }
 }
 
 fn entry(
-    contender: Contender,
+    candidate: Candidate,
     model: &Model,
     subject: &Subject,
-    reference: Option<&Yardstick>,
+    reference: Option<&ReferenceAnswers>,
     like: Option<&Case>,
     bare: Option<&Robot>,
 ) -> Entry {
@@ -234,7 +234,7 @@ fn entry(
     let as_reference = |case| (Commands::Reference, case, solve(case));
     // A geometric model is given the reference's lengths: its own, where the case has any, were measured or
     // chosen for other reasons. A model that knows forces gets the reference's only where the case has none for it.
-    let (commands, case, outcome) = match (contender.kind.natural_actuation(), like) {
+    let (commands, case, outcome) = match (candidate.kind.natural_actuation(), like) {
         (Actuation::Shortening, Some(like)) => as_reference(like),
         (_, like) => match (as_given(), like) {
             ((_, _, Err(SolveError::Missing { .. })), Some(like)) => as_reference(like),
@@ -258,8 +258,8 @@ fn entry(
     let without_material = bare.is_some_and(|bare| {
         model.prepare(bare, &case.loads).is_ok_and(|mut model| model.solve(case, None).is_ok())
     });
-    let driven_by = driven_by(contender.kind, Actuation::Natural, case);
-    Entry { contender, commands, driven_by, outcome, without_material }
+    let driven_by = driven_by(candidate.kind, Actuation::Natural, case);
+    Entry { candidate, commands, driven_by, outcome, without_material }
 }
 
 /// The robot as a geometric model sees it. `None` where a robot cannot be without them.

@@ -31,11 +31,11 @@ fn spread() -> impl Strategy<Value = RawSpread> {
 pub fn burdened(wild: Wildness) -> impl Strategy<Value = (Robot, Case)> {
     let masses = vec((0.0..=1.0_f64, 0.0..1.0_f64), 0..3);
     (robot(wild), vec(spread(), 1..3), masses).prop_map(move |((robot, case), spread, masses)| {
-        burden(wild, robot, case, &spread, &masses)
+        load_kind(wild, robot, case, &spread, &masses)
     })
 }
 
-fn burden(
+fn load_kind(
     wild: Wildness,
     robot: Robot,
     mut case: Case,

@@ -3,7 +3,7 @@
 use whipcord::cosserat::Accuracy;
 use whipcord::{Actuation, Model, ModelKind, Stations};
 
-pub use whipcord::ModelVariant as Contender;
+pub use whipcord::ModelVariant as Candidate;
 pub use whipcord::variant::{Variant, step_per_section};
 
 /// Tolerance and residual of a model at fine resolution: the smallest that rounding leaves room for.
