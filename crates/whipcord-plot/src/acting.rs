@@ -2,7 +2,6 @@
 
 use whipcord::{Case, Pose, Profile, Shape, Vec3};
 
-use crate::body::pose_at;
 use crate::error::{PlotError, finite};
 use crate::unit;
 
@@ -74,7 +73,7 @@ impl Acting {
         let tip = (length, loads.tip_force, loads.tip_moment, loads.tip_follower);
         let points = loads.points.iter().map(|p| (p.at, p.force, p.moment, p.follower));
         for (s, force, moment, follows) in std::iter::once(tip).chain(points) {
-            let pose = pose_at(shape, s);
+            let pose = shape.at(s);
             for (kind, vector) in [(Kind::Force, force), (Kind::Moment, moment)] {
                 if vector != Vec3::ZERO {
                     let vector = turned(vector, &pose, follows);
@@ -94,7 +93,7 @@ impl Acting {
         for load in &loads.distributed {
             for kind in [Kind::Force, Kind::Moment] {
                 let places = along(&load.profile, length, kind).into_iter().map(|(s, vector)| {
-                    let pose = pose_at(shape, s);
+                    let pose = shape.at(s);
                     (pose.position, turned(vector, &pose, load.follower))
                 });
                 let places: Vec<_> = places.collect();
@@ -105,7 +104,7 @@ impl Acting {
         }
         let masses = loads.masses.iter().filter(|m| m.mass > 0.0);
         acting.masses =
-            masses.map(|m| Carried { at: pose_at(shape, m.at).position, mass: m.mass }).collect();
+            masses.map(|m| Carried { at: shape.at(m.at).position, mass: m.mass }).collect();
         acting
     }
 

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use whipcord::{Pose, Robot, Section, Shape, UnitQuaternion, Vec3};
+use whipcord::{Pose, Robot, Section, Shape, Vec3};
 
 use crate::error::{PlotError, finite};
 use crate::plates::plates_of;
@@ -207,7 +207,7 @@ fn pieces(robot: &Robot, view: &RobotView, disks: &[Disk]) -> Vec<Piece> {
                     .map(|j| {
                         let t = j as f64 / per_piece as f64;
                         let s = start * (1.0 - t) + end * t;
-                        let frame = pose_at(shape, s);
+                        let frame = shape.at(s);
                         Pose { position: frame.transform(offset(s)), ..frame }
                     })
                     .collect()
@@ -244,7 +244,7 @@ fn pieces(robot: &Robot, view: &RobotView, disks: &[Disk]) -> Vec<Piece> {
                     CableCourse::HoleToHole => {
                         let far = knots[section + 1].min(route.end());
                         let [from, to] = [knots[section], far]
-                            .map(|s| pose_at(shape, s).transform(route.at(s).offset));
+                            .map(|s| shape.at(s).transform(route.at(s).offset));
                         let on_chord = |s: f64| {
                             let t = (s - knots[section]) / (far - knots[section]);
                             from * (1.0 - t) + to * t
@@ -272,7 +272,7 @@ fn anchors(robot: &Robot, shape: &Shape, disks: &[Disk]) -> impl Iterator<Item =
         let above = knots.iter().filter(|&&knot| knot <= s).count();
         let disk = above.checked_sub(1).filter(|&disk| knots[disk] == s);
         let face = disk.map_or(0.0, |disk| half(disks, disk));
-        let at = pose_at(shape, s).transform(route.at(s).offset + Vec3::Z * face);
+        let at = shape.at(s).transform(route.at(s).offset + Vec3::Z * face);
         Piece::cable(Part::Anchor(i), above.saturating_sub(1), vec![at], [0.0; 2])
     })
 }
@@ -299,26 +299,6 @@ pub(crate) fn profile(robot: &Robot, s: f64) -> Profile {
             Profile::Bar { width: width.at(disks, s), height: height.at(disks, s) }
         }
     }
-}
-
-/// The pose at an arc length, between the stations on a cubic that leaves them along their
-/// tangents.
-pub(crate) fn pose_at(shape: &Shape, s: f64) -> Pose {
-    let (arcs, poses) = (&shape.arc_length, &shape.poses);
-    let last = arcs.len() - 1;
-    let i = arcs[1..last].partition_point(|&a| a <= s);
-    let t = ((s - arcs[i]) / (arcs[i + 1] - arcs[i])).clamp(0.0, 1.0);
-    let (a, b) = (poses[i], poses[i + 1]);
-    let turn = a.rotation.conjugate() * b.rotation;
-    let rotation = (a.rotation * UnitQuaternion::exp(turn.log() * t)).renormalized();
-    let chord = (b.position - a.position).norm();
-    let (from, to) = (a.rotation.rotate(Vec3::Z) * chord, b.rotation.rotate(Vec3::Z) * chord);
-    let (t2, t3) = (t * t, t * t * t);
-    let position = a.position * (2.0 * t3 - 3.0 * t2 + 1.0)
-        + from * (t3 - 2.0 * t2 + t)
-        + b.position * (3.0 * t2 - 2.0 * t3)
-        + to * (t3 - t2);
-    Pose { position, rotation }
 }
 
 #[cfg(test)]

@@ -4,12 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde::Serialize;
-use whipcord::{ModelVariant, Solution, Twist, Vec3};
+use whipcord::{ModelVariant, Shape, Solution, Twist, Vec3};
 use whipcord_io::{CaseFile, load};
 
 use crate::bench::Bench;
 use crate::error::ViewError;
-use crate::grid::{Grid, integrate};
+use crate::grid::Grid;
 use crate::page::{Page, page};
 use crate::protocol::{Command, Request, Scene};
 use crate::scene::{begin_with, scene};
@@ -277,8 +277,8 @@ fn trials(
             }
         }
         let Some(&base) = solution.shape.poses.first() else { continue };
-        let found: Option<Vec3> = integrate(base, &mixed, lengths).last().map(|pose| pose.position);
-        errors.extend(found.map(|tip| (tip - solution.shape.tip().position).norm()));
+        let tip = Shape::of_strains(base, &mixed, lengths).tip();
+        errors.push((tip.position - solution.shape.tip().position).norm());
     }
     errors.sort_by(f64::total_cmp);
     Trials {

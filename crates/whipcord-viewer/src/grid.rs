@@ -3,7 +3,7 @@
 //! Between frames it is the strains that are interpolated, and not the positions: without external loads the strains of a
 //! rod are nearly linear in the tensions, however far it bends. In each slider it is by the cubic through four positions.
 
-use whipcord::{Pose, Twist, equally_spaced};
+use whipcord::equally_spaced;
 
 use crate::protocol::{Command, Ranges};
 
@@ -169,17 +169,6 @@ impl Axis {
         let each = (start..start + nodes).map(|k| (k, share(k)));
         each.filter(|&(_, share)| share != 0.0).collect()
     }
-}
-
-/// The pose at each end of these strains, from the base on; `lengths` are those of the pieces.
-pub fn integrate(base: Pose, strains: &[Twist], lengths: &[f64]) -> Vec<Pose> {
-    let mut poses = vec![base];
-    let mut pose = base;
-    for (&strain, &length) in strains.iter().zip(lengths) {
-        pose = pose * Pose::exp(strain * length);
-        poses.push(pose);
-    }
-    poses
 }
 
 #[cfg(test)]

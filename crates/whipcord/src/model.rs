@@ -308,9 +308,9 @@ impl Statics for Model {
     }
 }
 
-/// A model that says how a robot moves and yields at a place: with exact derivatives, or, as
-/// [`Local::means`] says, by differences. A geometric one may know how it moves alone
-/// ([`Local::yields`]). Of other quantities [`crate::differences`] differentiates any
+/// A model that gives the Jacobian and the compliance of a place: with exact derivatives, or by
+/// differences ([`Local::method`]). A geometric model may give the Jacobian alone
+/// ([`Local::compliances`]). Of other quantities [`crate::differences`] differentiates any
 /// [`Statics`].
 pub trait Differentiable: Statics {
     /// The answer, and its derivatives at an arc length in m. A case in several steps

@@ -1,6 +1,6 @@
 //! The answer: frames along the backbone, and what became of the cables.
 
-use whipcord_numerics::{Pose, Twist, Vec3};
+use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
 use crate::kind::ModelKind;
 use crate::robot::Route;
@@ -300,6 +300,47 @@ impl Shape {
         frames.zip(lengths).map(|(ends, ds)| (ends[0].inverse() * ends[1]).log() * (1.0 / ds))
     }
 
+    /// The shape from a base with constant strains along pieces of these lengths in m: the inverse of [`Self::strains`].
+    #[must_use]
+    pub fn of_strains(base: Pose, strains: &[Twist], lengths: &[f64]) -> Self {
+        let (mut arc_length, mut poses) = (vec![0.0], vec![base]);
+        let (mut s, mut pose) = (0.0, base);
+        for (&strain, &length) in strains.iter().zip(lengths) {
+            s += length;
+            pose = pose * Pose::exp(strain * length);
+            arc_length.push(s);
+            poses.push(pose);
+        }
+        Self { arc_length, poses }
+    }
+
+    /// The frame at an arc length in m, clamped to the stations; the identity for a shape without stations.
+    ///
+    /// Between two stations the position follows the cubic whose end tangents are those of the strain between them
+    /// ([`Self::strains`]): its error is of fourth order in the distance of the stations where stretch and shear vary slowly.
+    /// The rotation turns about a fixed axis at a constant rate, with an error of second order.
+    #[must_use]
+    pub fn at(&self, arc_length: f64) -> Pose {
+        let count = self.poses.len().min(self.arc_length.len());
+        if count < 2 {
+            return self.poses.first().copied().unwrap_or_default();
+        }
+        let i = self.arc_length[1..count - 1].partition_point(|&s| s <= arc_length);
+        let (start, ds) = (self.arc_length[i], self.arc_length[i + 1] - self.arc_length[i]);
+        let t = if ds > 0.0 { ((arc_length - start) / ds).clamp(0.0, 1.0) } else { 0.0 };
+        let (a, b) = (self.poses[i], self.poses[i + 1]);
+        let turn = (a.rotation.conjugate() * b.rotation).log();
+        let rotation = (a.rotation * UnitQuaternion::exp(turn * t)).renormalized();
+        let tangent = (a.inverse() * b).log().linear;
+        let (from, to) = (a.rotation.rotate(tangent), b.rotation.rotate(tangent));
+        let (t2, t3) = (t * t, t * t * t);
+        let position = a.position * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + from * (t3 - 2.0 * t2 + t)
+            + b.position * (3.0 * t2 - 2.0 * t3)
+            + to * (t3 - t2);
+        Pose { position, rotation }
+    }
+
     /// How the tangent at the last station leans from that at the first, seen from the first: the
     /// angle in rad from 0 to π, and the direction in rad from x towards y. For the disks that is the
     /// bend of the robot as its base sees it.
@@ -339,10 +380,59 @@ mod tests {
         let poses = arc_length.iter().map(|&s| base * Pose::exp(strain * s)).collect();
         let shape = Shape { arc_length, poses };
         assert_eq!(shape.strains().count(), 3);
+        let strains: Vec<Twist> = shape.strains().collect();
+        let again = Shape::of_strains(base, &strains, &[0.01, 0.06, 0.13]);
+        for (found, expected) in again.poses.iter().zip(&shape.poses) {
+            assert!((found.position - expected.position).norm() < 1e-15);
+        }
         for found in shape.strains() {
             assert!((found.linear - strain.linear).max_abs() < 1e-13);
             assert!((found.angular - strain.angular).max_abs() < 1e-12);
         }
+    }
+
+    /// The greatest errors of position in m and rotation in rad between so many equal pieces of a helix.
+    fn errors(pieces: usize, strain: Twist) -> [f64; 2] {
+        let (base, length) = (Pose::exp(Twist { linear: Vec3::Y, angular: Vec3::X }), 0.2);
+        let exact = |s: f64| base * Pose::exp(strain * s);
+        let arc_length: Vec<f64> =
+            (0..=pieces).map(|k| length * k as f64 / pieces as f64).collect();
+        let poses = arc_length.iter().map(|&s| exact(s)).collect();
+        let shape = Shape { arc_length, poses };
+        (0..=1000).map(|k| length * f64::from(k) / 1000.0).fold([0.0, 0.0], |[p, r], s| {
+            let (found, exact) = (shape.at(s), exact(s));
+            let turn = (found.rotation.conjugate() * exact.rotation).log();
+            [f64::max(p, (found.position - exact.position).norm()), f64::max(r, turn.norm())]
+        })
+    }
+
+    #[test]
+    fn between_stations_the_position_is_of_fourth_order() {
+        let straight = Twist { linear: Vec3::new(0.0, 0.0, 1.05), angular: Vec3::ZERO };
+        assert!(errors(3, straight)[0] < 1e-15);
+        let arc = Twist { linear: Vec3::Z, angular: Vec3::new(5.0, 0.0, 0.0) };
+        let helix = Twist { linear: Vec3::new(0.1, 0.0, 1.2), angular: Vec3::new(8.0, -5.0, 3.0) };
+        for strain in [arc, helix] {
+            let ([coarse, turned], [fine, _]) = (errors(5, strain), errors(10, strain));
+            assert!(coarse < 2e-5 && turned < 1e-14, "{coarse:e} {turned:e}");
+            assert!((coarse / fine - 16.0).abs() < 3.0, "{coarse:e} {fine:e}");
+        }
+    }
+
+    #[test]
+    fn beyond_its_ends_the_shape_is_at_them() {
+        let shape = Shape::of_strains(
+            Pose::IDENTITY,
+            &[Twist { linear: Vec3::Z, angular: Vec3::X }; 4],
+            &[0.1, 0.2, 0.0, 0.1],
+        );
+        assert_eq!(shape.at(-1.0), shape.poses[0]);
+        let (tip, found) = (shape.tip(), shape.at(7.0));
+        assert!((found.position - tip.position).norm() < 1e-16);
+        assert!((found.rotation.conjugate() * tip.rotation).log().norm() < 1e-15);
+        assert_eq!(Shape::default().at(0.1), Pose::IDENTITY);
+        let single = Shape { arc_length: vec![0.0], poses: vec![tip] };
+        assert_eq!(single.at(0.3), tip);
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub struct StepError {
     pub samples: Samples,
 }
 
-/// Errors and times of one example for each of [`STEPS_PER_SECTION`].
+/// Errors and times of one example for each of `STEPS_PER_SECTION`.
 ///
 /// # Errors
 /// [`SolveError`] when the Cosserat model has no answer.

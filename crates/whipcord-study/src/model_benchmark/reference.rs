@@ -14,7 +14,7 @@ use crate::steps::rms_distance;
 /// What a user wants errors to be measured against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
-    /// What was measured in space; without that, by [`trusted`], the first model that has an answer.
+    /// What was measured in space; without that, by `trusted`, the first model that has an answer.
     #[default]
     Trusted,
     /// What was measured.

@@ -42,7 +42,7 @@ fn decoded(recording: &Recording, frame: usize) -> (Vec3, Vec<f64>) {
         Twist { linear: Vec3::new(x, y, 1.0 + z), angular: Vec3::new(a, b, c) }
     });
     let base = whipcord::Pose { position: scene.base.position.into(), ..Default::default() };
-    let tip = integrate(base, &pieces.collect::<Vec<_>>(), &lengths).pop().unwrap();
+    let tip = Shape::of_strains(base, &pieces.collect::<Vec<_>>(), &lengths).tip();
     let count = scene.cables.len();
     let cables = floats(&recorded.cables)[3 * count * frame..3 * count * (frame + 1)].to_vec();
     (tip.position, cables.chunks(3).map(|cable| cable[1]).collect())

@@ -7,7 +7,7 @@ use std::{env, fs};
 use serde::{Deserialize, Serialize};
 use whipcord::{Twist, UnitQuaternion, Vec3};
 
-use crate::grid::{Grid, Weights, integrate};
+use crate::grid::{Grid, Weights};
 use crate::protocol::{Command, Pose, Ranges};
 use crate::scene::pose;
 
@@ -101,7 +101,7 @@ fn paths() -> Vec<Shape> {
         let twists = strains
             .iter()
             .map(|&[linear, angular]| Twist { linear: linear.into(), angular: angular.into() });
-        let poses = integrate(base, &twists.collect::<Vec<_>>(), &lengths);
+        let poses = whipcord::Shape::of_strains(base, &twists.collect::<Vec<_>>(), &lengths).poses;
         Shape { base: pose(&base), strains, lengths, poses: poses.iter().map(pose).collect() }
     });
     shapes.collect()

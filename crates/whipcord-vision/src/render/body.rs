@@ -94,8 +94,8 @@ fn backbone(
 ) -> Result<(), ViewError> {
     let shape = &solution.shape;
     let radius = 0.5 * scene.backbone_diameter;
-    for (arc, ends) in shape.arc_length.windows(2).zip(shape.poses.windows(2)) {
-        let curve = |t: f64| hermite(ends, arc[1] - arc[0], t);
+    for arc in shape.arc_length.windows(2) {
+        let curve = |t: f64| shape.at(arc[0] + t * (arc[1] - arc[0])).position;
         for k in 0..BENDS {
             let place = |k: f64| curve((k / BENDS as f64).clamp(0.0, 1.0));
             let (from, to) = (place(k as f64 - OVERLAP), place(k as f64 + 1.0 + OVERLAP));
@@ -113,16 +113,6 @@ fn backbone(
         }
     }
     Ok(())
-}
-
-/// The cubic through two poses along their tangents, at `t` from 0 to 1 between them.
-fn hermite(ends: &[Pose], length: f64, t: f64) -> Vec3 {
-    let tangent = |pose: &Pose| length * pose.rotation.rotate(Vec3::Z);
-    let (u, (t2, t3)) = (1.0 - t, (t * t, t * t * t));
-    (1.0 - 3.0 * t2 + 2.0 * t3) * ends[0].position
-        + (t * u * u) * tangent(&ends[0])
-        + (3.0 * t2 - 2.0 * t3) * ends[1].position
-        - (t2 * u) * tangent(&ends[1])
 }
 
 /// The cables, straight from hole to hole.

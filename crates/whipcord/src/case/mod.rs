@@ -128,21 +128,23 @@ impl Case {
     /// All of them together take memory that grows with the square of their number: for many steps use
     /// [`Self::single_steps`].
     pub fn steps(&self) -> impl ExactSizeIterator<Item = Self> + '_ {
-        let step = |k: usize| Self { before: self.before[..k].to_vec(), ..self.single_step(k) };
-        (0..self.before.len() + 1).map(step)
+        (0..self.before.len() + 1).map(|number| self.step_after(number, &self.before[..number]))
     }
 
     /// One of [`Self::steps`], counted from 0; `None` beyond the last.
     #[must_use]
     pub fn step(&self, number: usize) -> Option<Self> {
-        let before = self.before.get(..number)?.to_vec();
-        Some(Self { before, ..self.single_step(number) })
+        Some(self.step_after(number, self.before.get(..number)?))
     }
 
     /// The steps of actuation in order, each without those before it: for solves that start from the answer to the step
     /// before, where that answer is all that is left of the way.
     pub fn single_steps(&self) -> impl ExactSizeIterator<Item = Self> + '_ {
         (0..self.before.len() + 1).map(|number| self.single_step(number))
+    }
+
+    fn step_after(&self, number: usize, before: &[Vec<CableCommand>]) -> Self {
+        Self { before: before.to_vec(), ..self.single_step(number) }
     }
 
     fn single_step(&self, number: usize) -> Self {

@@ -13,7 +13,7 @@
 //! `½‖ξ − ξ*‖²_K + Σ τᵢ‖pᵢ′‖ − N·v − M·u`, so there is one answer, and Newton's method with the
 //! exact Hessian — the block matrix of the paper's eq. (3) — finds it. All is written in 3×3 blocks.
 //!
-//! `K` is diagonal, or has terms beside its diagonal ([`Coupling`]). An axis of `v` may be *held*: the
+//! `K` is diagonal, or has terms beside its diagonal (`Coupling`). An axis of `v` may be *held*: the
 //! rod does not stretch, or does not shear. Its compliance is zero, its strain stays what it is at
 //! rest, and its equation in (1) only says what the reaction is. In the Hessian it has an infinite
 //! pivot, whose inverse is the zero that is wanted.
