@@ -3,7 +3,7 @@
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use whipcord::Pose;
-use whipcord_estimation::camera::{self, Lens, Sought};
+use whipcord_estimation::camera::{self, FreeParameters, Lens};
 use whipcord_vision::boards::{self, Corner, SeenBoard, Unseen, calibration};
 
 use crate::camera::{Camera, sightings};
@@ -84,14 +84,16 @@ pub fn calibrate(
     seen: Vec<PyRef<'_, Seen>>,
     distortion: &str,
 ) -> PyResult<Calibrated> {
-    let sought = Sought::ALL.into_iter().find(|sought| sought.name() == distortion);
-    let sought = sought.ok_or_else(|| {
-        let names = Sought::ALL.map(Sought::name).join(", ");
+    let free_parameters = FreeParameters::ALL
+        .into_iter()
+        .find(|free_parameters| free_parameters.name() == distortion);
+    let free_parameters = free_parameters.ok_or_else(|| {
+        let names = FreeParameters::ALL.map(FreeParameters::name).join(", ");
         let message = format!("distortion must be one of {names}, but is {distortion}");
         errors::input(py, "distortion", message)
     })?;
     let seen: Vec<_> = seen.iter().map(|seen| seen.inner.clone()).collect();
-    let found = interruptible(py, move || calibration(&seen, sought))?;
+    let found = interruptible(py, move || calibration(&seen, free_parameters))?;
     let found = found.map_err(|error| errors::calibration(py, &error))?;
     let camera =
         camera::Camera::new(Lens::Pinhole(found.calibrated.lens), Pose::IDENTITY, Some(found.size))
@@ -103,6 +105,6 @@ pub fn calibrate(
         (rms, view_rms, tilt),
         found.used,
         found.refused.into_iter().map(|(number, why)| (number, why.to_string())).collect(),
-        found.doubts.iter().map(ToString::to_string).collect(),
+        found.warnings.iter().map(ToString::to_string).collect(),
     ))
 }

@@ -143,7 +143,7 @@ fn told<'py>(
     let (answer, values, rms, error) = match run {
         Ok(found) => {
             let values: Vec<f64> = found
-                .misses
+                .residuals
                 .iter()
                 .flat_map(|miss| match miss {
                     Some(miss) => [miss.pixel[0], miss.pixel[1], miss.pixels, miss.distance],

@@ -84,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let model = Model::new(kind, Stations::Disks, Actuation::Natural);
             let overlaid = overlay(&model, &file.robot, &file.case, &located, &markers, 2)?;
             let beside: Vec<f64> =
-                overlaid.misses.iter().flatten().map(|miss| 1e3 * miss.distance).collect();
+                overlaid.residuals.iter().flatten().map(|miss| 1e3 * miss.distance).collect();
             cells.push(format!("{:.2}  {:.2} ({paper:.2})", rms(&errors[1..]), rms(&beside[1..])));
             let list = |errors: &[f64]| -> String {
                 errors.iter().map(|error| format!(" {error:5.2}")).collect()

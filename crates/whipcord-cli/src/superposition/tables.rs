@@ -26,7 +26,7 @@ pub fn table(runs: &[Run], markers: &[InImage], length: f64) -> Table {
     for (i, marker) in markers.iter().enumerate() {
         let mut row = vec![name(marker)];
         for (_, superposed) in answered() {
-            let miss = superposed.misses[i];
+            let miss = superposed.residuals[i];
             row.extend(miss.map_or_else(unseen, |miss| cells(miss.pixels, miss.distance)));
         }
         table.row(row);
@@ -59,7 +59,7 @@ pub fn csv(runs: &[Run], markers: &[InImage]) -> CsvTable {
     ]);
     for run in runs {
         let Ok(superposed) = &run.outcome else { continue };
-        for (marker, miss) in markers.iter().zip(&superposed.misses) {
+        for (marker, miss) in markers.iter().zip(&superposed.residuals) {
             let mut row = vec![
                 Cell::from(run.model.name()),
                 Cell::from(marker.disk().map(|disk| disk as f64)),

@@ -176,7 +176,7 @@ fn chart(
         let Ok(superposed) = &run.outcome else { continue };
         let disks: Vec<(usize, f64)> = markers
             .iter()
-            .zip(&superposed.misses)
+            .zip(&superposed.residuals)
             .filter_map(|(marker, miss)| Some((marker.disk()?, (*miss)?.distance)))
             .collect();
         if !disks.is_empty() {

@@ -9,16 +9,18 @@ mod distortion;
 mod error;
 mod lens;
 mod locate;
-mod miss;
+mod reprojection_error;
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-pub use calibrate::{CalibrateError, Calibrated, Doubt, LensDeviations, Sought, calibrate};
+pub use calibrate::{
+    CalibrateError, Calibrated, CalibrationWarning, FreeParameters, LensDeviations, calibrate,
+};
 pub use distortion::Distortion;
 pub use error::{CameraError, ViewError};
 pub use lens::{Lens, Orthographic, Pinhole};
 pub use locate::{Alternative, LocateError, Located, Sighting, locate, locate_orthographic};
-pub use miss::Miss;
+pub use reprojection_error::ReprojectionError;
 use whipcord::robot::Problem;
 use whipcord::robot::limits::{COORDINATE, IMAGE_SIZE};
 

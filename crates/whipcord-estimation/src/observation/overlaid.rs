@@ -4,7 +4,7 @@ use whipcord_numerics::Vec3;
 
 use super::distances::root_mean_square;
 use super::{Observation, Place, Seen, is_reversed, places};
-use crate::camera::{Camera, Miss};
+use crate::camera::{Camera, ReprojectionError};
 use whipcord::case::Case;
 use whipcord::error::SolveError;
 use whipcord::model::Model;
@@ -31,7 +31,7 @@ pub struct Overlaid {
     /// With more stations, for pictures; the same where no answer is found there.
     pub fine: Shape,
     /// How far it is from each marker that was seen; `None` where the camera does not see it there.
-    pub misses: Vec<Option<Miss>>,
+    pub residuals: Vec<Option<ReprojectionError>>,
 }
 
 /// Root mean squares over the markers that are not at the base.
@@ -83,7 +83,8 @@ impl Overlaid {
     /// Whether the markers on the axis fit far better in opposite order.
     #[must_use]
     pub fn is_reversed(&self, markers: &[InImage]) -> bool {
-        let on_axis = markers.iter().zip(&self.misses).filter(|(m, _)| m.seen.offset == Vec3::ZERO);
+        let on_axis =
+            markers.iter().zip(&self.residuals).filter(|(m, _)| m.seen.offset == Vec3::ZERO);
         let places: Vec<_> = on_axis
             .filter_map(|(marker, miss)| Some((marker.arc_length, marker.pixel, (*miss)?.pixel)))
             .collect();
@@ -95,7 +96,7 @@ impl Overlaid {
     #[must_use]
     pub fn rms(&self, markers: &[InImage]) -> Option<Rms> {
         let misses = || {
-            let moving = markers.iter().zip(&self.misses).filter(|(m, _)| !m.is_at_base());
+            let moving = markers.iter().zip(&self.residuals).filter(|(m, _)| !m.is_at_base());
             moving.filter_map(|(_, miss)| *miss)
         };
         let pixels = root_mean_square(misses().map(|miss| miss.pixels))?;
@@ -125,7 +126,10 @@ pub fn overlay(
     };
     let fine = follow(Stations::Equal(stations)).unwrap_or_else(|_| solution.shape.clone());
     let places = places(model, robot, case, &solution, markers.iter().map(|marker| &marker.seen))?;
-    let misses = places.into_iter().zip(markers).map(|(place, m)| camera.miss(place, m.pixel).ok());
-    let misses = misses.collect();
-    Ok(Overlaid { solution, fine, misses })
+    let residuals = places
+        .into_iter()
+        .zip(markers)
+        .map(|(place, m)| camera.reprojection_error(place, m.pixel).ok());
+    let residuals = residuals.collect();
+    Ok(Overlaid { solution, fine, residuals })
 }

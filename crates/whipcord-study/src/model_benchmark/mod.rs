@@ -139,7 +139,7 @@ pub enum Commands {
 #[derive(Clone, Debug)]
 pub struct Answer {
     /// How far it is from the reference, or why that cannot be told, in words.
-    pub miss: Result<Miss, String>,
+    pub residual: Result<Residual, String>,
     /// A cold solve by a model that is built; of several steps the last one.
     pub solve: Timing,
     /// Building the model, once for a robot.
@@ -163,7 +163,7 @@ impl Answer {
 
 /// Distances in m from the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Miss {
+pub struct Residual {
     /// Root mean square over the disks without the base, or over the markers, and over all steps.
     pub rms: f64,
     /// The greatest.
@@ -216,7 +216,7 @@ impl CaseBenchmark {
 
     /// How far a candidate is from the reference, relative to the length of the backbone.
     pub fn error(&self, candidate: Candidate) -> Option<f64> {
-        Some(self.answer(candidate)?.miss.as_ref().ok()?.rms / self.length)
+        Some(self.answer(candidate)?.residual.as_ref().ok()?.rms / self.length)
     }
 }
 
@@ -246,7 +246,7 @@ fn entry(
         let diagnostics = &timed.solution.diagnostics;
         let nothing = || Err("there is no reference".to_owned());
         Answer {
-            miss: reference.map_or_else(nothing, |r| r.miss(subject, &answers)),
+            residual: reference.map_or_else(nothing, |r| r.residual(subject, &answers)),
             solve: timed.solve,
             build: timed.build,
             iterations: diagnostics.iterations,

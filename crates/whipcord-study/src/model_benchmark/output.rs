@@ -92,25 +92,25 @@ fn answer_cells(trial: &CaseBenchmark, entry: &Entry) -> Vec<Cell> {
             return cells;
         }
     };
-    let miss = answer.miss.as_ref().ok();
+    let residual = answer.residual.as_ref().ok();
     vec![
-        Cell::from(miss.map(|miss| miss.rms)),
-        Cell::from(miss.map(|miss| miss.greatest)),
-        Cell::from(miss.and_then(|miss| miss.tip)),
-        Cell::from(miss.map(|miss| miss.rms / trial.length)),
+        Cell::from(residual.map(|residual| residual.rms)),
+        Cell::from(residual.map(|residual| residual.greatest)),
+        Cell::from(residual.and_then(|residual| residual.tip)),
+        Cell::from(residual.map(|residual| residual.rms / trial.length)),
         Cell::from(answer.solve.median),
         Cell::from(answer.solve.repeats),
         Cell::from(answer.build.median),
         Cell::from(answer.iterations),
         Cell::from(answer.steps),
         Cell::from(if answer.is_unstable() { "true" } else { "false" }),
-        answer.miss.as_ref().err().map_or(Cell::Empty, |why| Cell::from(why.as_str())),
+        answer.residual.as_ref().err().map_or(Cell::Empty, |why| Cell::from(why.as_str())),
         answer
             .stable
             .map_or(Cell::Empty, |stable| Cell::from(if stable { "true" } else { "false" })),
         answer.stability_absent.map_or(Cell::Empty, |why| Cell::from(why.name())),
-        miss.map_or(Cell::Empty, |miss| Cell::from(miss.steps)),
-        miss.map_or(Cell::Empty, |miss| Cell::from(miss.points)),
+        residual.map_or(Cell::Empty, |residual| Cell::from(residual.steps)),
+        residual.map_or(Cell::Empty, |residual| Cell::from(residual.points)),
     ]
 }
 
@@ -172,17 +172,17 @@ fn run_json(path: &str, trial: &CaseBenchmark, entry: &Entry) -> Result<Value, N
             return Ok(run);
         }
     };
-    let Answer { miss, solve, build, iterations, steps, stable, stability_absent } = answer;
-    match miss {
-        Ok(miss) => {
+    let Answer { residual, solve, build, iterations, steps, stable, stability_absent } = answer;
+    match residual {
+        Ok(residual) => {
             run["error"] = json!({
-                "rms": json_number(|| format!("{path}.error.rms"), miss.rms)?,
-                "greatest": json_number(|| format!("{path}.error.greatest"), miss.greatest)?,
-                "tip": json_optional(|| format!("{path}.error.tip"), miss.tip)?,
+                "rms": json_number(|| format!("{path}.error.rms"), residual.rms)?,
+                "greatest": json_number(|| format!("{path}.error.greatest"), residual.greatest)?,
+                "tip": json_optional(|| format!("{path}.error.tip"), residual.tip)?,
                 "rms_over_length":
-                    json_number(|| format!("{path}.error.rms_over_length"), miss.rms / trial.length)?,
-                "steps": miss.steps,
-                "points": miss.points,
+                    json_number(|| format!("{path}.error.rms_over_length"), residual.rms / trial.length)?,
+                "steps": residual.steps,
+                "points": residual.points,
             });
         }
         Err(why) => run["not_compared"] = json!(why),

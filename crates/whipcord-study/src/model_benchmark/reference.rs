@@ -6,7 +6,7 @@ use core::str::FromStr;
 use whipcord::{Actuation, Cancel, Model, ModelKind, Routing, Solution, SolveError, Stations};
 use whipcord_estimation::observation::{Apart, distances, in_space};
 
-use super::{Miss, Subject};
+use super::{Residual, Subject};
 use crate::model_benchmark::candidate::fine;
 use crate::statistics::root_mean_square;
 use crate::steps::rms_distance;
@@ -106,7 +106,7 @@ impl ReferenceAnswers {
     ///
     /// # Errors
     /// Why the two cannot be compared, in words.
-    pub fn miss(&self, subject: &Subject, answers: &[Solution]) -> Result<Miss, String> {
+    pub fn residual(&self, subject: &Subject, answers: &[Solution]) -> Result<Residual, String> {
         if !self.answers.is_empty() {
             let pairs = || answers.iter().zip(&self.answers);
             let distances =
@@ -114,7 +114,7 @@ impl ReferenceAnswers {
             let tips =
                 pairs().filter_map(|(answer, truth)| answer.disks.distances(&truth.disks).last());
             let steps = pairs().count();
-            return Ok(Miss {
+            return Ok(Residual {
                 rms: rms_distance(answers, &self.answers),
                 greatest: distances.fold(0.0, f64::max),
                 tip: root_mean_square(tips),
@@ -132,7 +132,7 @@ impl ReferenceAnswers {
             .map_err(|error| error.to_string())?
             .ok_or_else(nothing)?;
         let rms = apart.rms().ok_or_else(|| "only the base was measured".to_owned())?;
-        Ok(Miss {
+        Ok(Residual {
             rms,
             greatest: apart.moving().map(Apart::distance).fold(0.0, f64::max),
             tip: apart.rms_of_disk(robot.disks().count()),

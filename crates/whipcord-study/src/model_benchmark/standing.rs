@@ -129,7 +129,7 @@ mod tests {
     use super::*;
     use crate::model_benchmark::candidate::Variant;
     use crate::model_benchmark::reference::{Choice, ReferenceAnswers};
-    use crate::model_benchmark::{Commands, Entry, Miss, Subject};
+    use crate::model_benchmark::{Commands, Entry, Residual, Subject};
     use crate::timing::Timing;
 
     const A: Candidate = Candidate { kind: ModelKind::FourBar, variant: Variant::Usual };
@@ -153,7 +153,7 @@ mod tests {
             driven_by: String::new(),
             outcome: result
                 .map(|(rms, time)| Answer {
-                    miss: Ok(Miss { rms, greatest: rms, tip: None, steps: 1, points: 9 }),
+                    residual: Ok(Residual { rms, greatest: rms, tip: None, steps: 1, points: 9 }),
                     solve: timing(time),
                     build: timing(0.0),
                     iterations: 3,

@@ -102,18 +102,18 @@ fn answer_cells(trial: &CaseBenchmark, entry: &Entry, answer: &Answer) -> Vec<St
         mm => format!("{mm:.0e}"),
     };
     let mut cells = vec![entry.driven_by.clone()];
-    match &answer.miss {
-        Ok(miss) => cells.extend([
-            in_mm(miss.rms),
-            in_mm(miss.greatest),
-            miss.tip.map_or_else(|| NONE.to_owned(), in_mm),
-            percent(miss.rms / trial.length),
+    match &answer.residual {
+        Ok(residual) => cells.extend([
+            in_mm(residual.rms),
+            in_mm(residual.greatest),
+            residual.tip.map_or_else(|| NONE.to_owned(), in_mm),
+            percent(residual.rms / trial.length),
         ]),
         Err(_) => cells.resize(5, NONE.to_owned()),
     }
     cells.extend([duration(answer.solve.median), answer.iterations.to_string()]);
-    match &answer.miss {
-        Ok(miss) => cells.extend([miss.steps.to_string(), miss.points.to_string()]),
+    match &answer.residual {
+        Ok(residual) => cells.extend([residual.steps.to_string(), residual.points.to_string()]),
         Err(_) => cells.resize(9, NONE.to_owned()),
     }
     cells
@@ -161,9 +161,10 @@ pub fn notes(results: &Results) -> Vec<String> {
         };
         notes.push(format!("reference: {name} ({cases}), {sure}."));
     }
-    let misses = results.trials.iter().flat_map(|trial| &trial.entries);
-    let mut misses = misses.filter_map(|entry| entry.outcome.as_ref().ok()?.miss.as_ref().ok());
-    if misses.any(|miss| miss.steps > 1) {
+    let residuals = results.trials.iter().flat_map(|trial| &trial.entries);
+    let mut residuals =
+        residuals.filter_map(|entry| entry.outcome.as_ref().ok()?.residual.as_ref().ok());
+    if residuals.any(|residual| residual.steps > 1) {
         notes.push(String::from(
             "A case in steps is compared in all steps: \"steps\" and \"points\" of each are in accuracy.csv and, with --rows, in the table.",
         ));
@@ -173,7 +174,7 @@ pub fn notes(results: &Results) -> Vec<String> {
             entry
                 .outcome
                 .as_ref()
-                .is_ok_and(|answer| answer.miss.as_ref().is_ok_and(|m| m.tip.is_none()))
+                .is_ok_and(|answer| answer.residual.as_ref().is_ok_and(|m| m.tip.is_none()))
         })
     };
     for trial in results.trials.iter().filter(untold) {
@@ -203,7 +204,7 @@ fn failures(trials: &[CaseBenchmark]) -> Vec<String> {
         for entry in &trial.entries {
             let why = match &entry.outcome {
                 Err(error) => error.to_string(),
-                Ok(Answer { miss: Err(why), .. }) if trial.reference.is_ok() => why.clone(),
+                Ok(Answer { residual: Err(why), .. }) if trial.reference.is_ok() => why.clone(),
                 Ok(_) => continue,
             };
             let index = reasons.iter().position(|known| known.why == why).unwrap_or_else(|| {

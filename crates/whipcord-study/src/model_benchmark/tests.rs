@@ -43,7 +43,7 @@ fn disk(angle: f64, k: usize) -> [f64; 2] {
 }
 
 /// RMS over the disks without the base, greatest, and of the tip.
-fn miss(distance: impl Fn(usize) -> f64) -> [f64; 3] {
+fn residual(distance: impl Fn(usize) -> f64) -> [f64; 3] {
     let distances: Vec<f64> = (1..=SECTIONS).map(distance).collect();
     let squares: f64 = distances.iter().map(|d| d * d).sum();
     let greatest = distances.iter().copied().fold(0.0, f64::max);
@@ -68,7 +68,7 @@ fn tried(kinds: &[ModelKind], choice: Choice) -> CaseBenchmark {
 }
 
 fn is(trial: &CaseBenchmark, candidate: Candidate, expected: [f64; 3], bound: f64) {
-    let found = trial.answer(candidate).unwrap().miss.as_ref().unwrap();
+    let found = trial.answer(candidate).unwrap().residual.as_ref().unwrap();
     let found = [found.rms, found.greatest, found.tip.unwrap()];
     for (a, b) in found.into_iter().zip(expected) {
         assert!((a - b).abs() < bound, "{candidate}: {found:?}, not {expected:?}");
@@ -84,7 +84,7 @@ fn one_arc_for_another_is_as_far_off_as_the_two_arcs_are_apart() {
     let (n, theta) = (SECTIONS as f64, angle());
     let length = 2.0 * n * (LENGTH / theta - RADIUS) * (0.5 * theta / n).sin();
     let other = (LENGTH - length) / RADIUS;
-    let expected = miss(|k| apart(disk(theta, k), disk(other, k)));
+    let expected = residual(|k| apart(disk(theta, k), disk(other, k)));
     assert!(expected[2] > 1e-4);
     let arc = Candidate { kind: ModelKind::ConstantCurvature, variant: Variant::Usual };
     is(&trial, arc, expected, 1e-10);
@@ -113,7 +113,7 @@ fn four_bars_for_an_arc_are_as_far_off_as_their_polygon() {
             [x + link * along.sin(), z + link * along.cos()]
         })
     };
-    let expected = miss(|k| apart(disk(theta, k), corner(k)));
+    let expected = residual(|k| apart(disk(theta, k), corner(k)));
     assert!(expected[2] > 1e-4);
     // A straight cable loses as much in every section, however it is shared out.
     for candidate in Candidate::of(&[ModelKind::FourBar]) {
@@ -137,8 +137,8 @@ fn the_reference_is_trusted_with_its_own_model_and_not_with_what_has_no_answer()
     let choice = Choice::Model { kind: ModelKind::FourBar, fine: false };
     let trial = tried(&[ModelKind::Cosserat, ModelKind::FourBar], choice);
     assert!(trial.reference.unwrap_err().to_string().contains("shortening"));
-    let miss = trial.entries[0].outcome.as_ref().unwrap().miss.as_ref();
-    assert_eq!(miss.unwrap_err(), "there is no reference");
+    let residual = trial.entries[0].outcome.as_ref().unwrap().residual.as_ref();
+    assert_eq!(residual.unwrap_err(), "there is no reference");
     // Nor was anything measured.
     let trial = tried(&[ModelKind::Cosserat], Choice::Measured);
     assert!(trial.reference.unwrap_err().to_string().contains("there is nothing in space"));

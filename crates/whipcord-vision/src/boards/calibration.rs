@@ -1,5 +1,7 @@
 use thiserror::Error;
-use whipcord_estimation::camera::{CalibrateError, Calibrated, Doubt, Sighting, Sought, calibrate};
+use whipcord_estimation::camera::{
+    CalibrateError, Calibrated, CalibrationWarning, FreeParameters, Sighting, calibrate,
+};
 
 use super::{SeenBoard, Unseen};
 
@@ -15,7 +17,7 @@ pub struct Calibration {
     /// Those that were not, and why.
     pub refused: Vec<(usize, Unseen)>,
     /// What speaks against relying on it; photographs are numbered among all.
-    pub doubts: Vec<Doubt>,
+    pub warnings: Vec<CalibrationWarning>,
 }
 
 /// Why photographs of a board give no lens.
@@ -37,7 +39,7 @@ pub struct NoCalibration {
 /// [`NoCalibration`] where the others do not fix the lens.
 pub fn calibration(
     seen: &[Result<SeenBoard, Unseen>],
-    sought: Sought,
+    free_parameters: FreeParameters,
 ) -> Result<Calibration, NoCalibration> {
     let (mut used, mut refused, mut views) = (Vec::new(), Vec::new(), Vec::new());
     let others = usual_size(seen);
@@ -53,9 +55,9 @@ pub fn calibration(
             Err(unseen) => refused.push((number, *unseen)),
         }
     }
-    match by_views(others, &views, sought, &used) {
-        Ok((calibrated, doubts)) => {
-            Ok(Calibration { size: others, calibrated, used, refused, doubts })
+    match by_views(others, &views, free_parameters, &used) {
+        Ok((calibrated, warnings)) => {
+            Ok(Calibration { size: others, calibrated, used, refused, warnings })
         }
         Err(error) => Err(NoCalibration { error, used, refused }),
     }
@@ -71,12 +73,12 @@ fn usual_size(seen: &[Result<SeenBoard, Unseen>]) -> [u32; 2] {
 fn by_views(
     size: [u32; 2],
     views: &[Vec<Sighting>],
-    sought: Sought,
+    free_parameters: FreeParameters,
     numbers: &[usize],
-) -> Result<(Calibrated, Vec<Doubt>), CalibrateError> {
-    let calibrated =
-        calibrate(size, views, sought).map_err(|error| error.renumbered(|view| numbers[view]))?;
-    let doubts = calibrated.doubts(size, views);
-    let doubts = doubts.into_iter().map(|doubt| doubt.renumbered(|view| numbers[view]));
-    Ok((calibrated, doubts.collect()))
+) -> Result<(Calibrated, Vec<CalibrationWarning>), CalibrateError> {
+    let calibrated = calibrate(size, views, free_parameters)
+        .map_err(|error| error.renumbered(|view| numbers[view]))?;
+    let warnings = calibrated.warnings(size, views);
+    let warnings = warnings.into_iter().map(|warning| warning.renumbered(|view| numbers[view]));
+    Ok((calibrated, warnings.collect()))
 }

@@ -1,7 +1,7 @@
 //! Boards before cameras whose lens is known.
 
 use whipcord::{Pose, UnitQuaternion, Vec3};
-use whipcord_estimation::camera::{Camera, Distortion, Lens, Pinhole, Sought, calibrate};
+use whipcord_estimation::camera::{Camera, Distortion, FreeParameters, Lens, Pinhole, calibrate};
 use whipcord_vision::boards::{Board, BoardError, SeenBoard, Unseen, find};
 use whipcord_vision::render::{Blur, BoardScene, Light, Noise, Occluder, RenderedBoard};
 use whipcord_vision::{Photo, render};
@@ -169,7 +169,7 @@ fn photographs_of_a_board_give_the_lens() {
                 find(&rendered.photo, &board).unwrap().sightings()
             })
             .collect();
-        let found = calibrate(SIZE, &views, Sought::Four).unwrap();
+        let found = calibrate(SIZE, &views, FreeParameters::Four).unwrap();
         let numbers =
             |focal: [f64; 2], centre: [f64; 2]| [focal[0], focal[1], centre[0], centre[1]];
         let (got, sure) = (&found.lens, &found.deviations);

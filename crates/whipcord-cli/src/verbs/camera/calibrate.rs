@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use whipcord::Pose;
 use whipcord_estimation::camera::CalibrateError;
-use whipcord_estimation::camera::{Camera, Lens, Sought};
+use whipcord_estimation::camera::{Camera, FreeParameters, Lens};
 use whipcord_io::{Dimension, camera_text, parse_quantity};
 use whipcord_vision::boards::{
     Board, Calibration, NoCalibration, SeenBoard, Unseen, calibration, find,
@@ -80,7 +80,7 @@ enum Distortion {
 const COEFFICIENTS: [&str; 12] =
     ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"];
 
-impl From<Distortion> for Sought {
+impl From<Distortion> for FreeParameters {
     fn from(distortion: Distortion) -> Self {
         match distortion {
             Distortion::None => Self::None,
@@ -158,7 +158,7 @@ fn object(args: &CalibrateArgs, board: &Board, found: &Calibration, corners: &[u
         .iter()
         .map(|(number, why)| json!({"photo": name(*number), "reason": why.to_string()}))
         .collect();
-    let doubts: Vec<String> = found.doubts.iter().map(ToString::to_string).collect();
+    let warnings: Vec<String> = found.warnings.iter().map(ToString::to_string).collect();
     json!({
         "camera": args.output.as_ref().map(|path| path.display().to_string()),
         "board": board.to_string(),
@@ -175,7 +175,7 @@ fn object(args: &CalibrateArgs, board: &Board, found: &Calibration, corners: &[u
         "tilt": found.calibrated.tilt,
         "photographs": photographs,
         "refused": refused,
-        "doubts": doubts,
+        "doubts": warnings,
     })
 }
 
@@ -242,11 +242,11 @@ fn summary(
     for (photo, why) in &found.refused {
         text += &format!("  {}  {}: {why}\n", photo + 1, args.photos[*photo].display());
     }
-    if !found.doubts.is_empty() {
+    if !found.warnings.is_empty() {
         text += "\n";
     }
-    for doubt in &found.doubts {
-        text += &format!("note: {doubt}\n");
+    for warning in &found.warnings {
+        text += &format!("note: {warning}\n");
     }
     text
 }

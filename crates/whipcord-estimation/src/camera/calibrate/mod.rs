@@ -1,8 +1,8 @@
 //! The lens of a camera, from photographs of a board: eq. (k1) to (k5) of `docs/theory/cameras.md`.
 
-mod doubt;
 mod error;
 mod start;
+mod warning;
 
 use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspace, minimise};
 use whipcord_numerics::{Pose, Vec3};
@@ -11,9 +11,9 @@ use super::lens::{Lens, Pinhole};
 use super::locate::{Cloud, Freedoms, InImage, LocateError, Sighting, locate};
 use super::{Camera, CameraError, Distortion, ViewError};
 use crate::uncertainty::Spread;
-pub use doubt::Doubt;
 pub use error::CalibrateError;
 use start::first_lens;
+pub use warning::CalibrationWarning;
 
 /// A lens that was calibrated, and how well it explains the photographs.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Calibrated {
     /// The lens.
     pub lens: Pinhole,
     /// Which of its distortion coefficients were sought.
-    pub sought: Sought,
+    pub free_parameters: FreeParameters,
     /// How sure its numbers are.
     pub deviations: LensDeviations,
     /// Where the camera was in the frame of the board, for each photograph.
@@ -49,7 +49,7 @@ pub struct LensDeviations {
 
 /// Which distortion coefficients are sought; the others are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sought {
+pub enum FreeParameters {
     /// None: a lens that bends nothing.
     None,
     /// k₁ and k₂.
@@ -65,7 +65,7 @@ pub enum Sought {
     Twelve,
 }
 
-impl Sought {
+impl FreeParameters {
     /// All choices.
     pub const ALL: [Self; 6] =
         [Self::None, Self::Radial, Self::Four, Self::Five, Self::Eight, Self::Twelve];
@@ -116,7 +116,7 @@ impl Calibrated {
 pub fn calibrate(
     size: [u32; 2],
     views: &[Vec<Sighting>],
-    sought: Sought,
+    free_parameters: FreeParameters,
 ) -> Result<Calibrated, CalibrateError> {
     const LEAST: usize = 3;
     /// A focal length that is known less well than this, relative to it, is not known.
@@ -125,7 +125,7 @@ pub fn calibrate(
         return Err(CalibrateError::TooFew { given: views.len(), least: LEAST });
     }
     let points: usize = views.iter().map(Vec::len).sum();
-    let count = 4 + sought.counts()[1] + 6 * views.len();
+    let count = 4 + free_parameters.counts()[1] + 6 * views.len();
     if 2 * points <= count {
         let least = count / 2 + 1;
         return Err(CalibrateError::TooFewPoints { points, unknowns: count, least });
@@ -149,7 +149,7 @@ pub fn calibrate(
         .collect::<Result<Vec<_>, _>>()?;
     let pivots = views.iter().map(|seen| Cloud::of(seen).centre).collect();
     let freedoms = Freedoms::all();
-    let mut problem = Boards { views, cameras, pivots, freedoms: &freedoms, sought };
+    let mut problem = Boards { views, cameras, pivots, freedoms: &freedoms, free_parameters };
     let mut unknowns = vec![0.0; count];
     let ([fx, fy], [cx, cy]) = (start.focal(), start.centre());
     unknowns[..4].copy_from_slice(&[fx, fy, cx, cy]);
@@ -191,7 +191,7 @@ pub fn calibrate(
         rest = after;
         view_rms.push((part.iter().map(|r| r * r).sum::<f64>() / seen.len() as f64).sqrt());
     }
-    let [all, found] = sought.counts();
+    let [all, found] = free_parameters.counts();
     let deviations = LensDeviations {
         focal: [x * unknowns[0], y * unknowns[1]],
         centre: [cx, cy],
@@ -201,7 +201,7 @@ pub fn calibrate(
         pixel: variance.sqrt(),
     };
     let lens = problem.lens(&unknowns)?;
-    Ok(Calibrated { lens, sought, deviations, poses, tilt, view_rms, rms })
+    Ok(Calibrated { lens, free_parameters, deviations, poses, tilt, view_rms, rms })
 }
 
 /// Greatest angle in rad between the planes z = 0 of two boards, from where the camera was before each.
@@ -219,17 +219,17 @@ struct Boards<'a> {
     cameras: Vec<Camera>,
     pivots: Vec<Vec3>,
     freedoms: &'a Freedoms,
-    sought: Sought,
+    free_parameters: FreeParameters,
 }
 
 impl Boards<'_> {
     fn lens_unknowns(&self) -> usize {
-        4 + self.sought.counts()[1]
+        4 + self.free_parameters.counts()[1]
     }
 
     fn lens(&self, unknowns: &[f64]) -> Result<Pinhole, CameraError> {
         let mut coefficients = [0.0; 12];
-        let [all, found] = self.sought.counts();
+        let [all, found] = self.free_parameters.counts();
         coefficients[..found].copy_from_slice(&unknowns[4..4 + found]);
         let distortion = Distortion::new(&coefficients[..all])?;
         Pinhole::new([unknowns[0], unknowns[1]], [unknowns[2], unknowns[3]], distortion)

@@ -1,6 +1,6 @@
 use whipcord::{Pose, Vec3};
 use whipcord_estimation::camera::{
-    Camera, Distortion, Doubt, Lens, Pinhole, Sighting, Sought, calibrate,
+    CalibrationWarning, Camera, Distortion, FreeParameters, Lens, Pinhole, Sighting, calibrate,
 };
 
 /// Corners of a board of 5 by 4, 30 mm apart.
@@ -135,21 +135,21 @@ fn seen() -> Vec<Vec<Sighting>> {
 /// single precision.
 #[test]
 fn the_lens_is_that_of_opencv() {
-    for (sought, rms, [fx, fy, cx, cy], coefficients) in [
+    for (free_parameters, rms, [fx, fy, cx, cy], coefficients) in [
         (
-            Sought::Four,
+            FreeParameters::Four,
             0.248048234,
             [811.571144592, 796.789678783, 328.800898538, 243.566957883],
             &[-0.276648565, 0.075479275, 0.001440497, -0.000726266][..],
         ),
         (
-            Sought::Five,
+            FreeParameters::Five,
             0.247760054,
             [811.758617867, 796.960258116, 328.883552886, 243.463337767],
             &[-0.294149202, 0.335421297, 0.001366395, -0.00070339, -1.036638932][..],
         ),
     ] {
-        let found = calibrate([640, 480], &seen(), sought).unwrap();
+        let found = calibrate([640, 480], &seen(), free_parameters).unwrap();
         assert!((found.rms - rms).abs() < 1e-5, "{}", found.rms);
         let ([a, b], [c, d]) = (found.lens.focal(), found.lens.centre());
         for (got, expected) in [a, b, c, d].into_iter().zip([fx, fy, cx, cy]) {
@@ -166,7 +166,7 @@ fn the_lens_is_that_of_opencv() {
 /// Its standard deviations of fx, fy, cx, cy and the coefficients, and RMS of each photograph; the same call.
 #[test]
 fn the_deviations_are_those_of_opencv() {
-    let found = calibrate([640, 480], &seen(), Sought::Four).unwrap();
+    let found = calibrate([640, 480], &seen(), FreeParameters::Four).unwrap();
     let sure = &found.deviations;
     let got = [sure.focal, sure.centre].concat();
     let got = got.into_iter().chain(sure.distortion.iter().map(|deviation| deviation.unwrap()));
@@ -188,31 +188,33 @@ fn the_deviations_are_those_of_opencv() {
         assert!((got - expected).abs() < 1e-5, "{got} {expected}");
     }
     // What is not sought is known.
-    let radial = calibrate([640, 480], &seen(), Sought::Radial).unwrap();
+    let radial = calibrate([640, 480], &seen(), FreeParameters::Radial).unwrap();
     assert_eq!(radial.deviations.distortion[2..], [Some(0.0), Some(0.0)]);
 }
 
 #[test]
 fn what_speaks_against_relying_on_it_is_said() {
     let mut views = seen();
-    let doubts = |views: &[Vec<Sighting>]| {
-        let found = calibrate([640, 480], views, Sought::Four).unwrap();
-        found.doubts([640, 480], views)
+    let warnings = |views: &[Vec<Sighting>]| {
+        let found = calibrate([640, 480], views, FreeParameters::Four).unwrap();
+        found.warnings([640, 480], views)
     };
-    assert_eq!(doubts(&views), [Doubt::FewPhotographs { given: 5, advised: 8 }]);
+    assert_eq!(warnings(&views), [CalibrationWarning::FewPhotographs { given: 5, advised: 8 }]);
     // Two corners of one photograph are taken for one another.
     let (a, b) = (views[3][7].pixel, views[3][8].pixel);
     (views[3][7].pixel, views[3][8].pixel) = (b, a);
-    let doubts = doubts(&views);
-    let outlier = |doubt: &&Doubt| matches!(doubt, Doubt::Outlier { view: 3, .. });
-    assert!(doubts.iter().any(|doubt| outlier(&doubt)), "{doubts:?}");
+    let warnings = warnings(&views);
+    let outlier = |warning: &&CalibrationWarning| {
+        matches!(warning, CalibrationWarning::Outlier { view: 3, .. })
+    };
+    assert!(warnings.iter().any(|warning| outlier(&warning)), "{warnings:?}");
 }
 
 #[test]
 fn an_exact_lens_is_found_to_rounding() {
     let distortion = Distortion::new(&[-0.2, 0.05, 1e-3, -5e-4]).unwrap();
     let lens = Pinhole::new([812.5, 798.0], [331.25, 242.75], distortion).unwrap();
-    let start = calibrate([640, 480], &seen(), Sought::Four).unwrap();
+    let start = calibrate([640, 480], &seen(), FreeParameters::Four).unwrap();
     let views: Vec<Vec<Sighting>> = start
         .poses
         .iter()
@@ -222,7 +224,7 @@ fn an_exact_lens_is_found_to_rounding() {
             board().into_iter().map(see).collect()
         })
         .collect();
-    let found = calibrate([640, 480], &views, Sought::Four).unwrap();
+    let found = calibrate([640, 480], &views, FreeParameters::Four).unwrap();
     assert!(found.rms < 1e-8, "{}", found.rms);
     for (got, expected) in found
         .lens
@@ -240,17 +242,18 @@ fn an_exact_lens_is_found_to_rounding() {
 
 #[test]
 fn what_cannot_be_calibrated_is_named() {
-    let message = |views: &[Vec<Sighting>], sought| {
-        calibrate([640, 480], views, sought).unwrap_err().to_string()
+    let message = |views: &[Vec<Sighting>], free_parameters| {
+        calibrate([640, 480], views, free_parameters).unwrap_err().to_string()
     };
     assert_eq!(
-        message(&seen()[..2], Sought::Four),
+        message(&seen()[..2], FreeParameters::Four),
         "a calibration needs 3 photographs of the board or more, but 2 are given"
     );
     let mut short = seen();
     short[1].truncate(3);
     assert!(
-        message(&short, Sought::Four).starts_with("photograph 2: a board has four points or more")
+        message(&short, FreeParameters::Four)
+            .starts_with("photograph 2: a board has four points or more")
     );
     // Straight on, the size of the board tells its distance and the focal length together alone.
     let lens = Lens::Pinhole(Pinhole::new([800.0; 2], [319.5, 239.5], Distortion::NONE).unwrap());
@@ -264,7 +267,7 @@ fn what_cannot_be_calibrated_is_named() {
         })
         .collect();
     assert_eq!(
-        message(&flat, Sought::Four),
+        message(&flat, FreeParameters::Four),
         "the photographs do not tell the focal length: the boards in them are tilted by no more than some 0.0° to one \
          another; tilt the board to the camera by some 30°, differently in each"
     );
@@ -273,12 +276,12 @@ fn what_cannot_be_calibrated_is_named() {
     for at in rounded.iter_mut().flatten() {
         at.pixel = at.pixel.map(f64::round);
     }
-    let text = message(&rounded, Sought::None);
+    let text = message(&rounded, FreeParameters::None);
     assert!(text.starts_with("the photographs do not tell the focal length"), "{text}");
     let fewer: Vec<Vec<Sighting>> = seen().iter().take(3).map(|view| view[..8].to_vec()).collect();
     let eight: Vec<Vec<Sighting>> = fewer.iter().map(|view| view[3..7].to_vec()).collect();
     assert_eq!(
-        message(&eight, Sought::Five),
+        message(&eight, FreeParameters::Five),
         "12 points in the photographs are too few for the 27 unknowns of lens and places: 14 or more are needed"
     );
 }

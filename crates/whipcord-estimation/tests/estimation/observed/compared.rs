@@ -189,5 +189,5 @@ fn an_answer_is_as_far_from_what_a_camera_saw_as_was_put_in() {
     let found = overlay(&model, &robot, &case(), &camera, &markers, 37).unwrap();
     let rms = found.rms(&markers).unwrap();
     assert!((rms.pixels - 5.0).abs() < 1e-6 && (rms.distance - 2.5e-3).abs() < 1e-9, "{rms:?}");
-    assert_eq!((found.misses.len(), found.fine.poses.len()), (10, 37));
+    assert_eq!((found.residuals.len(), found.fine.poses.len()), (10, 37));
 }

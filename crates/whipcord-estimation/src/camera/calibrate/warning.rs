@@ -1,11 +1,11 @@
 use thiserror::Error;
 
-use super::{Calibrated, Sought};
+use super::{Calibrated, FreeParameters};
 use crate::camera::Sighting;
 
 /// What speaks against relying on a calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum Doubt {
+pub enum CalibrationWarning {
     /// Few photographs.
     #[error("only {given} photographs show the board: take {advised} or more")]
     FewPhotographs {
@@ -53,7 +53,7 @@ pub enum Doubt {
     },
 }
 
-impl Doubt {
+impl CalibrationWarning {
     /// The same, of a photograph that has another number.
     #[must_use]
     pub fn renumbered(self, number: impl FnOnce(usize) -> usize) -> Self {
@@ -70,21 +70,22 @@ impl Calibrated {
     /// What speaks against relying on it: too little in the photographs, of images of this size, that it was
     /// had from.
     #[must_use]
-    pub fn doubts(&self, size: [u32; 2], views: &[Vec<Sighting>]) -> Vec<Doubt> {
+    pub fn warnings(&self, size: [u32; 2], views: &[Vec<Sighting>]) -> Vec<CalibrationWarning> {
         const ADVISED: usize = 8;
         const TILT: f64 = 20.0;
         const FOCAL: f64 = 0.01;
         const EDGES: f64 = 0.6;
-        let mut doubts = Vec::new();
+        let mut warnings = Vec::new();
         if views.len() < ADVISED {
-            doubts.push(Doubt::FewPhotographs { given: views.len(), advised: ADVISED });
+            warnings
+                .push(CalibrationWarning::FewPhotographs { given: views.len(), advised: ADVISED });
         }
         if self.tilt < f64::to_radians(TILT) {
-            doubts.push(Doubt::LittleTilt { tilt: self.tilt });
+            warnings.push(CalibrationWarning::LittleTilt { tilt: self.tilt });
         }
         let relative = self.relative_focal_deviation();
         if relative > FOCAL {
-            doubts.push(Doubt::LooseFocalLength { relative });
+            warnings.push(CalibrationWarning::LooseFocalLength { relative });
         }
         let [cx, cy] = self.lens.centre();
         let way = |[u, v]: [f64; 2]| (u - cx).hypot(v - cy);
@@ -92,17 +93,17 @@ impl Calibrated {
         let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]];
         let farthest = corners.into_iter().map(way).fold(0.0, f64::max);
         let seen = views.iter().flatten().map(|at| way(at.pixel)).fold(0.0, f64::max);
-        if self.sought != Sought::None && seen < EDGES * farthest {
-            doubts.push(Doubt::EdgesUnseen { share: seen / farthest });
+        if self.free_parameters != FreeParameters::None && seen < EDGES * farthest {
+            warnings.push(CalibrationWarning::EdgesUnseen { share: seen / farthest });
         }
         let mut sorted = self.view_rms.clone();
         sorted.sort_by(f64::total_cmp);
         let others = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         for (view, &rms) in self.view_rms.iter().enumerate() {
             if rms > 3.0 * others && rms > 0.1 {
-                doubts.push(Doubt::Outlier { view, rms, others });
+                warnings.push(CalibrationWarning::Outlier { view, rms, others });
             }
         }
-        doubts
+        warnings
     }
 }

@@ -6,7 +6,7 @@ use super::{Camera, Ray, ViewError};
 
 /// How far a point is from where it was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Miss {
+pub struct ReprojectionError {
     /// Where the camera sees the point: column and row.
     pub pixel: [f64; 2],
     /// Distance in the image in pixels.
@@ -41,10 +41,14 @@ impl Camera {
     ///
     /// # Errors
     /// [`ViewError`] where the camera does not see the point, or nothing through the pixel.
-    pub fn miss(&self, point: Vec3, seen: [f64; 2]) -> Result<Miss, ViewError> {
+    pub fn reprojection_error(
+        &self,
+        point: Vec3,
+        seen: [f64; 2],
+    ) -> Result<ReprojectionError, ViewError> {
         let pixel = self.project(point)?;
         let pixels = (pixel[0] - seen[0]).hypot(pixel[1] - seen[1]);
-        Ok(Miss { pixel, pixels, distance: self.ray(seen)?.distance(point) })
+        Ok(ReprojectionError { pixel, pixels, distance: self.ray(seen)?.distance(point) })
     }
 }
 
@@ -64,11 +68,11 @@ mod tests {
         let point = Vec3::new(0.04, -0.03, 0.5);
         let across = point.cross(Vec3::X);
         let across = across * (2e-3 / across.norm());
-        let miss = camera.miss(point + across, camera.project(point)?)?;
+        let miss = camera.reprojection_error(point + across, camera.project(point)?)?;
         assert!((miss.distance - 2e-3).abs() < 1e-12, "{}", miss.distance);
         // Some 800 px at a distance of 0.5 m, less what the lens bends.
         assert!((2.8..3.3).contains(&miss.pixels), "{}", miss.pixels);
-        assert!(camera.miss(point, camera.project(point)?)?.distance < 1e-12);
+        assert!(camera.reprojection_error(point, camera.project(point)?)?.distance < 1e-12);
         Ok(())
     }
 }
