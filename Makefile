@@ -46,8 +46,10 @@ doc:
 test-mechanics:
 	$(CARGO) test $(MECHANICS:%=-p %) --locked --release
 
+OTHERS := --workspace $(MECHANICS:%=--exclude %) --locked
+
 test-others:
-	$(CARGO) test --workspace $(MECHANICS:%=--exclude %) --locked
+	$(CARGO) test $(OTHERS)
 
 # What takes too long for every change.
 test-long: test-damaged test-studies test-mechanics-checked
@@ -91,11 +93,12 @@ page-where-node:
 	    echo "skipped: no Node 20.19 or later with npm, so that \`whipcord view\` is built without its page" >&2; \
 	fi
 
-# The page by itself, and in a browser beside `whipcord view`. Screenshots go to target/viewer.
+# The page by itself, and in a browser beside `whipcord view`, which is that of `test-others`: another selection of crates has
+# other features and is built anew. Screenshots go to target/viewer.
 test-page: page-where-node
 	@if $(HAS_NODE) && [ -n "$(CHROMIUM)" ]; then \
 	    set -ex; \
-	    $(CARGO) build --workspace --bins --locked; \
+	    $(CARGO) test $(OTHERS) --no-run; \
 	    cd $(PAGE); \
 	    $(NPM) test; \
 	    CHROMIUM="$(CHROMIUM)" $(NPM) run browser; \
