@@ -33,9 +33,9 @@ impl Camera {
     ///
     /// let lens = Lens::Orthographic(Orthographic::new(4000.0, [320.0, 240.0])?);
     /// let camera = Camera::new(lens, Pose::IDENTITY, None)?;
-    /// let miss = camera.miss(Vec3::new(0.01, 0.0, 0.5), [363.0, 244.0])?;
-    /// assert_eq!((miss.pixel, miss.pixels), ([360.0, 240.0], 5.0));
-    /// assert!((miss.distance - 0.00125).abs() < 1e-15);
+    /// let error = camera.reprojection_error(Vec3::new(0.01, 0.0, 0.5), [363.0, 244.0])?;
+    /// assert_eq!((error.pixel, error.pixels), ([360.0, 240.0], 5.0));
+    /// assert!((error.distance - 0.00125).abs() < 1e-15);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
