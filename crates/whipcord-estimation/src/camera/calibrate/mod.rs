@@ -109,7 +109,7 @@ impl Calibrated {
 /// photographs, such that the squares of the distances in the image are least. Each list has what was
 /// seen in one photograph, with the points in the frame of the board, in m.
 ///
-/// Sought are the focal lengths, the principal point and distortion coefficients.
+/// The free parameters are the focal lengths, the principal point and distortion coefficients.
 ///
 /// # Errors
 /// [`CalibrateError`] where the photographs do not fix the lens.
