@@ -91,6 +91,7 @@ impl Photo {
     }
 
     /// Luminance (ITU-R BT.709), encoded as sRGB in steps that need not be whole, from 0 to 255.
+    #[cfg(feature = "boards")]
     pub(crate) fn grey(&self) -> Plane {
         let luminance = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
         let values = self.pixels.iter().map(|&pixel| 255.0 * encoded(luminance(pixel)));

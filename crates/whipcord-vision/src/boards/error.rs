@@ -5,6 +5,11 @@ use super::Board;
 /// Why there is no such board.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BoardError {
+    /// This program was built without the cargo feature `boards`.
+    #[error(
+        "this build finds no boards: build the command with `cargo install --path crates/whipcord-cli --features boards`, or take that of the Python package or of a release"
+    )]
+    NotBuilt,
     /// A description that says nothing.
     #[error(
         "{given:?} is no board: give chessboard:9x6 with the number of inner corners, where four squares meet, or charuco:8x6 with that of squares"

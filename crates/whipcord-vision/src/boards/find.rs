@@ -69,7 +69,7 @@ fn in_picture(grey: &Plane, board: &Board) -> Result<Vec<Corner>, Unseen> {
     let view = GrayImageView { width: grey.width, height: grey.height, data: &bytes };
     let mut corners = match &board.markers {
         None => chessboard(&view, board)?,
-        Some(spec) => charuco(&view, board, spec)?,
+        Some(markers) => charuco(&view, board, markers.spec())?,
     };
     corners.sort_by_key(|corner| corner.number);
     Ok(corners)

@@ -2,20 +2,31 @@
 //!
 //! A chessboard is known by how many of its inner corners lie along and across it, so all of it must be in the picture. A
 //! ChArUco board has a marker in each of its white squares, which say where on the board they are: a part of it will do.
+//!
+//! Without the cargo feature `boards` every board is refused ([`BoardError::NotBuilt`]).
 
 mod calibration;
 mod error;
+#[cfg(feature = "boards")]
 mod find;
+#[cfg(feature = "boards")]
+mod markers;
+#[cfg(not(feature = "boards"))]
+#[path = "without_finder.rs"]
+mod markers;
 
 use std::fmt;
 
-use calib_targets_charuco::{CharucoBoardSpec, builtins, resolve_dictionary};
 use whipcord::Vec3;
 use whipcord_estimation::camera::Sighting;
 
 pub use calibration::{Calibration, NoCalibration, calibration};
 pub use error::{BoardError, Unseen};
+#[cfg(feature = "boards")]
 pub use find::find;
+#[cfg(not(feature = "boards"))]
+pub use markers::find;
+use markers::{Finder, Markers};
 
 /// A flat board of black and white squares.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +34,12 @@ pub struct Board {
     /// Inner corners along and across.
     corners: [usize; 2],
     square: f64,
-    markers: Option<CharucoBoardSpec>,
+    markers: Option<Markers>,
+    #[cfg_attr(
+        feature = "boards",
+        expect(dead_code, reason = "without the finder there is no board")
+    )]
+    finder: Finder,
 }
 
 /// A corner of a board in a photograph.
@@ -57,7 +73,8 @@ impl Board {
         if corners.iter().any(|n| !(2..Self::MOST).contains(n)) {
             return Err(BoardError::Corners { given: corners, most: Self::MOST - 1 });
         }
-        Ok(Self { corners, square: side("squares", square)?, markers: None })
+        let square = side("squares", square)?;
+        Ok(Self { corners, square, markers: None, finder: Finder::built()? })
     }
 
     /// A ChArUco board with so many squares along and across, the sides in m of its squares and of the markers in
@@ -79,16 +96,9 @@ impl Board {
         if marker >= square {
             return Err(BoardError::Marker { marker, square });
         }
-        let dictionary = resolve_dictionary(dictionary)
-            .ok_or_else(|| BoardError::Dictionary { given: dictionary.to_owned() })?;
-        let (needed, available) = (squares[0] * squares[1] / 2, dictionary.codes().len());
-        if needed > available {
-            return Err(BoardError::Markers { needed, available, dictionary: dictionary.name() });
-        }
-        let [columns, rows] = squares.map(|n| n as u32);
-        let relative = (marker / square) as f32;
-        let markers = CharucoBoardSpec::new(rows, columns, 1.0, relative, dictionary);
-        Ok(Self { corners: squares.map(|n| n - 1), square, markers: Some(markers) })
+        let finder = Finder::built()?;
+        let markers = Markers::new(squares, marker / square, dictionary)?;
+        Ok(Self { corners: squares.map(|n| n - 1), square, markers: Some(markers), finder })
     }
 
     /// A board as people say it: `chessboard:9x6` with the number of inner corners, or `charuco:8x6` with the number of squares
@@ -121,7 +131,7 @@ impl Board {
     /// Names of the dictionaries of markers, as OpenCV has them.
     #[must_use]
     pub fn dictionaries() -> &'static [&'static str] {
-        builtins::BUILTIN_DICTIONARY_NAMES
+        markers::DICTIONARIES
     }
 
     /// Inner corners along and across.
@@ -154,16 +164,15 @@ impl Board {
     /// The marker in a square of a ChArUco board: its side, and whether each of its cells, row by row with the black rim
     /// around the code, is black.
     pub(crate) fn marker(&self, square: [usize; 2]) -> Option<Marker> {
-        let spec = self.markers.as_ref()?;
-        let columns = spec.cols as usize;
+        let markers = self.markers.as_ref()?;
+        let columns = markers.squares()[0];
         if (square[0] + square[1]).is_multiple_of(2) {
             return None;
         }
         // White squares row by row; odd columns of even rows, even columns of odd rows.
         let number =
             (0..square[1]).map(|row| (columns + row % 2) / 2).sum::<usize>() + square[0] / 2;
-        let code = *spec.dictionary.codes().get(number)?;
-        let inner = spec.dictionary.marker_size();
+        let (code, inner) = markers.code(number)?;
         let cells = inner + 2;
         let black = (0..cells * cells)
             .map(|k| {
@@ -174,7 +183,7 @@ impl Board {
                 }
             })
             .collect();
-        Some(Marker { side: self.square * f64::from(spec.marker_size_rel), cells, black })
+        Some(Marker { side: self.square * markers.relative_side(), cells, black })
     }
 }
 
@@ -193,9 +202,9 @@ impl fmt::Display for Board {
         let [along, across] = self.corners;
         match &self.markers {
             None => write!(f, "chessboard of {along}×{across} inner corners"),
-            Some(spec) => {
-                let name = spec.dictionary.name();
-                write!(f, "ChArUco board of {}×{} squares with {name}", spec.cols, spec.rows)
+            Some(markers) => {
+                let ([columns, rows], name) = (markers.squares(), markers.dictionary());
+                write!(f, "ChArUco board of {columns}×{rows} squares with {name}")
             }
         }
     }
