@@ -1,12 +1,13 @@
 //! A photograph: linear light in three channels.
 
-use image::codecs::jpeg::JpegEncoder;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use jpeg_encoder::SamplingFactor;
 use thiserror::Error;
 
 use crate::plane::Plane;
 use crate::raster::Raster;
+
+/// Of 100, the usual one for photographs.
+const JPEG_QUALITY: u8 = 75;
 
 /// A photograph. Each pixel is linear light in red, green and blue, 0 black and 1 white.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,30 +147,24 @@ impl Photo {
     /// # Errors
     /// [`PhotoError::Encoding`] when there is nothing to encode.
     pub fn to_png(&self) -> Result<Vec<u8>, PhotoError> {
-        let mut out = Vec::new();
-        self.encode(PngEncoder::new(&mut out))?;
-        Ok(out)
+        encode_png(self).map_err(encoding)
     }
 
     /// The photograph as a JPEG file.
     ///
     /// # Errors
-    /// [`PhotoError::Encoding`] when there is nothing to encode.
+    /// [`PhotoError::Encoding`] when there is nothing to encode, or more than 65535 columns or rows, which the format
+    /// does not have.
     pub fn to_jpeg(&self) -> Result<Vec<u8>, PhotoError> {
+        let [width, height] = [u16::try_from(self.width), u16::try_from(self.height)];
+        let (width, height) = (width.map_err(encoding)?, height.map_err(encoding)?);
         let mut out = Vec::new();
-        self.encode(JpegEncoder::new(&mut out))?;
-        Ok(out)
-    }
-
-    fn encode(&self, encoder: impl ImageEncoder) -> Result<(), PhotoError> {
+        let mut encoder = jpeg_encoder::Encoder::new(&mut out, JPEG_QUALITY);
+        encoder.set_sampling_factor(SamplingFactor::R_4_4_4);
         encoder
-            .write_image(
-                &self.to_rgb8(),
-                self.width as u32,
-                self.height as u32,
-                ExtendedColorType::Rgb8,
-            )
-            .map_err(|error| PhotoError::Encoding { reason: error.to_string() })
+            .encode(&self.to_rgb8(), width, height, jpeg_encoder::ColorType::Rgb)
+            .map_err(encoding)?;
+        Ok(out)
     }
 
     /// The photograph whose pixels, row by row, are these bytes of red, green and blue.
@@ -215,6 +210,20 @@ fn check_size(width: u32, height: u32) -> Result<(), PhotoError> {
     } else {
         Ok(())
     }
+}
+
+fn encode_png(photo: &Photo) -> Result<Vec<u8>, png::EncodingError> {
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, photo.width as u32, photo.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&photo.to_rgb8())?;
+    writer.finish()?;
+    Ok(out)
+}
+
+fn encoding(reason: impl core::fmt::Display) -> PhotoError {
+    PhotoError::Encoding { reason: reason.to_string() }
 }
 
 /// Linear light of an sRGB value from 0 to 1 (IEC 61966-2-1).

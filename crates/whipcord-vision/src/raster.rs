@@ -2,7 +2,6 @@
 
 use std::io::Cursor;
 
-use image::metadata::Orientation;
 use png::Transformations;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -14,6 +13,36 @@ use crate::photo::PhotoError;
 /// Memory in bytes that a decoder of PNG may take for what a file holds beside its pixels: a few bytes can say that a
 /// colour profile of gigabytes follows.
 const MOST_BESIDE_PIXELS: usize = 1 << 26;
+
+/// What makes the stored picture upright, in the order of the numbers of Exif (2.32, table 6).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Orientation {
+    NoTransforms,
+    FlipHorizontal,
+    Rotate180,
+    FlipVertical,
+    Rotate90FlipH,
+    Rotate90,
+    Rotate270FlipH,
+    Rotate270,
+}
+
+impl Orientation {
+    /// Of the number in Exif data, from 1 to 8.
+    const fn of_exif(number: u32) -> Option<Self> {
+        match number {
+            1 => Some(Self::NoTransforms),
+            2 => Some(Self::FlipHorizontal),
+            3 => Some(Self::Rotate180),
+            4 => Some(Self::FlipVertical),
+            5 => Some(Self::Rotate90FlipH),
+            6 => Some(Self::Rotate90),
+            7 => Some(Self::Rotate270FlipH),
+            8 => Some(Self::Rotate270),
+            _ => None,
+        }
+    }
+}
 
 /// Pixels row by row, each of some channels, each of one byte or of two with the higher first.
 #[derive(Debug)]
@@ -147,9 +176,16 @@ fn broken(reason: impl core::fmt::Display) -> PhotoError {
     PhotoError::Broken { reason: reason.to_string() }
 }
 
-/// How the stored picture is turned, as its Exif data say.
-fn orientation(exif: Option<&[u8]>) -> Orientation {
-    exif.and_then(Orientation::from_exif_chunk).unwrap_or(Orientation::NoTransforms)
+/// How the stored picture is turned, as its Exif data say: upright where they do not.
+fn orientation(data: Option<&[u8]>) -> Orientation {
+    let read = |data: &[u8]| {
+        let mut reader = exif::Reader::new();
+        let read = reader.continue_on_error(true).read_raw(data.to_vec());
+        let exif = read.or_else(|error| error.distill_partial_result(|_| {})).ok()?;
+        let field = exif.get_field(exif::Tag::Orientation, exif::In::PRIMARY)?;
+        Orientation::of_exif(field.value.get_uint(0)?)
+    };
+    data.and_then(read).unwrap_or(Orientation::NoTransforms)
 }
 
 /// Whether the scan of a JPEG file has an end (ITU-T T.81, annex B): segments with their lengths up to the start of
@@ -188,11 +224,12 @@ mod tests {
     #[test]
     fn pixels_are_turned_as_exif_says() {
         for number in 1..=8 {
-            let orientation = Orientation::from_exif(number).unwrap();
+            let orientation = Orientation::of_exif(number).unwrap();
             let raster = raster(orientation);
             let grey = image::GrayImage::from_raw(3, 2, raster.bytes.clone()).unwrap();
             let mut expected = DynamicImage::ImageLuma8(grey);
-            expected.apply_orientation(orientation);
+            expected
+                .apply_orientation(image::metadata::Orientation::from_exif(number as u8).unwrap());
             let [width, height] = raster.size();
             assert_eq!([expected.width() as usize, expected.height() as usize], [width, height]);
             assert_eq!(raster.is_turned(), number != 1);
