@@ -1,4 +1,4 @@
-"""Models on trial: the package says what the command says."""
+"""Benchmark of the models: the package says what the command says."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from whipcord import InputError
 
 def test_the_package_says_what_the_command_says(case: whipcord.Case, tmp_path: Path) -> None:
     by = ["cosserat", "four-bar"]
-    trial = whipcord.benchmark(case, by=by, reference="cosserat:fine")
+    benchmark = whipcord.benchmark(case, by=by, reference="cosserat:fine")
     file = tmp_path / "case.toml"
     case.save(file)
     chosen = [word for name in by for word in ("--model", name)]
@@ -25,49 +25,49 @@ def test_the_package_says_what_the_command_says(case: whipcord.Case, tmp_path: P
     )
     told = json.loads(done.stdout)
     runs = told["cases"][0]["runs"]
-    assert [(row.model, row.variant) for row in trial.rows] == [
-        (run["model"], run["variant"]) for run in runs
+    assert [(row.model, row.preset) for row in benchmark.rows] == [
+        (run["model"], run["preset"]) for run in runs
     ]
-    for row, run in zip(trial.rows, runs, strict=True):
+    for row, run in zip(benchmark.rows, runs, strict=True):
         assert row.rms == pytest.approx(run["error"]["rms"], abs=1e-9)
         assert row.reference == "cosserat at fine resolution" and row.failure is None
-    assert [finding.topic for finding in trial.verdict] == [one["topic"] for one in told["verdict"]]
+    assert [finding.topic for finding in benchmark.recommendation] == [one["topic"] for one in told["recommendation"]]
     # What the command warns of, Python warns of when the case is made and answered.
-    assert json.loads(trial.to_json()).keys() == told.keys() - {"warnings"}
+    assert json.loads(benchmark.to_json()).keys() == told.keys() - {"warnings"}
     # Of an answer of the model itself, by another way.
     disks = case.solve(model="cosserat").disks.position
-    lengths = {row.variant: row for row in trial.rows if row.model == "four-bar"}
+    lengths = {row.preset: row for row in benchmark.rows if row.model == "four-bar"}
     assert lengths["usual"].commands == "reference"
     assert 0.005 < (lengths["usual"].rms_over_length or 0) < 0.05
     fine = case.solve(model=whipcord.models.Cosserat(tolerance=1e-12)).disks.position
     rms = np.sqrt(((disks - fine)[1:] ** 2).sum(axis=1).mean())
-    assert trial.rows[0].rms == pytest.approx(rms, abs=1e-11)
+    assert benchmark.rows[0].rms == pytest.approx(rms, abs=1e-11)
 
 
 def test_a_benchmark_is_a_table_a_text_and_a_picture(case: whipcord.Case, tmp_path: Path) -> None:
-    trial = whipcord.compare(case, by=["four-bar", "constant-curvature"], reference="cosserat").benchmark
-    assert trial is not None and {row.model for row in trial.rows} == {"four-bar", "constant-curvature"}
-    refused = trial.rows[-1]
+    benchmark = whipcord.compare(case, by=["four-bar", "constant-curvature"], reference="cosserat").benchmark
+    assert benchmark is not None and {row.model for row in benchmark.rows} == {"four-bar", "constant-curvature"}
+    refused = benchmark.rows[-1]
     assert refused.rms is None and refused.failure is not None and "parallel" in refused.failure
-    assert {standing.answered for standing in trial.standings} == {0, 1}
-    assert "Which model for what" in str(trial) and "2 cases" not in repr(trial)
-    assert trial.svg is not None and trial.svg.startswith("<svg")
-    assert trial._repr_html_() is not None
+    assert {standing.answered for standing in benchmark.standings} == {0, 1}
+    assert "Which model for what" in str(benchmark) and "2 cases" not in repr(benchmark)
+    assert benchmark.svg is not None and benchmark.svg.startswith("<svg")
+    assert benchmark._repr_html_() is not None
     for name, first in (("chart.svg", b"<svg"), ("chart.png", b"\x89PNG")):
-        trial.save_plot(tmp_path / name)
+        benchmark.save_plot(tmp_path / name)
         assert (tmp_path / name).read_bytes().startswith(first)
     with pytest.raises(InputError, match=r"must end in \.svg or \.png"):
-        trial.save_plot(tmp_path / "chart.pdf")
-    frame = pytest.importorskip("pandas") and trial.to_pandas()
-    assert len(frame) == len(trial.rows) and frame["solve_time"].notna().sum() == 3
+        benchmark.save_plot(tmp_path / "chart.pdf")
+    frame = pytest.importorskip("pandas") and benchmark.to_pandas()
+    assert len(frame) == len(benchmark.rows) and frame["solve_time"].notna().sum() == 3
 
 
 def test_suites_are_tried_and_looked_at() -> None:
     cases = whipcord.suite("routing", only=["straight-5-30", "wall-9-30"])
     assert list(cases) == ["straight-5-30", "wall-9-30"]
     assert cases["wall-9-30"].obstacles[0].name == "wall"
-    trial = whipcord.benchmark("routing", by=["four-bar"], reference="cosserat", only=["straight-5-30"])
-    row = trial.rows[0]
+    benchmark = whipcord.benchmark("routing", by=["four-bar"], reference="cosserat", only=["straight-5-30"])
+    row = benchmark.rows[0]
     assert (row.name, row.routing, row.burden, row.sections) == ("straight-5-30", "straight", "none", 5)
     assert row.bending == pytest.approx(np.pi / 6)
     # A case of the suite is a case as any other, but that it is not said what it stands for.
@@ -75,12 +75,12 @@ def test_suites_are_tried_and_looked_at() -> None:
     assert again.rows[0].rms == row.rms and again.rows[0].routing is None
 
 
-def test_without_a_reference_there_is_no_verdict(case: whipcord.Case) -> None:
-    trial = whipcord.benchmark(case, by=["cosserat"], reference="measured")
-    assert trial.verdict == () and trial.svg is None
-    assert "nothing in space" in trial.no_reference[case.title]
+def test_without_a_reference_there_is_no_recommendation(case: whipcord.Case) -> None:
+    benchmark = whipcord.benchmark(case, by=["cosserat"], reference="measured")
+    assert benchmark.recommendation == () and benchmark.svg is None
+    assert "nothing in space" in benchmark.no_reference[case.title]
     with pytest.raises(InputError, match="nothing to draw"):
-        trial.save_plot("chart.svg")
+        benchmark.save_plot("chart.svg")
 
 
 def test_what_cannot_be_tried_is_said(case: whipcord.Case) -> None:

@@ -87,7 +87,7 @@ def test_a_chessboard_as_opencv_sees_it(chessboards: list[np.ndarray], tmp_path:
     )
     assert found.used == (0, 2, 3, 4, 5, 6) and found.refused == ((1, "no board is seen"),)
     assert found.camera.size == SIZE and found.rms < 0.06 and found.tilt > 0.5
-    assert found.doubts[0].startswith("only 6 photographs show the board")
+    assert found.warnings[0].startswith("only 6 photographs show the board")
     true(found)
     # The same corners.
     for photo, (numbers, points, pixels) in zip(chessboards, found.corners):

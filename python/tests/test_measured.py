@@ -119,5 +119,5 @@ def test_all_steps_with_measurements_count(case: whipcord.Case, tmp_path: Path) 
         assert (run.measured.step, run.measured.steps, run.measured.points) == ((1, 3), 2, 2)
         assert "5.000 mm from the measurement over 2 points in 2 steps" in repr(comparison)
         assert run.stable is True and len(run.steps) == 3
-        [row] = [row for row in comparison.benchmark.rows if row.variant == "usual"]
+        [row] = [row for row in comparison.benchmark.rows if row.preset == "usual"]
         assert row.rms == pytest.approx(rms, rel=1e-6) and (row.compared_steps, row.compared_points) == (2, 2)

@@ -22,7 +22,7 @@ __all__ = ["Benchmark", "Finding", "Row", "Standing", "benchmark", "suite"]
 
 @dataclass(frozen=True)
 class Row:
-    """A model, in one of its variants, on a case. Lengths in m, times in s."""
+    """A model, in one of its presets, on a case. Lengths in m, times in s."""
 
     case: str
     """Title of the case."""
@@ -42,7 +42,7 @@ class Row:
     """Its own estimate of its error in m."""
     model: str
     """The model."""
-    variant: str
+    preset: str
     """``"usual"``, or what it trades: ``"step-per-section"``, ``"sliding"``, ``"strain-energy"``."""
     commands: str
     """``"case"``, or ``"reference"`` where the model got the reference's cable lengths."""
@@ -92,7 +92,7 @@ class Row:
             burden=tags.get("burden"),
             reference=reference.get("name"),
             reference_uncertainty=reference.get("uncertainty"),
-            **{key: run[key] for key in ("model", "variant", "commands", "driven_by")},
+            **{key: run[key] for key in ("model", "preset", "commands", "driven_by")},
             **numbers,
             unstable=run.get("unstable", False),
             stable=run.get("stable"),
@@ -105,11 +105,11 @@ class Row:
 
 @dataclass(frozen=True)
 class Standing:
-    """How a model, in one of its variants, did on all cases that there is a reference for."""
+    """How a model, in one of its presets, did on all cases that there is a reference for."""
 
     model: str
     """The model."""
-    variant: str
+    preset: str
     """How it is set."""
     cases: int
     """Number of cases."""
@@ -137,13 +137,13 @@ class Standing:
 
 @dataclass(frozen=True)
 class Finding:
-    """A sentence or two of the verdict."""
+    """A sentence or two of the recommendation."""
 
     topic: str
     """``"control"``, ``"design"``, ``"unknown-material"``, ``"many-sections"``, ``"obstacles"``, or ``"paper"``."""
     model: str | None
     """The model to use, where there is one,"""
-    variant: str | None
+    preset: str | None
     """and how it is to be set."""
     confirmed: bool | None
     """Of the paper's conclusion: whether it was confirmed."""
@@ -152,18 +152,18 @@ class Finding:
 
 
 class Benchmark:
-    """Models on trial: what ``whipcord compare`` says of them.
+    """A benchmark of the models: what ``whipcord compare`` says of them.
 
-    Printed, it is the tables, notes and verdict of the command. In a notebook it shows error against time.
+    Printed, it is the tables, notes and recommendation of the command. In a notebook it shows error against time.
 
     Examples
     --------
     >>> import whipcord
     >>> case = whipcord.load("examples/table1/case-3.toml")
-    >>> trial = whipcord.benchmark(case, by=["cosserat", "four-bar"], reference="cosserat:fine")
-    >>> trial.standings[0].model, trial.standings[0].median_error < 1e-6
+    >>> found = whipcord.benchmark(case, by=["cosserat", "four-bar"], reference="cosserat:fine")
+    >>> found.standings[0].model, found.standings[0].median_error < 1e-6
     ('cosserat', True)
-    >>> [finding.topic for finding in trial.verdict][:3]
+    >>> [finding.topic for finding in found.recommendation][:3]
     ['control', 'design', 'unknown-material']
     """
 
@@ -173,7 +173,7 @@ class Benchmark:
     """The same on some of the robots cut into 100 sections, where none has many of its own."""
     standings: tuple[Standing, ...]
     """Every model on all cases together."""
-    verdict: tuple[Finding, ...]
+    recommendation: tuple[Finding, ...]
     """Which model to use for what, and whether the paper's conclusion holds; empty where nothing has an error."""
     no_reference: dict[str, str]
     """Why there is nothing to measure against, by the titles of the cases of which that is so."""
@@ -187,7 +187,7 @@ class Benchmark:
         many = found["with_many_sections"]
         self.many_sections = tuple(Row._of(case, run) for case in many for run in case["runs"])
         self.standings = tuple(Standing(**model) for model in found["models"])
-        self.verdict = tuple(Finding(**finding) for finding in found["verdict"])
+        self.recommendation = tuple(Finding(**finding) for finding in found["recommendation"])
         lacking = (case for case in found["cases"] if case["no_reference"] is not None)
         self.no_reference = {case["title"]: case["no_reference"] for case in lacking}
 
@@ -225,7 +225,7 @@ class Benchmark:
 
     def __repr__(self) -> str:
         cases = len({row.name for row in self.rows})
-        return f"<Benchmark of {len(self.standings)} models and variants on {cases} cases>"
+        return f"<Benchmark of {len(self.standings)} models and presets on {cases} cases>"
 
     def _repr_html_(self) -> str | None:
         return None if self.svg is None else picture(self.svg)
@@ -240,7 +240,7 @@ def benchmark(
     only: Sequence[str] = (),
     timeout: float | None = None,
 ) -> Benchmark:
-    """Tries models, and those of their variants that trade accuracy for time, on cases.
+    """Tries models, and those of their presets that trade accuracy for time, on cases.
 
     Parameters
     ----------
@@ -265,7 +265,7 @@ def benchmark(
         For models, references and suites that there are not.
     """
     if isinstance(by, str) or not isinstance(by, Iterable) or not all(isinstance(name, str) for name in by):
-        message = f"by must be a list of names of models, whose variants are tried too, but is {by!r}"
+        message = f"by must be a list of names of models, whose presets are tried too, but is {by!r}"
         raise InputError(message, path="by")
     ends = seconds(timeout)
     if isinstance(cases, str):

@@ -51,7 +51,7 @@ class Calibration:
     """That of a column or row at which a corner was seen."""
     tilt: float
     """Greatest angle between the boards in two photographs, in rad, seen from the camera."""
-    doubts: tuple[str, ...]
+    warnings: tuple[str, ...]
     """What speaks against relying on it."""
 
 
@@ -76,7 +76,7 @@ def calibrate(
         looked_for = _core.Board(board, metres(square, "square"), side, dictionary)
         # One at a time: photographs are large.
         seen = [looked_for.find(picture(_photo(photo), f"photos[{i}]")) for i, photo in enumerate(photos)]
-    camera, sure, (rms, view_rms, tilt), used, refused, doubts = _core.calibrate(seen, str(distortion))
+    camera, sure, (rms, view_rms, tilt), used, refused, warnings = _core.calibrate(seen, str(distortion))
     focal, centre, coefficients, pixel = sure
     return Calibration(
         camera=Camera._of(camera),
@@ -90,7 +90,7 @@ def calibrate(
         distortion_deviation=np.array([math.nan if d is None else d for d in coefficients]),
         pixel_deviation=pixel,
         tilt=tilt,
-        doubts=tuple(doubts),
+        warnings=tuple(warnings),
     )
 
 

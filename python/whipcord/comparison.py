@@ -124,7 +124,7 @@ class Comparison:
     ['cosserat', 'cosserat-disks', 'four-bar']
     >>> bool(comparison["cosserat-disks"].distance < 0.004)
     True
-    >>> print(compare(case, by=["cosserat", "four-bar"]).benchmark.verdict[2].text)  # doctest: +ELLIPSIS
+    >>> print(compare(case, by=["cosserat", "four-bar"]).benchmark.recommendation[2].text)  # doctest: +ELLIPSIS
     four-bar, ...
     """
 
@@ -140,7 +140,7 @@ class Comparison:
 
     @cached_property
     def benchmark(self) -> Benchmark:
-        """How far each of these models, by its name and with its variants, is from the reference, how long it takes,
+        """How far each of these models, by its name and with its presets, is from the reference, how long it takes,
         and which to use for what; it is tried when it is first asked for."""
         names = list(dict.fromkeys(run.model for run in self.runs))
         return benchmark(self.case, by=names, reference=self.reference)

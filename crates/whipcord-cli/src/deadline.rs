@@ -10,7 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 use whipcord::Cancel;
-
+use whipcord_io::{Dimension, QuantityError, parse_quantity};
 use whipcord_study::failure::Failure;
 
 /// What ends a verb that does not answer the flag: so long after it.
@@ -39,23 +39,19 @@ pub fn limit(text: &str) -> Result<Limit, String> {
     if text == "none" {
         return Ok(Limit::None);
     }
-    let split = text.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E');
-    let (number, unit) = text.split_at(split.unwrap_or(text.len()));
-    let seconds = match unit {
-        "" | "s" => 1.0,
-        "ms" => 1e-3,
-        "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err(HELP.to_owned()),
+    let time = |text: &str| parse_quantity(text, &[Dimension::Time]);
+    let found = match time(text) {
+        Err(QuantityError::NoUnit(_)) => time(&format!("{text} s")),
+        found => found,
     };
-    let number: f64 = number.trim().parse().map_err(|_| HELP.to_owned())?;
-    if number == 0.0 {
+    let (seconds, _) = found.map_err(|error| format!("{error}: {HELP}"))?;
+    if seconds == 0.0 {
         return Ok(Limit::None);
     }
-    if number < 0.0 {
+    if seconds < 0.0 {
         return Err(format!("a time limit cannot be negative: {HELP}"));
     }
-    let after = Duration::try_from_secs_f64(number * seconds).ok().filter(|after| !after.is_zero());
+    let after = Duration::try_from_secs_f64(seconds).ok().filter(|after| !after.is_zero());
     after.map(Limit::After).ok_or_else(|| HELP.to_owned())
 }
 

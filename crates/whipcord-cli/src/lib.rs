@@ -3,10 +3,10 @@
 //! A library of one function, so that the Python package carries the same command, and of what the package says in
 //! the words of the command.
 
-mod chosen;
 mod deadline;
 pub mod examples;
 mod inputs;
+mod model_arguments;
 mod path_argument;
 mod paths;
 mod photographs;

@@ -19,7 +19,7 @@ pub(crate) const LARGEST_TABLE: usize = 1 << 26;
 /// A mesh: two million triangles in binary STL.
 pub(crate) const LARGEST_MESH: usize = 1 << 27;
 /// The name of standard input on the command line.
-const STANDARD_INPUT: &str = "-";
+const STANDARD_INPUT_ARGUMENT: &str = "-";
 /// Files that may extend one another.
 const LONGEST_CHAIN: usize = 16;
 
@@ -51,7 +51,7 @@ fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
 
 fn unreadable(path: &Path, error: &io::Error) -> Refusal {
     let missing = error.kind() == io::ErrorKind::NotFound;
-    let reason = if missing && path.file_name() == Some(OsStr::new(STANDARD_INPUT)) {
+    let reason = if missing && path.file_name() == Some(OsStr::new(STANDARD_INPUT_ARGUMENT)) {
         "there is no file of this name, and standard input is not read here".to_owned()
     } else {
         reason(error)

@@ -1,4 +1,4 @@
-//! Models on trial: how far each is from a reference, how long it takes, and which to use for what.
+//! Benchmark of the models: how far each is from a reference, how long it takes, and which to use for what.
 
 use pyo3::prelude::*;
 use whipcord::ModelKind;
@@ -9,7 +9,7 @@ use crate::model::{self, named};
 use crate::setup::Setup;
 use crate::wait::{Limit, within};
 
-/// JSON, text and, where there is an error to draw, the SVG of a trial of these models: on cases, or on those of a
+/// JSON, text and, where there is an error to draw, the SVG of a benchmark of these models: on cases, or on those of a
 /// suite whose names contain one of `only`.
 #[pyfunction]
 #[pyo3(signature = (setups, models, reference, suite = None, only = Vec::new(), timeout = None))]

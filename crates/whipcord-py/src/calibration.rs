@@ -26,7 +26,7 @@ pub struct Seen {
 /// Focal lengths, principal point, distortion coefficients and pixels: the standard deviations of them.
 type Deviations = ([f64; 2], [f64; 2], Vec<Option<f64>>, f64);
 /// Camera; deviations; RMS, those of the photographs, and tilt; photographs that were used, and those that were not and why;
-/// doubts.
+/// warnings.
 type Calibrated =
     (Camera, Deviations, (f64, Vec<f64>, f64), Vec<usize>, Vec<(usize, String)>, Vec<String>);
 

@@ -1,4 +1,4 @@
-//! Models on trial, as `whipcord compare` judges them. Public for the Python package, which says the same.
+//! Benchmark of the models, as `whipcord compare` judges them. Public for the Python package, which says the same.
 
 use std::str::FromStr;
 
@@ -41,7 +41,7 @@ pub enum JudgingError {
     /// A suite has no case of these names.
     #[error("no case of the suite has {0} in its name")]
     NoCase(String),
-    /// The trial was ended from outside.
+    /// The benchmark was ended from outside.
     #[error("the models were not tried on all cases")]
     Cancelled,
     /// A case of a suite cannot be.
@@ -92,7 +92,7 @@ impl Tried {
 pub struct Judgement(Results);
 
 impl Judgement {
-    /// Tries these models, and those of their variants that trade accuracy for time, on all cases. `reference` is
+    /// Tries these models, and those of their presets that trade accuracy for time, on all cases. `reference` is
     /// what `--reference` takes.
     ///
     /// # Errors

@@ -15,6 +15,7 @@ pub mod html;
 pub mod judging;
 pub mod model_benchmark;
 pub mod quantity;
+mod resample;
 pub mod statistics;
 pub mod steps;
 pub mod style;

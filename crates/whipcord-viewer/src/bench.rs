@@ -6,7 +6,7 @@ use std::time::Instant;
 use whipcord::kinematics::principal_axes;
 use whipcord::warning::of_answer;
 use whipcord::{
-    Actuation, Cancel, Case, Differentiable as _, Model, ModelKind, ModelVariant, Prepared, Robot,
+    Actuation, Cancel, Case, Differentiable as _, Model, ModelKind, ModelPreset, Prepared, Robot,
     Shape, Shortening, Solution, Vec3, Warning,
 };
 use whipcord_io::CaseFile;
@@ -32,7 +32,7 @@ pub struct Bench {
 
 #[derive(Debug)]
 struct Ready {
-    variant: ModelVariant,
+    preset: ModelPreset,
     model: Model,
     prepared: Prepared,
     last: Option<Solution>,
@@ -51,7 +51,7 @@ pub struct Found {
     /// What was asked of the model.
     case: Case,
     /// The model whose cable lengths drove it.
-    driven_by: Option<ModelVariant>,
+    driven_by: Option<ModelPreset>,
 }
 
 impl Bench {
@@ -72,20 +72,19 @@ impl Bench {
     /// [`Malformed`] for a model that is not known.
     pub fn solve(&mut self, request: &Request, arrival: Instant) -> Result<Frame, Malformed> {
         let case = self.case(request);
-        let answers =
-            self.found(&request.variants()?, &case).into_iter().map(|(variant, found)| {
-                let answer = found.and_then(|found| {
-                    let compliance = request.compliance.then(|| self.compliance(variant, &found));
-                    solved(&self.file.robot, variant, &found, compliance).ok_or_else(|| {
-                        "the answer holds a number that is none; please report the robot file"
-                            .to_owned()
-                    })
-                });
-                match answer {
-                    Ok(solved) => Answer::Solved(Box::new(solved)),
-                    Err(message) => Answer::Failed { model: variant.name().to_owned(), message },
-                }
+        let answers = self.found(&request.presets()?, &case).into_iter().map(|(preset, found)| {
+            let answer = found.and_then(|found| {
+                let compliance = request.compliance.then(|| self.compliance(preset, &found));
+                solved(&self.file.robot, preset, &found, compliance).ok_or_else(|| {
+                    "the answer holds a number that is none; please report the robot file"
+                        .to_owned()
+                })
             });
+            match answer {
+                Ok(solved) => Answer::Solved(Box::new(solved)),
+                Err(message) => Answer::Failed { model: preset.name().to_owned(), message },
+            }
+        });
         let answers = answers.collect();
         Ok(Frame { id: request.id, time: arrival.elapsed().as_secs_f64(), answers })
     }
@@ -93,13 +92,13 @@ impl Bench {
     /// What these models find, in their order.
     pub fn found(
         &mut self,
-        variants: &[ModelVariant],
+        presets: &[ModelPreset],
         case: &Case,
-    ) -> Vec<(ModelVariant, Result<Found, Refusal>)> {
+    ) -> Vec<(ModelPreset, Result<Found, Refusal>)> {
         let pulled = case.commands.iter().any(|command| command.tension.is_some());
         let is_driven =
-            |one: ModelVariant| pulled && one.kind.natural_actuation() == Actuation::Shortening;
-        let mut all: Vec<_> = variants
+            |one: ModelPreset| pulled && one.kind.natural_actuation() == Actuation::Shortening;
+        let mut all: Vec<_> = presets
             .iter()
             .map(|&one| (one, if is_driven(one) { None } else { Some(self.one(one, case)) }))
             .collect();
@@ -107,21 +106,21 @@ impl Bench {
         let mut lead = all.iter().find_map(|(one, found)| {
             Some((*one, Ok(shares_of(&found.as_ref()?.as_ref().ok()?.solution))))
         });
-        for (variant, found) in &mut all {
+        for (preset, found) in &mut all {
             if found.is_some() {
                 continue;
             }
             let (by, shares) = lead.get_or_insert_with(|| {
-                let by = ModelVariant::usual(ModelKind::Cosserat);
+                let by = ModelPreset::usual(ModelKind::Cosserat);
                 (by, self.one(by, case).map(|found| shares_of(&found.solution)))
             });
             let one = match shares {
-                Ok(shares) => self.one(*variant, &shortened(case, shares)),
+                Ok(shares) => self.one(*preset, &shortened(case, shares)),
                 Err(why) => Err(format!("its cable lengths come from {by}: {why}")),
             };
             *found = Some(one.map(|found| Found { driven_by: Some(*by), ..found }));
         }
-        all.into_iter().filter_map(|(variant, found)| Some((variant, found?))).collect()
+        all.into_iter().filter_map(|(preset, found)| Some((preset, found?))).collect()
     }
 
     /// What the sliders say, with all that they leave as the file has it.
@@ -137,10 +136,10 @@ impl Bench {
 
     /// The answer of a model. It starts from the last one and, where that leads nowhere, from
     /// cold. Where cables or obstacles rub, what was before counts: then each answer is that after the steps of the file.
-    fn one(&mut self, variant: ModelVariant, case: &Case) -> Result<Found, Refusal> {
+    fn one(&mut self, preset: ModelPreset, case: &Case) -> Result<Found, Refusal> {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
         let cancel = self.cancel.clone();
-        let ready = self.ready(variant)?;
+        let ready = self.ready(preset)?;
         ready.prepared.set_cancel(&cancel);
         let has_friction = !case.before.is_empty()
             || case.obstacles.iter().any(|obstacle| obstacle.friction > 0.0)
@@ -160,16 +159,16 @@ impl Bench {
         Ok(Found { solution, solve_time, case: case.clone(), driven_by: None })
     }
 
-    fn ready(&mut self, variant: ModelVariant) -> Result<&mut Ready, Refusal> {
-        let found = self.ready.iter().position(|ready| ready.variant == variant);
+    fn ready(&mut self, preset: ModelPreset) -> Result<&mut Ready, Refusal> {
+        let found = self.ready.iter().position(|ready| ready.preset == preset);
         let index = match found {
             Some(index) => index,
             None => {
-                let model = model(variant, &self.places);
+                let model = model(preset, &self.places);
                 let prepared = model
                     .prepare(&self.file.robot, &self.file.case.loads)
                     .map_err(|error| error.to_string())?;
-                self.ready.push(Ready { variant, model, prepared, last: None });
+                self.ready.push(Ready { preset, model, prepared, last: None });
                 self.ready.len() - 1
             }
         };
@@ -177,18 +176,18 @@ impl Bench {
     }
 
     /// How the tip yields with the tensions held, in the shape that was found.
-    fn compliance(&mut self, variant: ModelVariant, found: &Found) -> Compliance {
-        self.axes(variant, found).unwrap_or_else(|message| Compliance::Unknown { message })
+    fn compliance(&mut self, preset: ModelPreset, found: &Found) -> Compliance {
+        self.axes(preset, found).unwrap_or_else(|message| Compliance::Unknown { message })
     }
 
     /// The principal axes of the tip's compliance, in the world.
     fn axes(
         &mut self,
-        variant: ModelVariant,
+        preset: ModelPreset,
         Found { solution, case, .. }: &Found,
     ) -> Result<Compliance, Refusal> {
         let cancel = self.cancel.clone();
-        let model = self.ready(variant)?.model.cancelled_by(&cancel);
+        let model = self.ready(preset)?.model.cancelled_by(&cancel);
         let robot = &self.file.robot;
         let length = robot.backbone().length;
         let (there, local) = model
@@ -229,7 +228,7 @@ fn shortened(case: &Case, shares: &[f64]) -> Case {
 /// A solution as the page gets it; `None` where a number of it is none.
 fn solved(
     robot: &Robot,
-    variant: ModelVariant,
+    preset: ModelPreset,
     found: &Found,
     compliance: Option<Compliance>,
 ) -> Option<Solved> {
@@ -254,7 +253,7 @@ fn solved(
         sticks: touch.sticks,
     });
     let solved = Solved {
-        model: variant.name().to_owned(),
+        model: preset.name().to_owned(),
         positions: shape.positions().map(array).collect(),
         orientations: shape.poses.iter().map(|pose| pose.rotation.wxyz()).collect(),
         strains: strains(shape),

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde::Serialize;
-use whipcord::{ModelVariant, Shape, Solution, Twist, Vec3};
+use whipcord::{ModelPreset, Shape, Solution, Twist, Vec3};
 use whipcord_io::{CaseFile, load};
 
 use crate::bench::Bench;
@@ -74,7 +74,7 @@ struct Trials {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// The model that is solved.
-    pub model: ModelVariant,
+    pub model: ModelPreset,
     /// Solves that are done, of all models.
     pub done: usize,
     /// Solves that there are to do.
@@ -89,7 +89,7 @@ pub struct Progress {
 /// binary without the page.
 pub fn export(
     path: &Path,
-    models: &[ModelVariant],
+    models: &[ModelPreset],
     tell: impl FnMut(Progress),
 ) -> Result<String, ViewError> {
     let file = Arc::new(load(path)?);
@@ -108,7 +108,7 @@ fn written(page: Page, recording: &Recording) -> Result<String, ViewError> {
 
 fn record(
     file: &Arc<CaseFile>,
-    models: &[ModelVariant],
+    models: &[ModelPreset],
     mut tell: impl FnMut(Progress),
 ) -> Result<Recording, ViewError> {
     let mut scene = scene(file);
@@ -118,19 +118,19 @@ fn record(
             choice.refusal = Some("not in this page".to_owned());
         }
     }
-    let variants: Vec<ModelVariant> =
+    let presets: Vec<ModelPreset> =
         scene.initial.models.iter().filter_map(|name| name.parse().ok()).collect();
-    if variants.is_empty() {
+    if presets.is_empty() {
         return Err(ViewError::Refused { message: "no model takes this robot".to_owned() });
     }
     let pieces = scene.stations.len() - 1;
     let touching = if scene.obstacles.is_empty() { 0 } else { 4 * TOUCH_NUMBERS * TOUCHES };
     let bytes = pieces * STRAIN_BYTES + scene.cables.len() * CABLE_BYTES + 2 + touching;
-    let most = (MOST_OF_FRAMES / variants.len() / bytes).min(MOST_FRAMES);
+    let most = (MOST_OF_FRAMES / presets.len() / bytes).min(MOST_FRAMES);
     let grid = Grid::new(&scene.initial.commands, &scene.ranges, most);
     let each = grid.frames() + TRIALS;
-    let all = each * variants.len();
-    let recorded = variants.iter().enumerate().map(|(k, &model)| {
+    let all = each * presets.len();
+    let recorded = presets.iter().enumerate().map(|(k, &model)| {
         let mut done = k * each;
         let mut one_more = || {
             done += 1;
@@ -148,7 +148,7 @@ fn frames(
     file: &Arc<CaseFile>,
     scene: &Scene,
     grid: &Grid,
-    variant: ModelVariant,
+    preset: ModelPreset,
     one_more: &mut impl FnMut(),
 ) -> Recorded {
     let mut bench = Bench::new(Arc::clone(file));
@@ -159,7 +159,7 @@ fn frames(
         let (line, at) = (k / row, k % row);
         let turned = k < last && line % 2 == 1;
         let frame = line * row + if turned { row - 1 - at } else { at };
-        all[frame] = solve(&mut bench, scene, variant, grid.commands(frame));
+        all[frame] = solve(&mut bench, scene, preset, grid.commands(frame));
         one_more();
     }
     let lengths: Vec<f64> = scene.stations.windows(2).map(|ends| ends[1] - ends[0]).collect();
@@ -201,7 +201,7 @@ fn frames(
     let (contact_counts, contacts) = contacts(&all);
     let first = all.iter().flatten().next();
     Recorded {
-        model: variant.name().to_owned(),
+        model: preset.name().to_owned(),
         scales,
         strains: base64(&packed),
         cables: base64(&cables),
@@ -213,7 +213,7 @@ fn frames(
         contacts: base64(&contacts),
         solved: all.iter().flatten().count(),
         greatest_residual: all.iter().flatten().map(|s| s.diagnostics.residual).fold(0.0, f64::max),
-        trials: trials(&mut bench, scene, grid, variant, &rounded, &lengths, one_more),
+        trials: trials(&mut bench, scene, grid, preset, &rounded, &lengths, one_more),
     }
 }
 
@@ -241,12 +241,12 @@ fn contacts(all: &[Option<Solution>]) -> (Vec<u8>, Vec<u8>) {
 fn solve(
     bench: &mut Bench,
     scene: &Scene,
-    variant: ModelVariant,
+    preset: ModelPreset,
     commands: Vec<Command>,
 ) -> Option<Solution> {
     let request = Request { commands, ..scene.initial.clone() };
     let case = bench.case(&request);
-    let (_, found) = bench.found(&[variant], &case).pop()?;
+    let (_, found) = bench.found(&[preset], &case).pop()?;
     found.ok().map(|found| found.solution)
 }
 
@@ -256,7 +256,7 @@ fn trials(
     bench: &mut Bench,
     scene: &Scene,
     grid: &Grid,
-    variant: ModelVariant,
+    preset: ModelPreset,
     strains: &[Option<Vec<Twist>>],
     lengths: &[f64],
     one_more: &mut impl FnMut(),
@@ -269,7 +269,7 @@ fn trials(
         let Some(around) = grid.around(&commands, |frame| strains[frame].is_some()) else {
             continue;
         };
-        let Some(solution) = solve(bench, scene, variant, commands) else { continue };
+        let Some(solution) = solve(bench, scene, preset, commands) else { continue };
         let mut mixed = vec![Twist::default(); lengths.len()];
         for (frame, weight) in around {
             for (sum, &strain) in mixed.iter_mut().zip(strains[frame].iter().flatten()) {

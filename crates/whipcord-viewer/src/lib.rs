@@ -22,7 +22,7 @@ mod tests;
 
 use std::path::Path;
 
-use whipcord::ModelVariant;
+use whipcord::ModelPreset;
 
 use crate::page::{Page, page};
 use crate::server::{Server, Viewed};
@@ -47,7 +47,7 @@ impl View {
     /// # Errors
     /// [`ViewError`] for a file that cannot be used, a model that does not take the robot, a port that is not to be had, and a
     /// binary without the page.
-    pub fn open(path: &Path, models: &[ModelVariant], port: u16) -> Result<Self, ViewError> {
+    pub fn open(path: &Path, models: &[ModelPreset], port: u16) -> Result<Self, ViewError> {
         let viewed = Viewed::read(path, models)?;
         let page = page()?;
         let runtime = tokio::runtime::Builder::new_multi_thread()

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use tokio::sync::watch;
-use whipcord::ModelVariant;
+use whipcord::ModelPreset;
 use whipcord_io::{CaseFile, FileError, load, render};
 
 use crate::error::ViewError;
@@ -41,7 +41,7 @@ impl Opened {
     ///
     /// # Errors
     /// [`ViewError::File`] with all that is wrong with it, [`ViewError::Refused`] for a model that does not take the robot.
-    pub fn read(path: &Path, models: &[ModelVariant]) -> Result<(Self, Watched), ViewError> {
+    pub fn read(path: &Path, models: &[ModelPreset]) -> Result<(Self, Watched), ViewError> {
         let (read, watched) = read(path, vec![path.to_owned()]);
         let mut usable = read?;
         begin_with(&mut usable.scene, models)?;
@@ -165,7 +165,7 @@ impl Watched {
 /// Reads the file again whenever it changes, and tells.
 pub async fn follow(
     path: PathBuf,
-    models: Vec<ModelVariant>,
+    models: Vec<ModelPreset>,
     mut watched: Watched,
     tell: watch::Sender<Opened>,
 ) {

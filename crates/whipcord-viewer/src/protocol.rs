@@ -6,7 +6,7 @@
 //! Positions are in the world frame, in which the file gives the pose of the base; quaternions are (w, x, y, z).
 
 use serde::{Deserialize, Serialize};
-use whipcord::{Actuation, ModelKind, ModelVariant};
+use whipcord::{Actuation, ModelKind, ModelPreset};
 
 /// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
 pub const MOST_BYTES: usize = 64 * 1024;
@@ -424,11 +424,11 @@ pub fn read(text: &str) -> Result<FromPage, Malformed> {
     if request.id > MOST_ID {
         return Err(Malformed::Id(request.id));
     }
-    let all = ModelVariant::of(&ModelKind::ALL).len();
+    let all = ModelPreset::of(&ModelKind::ALL).len();
     if request.models.len() > all {
         return Err(Malformed::Models { given: request.models.len(), all });
     }
-    request.variants()?;
+    request.presets()?;
     Ok(message)
 }
 
@@ -437,8 +437,8 @@ impl Request {
     ///
     /// # Errors
     /// [`Malformed::Model`] for a name of none.
-    pub fn variants(&self) -> Result<Vec<ModelVariant>, Malformed> {
-        self.models.iter().map(|name| Ok(name.parse::<ModelVariant>()?)).collect()
+    pub fn presets(&self) -> Result<Vec<ModelPreset>, Malformed> {
+        self.models.iter().map(|name| Ok(name.parse::<ModelPreset>()?)).collect()
     }
 }
 

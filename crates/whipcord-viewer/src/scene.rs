@@ -1,8 +1,8 @@
 //! A robot file as the page is told of it.
 
-use whipcord::variant::Variant;
+use whipcord::presets::Preset;
 use whipcord::{
-    Actuation, LoadFrame, Model, ModelKind, ModelVariant, Prepared, Robot, Section, SolveError,
+    Actuation, LoadFrame, Model, ModelKind, ModelPreset, Prepared, Robot, Section, SolveError,
     Stations, Vec3,
 };
 use whipcord_estimation::observation::{in_space, measured_in_world};
@@ -66,7 +66,7 @@ fn warnings(file: &CaseFile) -> Vec<protocol::Warning> {
 ///
 /// # Errors
 /// [`ViewError::Refused`] for a model that does not take the robot.
-pub fn begin_with(scene: &mut Scene, models: &[ModelVariant]) -> Result<(), ViewError> {
+pub fn begin_with(scene: &mut Scene, models: &[ModelPreset]) -> Result<(), ViewError> {
     let mut names: Vec<String> = Vec::new();
     for name in models.iter().map(|one| one.name()) {
         let refusal = scene.models.iter().find(|choice| choice.name == name);
@@ -84,8 +84,8 @@ pub fn begin_with(scene: &mut Scene, models: &[ModelVariant]) -> Result<(), View
 }
 
 /// The model at the stations of frames, each cable driven by what it is told.
-pub fn model(variant: ModelVariant, places: &Places) -> Model {
-    variant.model(Stations::At(places.arc_lengths.clone()), places.disks.len() - 1)
+pub fn model(preset: ModelPreset, places: &Places) -> Model {
+    preset.model(Stations::At(places.arc_lengths.clone()), places.disks.len() - 1)
 }
 
 pub fn array(vector: Vec3) -> [f64; 3] {
@@ -174,28 +174,28 @@ fn initial(file: &CaseFile, initial_lengths: &[f64]) -> Request {
     }
 }
 
-/// What can be chosen: all models, then their variants that answer something else, so that a model has the colour
+/// What can be chosen: all models, then their presets that answer something else, so that a model has the colour
 /// that it has in the figures of the command line.
-pub fn offered() -> Vec<ModelVariant> {
-    let all = ModelVariant::of(&ModelKind::ALL).into_iter();
+pub fn offered() -> Vec<ModelPreset> {
+    let all = ModelPreset::of(&ModelKind::ALL).into_iter();
     let (usual, others): (Vec<_>, Vec<_>) = all
-        .filter(|one| one.variant != Variant::StepPerSection)
-        .partition(|one| one.variant == Variant::Usual);
+        .filter(|one| one.preset != Preset::StepPerSection)
+        .partition(|one| one.preset == Preset::Usual);
     [usual, others].concat()
 }
 
-fn choice(file: &CaseFile, variant: ModelVariant) -> ModelChoice {
+fn choice(file: &CaseFile, preset: ModelPreset) -> ModelChoice {
     ModelChoice {
-        name: variant.name().to_owned(),
-        hole_to_hole: CableCourse::of(variant.kind) == CableCourse::HoleToHole,
-        jointed: variant.kind == ModelKind::PseudoRigidBody,
-        refusal: refusal(file, variant),
+        name: preset.name().to_owned(),
+        hole_to_hole: CableCourse::of(preset.kind) == CableCourse::HoleToHole,
+        jointed: preset.kind == ModelKind::PseudoRigidBody,
+        refusal: refusal(file, preset),
     }
 }
 
 /// Why a model does not take the robot among its obstacles, whatever its cables are told.
-fn refusal(file: &CaseFile, variant: ModelVariant) -> Option<String> {
-    let model = variant.model(Stations::Disks, file.robot.disks().arc_lengths.len() - 1);
+fn refusal(file: &CaseFile, preset: ModelPreset) -> Option<String> {
+    let model = preset.model(Stations::Disks, file.robot.disks().arc_lengths.len() - 1);
     let mut prepared: Prepared = match model.prepare(&file.robot, &file.case.loads) {
         Ok(prepared) => prepared,
         Err(error) => return Some(error.to_string()),
@@ -207,7 +207,7 @@ fn refusal(file: &CaseFile, variant: ModelVariant) -> Option<String> {
     case.loads.tip_moment = Vec3::ZERO;
     case.loads.gravity = None;
     for command in &mut case.commands {
-        *command = match variant.kind.natural_actuation() {
+        *command = match preset.kind.natural_actuation() {
             Actuation::Shortening => Command::Shortening(0.0).command(),
             _ => Command::Tension(0.0).command(),
         };
@@ -224,7 +224,7 @@ fn refusal(file: &CaseFile, variant: ModelVariant) -> Option<String> {
 
 /// Where disks and markers were measured, in the world: brought there, where the file says how, as onto the first
 /// model's answer. None where there is no such answer, or no motion brings them to it.
-fn measured(file: &CaseFile, first: Option<ModelVariant>) -> Vec<[f64; 3]> {
+fn measured(file: &CaseFile, first: Option<ModelPreset>) -> Vec<[f64; 3]> {
     let (robot, case) = (&file.robot, &file.case);
     let Some(Measured { observations, alignment, .. }) = &file.measured else { return Vec::new() };
     if *alignment == Alignment::None {

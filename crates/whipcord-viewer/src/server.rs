@@ -18,7 +18,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
-use whipcord::ModelVariant;
+use whipcord::ModelPreset;
 
 use crate::connection::{self, Shared};
 use crate::error::ViewError;
@@ -53,7 +53,7 @@ pub struct Viewed {
     /// The robot file.
     pub path: PathBuf,
     /// What pages begin with; where none is named, the first that takes the robot.
-    pub models: Vec<ModelVariant>,
+    pub models: Vec<ModelPreset>,
     /// As it was read.
     pub opened: Opened,
     /// What tells that it has changed.
@@ -65,7 +65,7 @@ impl Viewed {
     ///
     /// # Errors
     /// As [`Opened::read`].
-    pub fn read(path: &Path, models: &[ModelVariant]) -> Result<Self, ViewError> {
+    pub fn read(path: &Path, models: &[ModelPreset]) -> Result<Self, ViewError> {
         let (opened, watched) = Opened::read(path, models)?;
         Ok(Self { path: path.to_owned(), models: models.to_vec(), opened, watched })
     }

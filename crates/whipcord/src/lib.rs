@@ -28,6 +28,7 @@ pub mod model;
 pub mod obstacle;
 pub mod parameter;
 pub mod piecewise_constant_curvature;
+pub mod presets;
 pub mod pseudo_rigid_body;
 mod refusal;
 pub mod robot;
@@ -35,7 +36,6 @@ pub mod section;
 pub mod shape;
 mod statics;
 pub mod stations;
-pub mod variant;
 pub mod warning;
 
 pub use cancel::Cancel;
@@ -48,6 +48,7 @@ pub use kind::{CommandDerivatives, ModelKind};
 pub use model::{Differentiable, Model, Prepared, at_rest};
 pub use obstacle::{Form, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
+pub use presets::ModelPreset;
 pub use robot::{
     Along, Backbone, Cable, Disks, Interpolation, Material, Problem, RestCurvature, Robot,
     RobotError, Routing, Section, Stiffness,
@@ -57,7 +58,6 @@ pub use shape::{
 };
 pub use statics::Statics;
 pub use stations::Stations;
-pub use variant::ModelVariant;
 pub use warning::Warning;
 pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3, equally_spaced};
 

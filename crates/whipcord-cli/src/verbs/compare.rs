@@ -11,9 +11,9 @@ use serde_json::Value;
 use whipcord::ModelKind;
 use whipcord_io::{contacts_csv, warnings_json};
 
-use crate::chosen::model_parser;
 use crate::deadline;
 use crate::inputs::{Inputs, Settings};
+use crate::model_arguments::model_parser;
 use crate::progress;
 use crate::warnings::Warnings;
 use whipcord_study::comparison::figures::figures;
@@ -120,10 +120,10 @@ fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, F
     let (accuracy, text) = accuracy(args, &folder, &results, style)?;
     let recommendation = model_benchmark::report::recommendation(&results);
     let body = format!(
-        "<h1>Models on trial</h1>\n{recommendation}{accuracy}{}",
+        "<h1>Benchmark of the models</h1>\n{recommendation}{accuracy}{}",
         whipcord_study::html::footer()
     );
-    folder.write("report.html", &page("Whipcord: models on trial", &body))?;
+    folder.write("report.html", &page("Whipcord: benchmark of the models", &body))?;
     finish(args, &results, Vec::new(), text, &folder)
 }
 
@@ -175,7 +175,7 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     let folder = Folder::create(&args.out)?;
     let figures = write_figures(&folder, &studies)?;
     write_numbers(&folder, &studies)?;
-    let (accuracy, trials) = accuracy(args, &folder, &results, style)?;
+    let (accuracy, benchmarks) = accuracy(args, &folder, &results, style)?;
     let recommendation = model_benchmark::report::recommendation(&results);
     let report = report::html(&studies, &figures, &recommendation, &accuracy, &passed_over);
     folder.write("report.html", &report)?;
@@ -190,7 +190,7 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     for note in tables::notes(&studies).iter().chain(&passed_over) {
         text += &format!("{note}\n");
     }
-    text += &format!("\n{trials}");
+    text += &format!("\n{benchmarks}");
     let warnings = warned.iter().flat_map(|(file, list)| {
         let mut objects = warnings_json(file, list);
         let objects = objects.as_array_mut().map(std::mem::take).unwrap_or_default();
@@ -226,7 +226,7 @@ fn kinds(args: &CompareArgs) -> Vec<ModelKind> {
     ModelKind::ALL.into_iter().filter(wanted).collect()
 }
 
-/// Draws and writes what the trials gave; its part of the report, and its part of what is printed.
+/// Draws and writes what the benchmarks gave; its part of the report, and its part of what is printed.
 fn accuracy(
     args: &CompareArgs,
     folder: &Folder,
@@ -244,7 +244,7 @@ fn accuracy(
     folder.write_table("accuracy.csv", &model_benchmark::output::csv(results))?;
     let figure = pareto.map(|svg| Figure {
         name: "pareto".into(),
-        caption: "Error, relative to the length of the backbone, against the time of a solve: each case as a dot, the medians of each model as its sign, hollow for a variant. Models in pale colours are slower and less accurate than another model.".into(),
+        caption: "Error, relative to the length of the backbone, against the time of a solve: each case as a dot, the medians of each model as its sign, hollow for a preset. Models in pale colours are slower and less accurate than another model.".into(),
         svg,
     });
     let html = model_benchmark::report::section(results, figure.as_ref());

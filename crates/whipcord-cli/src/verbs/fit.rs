@@ -11,9 +11,9 @@ use whipcord_estimation::identification::{
 use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, quantity};
 
-use crate::chosen::{ActuationArgument, actuation, model_parser};
 use crate::deadline;
 use crate::inputs::{self, Inputs};
+use crate::model_arguments::{ActuationArgument, actuation, model_parser};
 use crate::warnings::Warnings;
 use whipcord_study::failure::{Failure, refuses};
 use whipcord_study::files::{self, Folder};

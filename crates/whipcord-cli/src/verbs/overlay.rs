@@ -11,9 +11,9 @@ use whipcord_plot::{
     RobotView, distance_chart, overlay_figure,
 };
 
-use crate::chosen::model_parser;
 use crate::deadline;
 use crate::inputs::{Settings, read_one};
+use crate::model_arguments::model_parser;
 use crate::photographs::Photograph;
 use crate::superposition::seen;
 use crate::superposition::{Run, tables};

@@ -10,8 +10,8 @@ use whipcord_estimation::observation::measured_in_world;
 use whipcord_io::{Beside, CaseFile, Measured, answer_json, shape_csv, steps_csv, warnings_json};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
-use crate::chosen::ChosenModel;
 use crate::inputs::{Settings, read_one};
+use crate::model_arguments::ModelArguments;
 use crate::path_argument::path_ending_in;
 use crate::paths;
 use crate::rubbing;
@@ -38,7 +38,7 @@ pub struct SolveArgs {
     #[command(flatten)]
     settings: Settings,
     #[command(flatten)]
-    model: ChosenModel,
+    model: ModelArguments,
     /// Number of equally spaced stations of the shape, 2 to 100000, both ends included; by default
     /// the shape is given at the disks
     #[arg(long, value_name = "N", value_parser = stations_parser())]

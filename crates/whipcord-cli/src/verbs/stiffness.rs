@@ -13,8 +13,8 @@ use whipcord_plot::{
     Acting, Ellipsoid, FINE_STATIONS, FigureOptions, Quantity, RobotView, label, robot_figure,
 };
 
-use crate::chosen::ChosenModel;
 use crate::inputs::{Settings, read_one};
+use crate::model_arguments::ModelArguments;
 use crate::path_argument::path_ending_in;
 use crate::warnings::Warnings;
 use whipcord_study::describe::{driven_by, instability};
@@ -39,7 +39,7 @@ pub struct StiffnessArgs {
     #[command(flatten)]
     settings: Settings,
     #[command(flatten)]
-    model: ChosenModel,
+    model: ModelArguments,
     /// Point on the backbone: an arc length such as "90 mm", or `tip`; a number without a unit is
     /// in metres
     #[arg(long, value_name = "ARC_LENGTH", default_value = "tip", value_parser = place)]

@@ -4,10 +4,10 @@ use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
-use whipcord::ModelVariant;
+use whipcord::ModelPreset;
 use whipcord_viewer::{View, ViewError, export};
 
-use crate::chosen::variant_parser;
+use crate::model_arguments::preset_parser;
 use crate::progress;
 use whipcord_study::failure::Failure;
 use whipcord_study::files;
@@ -33,8 +33,8 @@ pub struct ViewArgs {
     export: Option<PathBuf>,
     /// Model shown first, or the models of an exported page; may be given several times; by default
     /// the first model that accepts the robot
-    #[arg(long, value_name = "NAME", value_parser = variant_parser())]
-    model: Vec<ModelVariant>,
+    #[arg(long, value_name = "NAME", value_parser = preset_parser())]
+    model: Vec<ModelPreset>,
 }
 
 /// Serves the page until the process is ended.

@@ -467,9 +467,9 @@ fn accuracy_is_told_in_json_and_csv_alike() {
     assert_eq!((&case["sections"], &case["length"]), (&9.into(), &0.18.into()));
     assert_eq!(case["reference"]["model"], "cosserat");
     assert!(case["reference"]["uncertainty"].as_f64().unwrap() < 1e-9);
-    let of = |model: &str, variant: &str| {
+    let of = |model: &str, preset: &str| {
         let runs = case["runs"].as_array().unwrap();
-        let run = runs.iter().find(|run| run["model"] == model && run["variant"] == variant);
+        let run = runs.iter().find(|run| run["model"] == model && run["preset"] == preset);
         run.unwrap().clone()
     };
     let error = |run: &serde_json::Value| run["error"]["rms"].as_f64().unwrap();
@@ -480,7 +480,7 @@ fn accuracy_is_told_in_json_and_csv_alike() {
     assert!((error(&four_bar) - 2.88e-3).abs() < 5e-6);
     assert_eq!(four_bar["commands"], "reference");
     assert!(of("constant-curvature", "usual")["failure"].as_str().unwrap().contains("parallel"));
-    let topics: Vec<&str> = object["verdict"]
+    let topics: Vec<&str> = object["recommendation"]
         .as_array()
         .unwrap()
         .iter()
@@ -541,12 +541,12 @@ fn robots_touch_what_is_in_their_way() {
     let cases = object["cases"].as_array().unwrap();
     let burdens: Vec<&str> = cases.iter().map(|c| c["tags"]["burden"].as_str().unwrap()).collect();
     assert_eq!(burdens, ["none", "wall", "ball", "pipe"]);
-    let verdict = object["verdict"].as_array().unwrap();
-    let found = verdict.iter().find(|finding| finding["topic"] == "obstacles").unwrap();
-    assert_eq!((&found["model"], &found["variant"]), (&"four-bar".into(), &"strain-energy".into()));
+    let recommendation = object["recommendation"].as_array().unwrap();
+    let found = recommendation.iter().find(|finding| finding["topic"] == "obstacles").unwrap();
+    assert_eq!((&found["model"], &found["preset"]), (&"four-bar".into(), &"strain-energy".into()));
     for case in &cases[1..] {
         for run in case["runs"].as_array().unwrap() {
-            if run["variant"] == "strain-energy" {
+            if run["preset"] == "strain-energy" {
                 let error = run["error"]["rms"].as_f64().unwrap() / 0.18;
                 assert!(error < 0.02, "{}: {error}", case["title"]);
             } else {

@@ -119,8 +119,13 @@ pub(super) const CURVATURE: &[Unit] = &[
     factor("deg/cm", &["°/cm"], 1e2 * DEGREE),
     factor("deg/mm", &["°/mm"], 1e3 * DEGREE),
 ];
-pub(super) const TIME: &[Unit] =
-    &[ten("s", &[], 0), ten("ms", &[], -3), ten("us", &["µs", "μs"], -6), factor("min", &[], 60.0)];
+pub(super) const TIME: &[Unit] = &[
+    ten("s", &[], 0),
+    ten("ms", &[], -3),
+    ten("us", &["µs", "μs"], -6),
+    factor("min", &[], 60.0),
+    factor("h", &[], 3600.0),
+];
 pub(super) const RATIO: &[Unit] = &[ten("%", &[], -2)];
 
 /// Names of units that are not understood, as a text may have a slip in them, but may be meant.

@@ -8,9 +8,9 @@ use super::Samples;
 use thiserror::Error;
 
 use super::paper::Example;
-use super::resample::resample;
 use crate::failure::refuses;
 use crate::model_benchmark::candidate::step_per_section;
+use crate::resample::resample;
 use crate::statistics::Line;
 
 /// Numbers of sections: six from 5 to 320, about equally far apart on a logarithmic axis.

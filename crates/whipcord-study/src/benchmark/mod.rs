@@ -3,7 +3,6 @@
 pub mod accuracy;
 pub mod cost;
 pub mod paper;
-pub mod resample;
 pub mod tables;
 
 use std::time::{Duration, Instant};

@@ -1,10 +1,10 @@
-//! What takes part in a comparison: the models, and those of their variants that trade accuracy for time.
+//! What takes part in a comparison: the models, and those of their presets that trade accuracy for time.
 
 use whipcord::cosserat::Accuracy;
 use whipcord::{Actuation, Model, ModelKind, Stations};
 
-pub use whipcord::ModelVariant as Candidate;
-pub use whipcord::variant::{Variant, step_per_section};
+pub use whipcord::ModelPreset as Candidate;
+pub use whipcord::presets::{Preset, step_per_section};
 
 /// Tolerance and residual of a model at fine resolution: the smallest that rounding leaves room for.
 const FINE: (f64, f64) = (1e-12, 1e-13);

@@ -1,4 +1,4 @@
-//! Models on trial: how far each is from a reference, and how long it takes.
+//! Benchmark of the models: how far each is from a reference, and how long it takes.
 
 pub mod candidate;
 pub mod output;
@@ -21,7 +21,7 @@ use whipcord::{
 use whipcord_io::Measured;
 
 use self::candidate::Candidate;
-use self::reference::{Choice, NoYardstick, ReferenceAnswers};
+use self::reference::{Choice, NoReference, ReferenceAnswers};
 use crate::describe::driven_by;
 use crate::steps::{all_stable, stability_absent};
 use crate::timing::{self, Timing};
@@ -105,7 +105,7 @@ pub struct CaseBenchmark {
     /// Whether anything stands in the robot's way.
     pub among_obstacles: bool,
     /// What is measured against, or why there is nothing.
-    pub reference: Result<ReferenceAnswers, NoYardstick>,
+    pub reference: Result<ReferenceAnswers, NoReference>,
     /// One for each candidate.
     pub entries: Vec<Entry>,
 }

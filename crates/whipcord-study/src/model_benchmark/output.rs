@@ -1,4 +1,4 @@
-//! Every number of the trials, in SI: as CSV and as JSON.
+//! Every number of the benchmarks, in SI: as CSV and as JSON.
 
 use serde_json::{Value, json};
 use whipcord::CommandDerivatives;
@@ -31,7 +31,7 @@ pub fn csv(results: &Results) -> CsvTable {
         "reference",
         "reference_uncertainty",
         "model",
-        "variant",
+        "preset",
         "commands",
         "driven_by",
         "rms",
@@ -50,30 +50,30 @@ pub fn csv(results: &Results) -> CsvTable {
         "compared_steps",
         "compared_points",
     ]);
-    for trial in results.trials.iter().chain(&results.cut) {
-        for entry in &trial.entries {
-            let mut row = identity(trial).to_vec();
+    for benchmark in results.benchmarks.iter().chain(&results.cut) {
+        for entry in &benchmark.entries {
+            let mut row = identity(benchmark).to_vec();
             row.extend([
                 Cell::from(entry.candidate.kind.name()),
-                Cell::from(entry.candidate.variant_name()),
+                Cell::from(entry.candidate.preset_name()),
                 Cell::from(entry.commands.name()),
                 Cell::from(entry.driven_by.as_str()),
             ]);
-            row.extend(answer_cells(trial, entry));
+            row.extend(answer_cells(benchmark, entry));
             csv.push(row);
         }
     }
     csv
 }
 
-fn identity(trial: &CaseBenchmark) -> [Cell; 8] {
-    let reference = trial.reference.as_ref().ok();
-    let tags = trial.tags;
+fn identity(benchmark: &CaseBenchmark) -> [Cell; 8] {
+    let reference = benchmark.reference.as_ref().ok();
+    let tags = benchmark.tags;
     let text = |text: Option<&str>| text.map_or(Cell::Empty, Cell::from);
     [
-        Cell::from(trial.title.as_str()),
-        Cell::from(trial.stem.as_str()),
-        Cell::from(trial.sections),
+        Cell::from(benchmark.title.as_str()),
+        Cell::from(benchmark.stem.as_str()),
+        Cell::from(benchmark.sections),
         text(tags.map(|tags| tags.routing)),
         Cell::from(tags.map(|tags| tags.bending)),
         text(tags.map(|tags| tags.load_kind.name())),
@@ -82,7 +82,7 @@ fn identity(trial: &CaseBenchmark) -> [Cell; 8] {
     ]
 }
 
-fn answer_cells(trial: &CaseBenchmark, entry: &Entry) -> Vec<Cell> {
+fn answer_cells(benchmark: &CaseBenchmark, entry: &Entry) -> Vec<Cell> {
     let answer = match &entry.outcome {
         Ok(answer) => answer,
         Err(error) => {
@@ -97,7 +97,7 @@ fn answer_cells(trial: &CaseBenchmark, entry: &Entry) -> Vec<Cell> {
         Cell::from(residual.map(|residual| residual.rms)),
         Cell::from(residual.map(|residual| residual.greatest)),
         Cell::from(residual.and_then(|residual| residual.tip)),
-        Cell::from(residual.map(|residual| residual.rms / trial.length)),
+        Cell::from(residual.map(|residual| residual.rms / benchmark.length)),
         Cell::from(answer.solve.median),
         Cell::from(answer.solve.repeats),
         Cell::from(answer.build.median),
@@ -119,22 +119,22 @@ fn answer_cells(trial: &CaseBenchmark, entry: &Entry) -> Vec<Cell> {
 /// # Errors
 /// [`NonFinite`] with the place of a number that is not finite.
 pub fn json(results: &Results) -> Result<Value, NonFinite> {
-    let trials = |trials: &[CaseBenchmark], name: &str| -> Result<Vec<Value>, NonFinite> {
-        let each = trials.iter().enumerate();
-        each.map(|(i, trial)| trial_json(&format!("{name}[{i}]"), trial)).collect()
+    let benchmarks = |benchmarks: &[CaseBenchmark], name: &str| -> Result<Vec<Value>, NonFinite> {
+        let each = benchmarks.iter().enumerate();
+        each.map(|(i, benchmark)| benchmark_json(&format!("{name}[{i}]"), benchmark)).collect()
     };
     let models = results.standings().iter().map(standing_json).collect::<Result<Vec<_>, _>>()?;
     Ok(json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "cases": trials(&results.trials, "cases")?,
-        "with_many_sections": trials(&results.cut, "with_many_sections")?,
+        "cases": benchmarks(&results.benchmarks, "cases")?,
+        "with_many_sections": benchmarks(&results.cut, "with_many_sections")?,
         "models": models,
-        "verdict": results.recommendation().iter().map(finding_json).collect::<Vec<_>>(),
+        "recommendation": results.recommendation().iter().map(finding_json).collect::<Vec<_>>(),
     }))
 }
 
-fn trial_json(path: &str, trial: &CaseBenchmark) -> Result<Value, NonFinite> {
-    let reference = match &trial.reference {
+fn benchmark_json(path: &str, benchmark: &CaseBenchmark) -> Result<Value, NonFinite> {
+    let reference = match &benchmark.reference {
         Ok(reference) => json!({
             "name": reference.name,
             "model": reference.kind.map(whipcord::ModelKind::name),
@@ -142,26 +142,26 @@ fn trial_json(path: &str, trial: &CaseBenchmark) -> Result<Value, NonFinite> {
         }),
         Err(_) => Value::Null,
     };
-    let runs = trial.entries.iter().enumerate();
-    let runs = runs.map(|(i, entry)| run_json(&format!("{path}.runs[{i}]"), trial, entry));
+    let runs = benchmark.entries.iter().enumerate();
+    let runs = runs.map(|(i, entry)| run_json(&format!("{path}.runs[{i}]"), benchmark, entry));
     Ok(json!({
-        "title": trial.title,
-        "stem": trial.stem,
-        "sections": trial.sections,
-        "length": json_number(|| format!("{path}.length"), trial.length)?,
-        "tags": trial.tags.map(|Tags { routing, bending, load_kind }| {
+        "title": benchmark.title,
+        "stem": benchmark.stem,
+        "sections": benchmark.sections,
+        "length": json_number(|| format!("{path}.length"), benchmark.length)?,
+        "tags": benchmark.tags.map(|Tags { routing, bending, load_kind }| {
             json!({ "routing": routing, "bending": bending, "burden": load_kind.name() })
         }),
         "reference": reference,
-        "no_reference": trial.reference.as_ref().err().map(ToString::to_string),
+        "no_reference": benchmark.reference.as_ref().err().map(ToString::to_string),
         "runs": runs.collect::<Result<Vec<_>, _>>()?,
     }))
 }
 
-fn run_json(path: &str, trial: &CaseBenchmark, entry: &Entry) -> Result<Value, NonFinite> {
+fn run_json(path: &str, benchmark: &CaseBenchmark, entry: &Entry) -> Result<Value, NonFinite> {
     let mut run = json!({
         "model": entry.candidate.kind.name(),
-        "variant": entry.candidate.variant_name(),
+        "preset": entry.candidate.preset_name(),
         "commands": entry.commands.name(),
         "driven_by": entry.driven_by,
     });
@@ -180,7 +180,7 @@ fn run_json(path: &str, trial: &CaseBenchmark, entry: &Entry) -> Result<Value, N
                 "greatest": json_number(|| format!("{path}.error.greatest"), residual.greatest)?,
                 "tip": json_optional(|| format!("{path}.error.tip"), residual.tip)?,
                 "rms_over_length":
-                    json_number(|| format!("{path}.error.rms_over_length"), residual.rms / trial.length)?,
+                    json_number(|| format!("{path}.error.rms_over_length"), residual.rms / benchmark.length)?,
                 "steps": residual.steps,
                 "points": residual.points,
             });
@@ -201,11 +201,11 @@ fn run_json(path: &str, trial: &CaseBenchmark, entry: &Entry) -> Result<Value, N
 }
 
 fn standing_json(standing: &Standing) -> Result<Value, NonFinite> {
-    let (kind, variant) = (standing.candidate.kind.name(), standing.candidate.variant_name());
+    let (kind, preset) = (standing.candidate.kind.name(), standing.candidate.preset_name());
     let number = |name: &str, value| json_optional(|| format!("models.{kind}.{name}"), value);
     Ok(json!({
         "model": kind,
-        "variant": variant,
+        "preset": preset,
         "cases": standing.of,
         "answered": standing.answered,
         "unstable": standing.unstable,
@@ -227,7 +227,7 @@ fn finding_json(finding: &Finding) -> Value {
     json!({
         "topic": finding.topic.name(),
         "model": finding.choice.map(|choice| choice.kind.name()),
-        "variant": finding.choice.map(super::candidate::Candidate::variant_name),
+        "preset": finding.choice.map(super::candidate::Candidate::preset_name),
         "confirmed": finding.confirmed,
         "text": finding.text,
     })

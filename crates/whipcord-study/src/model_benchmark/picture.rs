@@ -4,7 +4,7 @@ use whipcord::ModelKind;
 use whipcord_plot::{Colour, Marker, ParetoSeries, PlotError, pareto_chart};
 
 use super::CaseBenchmark;
-use super::candidate::{Candidate, Variant};
+use super::candidate::{Candidate, Preset};
 use super::results::Results;
 
 /// The chart of all candidates that have an error somewhere; `None` where none has.
@@ -16,16 +16,19 @@ pub fn pareto(title: &str, results: &Results) -> Result<Option<String>, PlotErro
         .candidates
         .iter()
         .map(|&candidate| {
-            let of = results.trials.len();
-            let cases: Vec<[f64; 2]> =
-                results.trials.iter().filter_map(|trial| point(candidate, trial)).collect();
+            let of = results.benchmarks.len();
+            let cases: Vec<[f64; 2]> = results
+                .benchmarks
+                .iter()
+                .filter_map(|benchmark| point(candidate, benchmark))
+                .collect();
             let part = cases.len();
             let label = if part < of {
                 format!("{candidate} ({part} of {of})")
             } else {
                 candidate.to_string()
             };
-            let hollow = candidate.variant != Variant::Usual;
+            let hollow = candidate.preset != Preset::Usual;
             ParetoSeries { label, cases, look: look(candidate.kind), hollow }
         })
         .filter(|series| !series.cases.is_empty())
@@ -35,10 +38,10 @@ pub fn pareto(title: &str, results: &Results) -> Result<Option<String>, PlotErro
 
 /// Time, and error relative to the length. What is nearer to the reference than that is to the truth is drawn as
 /// far off as the reference may be.
-fn point(candidate: Candidate, trial: &CaseBenchmark) -> Option<[f64; 2]> {
-    let error = trial.error(candidate)?;
-    let sure = trial.reference.as_ref().ok()?.uncertainty.unwrap_or(0.0) / trial.length;
-    Some([trial.answer(candidate)?.solve.median, error.max(sure)])
+fn point(candidate: Candidate, benchmark: &CaseBenchmark) -> Option<[f64; 2]> {
+    let error = benchmark.error(candidate)?;
+    let sure = benchmark.reference.as_ref().ok()?.uncertainty.unwrap_or(0.0) / benchmark.length;
+    Some([benchmark.answer(candidate)?.solve.median, error.max(sure)])
 }
 
 /// Of every model its own, whichever take part.

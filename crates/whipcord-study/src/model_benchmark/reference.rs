@@ -70,9 +70,9 @@ pub struct ReferenceAnswers {
 
 /// Why there is nothing to measure against.
 #[derive(Clone, Debug)]
-pub struct NoYardstick(Vec<(String, Option<SolveError>)>);
+pub struct NoReference(Vec<(String, Option<SolveError>)>);
 
-impl fmt::Display for NoYardstick {
+impl fmt::Display for NoReference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, (name, error)) in self.0.iter().enumerate() {
             let separator = if i > 0 { "; " } else { "" };
@@ -89,15 +89,15 @@ impl ReferenceAnswers {
     /// What a case is measured against; the flag ends the solve.
     ///
     /// # Errors
-    /// [`NoYardstick`] when nothing was measured, or the model has no answer.
-    pub fn new(subject: &Subject, choice: Choice, cancel: &Cancel) -> Result<Self, NoYardstick> {
+    /// [`NoReference`] when nothing was measured, or the model has no answer.
+    pub fn new(subject: &Subject, choice: Choice, cancel: &Cancel) -> Result<Self, NoReference> {
         let measured = || measured(subject);
         match choice {
             Choice::Measured => {
-                measured().ok_or_else(|| NoYardstick(vec![("measured".into(), None)]))
+                measured().ok_or_else(|| NoReference(vec![("measured".into(), None)]))
             }
             Choice::Model { kind, fine } => solved(subject, kind, fine, cancel)
-                .map_err(|(name, e)| NoYardstick(vec![(name, Some(e))])),
+                .map_err(|(name, e)| NoReference(vec![(name, Some(e))])),
             Choice::Trusted => measured().map_or_else(|| trusted(subject, cancel), Ok),
         }
     }
@@ -155,7 +155,7 @@ fn measured(subject: &Subject) -> Option<ReferenceAnswers> {
 /// The rod whose cables run as the real ones do: straight from hole to hole, where the file gives the holes
 /// and there are few enough sections for it to matter; else the rod with continuous cables. At fine
 /// resolution; where that gives no answer, as it is; and then the other rod.
-fn trusted(subject: &Subject, cancel: &Cancel) -> Result<ReferenceAnswers, NoYardstick> {
+fn trusted(subject: &Subject, cancel: &Cancel) -> Result<ReferenceAnswers, NoReference> {
     let robot = subject.robot;
     // Robots of a suite are like real ones, whose files list their holes.
     let through_holes = subject.tags.is_some()
@@ -176,7 +176,7 @@ fn trusted(subject: &Subject, cancel: &Cancel) -> Result<ReferenceAnswers, NoYar
             }
         }
     }
-    Err(NoYardstick(refusals))
+    Err(NoReference(refusals))
 }
 
 fn solved(

@@ -1,4 +1,4 @@
-//! The trials in a report.
+//! The benchmarks in a report.
 
 use super::results::Results;
 use super::{summary, tables};
@@ -24,11 +24,11 @@ pub fn section(results: &Results, pareto: Option<&Figure>) -> String {
     html += &tables::standings(results).html();
     html += &list(&tables::notes(results));
     html += &pareto.map(Figure::html).unwrap_or_default();
-    for (heading, table) in summary::tables(&results.trials, &results.candidates) {
+    for (heading, table) in summary::tables(&results.benchmarks, &results.candidates) {
         html += &format!("<h3>{}</h3>\n{}", escape(&heading), table.html());
     }
     html += "<h3>Case by case</h3>\n";
-    html += &tables::entries(&results.trials).html();
+    html += &tables::entries(&results.benchmarks).html();
     if !results.cut.is_empty() {
         html += "<h3>The same robots cut into many sections</h3>\n";
         html += &tables::entries(&results.cut).html();

@@ -1,32 +1,32 @@
-//! All trials of a comparison, and what follows from them.
+//! All benchmarks of a comparison, and what follows from them.
 
 use whipcord::{Cancel, ModelKind};
 
-use super::candidate::{Candidate, Variant};
+use super::candidate::{Candidate, Preset};
 use super::recommendation::{Evidence, Finding, MANY_SECTIONS, Many, recommendation};
 use super::reference::Choice;
 use super::standing::{PairwiseComparison, Standing};
 use super::{CaseBenchmark, Subject};
-use crate::benchmark::resample::resample;
+use crate::resample::resample;
 
 /// Sections that robots are cut into to see what many of them cost.
 const CUT_INTO: usize = 100;
 /// How many robots are cut at most: the time of a solve hangs on the sections rather than on the routing.
 const CUT: usize = 4;
 
-/// All trials of a comparison.
+/// All benchmarks of a comparison.
 #[derive(Clone, Debug)]
 pub struct Results {
     /// Who took part.
     pub candidates: Vec<Candidate>,
     /// On every case.
-    pub trials: Vec<CaseBenchmark>,
+    pub benchmarks: Vec<CaseBenchmark>,
     /// On some of the same robots cut into many sections, where none has many of its own.
     pub cut: Vec<CaseBenchmark>,
 }
 
 impl Results {
-    /// Tries these models and their variants on all cases; `each` is told of every case before it begins. Once the flag is set
+    /// Tries these models and their presets on all cases; `each` is told of every case before it begins. Once the flag is set
     /// solves end and cases are left out, so that what was found says nothing.
     pub fn of(
         subjects: &[Subject],
@@ -36,7 +36,7 @@ impl Results {
         mut each: impl FnMut(&str),
     ) -> Self {
         let candidates = Candidate::of(kinds);
-        let trials: Vec<CaseBenchmark> = subjects
+        let benchmarks: Vec<CaseBenchmark> = subjects
             .iter()
             .take_while(|_| !cancel.is_cancelled())
             .map(|subject| {
@@ -44,7 +44,7 @@ impl Results {
                 CaseBenchmark::new(subject, &candidates, choice, cancel)
             })
             .collect();
-        let cut = if trials.iter().any(|trial| trial.sections >= MANY_SECTIONS) {
+        let cut = if benchmarks.iter().any(|benchmark| benchmark.sections >= MANY_SECTIONS) {
             Vec::new()
         } else {
             each("many sections");
@@ -62,14 +62,14 @@ impl Results {
                     cancel,
                 ))
             });
-            cut.filter(|trial| trial.reference.is_ok()).take(CUT).collect()
+            cut.filter(|benchmark| benchmark.reference.is_ok()).take(CUT).collect()
         };
-        Self { candidates, trials, cut }
+        Self { candidates, benchmarks, cut }
     }
 
     /// How each did on all cases that there is a reference for.
     pub fn standings(&self) -> Vec<Standing> {
-        Standing::of_all(&self.candidates, &judged(&self.trials))
+        Standing::of_all(&self.candidates, &judged(&self.benchmarks))
     }
 
     /// Which model to use for what.
@@ -81,23 +81,28 @@ impl Results {
         // Obstacles, which few models take, and which take their time, are a question of their own where there
         // are robots without.
         let (touching, free): (Vec<&CaseBenchmark>, Vec<&CaseBenchmark>) =
-            judged(&self.trials).into_iter().partition(|trial| trial.among_obstacles);
-        let standings = |trials: &[&CaseBenchmark]| Standing::of_all(&self.candidates, trials);
-        let (trials, touching) =
+            judged(&self.benchmarks).into_iter().partition(|benchmark| benchmark.among_obstacles);
+        let standings =
+            |benchmarks: &[&CaseBenchmark]| Standing::of_all(&self.candidates, benchmarks);
+        let (benchmarks, touching) =
             if free.is_empty() { (touching, Vec::new()) } else { (free, touching) };
-        let mut kinds = trials.iter().map(|trial| trial.reference.as_ref().ok()?.kind);
+        let mut kinds = benchmarks.iter().map(|benchmark| benchmark.reference.as_ref().ok()?.kind);
         let first = kinds.next().flatten();
         let many = if self.cut.is_empty() {
-            trials.iter().copied().filter(|trial| trial.sections >= MANY_SECTIONS).collect()
+            benchmarks
+                .iter()
+                .copied()
+                .filter(|benchmark| benchmark.sections >= MANY_SECTIONS)
+                .collect()
         } else {
             judged(&self.cut)
         };
         Evidence {
-            standings: standings(&trials),
+            standings: standings(&benchmarks),
             among_obstacles: (!touching.is_empty()).then(|| standings(&touching)),
             reference: first.filter(|_| kinds.all(|kind| kind == first)),
-            pairwise_comparisons: self.pairwise_comparisons(&trials),
-            many: many.iter().map(|trial| trial.sections).min().map(|sections| Many {
+            pairwise_comparisons: self.pairwise_comparisons(&benchmarks),
+            many: many.iter().map(|benchmark| benchmark.sections).min().map(|sections| Many {
                 sections,
                 standings: standings(&many),
                 pairwise_comparisons: self.pairwise_comparisons(&many),
@@ -106,19 +111,19 @@ impl Results {
     }
 
     /// The paper's two models against each other: the four-bar model as it is, and the Cosserat model in each
-    /// variant, first as it is.
+    /// preset, first as it is.
     fn pairwise_comparisons(
         &self,
-        trials: &[&CaseBenchmark],
+        benchmarks: &[&CaseBenchmark],
     ) -> Vec<(Candidate, PairwiseComparison)> {
-        let four_bar = Candidate { kind: ModelKind::FourBar, variant: Variant::Usual };
+        let four_bar = Candidate { kind: ModelKind::FourBar, preset: Preset::Usual };
         let rods = self.candidates.iter().filter(|rod| rod.kind == ModelKind::Cosserat);
-        rods.filter_map(|&rod| Some((rod, PairwiseComparison::between(four_bar, rod, trials)?)))
+        rods.filter_map(|&rod| Some((rod, PairwiseComparison::between(four_bar, rod, benchmarks)?)))
             .collect()
     }
 }
 
 /// Those with a reference.
-fn judged(trials: &[CaseBenchmark]) -> Vec<&CaseBenchmark> {
-    trials.iter().filter(|trial| trial.reference.is_ok()).collect()
+fn judged(benchmarks: &[CaseBenchmark]) -> Vec<&CaseBenchmark> {
+    benchmarks.iter().filter(|benchmark| benchmark.reference.is_ok()).collect()
 }

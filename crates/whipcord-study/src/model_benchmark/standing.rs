@@ -41,21 +41,21 @@ pub struct Standing {
 
 impl Standing {
     /// How a candidate did.
-    pub fn of(candidate: Candidate, trials: &[&CaseBenchmark]) -> Self {
+    pub fn of(candidate: Candidate, benchmarks: &[&CaseBenchmark]) -> Self {
         let answers: Vec<&Answer> =
-            trials.iter().filter_map(|trial| trial.answer(candidate)).collect();
-        let errors: Vec<(f64, &str)> = trials
+            benchmarks.iter().filter_map(|benchmark| benchmark.answer(candidate)).collect();
+        let errors: Vec<(f64, &str)> = benchmarks
             .iter()
-            .filter_map(|trial| Some((trial.error(candidate)?, trial.title.as_str())))
+            .filter_map(|benchmark| Some((benchmark.error(candidate)?, benchmark.title.as_str())))
             .collect();
         let worst = errors.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let answered = || {
-            let entries = trials.iter().flat_map(|trial| &trial.entries);
+            let entries = benchmarks.iter().flat_map(|benchmark| &benchmark.entries);
             entries.filter(|entry| entry.candidate == candidate && entry.outcome.is_ok())
         };
         Self {
             candidate,
-            of: trials.len(),
+            of: benchmarks.len(),
             answered: answers.len(),
             judged: errors.len(),
             unstable: answers.iter().filter(|answer| answer.is_unstable()).count(),
@@ -73,8 +73,8 @@ impl Standing {
     }
 
     /// How each did.
-    pub fn of_all(candidates: &[Candidate], trials: &[&CaseBenchmark]) -> Vec<Self> {
-        candidates.iter().map(|&candidate| Self::of(candidate, trials)).collect()
+    pub fn of_all(candidates: &[Candidate], benchmarks: &[&CaseBenchmark]) -> Vec<Self> {
+        candidates.iter().map(|&candidate| Self::of(candidate, benchmarks)).collect()
     }
 }
 
@@ -100,11 +100,11 @@ pub struct PairwiseComparison {
 
 impl PairwiseComparison {
     /// `None` where there is no such case.
-    pub fn between(a: Candidate, b: Candidate, trials: &[&CaseBenchmark]) -> Option<Self> {
-        let both: Vec<[(f64, f64); 2]> = trials
+    pub fn between(a: Candidate, b: Candidate, benchmarks: &[&CaseBenchmark]) -> Option<Self> {
+        let both: Vec<[(f64, f64); 2]> = benchmarks
             .iter()
-            .filter_map(|trial| {
-                let of = |who| Some((trial.answer(who)?.solve.median, trial.error(who)?));
+            .filter_map(|benchmark| {
+                let of = |who| Some((benchmark.answer(who)?.solve.median, benchmark.error(who)?));
                 Some([of(a)?, of(b)?])
             })
             .collect();
@@ -127,16 +127,16 @@ mod tests {
     use whipcord::{Cancel, ModelKind, SolveError};
 
     use super::*;
-    use crate::model_benchmark::candidate::Variant;
+    use crate::model_benchmark::candidate::Preset;
     use crate::model_benchmark::reference::{Choice, ReferenceAnswers};
     use crate::model_benchmark::{Commands, Entry, Residual, Subject};
     use crate::timing::Timing;
 
-    const A: Candidate = Candidate { kind: ModelKind::FourBar, variant: Variant::Usual };
-    const B: Candidate = Candidate { kind: ModelKind::Cosserat, variant: Variant::Usual };
+    const A: Candidate = Candidate { kind: ModelKind::FourBar, preset: Preset::Usual };
+    const B: Candidate = Candidate { kind: ModelKind::Cosserat, preset: Preset::Usual };
 
     /// Of a robot of 2 m: error in m and time of both, `None` where there is no answer.
-    fn trial(title: &str, results: [Option<(f64, f64)>; 2]) -> CaseBenchmark {
+    fn benchmark(title: &str, results: [Option<(f64, f64)>; 2]) -> CaseBenchmark {
         let example = crate::benchmark::paper::table_1().unwrap().remove(0);
         let subject = Subject {
             title,
@@ -179,24 +179,24 @@ mod tests {
 
     #[test]
     fn errors_are_counted_in_lengths_and_refusals_are_not_forgotten() {
-        let trials = [
-            trial("near", [Some((0.03125, 1.0)), Some((0.001, 4.0))]),
-            trial("far", [Some((0.125, 3.0)), Some((0.002, 3.0))]),
-            trial("refused", [None, Some((0.004, 9.0))]),
+        let benchmarks = [
+            benchmark("near", [Some((0.03125, 1.0)), Some((0.001, 4.0))]),
+            benchmark("far", [Some((0.125, 3.0)), Some((0.002, 3.0))]),
+            benchmark("refused", [None, Some((0.004, 9.0))]),
         ];
-        let trials: Vec<&CaseBenchmark> = trials.iter().collect();
-        let a = Standing::of(A, &trials);
+        let benchmarks: Vec<&CaseBenchmark> = benchmarks.iter().collect();
+        let a = Standing::of(A, &benchmarks);
         assert_eq!((a.of, a.answered, a.judged, a.within), (3, 2, 2, 1));
         assert_eq!((a.median_error, a.worst_error), (Some(0.0390625), Some(0.0625)));
         assert_eq!((a.worst_case.as_deref(), a.time), (Some("far"), Some(2.0)));
-        assert!(a.without_material && !Standing::of(B, &trials).without_material);
+        assert!(a.without_material && !Standing::of(B, &benchmarks).without_material);
         // The two are compared on what both answered: 4 and 1 times as long.
-        let pairwise_comparison = PairwiseComparison::between(A, B, &trials).unwrap();
+        let pairwise_comparison = PairwiseComparison::between(A, B, &benchmarks).unwrap();
         assert_eq!(
             (pairwise_comparison.cases, pairwise_comparison.slower, pairwise_comparison.times),
             (2, 2.5, [2.0, 3.5])
         );
         assert_eq!(pairwise_comparison.worst_errors, [0.0625, 0.001]);
-        assert_eq!(PairwiseComparison::between(A, B, &trials[2..]), None);
+        assert_eq!(PairwiseComparison::between(A, B, &benchmarks[2..]), None);
     }
 }

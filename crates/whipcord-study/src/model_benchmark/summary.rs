@@ -9,32 +9,32 @@ use crate::table::{Align, Table};
 use crate::timing::duration;
 
 /// Heading and table for each: median errors, and times over the number of sections. None where no case has tags.
-pub fn tables(trials: &[CaseBenchmark], candidates: &[Candidate]) -> Vec<(String, Table)> {
+pub fn tables(benchmarks: &[CaseBenchmark], candidates: &[Candidate]) -> Vec<(String, Table)> {
     let tagged: Vec<(&CaseBenchmark, Tags)> =
-        trials.iter().filter_map(|trial| Some((trial, trial.tags?))).collect();
+        benchmarks.iter().filter_map(|benchmark| Some((benchmark, benchmark.tags?))).collect();
     if tagged.is_empty() {
         return Vec::new();
     }
     let by = |of: &dyn Fn(&CaseBenchmark, Tags) -> String| {
         let mut groups: Vec<(String, Vec<&CaseBenchmark>)> = Vec::new();
-        for &(trial, tags) in &tagged {
-            let name = of(trial, tags);
+        for &(benchmark, tags) in &tagged {
+            let name = of(benchmark, tags);
             match groups.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, members)) => members.push(trial),
-                None => groups.push((name, vec![trial])),
+                Some((_, members)) => members.push(benchmark),
+                None => groups.push((name, vec![benchmark])),
             }
         }
         groups
     };
-    let sections = by(&|trial, _| trial.sections.to_string());
+    let sections = by(&|benchmark, _| benchmark.sections.to_string());
     // Not every number of sections is loaded, and loads take their own time.
     let unloaded: Vec<(String, Vec<&CaseBenchmark>)> = sections
         .iter()
-        .map(|(name, trials)| {
-            let free = |trial: &&&CaseBenchmark| {
-                trial.tags.is_some_and(|tags| tags.load_kind == LoadKind::None)
+        .map(|(name, benchmarks)| {
+            let free = |benchmark: &&&CaseBenchmark| {
+                benchmark.tags.is_some_and(|tags| tags.load_kind == LoadKind::None)
             };
-            (name.clone(), trials.iter().filter(free).copied().collect())
+            (name.clone(), benchmarks.iter().filter(free).copied().collect())
         })
         .collect();
     let error = |standing: &Standing| match standing.median_error {
@@ -77,7 +77,7 @@ fn table(
     table.group();
     for &candidate in candidates {
         let mut row = vec![candidate.to_string()];
-        row.extend(groups.iter().map(|(_, trials)| cell(&Standing::of(candidate, trials))));
+        row.extend(groups.iter().map(|(_, benchmarks)| cell(&Standing::of(candidate, benchmarks))));
         table.row(row);
     }
     table

@@ -2,7 +2,7 @@
 
 use whipcord::CommandDerivatives;
 
-use super::candidate::Variant;
+use super::candidate::Preset;
 use super::results::Results;
 use super::standing::Standing;
 use super::{Answer, CaseBenchmark, Entry, summary};
@@ -66,7 +66,7 @@ pub fn percent(share: f64) -> String {
 }
 
 /// A row for each candidate on each case.
-pub fn entries(trials: &[CaseBenchmark]) -> Table {
+pub fn entries(benchmarks: &[CaseBenchmark]) -> Table {
     let mut table = Table::new([
         ("case", Align::Left),
         ("model", Align::Left),
@@ -81,13 +81,13 @@ pub fn entries(trials: &[CaseBenchmark]) -> Table {
         ("points", Align::Right),
     ])
     .with_units(["", "", "", "", "mm", "mm", "", "with its unit", "count", "count", "count"]);
-    for trial in trials {
+    for benchmark in benchmarks {
         table.group();
-        for (i, entry) in trial.entries.iter().enumerate() {
-            let title = if i == 0 { trial.title.clone() } else { String::new() };
+        for (i, entry) in benchmark.entries.iter().enumerate() {
+            let title = if i == 0 { benchmark.title.clone() } else { String::new() };
             let mut row = vec![title, entry.candidate.to_string()];
             match &entry.outcome {
-                Ok(answer) => row.extend(answer_cells(trial, entry, answer)),
+                Ok(answer) => row.extend(answer_cells(benchmark, entry, answer)),
                 Err(_) => row.resize(11, NONE.to_owned()),
             }
             table.row(row);
@@ -96,7 +96,7 @@ pub fn entries(trials: &[CaseBenchmark]) -> Table {
     table
 }
 
-fn answer_cells(trial: &CaseBenchmark, entry: &Entry, answer: &Answer) -> Vec<String> {
+fn answer_cells(benchmark: &CaseBenchmark, entry: &Entry, answer: &Answer) -> Vec<String> {
     let in_mm = |metres: f64| match 1e3 * metres {
         mm if mm >= 0.001 || mm == 0.0 => fixed(mm, 3),
         mm => format!("{mm:.0e}"),
@@ -107,7 +107,7 @@ fn answer_cells(trial: &CaseBenchmark, entry: &Entry, answer: &Answer) -> Vec<St
             in_mm(residual.rms),
             in_mm(residual.greatest),
             residual.tip.map_or_else(|| NONE.to_owned(), in_mm),
-            percent(residual.rms / trial.length),
+            percent(residual.rms / benchmark.length),
         ]),
         Err(_) => cells.resize(5, NONE.to_owned()),
     }
@@ -124,23 +124,23 @@ pub fn notes(results: &Results) -> Vec<String> {
     let mut notes = vec![String::from(
         "error: root mean square over the disks, without the base, in % of the backbone's length: median and greatest over the cases. A geometric model is given the cable lengths of the reference, from hole to hole.",
     )];
-    for (variant, meaning) in [
+    for (preset, meaning) in [
         (
-            Variant::StepPerSection,
+            Preset::StepPerSection,
             "\"step a section\": one integration step for each section, and nothing computed that the shape does not need, as the paper times the Cosserat rod.",
         ),
         (
-            Variant::Sliding,
+            Preset::Sliding,
             "\"sliding\": four-bar with the length rule free, for cables that slide freely; \"strain energy\": the same with the objective strain-energy, as its authors extended the model. Else every section loses the same fraction, as in the paper.",
         ),
     ] {
-        if results.candidates.iter().any(|one| one.variant == variant) {
+        if results.candidates.iter().any(|one| one.preset == preset) {
             notes.push(meaning.to_owned());
         }
     }
     let mut references: Vec<(&str, usize, Option<f64>)> = Vec::new();
-    for trial in &results.trials {
-        let Ok(reference) = &trial.reference else { continue };
+    for benchmark in &results.benchmarks {
+        let Ok(reference) = &benchmark.reference else { continue };
         let known = references.iter_mut().find(|(name, ..)| *name == reference.name);
         match known {
             Some((_, count, uncertainty)) => {
@@ -161,7 +161,7 @@ pub fn notes(results: &Results) -> Vec<String> {
         };
         notes.push(format!("reference: {name} ({cases}), {sure}."));
     }
-    let residuals = results.trials.iter().flat_map(|trial| &trial.entries);
+    let residuals = results.benchmarks.iter().flat_map(|benchmark| &benchmark.entries);
     let mut residuals =
         residuals.filter_map(|entry| entry.outcome.as_ref().ok()?.residual.as_ref().ok());
     if residuals.any(|residual| residual.steps > 1) {
@@ -169,26 +169,26 @@ pub fn notes(results: &Results) -> Vec<String> {
             "A case in steps is compared in all steps: \"steps\" and \"points\" of each are in accuracy.csv and, with --rows, in the table.",
         ));
     }
-    let untold = |trial: &&CaseBenchmark| {
-        trial.entries.iter().any(|entry| {
+    let untold = |benchmark: &&CaseBenchmark| {
+        benchmark.entries.iter().any(|entry| {
             entry
                 .outcome
                 .as_ref()
                 .is_ok_and(|answer| answer.residual.as_ref().is_ok_and(|m| m.tip.is_none()))
         })
     };
-    for trial in results.trials.iter().filter(untold) {
+    for benchmark in results.benchmarks.iter().filter(untold) {
         notes.push(format!(
             "{}: no distance of the tip: the centre of the last disk was not measured.",
-            trial.title
+            benchmark.title
         ));
     }
-    for trial in &results.trials {
-        if let Err(why) = &trial.reference {
-            notes.push(format!("{}: no reference: {why}", trial.title));
+    for benchmark in &results.benchmarks {
+        if let Err(why) = &benchmark.reference {
+            notes.push(format!("{}: no reference: {why}", benchmark.title));
         }
     }
-    notes.extend(failures(&results.trials));
+    notes.extend(failures(&results.benchmarks));
     notes
 }
 
@@ -198,13 +198,13 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// Who has no answer, or one that cannot be compared, and why: each reason once with the number of cases.
-fn failures(trials: &[CaseBenchmark]) -> Vec<String> {
+fn failures(benchmarks: &[CaseBenchmark]) -> Vec<String> {
     let mut reasons: Vec<Reason> = Vec::new();
-    for trial in trials {
-        for entry in &trial.entries {
+    for benchmark in benchmarks {
+        for entry in &benchmark.entries {
             let why = match &entry.outcome {
                 Err(error) => error.to_string(),
-                Ok(Answer { residual: Err(why), .. }) if trial.reference.is_ok() => why.clone(),
+                Ok(Answer { residual: Err(why), .. }) if benchmark.reference.is_ok() => why.clone(),
                 Ok(_) => continue,
             };
             let index = reasons.iter().position(|known| known.why == why).unwrap_or_else(|| {
@@ -216,8 +216,8 @@ fn failures(trials: &[CaseBenchmark]) -> Vec<String> {
             if !reason.candidates.contains(&name) {
                 reason.candidates.push(name);
             }
-            if reason.titles.last() != Some(&trial.title.as_str()) {
-                reason.titles.push(&trial.title);
+            if reason.titles.last() != Some(&benchmark.title.as_str()) {
+                reason.titles.push(&benchmark.title);
             }
         }
     }
@@ -245,11 +245,11 @@ impl Reason<'_> {
 /// How the candidates did, what must not be read into it, and the recommendation; with `rows` also on each case.
 pub fn text(results: &Results, rows: bool, style: Style) -> String {
     let mut text = standings(results).text(style) + "\n";
-    for (heading, table) in summary::tables(&results.trials, &results.candidates) {
+    for (heading, table) in summary::tables(&results.benchmarks, &results.candidates) {
         text += &format!("{}\n\n{}\n", style.heading(heading), table.text(style));
     }
     if rows {
-        text += &(entries(&results.trials).text(style) + "\n");
+        text += &(entries(&results.benchmarks).text(style) + "\n");
         if !results.cut.is_empty() {
             let heading = style.heading("The same robots cut into many sections");
             text += &format!("{heading}\n\n{}\n", entries(&results.cut).text(style));

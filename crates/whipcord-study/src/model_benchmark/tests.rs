@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use whipcord::{Backbone, Cable, Cancel, Disks, Material, ModelKind, Routing, Section};
 
-use super::candidate::Variant;
+use super::candidate::Preset;
 use super::*;
 
 const LENGTH: f64 = 0.18;
@@ -67,8 +67,8 @@ fn tried(kinds: &[ModelKind], choice: Choice) -> CaseBenchmark {
     CaseBenchmark::new(&subject, &Candidate::of(kinds), choice, &Cancel::default())
 }
 
-fn is(trial: &CaseBenchmark, candidate: Candidate, expected: [f64; 3], bound: f64) {
-    let found = trial.answer(candidate).unwrap().residual.as_ref().unwrap();
+fn is(benchmark: &CaseBenchmark, candidate: Candidate, expected: [f64; 3], bound: f64) {
+    let found = benchmark.answer(candidate).unwrap().residual.as_ref().unwrap();
     let found = [found.rms, found.greatest, found.tip.unwrap()];
     for (a, b) in found.into_iter().zip(expected) {
         assert!((a - b).abs() < bound, "{candidate}: {found:?}, not {expected:?}");
@@ -80,20 +80,20 @@ fn is(trial: &CaseBenchmark, candidate: Candidate, expected: [f64; 3], bound: f6
 #[test]
 fn one_arc_for_another_is_as_far_off_as_the_two_arcs_are_apart() {
     let fine = Choice::Model { kind: ModelKind::Cosserat, fine: true };
-    let trial = tried(&[ModelKind::ConstantCurvature], fine);
+    let benchmark = tried(&[ModelKind::ConstantCurvature], fine);
     let (n, theta) = (SECTIONS as f64, angle());
     let length = 2.0 * n * (LENGTH / theta - RADIUS) * (0.5 * theta / n).sin();
     let other = (LENGTH - length) / RADIUS;
     let expected = residual(|k| apart(disk(theta, k), disk(other, k)));
     assert!(expected[2] > 1e-4);
-    let arc = Candidate { kind: ModelKind::ConstantCurvature, variant: Variant::Usual };
-    is(&trial, arc, expected, 1e-10);
-    assert!((trial.error(arc).unwrap() - expected[0] / LENGTH).abs() < 1e-9);
-    let entry = &trial.entries[0];
+    let arc = Candidate { kind: ModelKind::ConstantCurvature, preset: Preset::Usual };
+    is(&benchmark, arc, expected, 1e-10);
+    assert!((benchmark.error(arc).unwrap() - expected[0] / LENGTH).abs() < 1e-9);
+    let entry = &benchmark.entries[0];
     assert_eq!(entry.commands, Commands::Reference);
     assert!(entry.without_material);
     // The reference is the arc to rounding, and says so.
-    let sure = trial.reference.as_ref().unwrap().uncertainty.unwrap();
+    let sure = benchmark.reference.as_ref().unwrap().uncertainty.unwrap();
     assert!(sure < 1e-11, "{sure}");
 }
 
@@ -102,7 +102,7 @@ fn one_arc_for_another_is_as_far_off_as_the_two_arcs_are_apart() {
 #[test]
 fn four_bars_for_an_arc_are_as_far_off_as_their_polygon() {
     let fine = Choice::Model { kind: ModelKind::Cosserat, fine: true };
-    let trial = tried(&[ModelKind::FourBar], fine);
+    let benchmark = tried(&[ModelKind::FourBar], fine);
     let (n, theta) = (SECTIONS as f64, angle());
     let link = LENGTH / n;
     let cable = 2.0 * (LENGTH / theta - RADIUS) * (0.5 * theta / n).sin();
@@ -117,31 +117,31 @@ fn four_bars_for_an_arc_are_as_far_off_as_their_polygon() {
     assert!(expected[2] > 1e-4);
     // A straight cable loses as much in every section, however it is shared out.
     for candidate in Candidate::of(&[ModelKind::FourBar]) {
-        is(&trial, candidate, expected, 1e-9);
+        is(&benchmark, candidate, expected, 1e-9);
     }
 }
 
 #[test]
 fn the_reference_is_trusted_with_its_own_model_and_not_with_what_has_no_answer() {
-    let trial = tried(&[ModelKind::Cosserat], Choice::Trusted);
+    let benchmark = tried(&[ModelKind::Cosserat], Choice::Trusted);
     // The cable is not given by holes.
-    let reference = trial.reference.as_ref().unwrap();
+    let reference = benchmark.reference.as_ref().unwrap();
     assert_eq!(
         (reference.kind, reference.name.as_str()),
         (Some(ModelKind::Cosserat), "cosserat at fine resolution")
     );
-    let usual = Candidate { kind: ModelKind::Cosserat, variant: Variant::Usual };
-    is(&trial, usual, [0.0; 3], 1e-9);
-    assert!(!trial.entries[0].without_material);
+    let usual = Candidate { kind: ModelKind::Cosserat, preset: Preset::Usual };
+    is(&benchmark, usual, [0.0; 3], 1e-9);
+    assert!(!benchmark.entries[0].without_material);
     // The four-bar model has no shortening to go by, and so nothing is measured against it.
     let choice = Choice::Model { kind: ModelKind::FourBar, fine: false };
-    let trial = tried(&[ModelKind::Cosserat, ModelKind::FourBar], choice);
-    assert!(trial.reference.unwrap_err().to_string().contains("shortening"));
-    let residual = trial.entries[0].outcome.as_ref().unwrap().residual.as_ref();
+    let benchmark = tried(&[ModelKind::Cosserat, ModelKind::FourBar], choice);
+    assert!(benchmark.reference.unwrap_err().to_string().contains("shortening"));
+    let residual = benchmark.entries[0].outcome.as_ref().unwrap().residual.as_ref();
     assert_eq!(residual.unwrap_err(), "there is no reference");
     // Nor was anything measured.
-    let trial = tried(&[ModelKind::Cosserat], Choice::Measured);
-    assert!(trial.reference.unwrap_err().to_string().contains("there is nothing in space"));
+    let benchmark = tried(&[ModelKind::Cosserat], Choice::Measured);
+    assert!(benchmark.reference.unwrap_err().to_string().contains("there is nothing in space"));
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn holes_ask_for_cables_that_run_straight_between_them() {
     let reference = ReferenceAnswers::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
     assert_eq!(reference.kind, Some(ModelKind::CosseratDisks));
     // Cut finely, the difference is none, and the continuous rod is as good.
-    let fine = crate::benchmark::resample::resample(robot, 101).unwrap();
+    let fine = crate::resample::resample(robot, 101).unwrap();
     let subject = Subject { robot: &fine, ..subject };
     let reference = ReferenceAnswers::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
     assert_eq!(reference.kind, Some(ModelKind::Cosserat));

@@ -128,7 +128,7 @@ mod tests {
     use whipcord::{Actuation, Cancel, Model, ModelKind, Statics as _, Stations};
 
     use super::*;
-    use crate::model_benchmark::candidate::{Candidate, Variant};
+    use crate::model_benchmark::candidate::{Candidate, Preset};
     use crate::model_benchmark::reference::Choice;
     use crate::model_benchmark::results::Results;
     use crate::model_benchmark::summary;
@@ -178,18 +178,18 @@ mod tests {
         let kinds = [ModelKind::Cosserat, ModelKind::FourBar];
         let reference = Choice::Model { kind: ModelKind::CosseratDisks, fine: false };
         let results = Results::of(&subjects, &kinds, reference, &Cancel::default(), |_| ());
-        for trial in &results.trials {
-            let loaded = trial.tags.unwrap().load_kind != LoadKind::None;
-            for entry in &trial.entries {
+        for benchmark in &results.benchmarks {
+            let loaded = benchmark.tags.unwrap().load_kind != LoadKind::None;
+            for entry in &benchmark.entries {
                 let geometric = entry.candidate.kind == ModelKind::FourBar;
-                assert_eq!(entry.outcome.is_err(), loaded && geometric, "{}", trial.title);
+                assert_eq!(entry.outcome.is_err(), loaded && geometric, "{}", benchmark.title);
             }
         }
-        let usual = Candidate { kind: ModelKind::Cosserat, variant: Variant::Usual };
+        let usual = Candidate { kind: ModelKind::Cosserat, preset: Preset::Usual };
         // 1.7 % at the paper's tension, which bends a robot by 73°.
-        let error = results.trials[0].error(usual).unwrap();
+        let error = results.benchmarks[0].error(usual).unwrap();
         assert!((0.005..0.03).contains(&error), "{error}");
-        let tables = summary::tables(&results.trials, &results.candidates);
+        let tables = summary::tables(&results.benchmarks, &results.candidates);
         let text = tables[0].1.text(Default::default());
         let head: Vec<&str> = text.lines().next().unwrap().split_whitespace().collect();
         assert_eq!(head, ["model", "straight", "helical", "S-shaped", "converging", "crossing"]);

@@ -49,9 +49,9 @@ fn decoded(recording: &Recording, frame: usize) -> (Vec3, Vec<f64>) {
 }
 
 /// Whether frames are what a model says without the grid.
-fn assert_holds_answers(file: &Arc<CaseFile>, recording: &Recording, variant: ModelVariant) {
+fn assert_holds_answers(file: &Arc<CaseFile>, recording: &Recording, preset: ModelPreset) {
     let Recording { scene, axes, models } = recording;
-    assert_eq!(models[0].model, variant.name());
+    assert_eq!(models[0].model, preset.name());
     let frames = axes.iter().map(Vec::len).product::<usize>() + 1;
     let valid = bytes(&models[0].valid);
     assert_eq!(valid.len(), frames);
@@ -73,7 +73,7 @@ fn assert_holds_answers(file: &Arc<CaseFile>, recording: &Recording, variant: Mo
                 };
             }
         }
-        let expected = solve(&mut Bench::new(Arc::clone(file)), scene, variant, commands);
+        let expected = solve(&mut Bench::new(Arc::clone(file)), scene, preset, commands);
         assert_eq!(expected.is_some(), valid[frame] == 1);
         let Some(expected) = expected else { continue };
         let (tip, lengths) = decoded(recording, frame);
@@ -97,10 +97,10 @@ fn a_robot_with_six_cables_fits_in_a_page() {
     let text = format!("[backbone]\nlength = \"200 mm\"\n[disks]\ncount = 3\n{cables}");
     let file = Arc::new(whipcord_io::parse(&text, "six.toml").unwrap());
     // Most lengths that six cables could be told contradict each other.
-    let variant = ModelVariant::usual(ModelKind::FourBar);
-    let recording = record(&file, &[variant], drop).unwrap();
+    let preset = ModelPreset::usual(ModelKind::FourBar);
+    let recording = record(&file, &[preset], drop).unwrap();
     assert_eq!(recording.axes.iter().map(Vec::len).collect::<Vec<_>>(), [4; 6]);
-    assert_holds_answers(&file, &recording, variant);
+    assert_holds_answers(&file, &recording, preset);
     assert!(written(bare(), &recording).unwrap().len() < MOST_BYTES);
 }
 
@@ -110,19 +110,19 @@ fn cables_that_are_shortened_are_recorded_so() {
     let text = std::fs::read_to_string(&path).unwrap().replace("\ntension", "\n# tension");
     let file = Arc::new(whipcord_io::parse(&text, &path).unwrap());
     assert!(matches!(scene(&file).initial.commands[..], [Command::Shortening(_)]));
-    let variant = ModelVariant::usual(ModelKind::Cosserat);
+    let preset = ModelPreset::usual(ModelKind::Cosserat);
     let recording = record(&file, &[], drop).unwrap();
     let (axis, reach) = (&recording.axes[0], recording.scene.ranges.shortening);
     assert_eq!((axis[0], axis[axis.len() - 1]), (-reach, reach));
-    assert_holds_answers(&file, &recording, variant);
+    assert_holds_answers(&file, &recording, preset);
 }
 
 #[test]
 fn touches_are_those_of_the_frames() {
     let file = example("contact/rubbing-wall.toml");
     let scene = scene(&file);
-    let variant: ModelVariant = scene.initial.models[0].parse().unwrap();
-    let touching = solve(&mut Bench::new(file), &scene, variant, scene.initial.commands.clone());
+    let preset: ModelPreset = scene.initial.models[0].parse().unwrap();
+    let touching = solve(&mut Bench::new(file), &scene, preset, scene.initial.commands.clone());
     let all = [None, touching.clone(), touching];
     let expected = &all[1].as_ref().unwrap().contacts;
     assert!(!expected.is_empty() && expected.iter().all(|touch| touch.friction.is_some()));
@@ -147,7 +147,7 @@ fn touches_are_those_of_the_frames() {
 #[test]
 fn what_is_too_large_for_a_page_is_refused() {
     let file = example("table1/case-3.toml");
-    let mut recording = record(&file, &[ModelVariant::usual(ModelKind::FourBar)], drop).unwrap();
+    let mut recording = record(&file, &[ModelPreset::usual(ModelKind::FourBar)], drop).unwrap();
     written(bare(), &recording).unwrap();
     recording.scene.measured = vec![[1.0 / 3.0; 3]; 100_000];
     match written(bare(), &recording).unwrap_err() {
@@ -179,7 +179,7 @@ fn frames_say_how_far_what_lies_between_them_is_off() {
 fn a_model_that_does_not_take_the_robot_is_refused() {
     let error = record(
         &example("two-segment-arm.toml"),
-        &[ModelVariant::usual(ModelKind::ConstantCurvature)],
+        &[ModelPreset::usual(ModelKind::ConstantCurvature)],
         drop,
     )
     .unwrap_err();
@@ -190,7 +190,7 @@ fn a_model_that_does_not_take_the_robot_is_refused() {
 fn a_model_that_is_named_twice_is_exported_once() {
     let names = [ModelKind::FourBar, ModelKind::Cosserat, ModelKind::FourBar];
     let file = example("table1/case-3.toml");
-    let recording = record(&file, &names.map(ModelVariant::usual), drop).unwrap();
+    let recording = record(&file, &names.map(ModelPreset::usual), drop).unwrap();
     let models: Vec<_> = recording.models.iter().map(|one| one.model.as_str()).collect();
     assert_eq!(models, ["four-bar", "cosserat"]);
     assert_eq!(recording.scene.initial.models, models);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use whipcord::{CableCommand, Model, ModelKind, ModelVariant, Shortening, Statics as _, Stations};
+use whipcord::{CableCommand, Model, ModelKind, ModelPreset, Shortening, Statics as _, Stations};
 use whipcord_io::load;
 
 use super::example;
@@ -32,7 +32,7 @@ fn an_answer_is_that_of_the_library() {
     let mut case = file.case.clone();
     case.commands[3] = CableCommand { tension: Some(12.5), shortening: None };
     case.loads.tip_force = request.tip_force.into();
-    let expected = model(ModelVariant::usual(ModelKind::Cosserat), &Places::of(&file.robot))
+    let expected = model(ModelPreset::usual(ModelKind::Cosserat), &Places::of(&file.robot))
         .solve(&file.robot, &case)
         .unwrap();
     let positions: Vec<_> = expected.shape.positions().map(array).collect();
@@ -60,7 +60,7 @@ fn a_geometric_model_is_driven_by_the_lengths_that_tensions_give() {
     let mut case = file.case.clone();
     case.loads.gravity = None;
     let rod =
-        model(ModelVariant::usual(ModelKind::Cosserat), &places).solve(&file.robot, &case).unwrap();
+        model(ModelPreset::usual(ModelKind::Cosserat), &places).solve(&file.robot, &case).unwrap();
     for (command, cable) in case.commands.iter_mut().zip(&rod.cables) {
         let shortening = cable.initial_length - cable.length;
         // Where the cables run is the same to both models; how long they take themselves to be is not.
@@ -68,7 +68,7 @@ fn a_geometric_model_is_driven_by_the_lengths_that_tensions_give() {
         command.shortening = Some(Shortening::Fraction(share));
     }
     let expected =
-        model(ModelVariant::usual(ModelKind::FourBar), &places).solve(&file.robot, &case).unwrap();
+        model(ModelPreset::usual(ModelKind::FourBar), &places).solve(&file.robot, &case).unwrap();
     let apart = |(found, expected): (&[f64; 3], whipcord::Vec3)| {
         (whipcord::Vec3::from(*found) - expected).norm()
     };
@@ -90,7 +90,7 @@ fn a_geometric_model_is_driven_by_the_lengths_that_steps_and_friction_left() {
     let fraction =
         |share| CableCommand { tension: None, shortening: Some(Shortening::Fraction(share)) };
     let case = whipcord::Case { commands: shares.map(fraction).collect(), ..Default::default() };
-    let expected = model(ModelVariant::usual(ModelKind::FourBar), &Places::of(&file.robot))
+    let expected = model(ModelPreset::usual(ModelKind::FourBar), &Places::of(&file.robot))
         .solve(&file.robot, &case)
         .unwrap();
     let apart = expected.shape.tip().position - (*driven.positions.last().unwrap()).into();
@@ -213,7 +213,7 @@ fn the_compliance_is_that_of_the_shape_which_is_shown() {
 }
 
 #[test]
-fn a_variant_is_a_choice_of_its_own() {
+fn a_preset_is_a_choice_of_its_own() {
     let file = Arc::new(load(example("table1/case-2.toml")).unwrap());
     let scene = scene(&file);
     let names = ["four-bar", "four-bar-sliding", "four-bar-strain-energy"];

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::TestRunner;
 use tokio_tungstenite::tungstenite::Message;
-use whipcord::{ModelKind, ModelVariant, Vec3};
+use whipcord::{ModelKind, ModelPreset, Vec3};
 
 use super::{Client, example, serve, serve_by, serve_with, tip};
 use crate::error::ViewError;
@@ -124,13 +124,13 @@ async fn a_page_begins_with_the_models_that_were_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("arm.toml");
     fs::copy(example(ARM), &path).unwrap();
-    let [rod, disks] = MODELS.map(ModelVariant::usual);
+    let [rod, disks] = MODELS.map(ModelPreset::usual);
     let port = serve_with(&path, &[disks, rod, disks]).await;
     let (mut client, scene) = Client::connect(port).await;
     assert_eq!(scene.initial.models, ["cosserat-disks", "cosserat"]);
     fs::write(&path, fs::read_to_string(&path).unwrap() + "\n").unwrap();
     assert_eq!(opened(client.hear().await).initial.models, ["cosserat-disks", "cosserat"]);
-    let refused = ModelVariant::usual(ModelKind::ConstantCurvature);
+    let refused = ModelPreset::usual(ModelKind::ConstantCurvature);
     let error = Viewed::read(&path, &[rod, refused]).unwrap_err();
     assert!(matches!(error, ViewError::Refused { .. }), "{error}");
 }

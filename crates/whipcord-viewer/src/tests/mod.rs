@@ -23,7 +23,7 @@ use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
 use tokio_tungstenite::tungstenite::http::{HeaderValue, header};
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 
-use whipcord::{Model, ModelKind, ModelVariant, Statics as _, Stations, Vec3};
+use whipcord::{Model, ModelKind, ModelPreset, Statics as _, Stations, Vec3};
 use whipcord_io::{CaseFile, load};
 
 use crate::page::Page;
@@ -40,7 +40,7 @@ pub async fn serve(path: &Path) -> u16 {
 }
 
 /// The same, beginning with these models.
-pub async fn serve_with(path: &Path, models: &[ModelVariant]) -> u16 {
+pub async fn serve_with(path: &Path, models: &[ModelPreset]) -> u16 {
     serve_by(Server::listen(0).await.unwrap(), Viewed::read(path, models).unwrap())
 }
 

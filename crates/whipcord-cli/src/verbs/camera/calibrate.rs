@@ -175,7 +175,7 @@ fn object(args: &CalibrateArgs, board: &Board, found: &Calibration, corners: &[u
         "tilt": found.calibrated.tilt,
         "photographs": photographs,
         "refused": refused,
-        "doubts": warnings,
+        "warnings": warnings,
     })
 }
 

@@ -69,7 +69,7 @@ pub fn settings(out: Option<&Path>) -> insta::Settings {
     settings.add_filter(r", \d+ iterations", "");
     settings.add_filter(r"\b\d(\.\d+)?e-\d+", "[rounding]");
     // Which model is the fastest is for the day to say.
-    settings.add_filter(r"(?s)(Which model for what\n).*(\nReport)", "$1\n[verdict]$2");
+    settings.add_filter(r"(?s)(Which model for what\n).*(\nReport)", "$1\n[recommendation]$2");
     settings.add_filter("─+", "───");
     // A column is as wide as its widest time.
     settings.add_filter(" {2,}", "  ");

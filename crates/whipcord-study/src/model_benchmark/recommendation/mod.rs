@@ -8,7 +8,7 @@ mod tests;
 
 use whipcord::{Actuation, CommandDerivatives, ModelKind};
 
-use super::candidate::{Candidate, Variant};
+use super::candidate::{Candidate, Preset};
 use super::standing::{PairwiseComparison, Standing};
 use crate::quantity::number;
 use crate::timing::duration;
@@ -97,7 +97,7 @@ pub struct Evidence {
     pub among_obstacles: Option<Vec<Standing>>,
     /// The model that is the reference, where one alone is.
     pub reference: Option<ModelKind>,
-    /// The four-bar model against each of the Cosserat model's variants.
+    /// The four-bar model against each of the Cosserat model's presets.
     pub pairwise_comparisons: Vec<(Candidate, PairwiseComparison)>,
     /// The same robots with many sections.
     pub many: Option<Many>,
@@ -110,7 +110,7 @@ pub struct Many {
     pub sections: usize,
     /// How each did.
     pub standings: Vec<Standing>,
-    /// The four-bar model against each of the Cosserat model's variants.
+    /// The four-bar model against each of the Cosserat model's presets.
     pub pairwise_comparisons: Vec<(Candidate, PairwiseComparison)>,
 }
 
@@ -294,7 +294,7 @@ fn unknown_material(evidence: &Evidence) -> Finding {
 /// The fastest that is near enough with many sections, beside the other models as they are.
 fn many_sections(many: &Many) -> Finding {
     let (of_them, sections) = (format!("with {} of them", many.sections), many.sections);
-    let usual = |s: &Standing| s.candidate.variant == Variant::Usual;
+    let usual = |s: &Standing| s.candidate.preset == Preset::Usual;
     fastest(
         Topic::ManySections,
         &many.standings,
@@ -356,7 +356,7 @@ fn claim(confirmed: bool, claim: &str, figures: &str) -> Finding {
     Finding { topic: Topic::Paper, choice: None, confirmed: Some(confirmed), text }
 }
 
-/// Faster than the Cosserat model, and than each variant of it that is no farther from the reference: for the accuracy
+/// Faster than the Cosserat model, and than each preset of it that is no farther from the reference: for the accuracy
 /// of four bars a rod need not be solved to 1e-9.
 fn faster(
     usual: Candidate,

@@ -1,9 +1,9 @@
 use super::*;
 
-const COSSERAT: Candidate = Candidate { kind: ModelKind::Cosserat, variant: Variant::Usual };
-const STEPS: Candidate = Candidate { variant: Variant::StepPerSection, ..COSSERAT };
-const DISKS: Candidate = Candidate { kind: ModelKind::CosseratDisks, variant: Variant::Usual };
-const FOUR_BAR: Candidate = Candidate { kind: ModelKind::FourBar, variant: Variant::Usual };
+const COSSERAT: Candidate = Candidate { kind: ModelKind::Cosserat, preset: Preset::Usual };
+const STEPS: Candidate = Candidate { preset: Preset::StepPerSection, ..COSSERAT };
+const DISKS: Candidate = Candidate { kind: ModelKind::CosseratDisks, preset: Preset::Usual };
+const FOUR_BAR: Candidate = Candidate { kind: ModelKind::FourBar, preset: Preset::Usual };
 
 /// Of one candidate: cases judged of four, greatest error, and time.
 fn standing(candidate: Candidate, judged: usize, error: f64, time: f64) -> Standing {
@@ -169,7 +169,7 @@ fn many_sections_take_the_fastest_that_is_near_enough() {
 
 #[test]
 fn obstacles_are_a_question_of_their_own() {
-    let strain = Candidate { variant: Variant::StrainEnergy, ..FOUR_BAR };
+    let strain = Candidate { preset: Preset::StrainEnergy, ..FOUR_BAR };
     let free = vec![standing(COSSERAT, 4, 0.03, 12e-6), standing(DISKS, 4, 0.0, 3e-4)];
     let touching = vec![
         standing(COSSERAT, 4, 1e-4, 0.04),

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use whipcord::{Actuation, Model, ModelKind, ModelVariant, Stations, four_bar};
+use whipcord::{Actuation, Model, ModelKind, ModelPreset, Stations, four_bar};
 use whipcord_viewer::offered;
 
 use crate::deadline;
@@ -10,7 +10,7 @@ use whipcord_study::failure::Failure;
 
 /// A model, what drives it, and what only the four-bar model has to choose.
 #[derive(Debug, Args)]
-pub struct ChosenModel {
+pub struct ModelArguments {
     /// Model
     #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
     kind: ModelKind,
@@ -52,10 +52,10 @@ pub fn model_parser() -> impl TypedValueParser<Value = ModelKind> {
         .try_map(|name| name.parse::<ModelKind>())
 }
 
-/// Models and their variants by their names.
-pub fn variant_parser() -> impl TypedValueParser<Value = ModelVariant> {
-    PossibleValuesParser::new(offered().into_iter().map(ModelVariant::name))
-        .try_map(|name| name.parse::<ModelVariant>())
+/// Models and their presets by their names.
+pub fn preset_parser() -> impl TypedValueParser<Value = ModelPreset> {
+    PossibleValuesParser::new(offered().into_iter().map(ModelPreset::name))
+        .try_map(|name| name.parse::<ModelPreset>())
 }
 
 fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
@@ -65,7 +65,7 @@ where
     PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
 }
 
-impl ChosenModel {
+impl ModelArguments {
     /// Which command of each cable counts.
     pub const fn actuation(&self) -> Actuation {
         actuation(self.actuation)
