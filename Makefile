@@ -24,7 +24,9 @@ export PROPTEST_RNG_SEED ?= 1
 
 .PHONY: test test-long test-damaged test-studies test-mechanics-checked test-rust page page-where-node test-page fmt fmt-check lint doc test-mechanics test-others bench wheel sdist installed test-python test-torch docs test-docs bench-python
 
-test: page-where-node test-rust test-page test-python test-torch test-docs
+# What is left when Rust is tested keeps no core busy all the time, so that two at a time take less long.
+test: page-where-node test-rust
+	$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-page test-python test-torch test-docs
 
 # All that needs Rust alone.
 test-rust: fmt-check lint doc test-mechanics test-others
