@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use whipcord_numerics::Vec3;
 
 /// Triangles in one leaf of the tree.
-const LEAF: usize = 4;
+const LEAF: usize = 2;
 
 /// A part of a triangle: its face, or one of its edges or corners. Edge i goes from corner i to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
