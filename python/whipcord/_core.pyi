@@ -118,7 +118,7 @@ class Model:
         actuation: str | None = None,
         tolerance: float | None = None,
         steps: int | None = None,
-        stability: bool = True,
+        stability: bool | str | None = None,
         residual: float | None = None,
         objective: str | None = None,
         chord: str | None = None,

@@ -39,8 +39,8 @@ class _Rod:
     """Steps are halved until the estimated error is below this fraction of the length; 1e-9 by default."""
     steps: int | None = None
     """At least this many integration steps, instead of a tolerance."""
-    stability: bool = True
-    """Whether the stability of the answer is computed."""
+    stability: bool | Literal["eigenvalue"] = True
+    """Whether it is computed if the answer is stable. ``"eigenvalue"``: its least eigenvalue too, which takes longer."""
     residual: float | None = None
     """Residual at which equilibrium under load counts as met, relative to the scales of the problem."""
 
@@ -79,8 +79,8 @@ class FourBar:
 class PiecewiseConstantCurvature:
     """An arc between each two disks, in equilibrium with cables and loads."""
 
-    stability: bool = True
-    """Whether the stability of the answer is computed."""
+    stability: bool | Literal["eigenvalue"] = True
+    """Whether it is computed if the answer is stable. ``"eigenvalue"``: its least eigenvalue too, which takes longer."""
     residual: float | None = None
     """Residual at which equilibrium counts as met, relative to the scales of the problem."""
 

@@ -127,9 +127,10 @@ class Diagnostics:
     """What is left of the equations, relative to their scale."""
     stability: float | None
     """Least eigenvalue of the tangent stiffness relative to the bare rod's: 1 without load, 0 where the
-    robot buckles, negative at an unstable equilibrium; None where `stability_absent` says why."""
+    robot buckles, negative at an unstable equilibrium. None where it is not known, and for a stable equilibrium
+    under loads of a model without ``stability="eigenvalue"``."""
     stability_absent: str | None
-    """``"not-asked"``, ``"no-energy"``, ``"followers"``, ``"dead-moments"``, ``"sliding"``, ``"touching"`` or
+    """Why it is not known whether the answer is stable: ``"not-asked"``, ``"no-energy"``, ``"followers"``, ``"dead-moments"``, ``"sliding"``, ``"touching"`` or
     ``"undetermined"``."""
     discretization_error: float | None
     """Estimated error of the positions in m; None where the steps were prescribed."""
@@ -334,6 +335,8 @@ class Solution:
             lines.append(f"estimated error {of.discretization_error:.3g} m")
         if of.stability is not None:
             lines.append(f"stability {of.stability:.6g}" + (", unstable" if of.unstable else ""))
+        elif of.stable is not None:
+            lines.append("stable" if of.stable else "unstable")
         x, y, z = self.tip.tolist()
         lines.append(f"tip ({x!r}, {y!r}, {z!r}) m")
         comments = "".join(f"# {line}\n" for line in lines)

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use whipcord::{Actuation, Model, ModelKind, ModelPreset, Stations, four_bar};
+use whipcord::{Actuation, Model, ModelKind, ModelPreset, StabilityAnalysis, Stations, four_bar};
 use whipcord_viewer::offered;
 
 use crate::deadline;
@@ -76,7 +76,8 @@ impl ModelArguments {
     /// # Errors
     /// [`Failure::Input`] for an option that the model does not have.
     pub fn model(&self) -> Result<Model, Failure> {
-        let model = Model::new(self.kind, Stations::Disks, self.actuation());
+        let model = Model::new(self.kind, Stations::Disks, self.actuation())
+            .with_stability(StabilityAnalysis::Eigenvalue);
         let mut model = model.cancelled_by(&deadline::cancel());
         if let Model::FourBar(options) = &mut model {
             options.objective = self.objective.unwrap_or(options.objective);

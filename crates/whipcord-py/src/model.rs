@@ -6,7 +6,9 @@ use std::time::Duration;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::cosserat::{self, Accuracy};
-use whipcord::{Actuation, ModelKind, Stations, four_bar, linkage, pseudo_rigid_body};
+use whipcord::{
+    Actuation, ModelKind, StabilityAnalysis, Stations, four_bar, linkage, pseudo_rigid_body,
+};
 
 use crate::errors;
 use crate::wait::Limit;
@@ -25,7 +27,7 @@ pub struct Model {
 impl Model {
     #[new]
     #[pyo3(signature = (
-        kind, *, stations = None, actuation = None, tolerance = None, steps = None, stability = true,
+        kind, *, stations = None, actuation = None, tolerance = None, steps = None, stability = None,
         residual = None, objective = None, chord = None, length_rule = None, coefficients = None,
         timeout = None
     ))]
@@ -37,7 +39,7 @@ impl Model {
         actuation: Option<&str>,
         tolerance: Option<f64>,
         steps: Option<usize>,
-        stability: bool,
+        stability: Option<&Bound<'_, PyAny>>,
         residual: Option<f64>,
         objective: Option<&str>,
         chord: Option<&str>,
@@ -57,6 +59,7 @@ impl Model {
         arguments.set_item("chord", chord)?;
         arguments.set_item("length_rule", length_rule)?;
         arguments.set_item("coefficients", coefficients)?;
+        let stability = stability_analysis(py, stability)?;
         let kind: ModelKind = named(py, "model", kind)?;
         let stations = self::stations(stations)?;
         let actuation = match actuation {
@@ -204,6 +207,29 @@ fn stations(given: Option<&Bound<'_, PyAny>>) -> PyResult<Stations> {
             let message =
                 "stations must be a number of equally spaced places, or a list of arc lengths in m";
             Err(errors::input(given.py(), "stations", message.to_owned()))
+        }
+    }
+}
+
+/// What is computed of the stability: `True` and `None` for the verdict, `False` for nothing, `"eigenvalue"` for the least
+/// eigenvalue too.
+fn stability_analysis(
+    py: Python<'_>,
+    given: Option<&Bound<'_, PyAny>>,
+) -> PyResult<StabilityAnalysis> {
+    let Some(given) = given.filter(|given| !given.is_none()) else {
+        return Ok(StabilityAnalysis::default());
+    };
+    match given.extract::<bool>() {
+        Ok(true) => Ok(StabilityAnalysis::Verdict),
+        Ok(false) => Ok(StabilityAnalysis::Off),
+        Err(_) if given.extract::<&str>().is_ok_and(|name| name == "eigenvalue") => {
+            Ok(StabilityAnalysis::Eigenvalue)
+        }
+        Err(_) => {
+            let message =
+                format!("stability must be True, False or \"eigenvalue\", but is {given}");
+            Err(errors::input(py, "stability", message))
         }
     }
 }

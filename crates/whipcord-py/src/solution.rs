@@ -47,7 +47,8 @@ impl Solution {
 /// What [`Solution::state`] is made of: what pickles hold.
 type ShapeState = (Vec<f64>, Vec<f64>, Vec<f64>);
 type CableRow = (String, Option<f64>, f64, f64, bool, Vec<f64>, Vec<String>);
-type DiagnosticsRow = (usize, f64, Option<f64>, Option<f64>, usize, Option<f64>, Option<String>);
+type DiagnosticsRow =
+    (usize, f64, (Option<bool>, Option<f64>), Option<f64>, usize, Option<f64>, Option<String>);
 /// Obstacle, disk if it is one, arc length, force, gap, point, normal, friction, and whether it sticks.
 type TouchRow =
     (usize, Option<usize>, f64, Option<f64>, f64, [f64; 3], [f64; 3], Option<[f64; 3]>, bool);
@@ -167,7 +168,7 @@ impl Solution {
         values.set_item("steps", of.steps)?;
         values.set_item("stability_lost_at", of.stability_lost_at)?;
         values.set_item("unstable", of.is_unstable())?;
-        values.set_item("stable", of.is_stable())?;
+        values.set_item("stable", of.stable)?;
         Ok(values)
     }
 
@@ -206,7 +207,7 @@ impl Solution {
             (
                 d.iterations,
                 d.residual,
-                d.stability,
+                (d.stable, d.stability),
                 d.discretization_error,
                 d.steps,
                 d.stability_lost_at,
@@ -227,7 +228,7 @@ impl Solution {
             let slip_states = slip_states.iter().map(|name| slip_state(name)).collect();
             CableState { name, tension, length, initial_length, slack, span_tensions, slip_states }
         });
-        let (iterations, residual, stability, discretization_error, steps, stability_lost_at, why) =
+        let (iterations, residual, (stable, stability), discretization_error, steps, lost_at, why) =
             d;
         let solution = whipcord::Solution {
             model,
@@ -242,11 +243,12 @@ impl Solution {
             diagnostics: Diagnostics {
                 iterations,
                 residual,
+                stable,
                 stability,
                 stability_absent: why.as_deref().and_then(NoStability::named),
                 discretization_error,
                 steps,
-                stability_lost_at,
+                stability_lost_at: lost_at,
             },
         };
         Ok(Self::new(solution, &setup.case))

@@ -22,7 +22,7 @@ pub fn rms_distance(a: &[Solution], b: &[Solution]) -> f64 {
 /// Whether the answers to all steps are stable: not where one of them is unstable, and `None` where that is not known
 /// of one of them.
 pub fn all_stable(answers: &[Solution]) -> Option<bool> {
-    let verdicts = || answers.iter().map(|answer| answer.diagnostics.is_stable());
+    let verdicts = || answers.iter().map(|answer| answer.diagnostics.stable);
     match verdicts().any(|stable| stable == Some(false)) {
         true => Some(false),
         false => verdicts().all(|stable| stable.is_some()).then_some(true),

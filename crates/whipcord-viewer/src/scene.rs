@@ -3,7 +3,7 @@
 use whipcord::presets::Preset;
 use whipcord::{
     Actuation, LoadFrame, Model, ModelKind, ModelPreset, Prepared, Robot, Section, SolveError,
-    Stations, Vec3,
+    StabilityAnalysis, Stations, Vec3,
 };
 use whipcord_estimation::observation::{in_space, measured_in_world};
 use whipcord_estimation::registration::Alignment;
@@ -85,7 +85,8 @@ pub fn begin_with(scene: &mut Scene, models: &[ModelPreset]) -> Result<(), ViewE
 
 /// The model at the stations of frames, each cable driven by what it is told.
 pub fn model(preset: ModelPreset, places: &Places) -> Model {
-    preset.model(Stations::At(places.arc_lengths.clone()), places.disks.len() - 1)
+    let stations = Stations::At(places.arc_lengths.clone());
+    preset.model(stations, places.disks.len() - 1).with_stability(StabilityAnalysis::Eigenvalue)
 }
 
 pub fn array(vector: Vec3) -> [f64; 3] {

@@ -8,7 +8,8 @@ mod case_3;
 use case_3::TENSION;
 use divan::Bencher;
 use whipcord::{
-    Actuation, Case, Model, Robot, Shortening, piecewise_constant_curvature, pseudo_rigid_body,
+    Actuation, Case, Model, Robot, Shortening, StabilityAnalysis, piecewise_constant_curvature,
+    pseudo_rigid_body,
 };
 use whipcord::{ModelKind, Routing, Stations};
 
@@ -32,13 +33,20 @@ fn one_arc_by_length(bencher: Bencher<'_, '_>) {
 }
 
 fn arcs(actuation: Actuation) -> Model {
-    let options =
-        piecewise_constant_curvature::Options { actuation, stability: false, ..Default::default() };
+    let options = piecewise_constant_curvature::Options {
+        actuation,
+        stability: StabilityAnalysis::Off,
+        ..Default::default()
+    };
     Model::PiecewiseConstantCurvature(options)
 }
 
 fn bodies(actuation: Actuation) -> Model {
-    let options = pseudo_rigid_body::Options { actuation, stability: false, ..Default::default() };
+    let options = pseudo_rigid_body::Options {
+        actuation,
+        stability: StabilityAnalysis::Off,
+        ..Default::default()
+    };
     Model::PseudoRigidBody(options)
 }
 

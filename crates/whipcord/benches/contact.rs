@@ -67,6 +67,22 @@ fn four_bar_warm(bencher: Bencher) {
     bencher.bench_local(|| model.solve(&case, Some(&start), &mut workspace).unwrap());
 }
 
+/// The ball on the other side: nothing touches. Compare with `cosserat_without_obstacles`.
+#[divan::bench]
+fn cosserat_clear(bencher: Bencher) {
+    let (model, mut case) = (rod(&finger()), case(0.004));
+    case.obstacles[0].pose.position = Vec3::new(-0.05, 0.005, 0.12);
+    let mut workspace = cosserat::Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+#[divan::bench]
+fn cosserat_without_obstacles(bencher: Bencher) {
+    let (model, case) = (rod(&finger()), Case { obstacles: vec![], ..case(0.004) });
+    let mut workspace = cosserat::Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
 #[divan::bench]
 fn cosserat_cold(bencher: Bencher) {
     let (model, case) = (rod(&finger()), case(0.004));

@@ -10,7 +10,7 @@ mod case_3;
 use case_3::TENSION;
 use divan::Bencher;
 use whipcord::cosserat::{Accuracy, Cosserat, Hold, Options, Place, Workspace};
-use whipcord::{Actuation, Case, Robot, Shortening};
+use whipcord::{Actuation, Case, Robot, Shortening, StabilityAnalysis};
 
 fn main() {
     print_errors();
@@ -47,7 +47,7 @@ fn options(steps: usize, actuation: Actuation) -> Options {
     Options {
         accuracy: Accuracy::Steps(steps),
         actuation,
-        stability: false,
+        stability: StabilityAnalysis::Off,
         residual: 5e-7,
         ..Options::default()
     }

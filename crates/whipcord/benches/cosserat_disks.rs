@@ -10,7 +10,7 @@ use case_3::TENSION;
 use divan::Bencher;
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::{CosseratDisks, Options, Workspace};
-use whipcord::{Actuation, Case, Robot, Shortening};
+use whipcord::{Actuation, Case, Robot, Shortening, StabilityAnalysis};
 
 fn main() {
     divan::main();
@@ -19,7 +19,12 @@ fn main() {
 const STEPS: [usize; 2] = [9, 18];
 
 fn options(steps: usize, actuation: Actuation) -> Options {
-    Options { accuracy: Accuracy::Steps(steps), actuation, stability: false, ..Options::default() }
+    Options {
+        accuracy: Accuracy::Steps(steps),
+        actuation,
+        stability: StabilityAnalysis::Off,
+        ..Options::default()
+    }
 }
 
 fn measure(bencher: Bencher<'_, '_>, options: &Options, case: &Case) {

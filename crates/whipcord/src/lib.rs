@@ -57,6 +57,7 @@ pub use shape::{
     CableState, Contact, Diagnostics, NoStability, Part, Shape, SlipState, Solution, Wrench,
 };
 pub use statics::Statics;
+pub use statics::options::StabilityAnalysis;
 pub use stations::Stations;
 pub use warning::Warning;
 pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3, equally_spaced};

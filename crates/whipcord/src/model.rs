@@ -10,6 +10,7 @@ use crate::kinematics::Local;
 use crate::robot::{Robot, check_on_backbone};
 use crate::shape::Solution;
 use crate::statics::Statics;
+use crate::statics::options::StabilityAnalysis;
 use crate::stations::Stations;
 use crate::{
     constant_curvature, cosserat, cosserat_disks, four_bar, linkage, piecewise_constant_curvature,
@@ -96,6 +97,18 @@ impl Model {
         };
         flag.clone_from(cancel);
         model
+    }
+
+    /// The same model, with this analysis of the stability of its answers; models without an energy have none.
+    #[must_use]
+    pub fn with_stability(mut self, analysis: StabilityAnalysis) -> Self {
+        match &mut self {
+            Self::Cosserat(options) | Self::CosseratDisks(options) => options.stability = analysis,
+            Self::PiecewiseConstantCurvature(options) => options.stability = analysis,
+            Self::PseudoRigidBody(options) => options.stability = analysis,
+            Self::FourBar(_) | Self::ConstantCurvature(_) => {}
+        }
+        self
     }
 
     /// The flag that ends its solves.

@@ -8,7 +8,7 @@ use crate::case::Actuation;
 use crate::four_bar;
 use crate::kind::{ModelKind, UnknownModel};
 use crate::model::Model;
-use crate::statics::options::Accuracy;
+use crate::statics::options::{Accuracy, StabilityAnalysis};
 use crate::stations::Stations;
 
 /// A model in one of its presets.
@@ -144,7 +144,7 @@ impl fmt::Display for ModelPreset {
 pub fn step_per_section(mut model: Model, sections: usize) -> Model {
     if let Model::Cosserat(options) | Model::CosseratDisks(options) = &mut model {
         options.accuracy = Accuracy::Steps(sections);
-        options.stability = false;
+        options.stability = StabilityAnalysis::Off;
     }
     model
 }

@@ -128,12 +128,15 @@ pub struct Diagnostics {
     pub iterations: usize,
     /// What is left of the equations that were solved, relative to their scale.
     pub residual: f64,
+    /// Whether the equilibrium is stable: whether the robot comes back to it after a small disturbance. Taut cables
+    /// that are driven by their length hold it, those driven by their tension let go. `None` where that is not known:
+    /// [`Self::stability_absent`] says why.
+    pub stable: Option<bool>,
     /// Least eigenvalue of the tangent stiffness relative to the backbone's own stiffness: 1 for a
-    /// bare rod without load, 0 where it buckles, negative at an unstable equilibrium. Taut cables
-    /// that are driven by their length hold it, those driven by their tension let go. Where there is
-    /// none, [`Self::stability_absent`] says why.
+    /// bare rod without load, 0 where it buckles, negative at an unstable equilibrium. `None` where it was not asked
+    /// for, see [`crate::StabilityAnalysis`], or not known.
     pub stability: Option<f64>,
-    /// Why there is no stability value; `None` where there is one.
+    /// Why it is not known whether the equilibrium is stable; `None` where it is.
     pub stability_absent: Option<NoStability>,
     /// Estimated error of the stations' positions in m, from a solution with half the steps;
     /// `None` where the steps were prescribed.
@@ -146,22 +149,45 @@ pub struct Diagnostics {
     pub stability_lost_at: Option<f64>,
 }
 
+/// What is known of the stability of an equilibrium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Verdict {
+    pub is_stable: bool,
+    /// Where it was computed.
+    pub least_eigenvalue: Option<f64>,
+}
+
+impl Verdict {
+    /// An equilibrium that is stable and not near critical, whose least eigenvalue was not computed.
+    pub const STABLE: Self = Self { is_stable: true, least_eigenvalue: None };
+
+    pub fn of_eigenvalue(least: f64) -> Self {
+        Self { is_stable: least >= -Diagnostics::NEUTRAL, least_eigenvalue: Some(least) }
+    }
+}
+
 impl Diagnostics {
     /// Stability this close to zero is that of a neutral direction, as a buckled round rod has one
     /// around its axis.
     pub const NEUTRAL: f64 = 1e-6;
 
-    /// Whether the equilibrium is stable; `None` where that is not known, for the reason in
-    /// [`Self::stability_absent`].
-    #[must_use]
-    pub fn is_stable(&self) -> Option<bool> {
-        self.stability.map(|least| least >= -Self::NEUTRAL)
+    /// An equilibrium whose stability is less is almost unstable.
+    pub const NEAR_CRITICAL: f64 = 0.05;
+
+    /// With what is known of the stability.
+    pub(crate) fn with_stability(self, verdict: Result<Verdict, NoStability>) -> Self {
+        Self {
+            stable: verdict.ok().map(|verdict| verdict.is_stable),
+            stability: verdict.ok().and_then(|verdict| verdict.least_eigenvalue),
+            stability_absent: verdict.err(),
+            ..self
+        }
     }
 
     /// Whether the answer is an equilibrium that the robot leaves at the slightest disturbance.
     #[must_use]
     pub fn is_unstable(&self) -> bool {
-        self.is_stable() == Some(false)
+        self.stable == Some(false)
     }
 }
 

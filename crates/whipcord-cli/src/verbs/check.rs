@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
-use whipcord::{Actuation, Model, ModelKind, Solution, SolveError, Statics, Stations};
+use whipcord::{
+    Actuation, Model, ModelKind, Solution, SolveError, StabilityAnalysis, Statics, Stations,
+};
 use whipcord_io::{CaseFile, FileWarning, problems_json, warnings_json};
 
 use crate::deadline;
@@ -100,7 +102,9 @@ impl Checked {
     /// Solves the case with every model.
     fn new(file: CaseFile) -> Self {
         let model = |kind| {
-            Model::new(kind, Stations::Disks, Actuation::Natural).cancelled_by(&deadline::cancel())
+            Model::new(kind, Stations::Disks, Actuation::Natural)
+                .with_stability(StabilityAnalysis::Eigenvalue)
+                .cancelled_by(&deadline::cancel())
         };
         let answer = |kind| (kind, model(kind).solve(&file.robot, &file.case));
         let answers: Answers = ModelKind::ALL.into_iter().map(answer).collect();
@@ -116,7 +120,7 @@ impl Checked {
     fn json(&self) -> Value {
         let model = |(kind, answer): &(ModelKind, Result<Solution, SolveError>)| {
             let (status, stable, reason) = match answer {
-                Ok(solution) => ("converged", solution.diagnostics.is_stable(), None),
+                Ok(solution) => ("converged", solution.diagnostics.stable, None),
                 Err(error) if refuses(error) => ("refused", None, Some(error.to_string())),
                 Err(error) => ("failed", None, Some(error.to_string())),
             };

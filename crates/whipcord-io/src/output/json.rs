@@ -34,7 +34,7 @@ pub fn solution_json(
         // A model answers with a converged solution or with an error.
         "status": "converged",
         // Null where it is not known: diagnostics.stability_absent says why.
-        "stable": solution.diagnostics.is_stable(),
+        "stable": solution.diagnostics.stable,
         "shape": {
             "arc_length": numbers("shape.arc_length", &stations.arc_length)?,
             "position": position,

@@ -63,7 +63,7 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
         "title": title,
         "model": solution.model.name(),
         "status": "converged",
-        "stable": solution.diagnostics.is_stable(),
+        "stable": solution.diagnostics.stable,
         "place": {
             "arc_length": number(|| place("arc_length"), arc_length)?,
             "position": vector(|| place("position"), pose.position)?,

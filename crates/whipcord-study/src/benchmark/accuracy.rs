@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use whipcord::cosserat::{self, Accuracy};
-use whipcord::{Model, SolveError, Statics};
+use whipcord::{Model, SolveError, StabilityAnalysis, Statics};
 
 use super::Samples;
 use super::paper::Example;
@@ -38,7 +38,7 @@ pub fn step_errors(example: usize, examples: &[Example]) -> Result<Vec<StepError
     let model = |steps_per_section: usize| {
         Model::Cosserat(cosserat::Options {
             accuracy: Accuracy::Steps(steps_per_section * sections),
-            stability: false,
+            stability: StabilityAnalysis::Off,
             ..Default::default()
         })
     };

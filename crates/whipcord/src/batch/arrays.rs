@@ -127,10 +127,10 @@ pub struct Solved {
 }
 
 impl Solved {
-    /// Whether the equilibrium is stable; `None` where that is not known ([`Diagnostics::is_stable`]).
+    /// Whether the equilibrium is stable; `None` where that is not known ([`Diagnostics::stable`]).
     #[must_use]
     pub fn is_stable(&self) -> Option<bool> {
-        self.diagnostics.is_stable()
+        self.diagnostics.stable
     }
 
     /// Whether the answer is an equilibrium that the robot leaves at the slightest disturbance.

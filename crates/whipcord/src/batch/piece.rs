@@ -10,7 +10,7 @@ use crate::cosserat::UnloadedLanes;
 use crate::error::SolveError;
 use crate::model::{Model, Prepared};
 use crate::robot::limits;
-use crate::shape::{Diagnostics, NoStability, Solution};
+use crate::shape::{Diagnostics, NoStability, Solution, Verdict};
 
 /// Rows that one thread takes at a time in lanes, where one takes less than a microsecond, and row by
 /// row: few enough that no thread waits long for the last one. No number depends on the threads.
@@ -140,12 +140,13 @@ impl Batch<'_> {
                 lengths[cable] = length;
             }
             let diagnostics = Diagnostics {
-                stability: answer.stability,
-                stability_absent: answer.stability.is_none().then_some(NoStability::NotAsked),
                 discretization_error: answer.discretization_error,
                 steps: answer.steps,
                 ..Diagnostics::default()
-            };
+            }
+            .with_stability(
+                answer.stability.map(Verdict::of_eigenvalue).ok_or(NoStability::NotAsked),
+            );
             piece.outcomes[row] = Ok(Solved { diagnostics, tensions: true });
             solved[row] = true;
         });

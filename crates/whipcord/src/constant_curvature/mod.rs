@@ -214,6 +214,7 @@ impl ConstantCurvature {
             diagnostics: Diagnostics {
                 iterations: effort.iterations,
                 residual: effort.residual,
+                stable: None,
                 stability: None,
                 stability_absent: Some(NoStability::NoEnergy),
                 discretization_error: None,

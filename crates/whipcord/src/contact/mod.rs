@@ -10,10 +10,12 @@
 //! | `friction` | stick and slip of a contact |
 //! | `complementarity` | which contacts touch and which stick |
 //! | `step` | Newton's method on the conditions of contact |
+//! | `free_path` | robots that keep clear of all obstacles |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
 mod body;
 mod complementarity;
+mod free_path;
 mod friction;
 mod homotopy;
 mod model;
@@ -22,5 +24,6 @@ mod path;
 mod scene;
 mod step;
 
+pub(crate) use free_path::{Unobstructed, solve_free};
 pub(crate) use model::{Compliant, Push};
 pub(crate) use path::solve;

@@ -9,12 +9,12 @@ use whipcord_numerics::Vec3;
 use super::active_set_change;
 use super::chain::{Chain, Step, Task};
 use super::continuation::newton;
-use super::newton::Scales;
 use super::shooting::finish_chain;
 use super::state::{Direction, State};
 use super::statics::{Problem, Scratch};
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::Found;
+use crate::statics::scales::Scales;
 use crate::statics::trace::Stage;
 
 /// A point of the path and the way on from it.

@@ -289,7 +289,7 @@ impl Branches {
             return false;
         }
         let diagnostics = &solution.diagnostics;
-        let stable = diagnostics.stability.map(|_| !diagnostics.is_unstable()).or(stable);
+        let stable = diagnostics.stable.or(stable);
         self.equilibria.push(Equilibrium { branch, solution, stable });
         true
     }

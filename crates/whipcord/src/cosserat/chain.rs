@@ -10,7 +10,6 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::derivatives::StepGap;
 use super::loaded::{Target, Trajectory};
-use super::newton::Scales;
 use super::sensitivity::{Column, Sensitivity, Unknowns};
 use super::shared_unknowns::Shared;
 use super::state::{Direction, State};
@@ -22,6 +21,7 @@ use crate::statics::elimination::{Change, Elimination, Size};
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Open;
+use crate::statics::scales::Scales;
 use crate::statics::trace::Trace;
 
 /// The rod as a chain of steps, each with its own start.
@@ -232,7 +232,7 @@ impl Chain {
                 force: force - next.force,
             };
             let moment = change.moment.norm() / (scales.moment + next.moment.norm());
-            let force = change.force.norm() / (scales.tension + next.force.norm());
+            let force = change.force.norm() / (scales.force + next.force.norm());
             greatest = greatest.max(change.turn.norm()).max(moment).max(force);
             // A NaN must not pass for a closed gap.
             if !change.is_finite() {
@@ -285,7 +285,7 @@ impl Chain {
         let Self { state, gaps, columns, length_rows, step, elimination, shared, size, .. } = self;
         let steps = gaps.len();
         let unknowns = 3 + size.cut + size.shared;
-        elimination.start(*size, scales.moment, scales.tension);
+        elimination.start(*size, scales.moment, scales.force);
         for (k, gap) in gaps.iter().enumerate() {
             let gap = match by {
                 Step::Close | Step::Across(_) => gap.change,

@@ -1,16 +1,17 @@
 //! Contact of the rod with obstacles: its response to contact forces.
 
-use whipcord_numerics::{Pose, equally_spaced};
+use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
 use super::contact_response::{ContactResponse, Kept};
 use super::model::{Cosserat, Workspace};
 use crate::cancel::Cancel;
 use crate::case::{Case, PointLoad};
-use crate::contact::{self, Compliant, Push};
+use crate::contact::{self, Compliant, Push, Unobstructed};
 use crate::error::SolveError;
 use crate::robot::Robot;
-use crate::shape::{NoStability, Solution};
-use crate::statics::options::Options;
+use crate::shape::{NoStability, Shape, Solution};
+use crate::statics::grid::Grid;
+use crate::statics::options::{Options, StabilityAnalysis};
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
@@ -33,33 +34,59 @@ struct ContactAdapter<'a> {
 }
 
 impl Cosserat {
-    /// The shape among the obstacles of a case.
-    pub(super) fn solve_in_contact(
+    /// The shape among the obstacles of a case: without them where the robot keeps clear of them.
+    pub(super) fn solve_among_obstacles(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        case.check(&self.robot)?;
+        let watched = self.watched();
+        let initial_lengths = self.initial_lengths();
+        let mut free = FreeRod { model: self, workspace, watched, initial_lengths };
+        match contact::solve_free(&mut free, &self.robot, case, warm_start)? {
+            Some(solution) => Ok(solution),
+            None => self.solve_in_contact(case, warm_start),
+        }
+    }
+
+    /// The arc lengths at which the backbone is watched: those of the disks and some between.
+    fn watched(&self) -> Vec<f64> {
+        let length = self.robot.backbone().length;
+        let mut watched = self.robot.disks().arc_lengths.clone();
+        watched.extend(equally_spaced(0.0, length, WATCHED + 1));
+        sorted(&mut watched, 1e-3 * length / WATCHED as f64);
+        watched
+    }
+
+    /// Lengths of the cables before actuation in m.
+    fn initial_lengths(&self) -> Vec<f64> {
+        let mut initial_lengths = vec![0.0; self.layout.order.len()];
+        for (&cable, &initial) in self.layout.order.iter().zip(&self.layout.rest_lengths) {
+            initial_lengths[cable] = initial;
+        }
+        initial_lengths
+    }
+
+    fn solve_in_contact(
         &self,
         case: &Case,
         warm_start: Option<&Solution>,
     ) -> Result<Solution, SolveError> {
-        case.check(&self.robot)?;
         let length = self.robot.backbone().length;
-        let apart = 1e-3 * length / WATCHED as f64;
-        let mut watched = self.robot.disks().arc_lengths.clone();
-        watched.extend(equally_spaced(0.0, length, WATCHED + 1));
-        sorted(&mut watched, apart);
+        let watched = self.watched();
         let mut stations = watched.clone();
         stations.extend_from_slice(self.stations());
         stations.sort_by(f64::total_cmp);
         stations.dedup();
         let at_base = self.grids[0].shooting.at(0, 0, 0).0.section.bending_stiffness();
-        let mut initial_lengths = vec![0.0; self.layout.order.len()];
-        for (&cable, &initial) in self.layout.order.iter().zip(&self.layout.rest_lengths) {
-            initial_lengths[cable] = initial;
-        }
         let mut adapter = ContactAdapter {
             robot: &self.robot,
             options: &self.options,
             watched,
             stations,
-            initial_lengths,
+            initial_lengths: self.initial_lengths(),
             force_scale: at_base.column(0).x / (length * length),
             case: Case::default(),
             warm: None,
@@ -67,6 +94,53 @@ impl Cosserat {
             kept: Kept::default(),
         };
         contact::solve(&mut adapter, &self.robot, case, warm_start)
+    }
+}
+
+/// The rod without obstacles.
+struct FreeRod<'a> {
+    model: &'a Cosserat,
+    workspace: &'a mut Workspace,
+    watched: Vec<f64>,
+    initial_lengths: Vec<f64>,
+}
+
+impl FreeRod<'_> {
+    /// The centres of the watched cross-sections of the rod whose steps the workspace holds.
+    fn centres(&self, grid: &Grid, centres: &mut Vec<Vec3>) {
+        let end = self.model.robot.backbone().length;
+        let arc_length = grid.steps.iter().map(|step| step.start).chain([end]).collect();
+        let nodes = Shape { arc_length, poses: self.workspace.scratch.poses.clone() };
+        centres.clear();
+        centres.extend(self.watched.iter().map(|&s| nodes.at(s).position));
+    }
+}
+
+impl Unobstructed for FreeRod<'_> {
+    fn watched(&self) -> &[f64] {
+        &self.watched
+    }
+
+    fn initial_lengths(&self) -> &[f64] {
+        &self.initial_lengths
+    }
+
+    fn solve(
+        &mut self,
+        case: &Case,
+        from: Option<&Solution>,
+        centres: &mut Vec<Vec3>,
+    ) -> Result<Solution, SolveError> {
+        let solved = self.model.solve_keeping_grid(case, from, self.workspace);
+        let (solution, grid) = self.model.options.cancel.checked(solved)?;
+        self.centres(&grid, centres);
+        Ok(solution)
+    }
+
+    fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
+        self.model.solve_coarsely(case, self.workspace)?;
+        self.centres(&self.model.grids[0], centres);
+        Ok(())
     }
 }
 
@@ -192,7 +266,7 @@ impl Compliant for ContactAdapter<'_> {
         let shape = &mut solution.shape;
         let at = |&s: &f64| shape.poses[shape.arc_length.partition_point(|&there| there < s)];
         (shape.poses, shape.arc_length) = (asked.iter().map(at).collect(), asked);
-        if self.options.stability {
+        if self.options.stability != StabilityAnalysis::Off {
             solution.diagnostics.stability_absent = Some(NoStability::Touching);
         }
         Ok(solution)

@@ -10,7 +10,6 @@ use super::chain::{Chain, Task};
 use super::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench};
 use super::loaded::{Target, Trajectory};
 use super::model::{Cosserat, Workspace};
-use super::newton::Scales;
 use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
 use crate::case::Case;
@@ -22,10 +21,11 @@ use crate::statics::command::Command;
 use crate::statics::elimination::Change;
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
-use crate::statics::options::{Accuracy, Options};
+use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::Failure;
 use crate::statics::outcome::Found;
 use crate::statics::refinement::{Coarse, ERROR_RATIO};
+use crate::statics::scales::Scales;
 use crate::stations::Stations;
 
 /// No cross-section turns by more in one step, in rad.
@@ -428,7 +428,7 @@ impl ContactGrid {
         let options = Options {
             stations: Stations::At(places),
             accuracy: Accuracy::Steps(steps),
-            stability: false,
+            stability: StabilityAnalysis::Off,
             ..options.clone()
         };
         let model = Cosserat::new(robot, &case.loads, &options)?;

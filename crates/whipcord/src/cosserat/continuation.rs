@@ -3,8 +3,7 @@
 use super::chain::{Chain, Task};
 use super::shooting::finish_chain;
 use super::state::State;
-use super::statics::{Problem, Scratch};
-use super::strength::Strength;
+use super::statics::{Problem, Scratch, StabilityCheck};
 use super::without_load::start_without_load;
 use crate::section::Fault;
 use crate::section::SectionFault;
@@ -14,6 +13,7 @@ use crate::statics::continuation::{
 };
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::{Failure, Found, Open};
+use crate::statics::strength::Strength;
 use crate::statics::trace::Stage;
 
 /// Where the load could not be raised any more, or not without losing stability.
@@ -91,7 +91,7 @@ pub(super) fn raise_load_at_tensions(
 ) -> Option<Found> {
     start_without_load(problem, scratch).ok()?;
     let held: Vec<Command> = scratch.tensions.iter().map(|&t| Command::Tension(t)).collect();
-    let at_tensions = Problem { commands: &held, stability: false, ..*problem };
+    let at_tensions = Problem { commands: &held, stability: StabilityCheck::Off, ..*problem };
     let mut iterations = raise_load(&at_tensions, scratch, spent).ok()?.iterations;
     let lengths = scratch.lengths.clone();
     let mut here = scratch.chain.state.clone();
@@ -167,7 +167,7 @@ pub(super) fn newton(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(us
 fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     let Scratch { trajectory, applied, stability, chain, .. } = scratch;
     let State { tensions, load, .. } = &chain.state;
-    !problem.stability
+    problem.stability == StabilityCheck::Off
         || applied.any_follower()
         || problem.is_only(applied)
         || stability.is_stable(&problem.equilibrium(

@@ -323,6 +323,7 @@ mod tests {
     use super::*;
     use crate::cosserat::{Accuracy, Cosserat, Options, Workspace};
     use crate::statics::grid::Layout;
+    use crate::statics::options::StabilityAnalysis;
     use crate::{
         Actuation, Backbone, Cable, Case, Disks, Loads, Material, Robot, Routing, Section as Bar,
     };
@@ -386,7 +387,7 @@ mod tests {
         let options = Options {
             accuracy: Accuracy::Steps(12),
             actuation: Actuation::Tension,
-            stability: false,
+            stability: StabilityAnalysis::Off,
             residual: 1e-5,
             ..Options::default()
         };

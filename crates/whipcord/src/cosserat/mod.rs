@@ -17,7 +17,7 @@
 //! | `branches` | all equilibria that are connected to the unloaded shape |
 //! | `search` | equilibria from many base moments |
 //! | `stability` | stability under dead loads, eqs. (8) and (11) |
-//! | `refinement`, `strength` | halving of the steps to a tolerance, and the first grid by the strength of the load |
+//! | `refinement` | halving of the steps to a tolerance, and the check of stability |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 //! | `derivatives` | exact derivatives |
 //! | `lanes` | many unloaded rods at once |
@@ -45,7 +45,6 @@ mod shooting;
 mod stability;
 mod state;
 mod statics;
-mod strength;
 mod trace;
 mod unloaded;
 mod without_load;

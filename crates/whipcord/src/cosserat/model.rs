@@ -4,9 +4,10 @@ use std::sync::{Arc, OnceLock};
 use super::derivatives::{Derivatives, NoDerivatives, Solved};
 use super::lanes::{Setting, UnloadedLanes};
 use super::redundant_cables;
-use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, READY_GRIDS};
-use super::statics::{self, Scratch, Start};
-use super::strength::Strength;
+use super::refinement::{
+    COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, READY_GRIDS, Refined,
+};
+use super::statics::{self, Scratch, StabilityCheck, Start};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
 use crate::error::SolveError;
@@ -19,9 +20,10 @@ use crate::statics::command::Command;
 use crate::statics::grid::steps_for_twist;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::loads;
-use crate::statics::options::{Accuracy, Options};
+use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::refinement::Coarse;
+use crate::statics::strength::Strength;
 
 /// The Cosserat model of one robot: all that does not change from case to case.
 ///
@@ -139,6 +141,7 @@ impl Cosserat {
     /// driven by their tensions on a section whose stiffness is diagonal.
     pub(crate) fn unloaded_lanes(&self) -> Option<UnloadedLanes<'_>> {
         let &Options { accuracy, stability, actuation, .. } = &self.options;
+        let stability = stability != StabilityAnalysis::Off;
         if self.robot.cables().is_empty() || actuation == Actuation::Shortening {
             return None;
         }
@@ -163,7 +166,7 @@ impl Cosserat {
         let outcome = if case.obstacles.is_empty() {
             self.solve_keeping_grid(case, warm_start, workspace).map(|(solution, _)| solution)
         } else {
-            self.solve_in_contact(case, warm_start)
+            self.solve_among_obstacles(case, warm_start, workspace)
         };
         self.options.cancel.checked(outcome)
     }
@@ -218,7 +221,7 @@ impl Cosserat {
         }
     }
 
-    fn solve_keeping_grid(
+    pub(super) fn solve_keeping_grid(
         &self,
         case: &Case,
         warm_start: Option<&Solution>,
@@ -231,21 +234,25 @@ impl Cosserat {
         };
         match self.options.accuracy {
             Accuracy::Steps(_) => {
-                let allowance = Strength::default().allowance(&self.grids[0]);
-                workspace.scratch.trajectory.steps_left = allowance;
-                let found = self.solve_on(&self.grids[0], case, &start, FOLD_LEVEL, workspace)?;
                 let grid = &self.grids[0];
-                let solution = self.solution(grid, case, workspace, found, None)?;
-                Ok((solution, Cow::Borrowed(grid)))
+                self.solve_checked(case, workspace, |check, workspace| {
+                    let allowance = Strength::default().allowance(grid);
+                    workspace.scratch.trajectory.steps_left = allowance;
+                    let level = (FOLD_LEVEL, check);
+                    let found = self.solve_on(grid, case, &start, level, workspace)?;
+                    Ok(Refined { found, grid: Cow::Borrowed(grid), error: None })
+                })
             }
             Accuracy::Tolerance(tolerance) => {
                 workspace.scratch.stays_on_path = false;
-                let from = start.clone();
-                match self.solve_to(tolerance, case, start, workspace) {
+                let refine = |check, workspace: &mut Workspace| {
+                    self.halve_steps(tolerance, case, &start, check, workspace)
+                };
+                match self.solve_checked(case, workspace, refine) {
                     // Close above a critical load the shape on a branch hangs on rounding: that on the path does not.
                     Err(SolveError::StepsTooCoarse { .. }) if !case.loads.is_none() => {
                         workspace.scratch.stays_on_path = true;
-                        let on_path = self.solve_to(tolerance, case, from, workspace);
+                        let on_path = self.solve_checked(case, workspace, refine);
                         workspace.scratch.stays_on_path = false;
                         on_path
                     }
@@ -279,7 +286,10 @@ impl Cosserat {
             asked: commands,
             loads: &case.loads,
             base: case.base.rotation,
-            stability: self.options.stability,
+            stability: match self.options.stability {
+                StabilityAnalysis::Off => StabilityCheck::Off,
+                _ => StabilityCheck::EveryGrid,
+            },
             follow: true,
             bracket: true,
             redundant_cables: self.redundant_cables,
@@ -319,7 +329,7 @@ impl Cosserat {
         discretization_error: Option<f64>,
     ) -> Result<Solution, SolveError> {
         let problem = self.problem(grid, case, &workspace.commands);
-        let stability = statics::least_eigenvalue(&problem, &mut workspace.scratch)
+        let verdict = statics::stability(&problem, self.options.stability, &mut workspace.scratch)
             .map_err(|failure| self.explain(failure, &workspace.commands))?;
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| {
@@ -345,12 +355,12 @@ impl Cosserat {
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,
-                stability: stability.ok(),
-                stability_absent: stability.err(),
                 discretization_error,
                 steps: grid.len(),
                 stability_lost_at: found.lost_at,
-            },
+                ..Diagnostics::default()
+            }
+            .with_stability(verdict),
         })
     }
 

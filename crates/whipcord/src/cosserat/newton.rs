@@ -6,7 +6,7 @@ use super::loaded::Trajectory;
 use super::sensitivity::Sensitivity;
 use crate::shape::Wrench;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
-use crate::statics::grid::Grid;
+use crate::statics::scales::Scales;
 
 /// The unknowns and the linear system of eq. (7).
 #[derive(Clone, Debug, Default)]
@@ -30,30 +30,6 @@ pub(super) struct Point {
     pub tensions: Vec<f64>,
 }
 
-/// Scales that make the residuals of eq. (7) comparable.
-pub(super) struct Scales {
-    /// `K_bt/L` in N·m.
-    pub moment: f64,
-    pub tension: f64,
-    pub length: f64,
-}
-
-impl Scales {
-    /// Of a rod of this length on this grid.
-    pub fn of(grid: &Grid, length: f64) -> Self {
-        let (node, _) = grid.shooting.at(0, 0, 0);
-        let bending = node.section.stiffness.bending;
-        let stiffness = bending.x.min(bending.y).min(bending.z);
-        let moment = stiffness / length;
-        Self { moment, tension: moment / length, length }
-    }
-
-    /// Units of a cable's tension and of its slackness, in N and m.
-    pub fn of_cables(&self) -> [f64; 2] {
-        [self.tension, self.length]
-    }
-}
-
 impl Point {
     /// Whether the load bends the rod by more than about a radian.
     pub fn is_strong(&self, scales: &Scales) -> bool {
@@ -69,7 +45,7 @@ pub(super) fn residual(
     scales: &Scales,
 ) -> f64 {
     let moment = trajectory.excess.moment.norm() / (scales.moment + point.base_moment.norm());
-    let force = trajectory.excess.force.norm() / (scales.tension + point.follower_force.norm());
+    let force = trajectory.excess.force.norm() / (scales.force + point.follower_force.norm());
     let mut worst = moment.max(force);
     for (i, command) in commands.iter().enumerate() {
         let units = scales.of_cables();
@@ -106,7 +82,7 @@ impl Newton {
         // Unknowns at the base: the moment, and the followers' force where there is one.
         let base = if lengths_by.is_empty() { columns } else { columns - cables };
         let n = base + self.free.len();
-        let unit = |i: usize| if i < 3 { scales.moment } else { scales.tension };
+        let unit = |i: usize| if i < 3 { scales.moment } else { scales.force };
         self.matrix.clear();
         self.step.clear();
         for i in 0..base {
@@ -115,7 +91,7 @@ impl Newton {
                 self.matrix.push(component(&excess_by[j]) * unit(j) / unit(i));
             }
             for &j in &self.free {
-                self.matrix.push(component(&excess_by[base + j]) * scales.tension / unit(i));
+                self.matrix.push(component(&excess_by[base + j]) * scales.force / unit(i));
             }
             let mut right = -component(&trajectory.excess);
             for j in self.released(commands) {
@@ -132,7 +108,7 @@ impl Newton {
             for &j in &self.free {
                 let own =
                     if i == j { compliance - LENGTH_REGULARISATION * row[base + i] } else { 0.0 };
-                self.matrix.push((row[base + j] - own) * scales.tension / scales.length);
+                self.matrix.push((row[base + j] - own) * scales.force / scales.length);
             }
             let mut right = command_slack(commands, point, trajectory, i);
             for j in self.released(commands) {
@@ -186,9 +162,9 @@ impl Newton {
         let relative = |d: f64, of: f64, scale: f64| d.abs() / (scale + of);
         let moment = relative(change.base_moment.norm(), point.base_moment.norm(), scales.moment);
         let force =
-            relative(change.follower_force.norm(), point.follower_force.norm(), scales.tension);
+            relative(change.follower_force.norm(), point.follower_force.norm(), scales.force);
         let tensions = change.tensions.iter().zip(&point.tensions);
-        tensions.map(|(d, t)| relative(*d, *t, scales.tension)).fold(moment.max(force), f64::max)
+        tensions.map(|(d, t)| relative(*d, *t, scales.force)).fold(moment.max(force), f64::max)
     }
 
     /// Sets the trial point this fraction of the step ahead.

@@ -6,7 +6,6 @@
 //! a little first, and then as many of them as the others do without, those that pull least, are let go
 //! altogether. What is left of their lengths they must have in play.
 
-use super::newton::Scales;
 use super::statics::{Problem, Scratch, Start, solve_independent};
 use super::unloaded::Unloaded;
 use super::without_load::start_without_load;
@@ -15,6 +14,7 @@ use crate::statics::command::Command;
 use crate::statics::grid::Grid;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::rank::IndependentCables;
+use crate::statics::scales::Scales;
 
 /// A cable pulls independently of others when at least this part of its effect is its own: where the
 /// backbone stretches ever so little it does, and where it does not all that is left is rounding.
@@ -70,7 +70,7 @@ pub(super) fn solve(
         return solve_independent(problem, start, scratch);
     };
     let scales = Scales::of(problem.grid, problem.length);
-    let give = GIVES * problem.length / scales.tension;
+    let give = GIVES * problem.length / scales.force;
     let mut soft = problem.commands.to_vec();
     for &i in &touching {
         if let Command::Length { compliance, .. } = &mut soft[i] {

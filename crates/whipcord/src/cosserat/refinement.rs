@@ -4,15 +4,16 @@ use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use super::model::{Cosserat, Workspace};
-use super::statics::{self, Scratch, Start};
-use super::strength::{GAVE_UP, Strength};
+use super::statics::{self, Scratch, StabilityCheck, Start};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::Solution;
 use crate::statics::command::Command;
 use crate::statics::grid::Grid;
+use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::refinement::ERROR_RATIO;
+use crate::statics::strength::{GAVE_UP, Strength};
 
 /// Steps from base to tip on the grid that [`Accuracy::Tolerance`] starts with.
 pub(super) const COARSE_STEPS: usize = 8;
@@ -31,11 +32,20 @@ pub(super) const FOLD_LEVEL: usize = 5;
 pub(super) const MAX_REFINEMENTS: usize = 9;
 /// A rod without load is integrated with order 6, which leaves 1/64.
 pub(super) const UNLOADED_ERROR_RATIO: f64 = 31.0;
+/// Residual of a shape that is only looked at.
+const COARSE_RESIDUAL: f64 = 1e-6;
 /// Where lengths are given they do not change with the steps; the tensions do. The steps are those
 /// that suffice for the tensions found, so that the lengths of an answer return its tensions and not
 /// those of another grid. The positions may be off by this much more than the tolerance, where they
 /// hang more on the lengths than on the tensions.
 const LENGTHS_SLACK: f64 = 100.0;
+
+/// An answer that the workspace holds, its grid, and its estimated error in m where it was refined.
+pub(super) struct Refined<'a> {
+    pub found: Found,
+    pub grid: Cow<'a, Grid>,
+    pub error: Option<f64>,
+}
 
 impl Workspace {
     /// Keeps what the answer on a coarse grid is compared by.
@@ -69,16 +79,56 @@ impl Cosserat {
         })
     }
 
-    /// Halves the steps until the answer changes no more.
-    pub(super) fn solve_to(
+    /// An answer whose stability is checked once, at the end. Where it is not stable, or where an equilibrium that was
+    /// not checked led to none, it is looked for again with a check on each grid.
+    pub(super) fn solve_checked<'a>(
+        &'a self,
+        case: &Case,
+        workspace: &mut Workspace,
+        attempt: impl Fn(StabilityCheck, &mut Workspace) -> Result<Refined<'a>, SolveError>,
+    ) -> Result<(Solution, Cow<'a, Grid>), SolveError> {
+        let mut check = match self.options.stability {
+            StabilityAnalysis::Off => StabilityCheck::Off,
+            _ => StabilityCheck::AtAnswer,
+        };
+        loop {
+            workspace.scratch.unverified = false;
+            let refined = attempt(check, workspace);
+            let is_open = check == StabilityCheck::AtAnswer && workspace.scratch.unverified;
+            if !is_open || self.options.cancel.is_cancelled() {
+                let Refined { found, grid, error } = refined?;
+                let solution = self.solution(&grid, case, workspace, found, error)?;
+                return Ok((solution, grid));
+            }
+            if let Ok(Refined { found, grid, error }) = refined {
+                let solution = self.solution(&grid, case, workspace, found, error)?;
+                if !solution.diagnostics.is_unstable() && self.is_kept(&grid, case, workspace) {
+                    return Ok((solution, grid));
+                }
+            }
+            check = StabilityCheck::EveryGrid;
+        }
+    }
+
+    /// Whether the answer, which is not known to be unstable, is kept: under dead moments, whose verdict may be open, where
+    /// the symmetric part of the tangent has no negative direction.
+    fn is_kept(&self, grid: &Grid, case: &Case, workspace: &mut Workspace) -> bool {
+        let problem = self.problem(grid, case, &workspace.commands);
+        let scratch = &mut workspace.scratch;
+        !scratch.applied.any_dead_moment() || statics::is_stable(&problem, scratch)
+    }
+
+    /// The answer on the first grid on which it changes by no more than the tolerance, and its estimated error in m.
+    pub(super) fn halve_steps(
         &self,
         tolerance: f64,
         case: &Case,
-        mut start: Start,
+        start: &Start,
+        check: StabilityCheck,
         workspace: &mut Workspace,
-    ) -> Result<(Solution, Cow<'_, Grid>), SolveError> {
+    ) -> Result<Refined<'_>, SolveError> {
         let tolerance = tolerance * self.robot.backbone().length;
-        let cold = start.clone();
+        let (cold, mut start) = (start, start.clone());
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
         let strength = self.strength(case, workspace);
@@ -90,7 +140,7 @@ impl Cosserat {
                 return Err(SolveError::Cancelled { last_load: None });
             }
             let grid = self.grid(level)?;
-            let mut found = match self.solve_on(&grid, case, &start, level, workspace) {
+            let mut found = match self.solve_on(&grid, case, &start, (level, check), workspace) {
                 // Steps that are too coarse for a strong bend can keep Newton's method away, and near a
                 // buckling load one grid may lose the stability that a coarser one still had.
                 Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. })
@@ -127,8 +177,7 @@ impl Cosserat {
                     error = error.max(other);
                 }
                 if met {
-                    let solution = self.solution(&grid, case, workspace, found, Some(error))?;
-                    return Ok((solution, grid));
+                    return Ok(Refined { found, grid, error: Some(error) });
                 }
             }
             workspace.keep_coarse(&grid);
@@ -138,6 +187,27 @@ impl Cosserat {
             coarser = Some((found, grid));
         }
         Err(SolveError::StepsTooCoarse { error, tolerance, steps })
+    }
+
+    /// The equilibrium on the coarsest grid, to [`COARSE_RESIDUAL`] and whether it is stable or not: the workspace holds it.
+    pub(super) fn solve_coarsely(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<(), SolveError> {
+        self.accept(case, workspace)?;
+        let grid = &self.grids[0];
+        let allowance = self.strength(case, workspace).allowance(grid);
+        let problem = statics::Problem {
+            stability: StabilityCheck::Off,
+            follow: false,
+            bracket: false,
+            tolerance: COARSE_RESIDUAL,
+            ..self.problem(grid, case, &workspace.commands)
+        };
+        workspace.scratch.trajectory.steps_left = allowance;
+        let found = statics::solve(&problem, &Start::Cold, &mut workspace.scratch);
+        found.map(|_| ()).map_err(|failure| self.explain(failure, &workspace.commands))
     }
 
     /// How strong the loads of a case are.
@@ -164,7 +234,7 @@ impl Cosserat {
         workspace.tensions.extend(workspace.scratch.tensions.iter().map(|&t| Command::Tension(t)));
         let problem = statics::Problem {
             // What is stable at given lengths need not be so at given tensions.
-            stability: false,
+            stability: StabilityCheck::Off,
             ..self.problem(coarse, case, &workspace.tensions)
         };
         let start = workspace.scratch.as_start();
@@ -180,12 +250,13 @@ impl Cosserat {
         grid: &Grid,
         case: &Case,
         start: &Start,
-        level: usize,
+        (level, stability): (usize, StabilityCheck),
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
         let problem = statics::Problem {
             follow: level >= FOLLOW_LEVEL,
             bracket: level >= FOLD_LEVEL,
+            stability,
             ..self.problem(grid, case, &workspace.commands)
         };
         statics::solve(&problem, start, &mut workspace.scratch).map_err(|failure| {

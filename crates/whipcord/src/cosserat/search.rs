@@ -6,11 +6,11 @@
 use whipcord_numerics::Vec3;
 
 use super::guess::guess;
-use super::newton::Scales;
 use super::shooting::{finish, shoot};
-use super::statics::{Problem, Scratch, is_stable};
+use super::statics::{Problem, Scratch, StabilityCheck, is_stable};
 use super::without_load::start_without_load;
 use crate::statics::outcome::Found;
+use crate::statics::scales::Scales;
 
 const STARTS: u32 = 40;
 /// Radius of the ball, in units of K_bt/L: 8 rad of bending.
@@ -21,7 +21,7 @@ const SPREAD: [f64; 3] =
 
 /// A stable equilibrium under all of the load; the answer is left in `scratch`.
 pub(super) fn stable_equilibrium(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
-    if !problem.stability || scratch.applied.any_follower() {
+    if problem.stability == StabilityCheck::Off || scratch.applied.any_follower() {
         return None;
     }
     start_without_load(problem, scratch).ok()?;

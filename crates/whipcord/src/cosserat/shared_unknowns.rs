@@ -5,11 +5,11 @@ use whipcord_numerics::{DenseLu, Vec3};
 
 use super::chain::{Step, Task};
 use super::loaded::Trajectory;
-use super::newton::Scales;
 use super::state::{State, scaled, weight};
 use crate::statics::active_set::ActiveSetPrediction;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
 use crate::statics::elimination::Elimination;
+use crate::statics::scales::Scales;
 
 /// The small system of what all steps share.
 #[derive(Clone, Debug, Default)]
@@ -122,7 +122,7 @@ impl Shared {
                 self.theta[load + i] = -state.tensions[i];
             }
         }
-        let unit = |j: usize| if j < load { 1.0 } else { scales.tension };
+        let unit = |j: usize| if j < load { 1.0 } else { scales.force };
         let n = load + self.free.len();
         self.matrix.clear();
         self.right.clear();
@@ -131,7 +131,7 @@ impl Shared {
             let along = |j: usize| -> f64 {
                 let own = match (j < load, j + 1 < wide) {
                     (true, _) => direction.load,
-                    (_, true) => direction.tensions[j - load] / (scales.tension * scales.tension),
+                    (_, true) => direction.tensions[j - load] / (scales.force * scales.force),
                     _ => 0.0,
                 };
                 let nodes = direction.nodes.iter().enumerate();

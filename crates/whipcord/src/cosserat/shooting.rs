@@ -1,13 +1,14 @@
 //! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
 
 use super::loaded::{Target, Trajectory};
-use super::newton::{Point, Scales, residual};
+use super::newton::{Point, residual};
 use super::statics::{Problem, Scratch};
 use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::Found;
+use crate::statics::scales::Scales;
 
 const MAX_ITERATIONS: usize = 40;
 /// Steps smaller than this, relative to the scales, are made with the derivatives at hand.

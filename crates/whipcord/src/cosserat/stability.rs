@@ -36,13 +36,14 @@ use whipcord_numerics::{BoundedQuadratic, Mat3, Vec3, symmetric_eigenvalues};
 
 use super::loaded::SAMPLED_NODES;
 use super::sensitivity::work;
-use crate::shape::{Diagnostics, NoStability};
+use crate::shape::{Diagnostics, NoStability, Verdict};
 use crate::statics::command::Command;
 use crate::statics::eigenvalue::{
     FAR, INSENSITIVE, NEUTRAL, REGULARISATION, TOLERANCE, bisect, falling_zero, plausible,
 };
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
+use crate::statics::options::StabilityAnalysis;
 use crate::statics::quadratic_form::{
     Element, SLOPES, Sample, WEIGHTS, across, element, pivot, symmetric,
 };
@@ -96,7 +97,7 @@ impl Stability {
     /// Under dead moments it is that of the symmetric part of the tangent. It counts where the skew part
     /// cannot matter: where the equilibrium stays stable with `½|m||η|²` taken off, or where adding or taking
     /// off as much changes nothing, because the section that bears the moment cannot turn.
-    pub fn least_eigenvalue(&mut self, at: &Equilibrium<'_>) -> Result<f64, NoStability> {
+    fn least_eigenvalue(&mut self, at: &Equilibrium<'_>) -> Result<f64, NoStability> {
         self.assemble(at);
         self.lock(at);
         let least = self.least()?;
@@ -104,7 +105,7 @@ impl Stability {
             return Ok(least);
         }
         self.add_moments(at, -0.5);
-        if least > 0.0 && self.negative_directions(-Diagnostics::NEUTRAL) == 0 {
+        if least > 0.0 && !self.has_negative_direction(-Diagnostics::NEUTRAL) {
             return Ok(least);
         }
         let with_less = self.least()?;
@@ -117,9 +118,37 @@ impl Stability {
         }
     }
 
+    /// Whether the equilibrium is stable, or why that is not known. Its least eigenvalue is computed where it is asked
+    /// for, and where it decides.
+    pub fn verdict(
+        &mut self,
+        at: &Equilibrium<'_>,
+        analysis: StabilityAnalysis,
+    ) -> Result<Verdict, NoStability> {
+        if analysis == StabilityAnalysis::Verdict && self.is_clearly_stable(at) {
+            return Ok(Verdict::STABLE);
+        }
+        self.least_eigenvalue(at).map(Verdict::of_eigenvalue)
+    }
+
     /// Whether it is not negative.
     pub fn is_stable(&mut self, at: &Equilibrium<'_>) -> bool {
         self.unstable_directions(at) == 0
+    }
+
+    /// Whether it is no less than [`Diagnostics::NEAR_CRITICAL`], whatever the skew part of dead moments does.
+    fn is_clearly_stable(&mut self, at: &Equilibrium<'_>) -> bool {
+        const BOUND: f64 = Diagnostics::NEAR_CRITICAL;
+        self.assemble(at);
+        let has_moments = at.applied.any_dead_moment();
+        if !has_moments && !self.is_indefinite(BOUND) {
+            return true;
+        }
+        self.lock(at);
+        if has_moments {
+            self.add_moments(at, -0.5);
+        }
+        !self.has_negative_direction(BOUND)
     }
 
     /// The number of directions in which the robot leaves the equilibrium.
@@ -129,7 +158,8 @@ impl Stability {
             return 0;
         }
         self.lock(at);
-        self.negative_directions(-NEUTRAL)
+        let negative = self.negative_directions(-NEUTRAL);
+        if self.locked.is_empty() { negative.max(1) } else { negative }
     }
 
     /// The least eigenvalue with the cables that are locked.
@@ -264,7 +294,17 @@ impl Stability {
         self.locked.iter().map(of_cable).fold(0.0, f64::max)
     }
 
-    /// Whether `energy − shift · metric` has a negative direction.
+    /// Whether `energy − shift · metric` has a negative direction among the fields that the locked cables admit.
+    fn has_negative_direction(&mut self, shift: f64) -> bool {
+        if self.locked.is_empty() {
+            return self.is_indefinite(shift);
+        }
+        self.negative_directions(shift) > 0
+    }
+
+    /// Whether `energy − shift · metric` has a negative direction. From the clamped base no pivot is small where the robot
+    /// is stable: rounding matters less than in [`Self::negative_directions`], where the first pivots are those of a free
+    /// end.
     fn is_indefinite(&self, shift: f64) -> bool {
         self.left_at_tip(shift).is_none_or(|tip| tip.ldlt().is_none())
     }

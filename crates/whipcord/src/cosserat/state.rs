@@ -2,9 +2,9 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::newton::Scales;
 use crate::statics::elimination::Change;
 use crate::statics::grid::Grid;
+use crate::statics::scales::Scales;
 
 /// A point of the equilibrium path, or an estimate of one.
 #[derive(Clone, Debug, Default)]
@@ -80,7 +80,7 @@ impl Direction {
         let nodes = self.nodes.iter().zip(&other.nodes).enumerate();
         let sum: f64 = nodes.map(|(k, (a, b))| weight(grid, k) * scaled(a, b, scales)).sum();
         let tensions: f64 = self.tensions.iter().zip(&other.tensions).map(|(a, b)| a * b).sum();
-        sum + tensions / (scales.tension * scales.tension) + self.load * other.load
+        sum + tensions / (scales.force * scales.force) + self.load * other.load
     }
 
     /// Adds a multiple of another direction.
@@ -123,5 +123,5 @@ pub(super) fn weight(grid: &Grid, k: usize) -> f64 {
 pub(super) fn scaled(a: &Change, b: &Change, scales: &Scales) -> f64 {
     a.turn.dot(b.turn)
         + a.moment.dot(b.moment) / (scales.moment * scales.moment)
-        + a.force.dot(b.force) / (scales.tension * scales.tension)
+        + a.force.dot(b.force) / (scales.force * scales.force)
 }

@@ -18,7 +18,7 @@ use super::chain::{Chain, Task};
 use super::continuation::{Ended, newton, raise_load, raise_load_at_tensions, refine_chain};
 use super::guess::{Guess, guess};
 use super::loaded::Trajectory;
-use super::newton::{Newton, Point, Scales};
+use super::newton::{Newton, Point};
 use super::redundant_cables;
 use super::search;
 use super::shooting::{finish, finish_chain, sample, shoot};
@@ -28,14 +28,28 @@ use super::unloaded::Unloaded;
 use super::without_load::{set_tensions, start_without_load, without_load};
 use crate::cancel::Cancel;
 use crate::case::Loads;
-use crate::shape::{NoStability, Wrench};
+use crate::shape::{NoStability, Verdict, Wrench};
 use crate::statics::command::Command;
 use crate::statics::grid::Grid;
 use crate::statics::lengths::{self, Effort, LengthScratch};
 use crate::statics::loads::AppliedLoads;
+use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::quadratic_form::Sample;
+use crate::statics::scales::Scales;
 use crate::statics::trace::{Stage, Trace};
+
+/// When the stability of an equilibrium decides whether it is the answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum StabilityCheck {
+    /// Never.
+    Off,
+    /// Newton's method is trusted on each grid ([`Scratch::unverified`]), and the answer is checked once by who asks
+    /// for it.
+    AtAnswer,
+    /// On each grid.
+    EveryGrid,
+}
 
 /// What is to be solved.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +64,7 @@ pub(super) struct Problem<'a> {
     pub loads: &'a Loads,
     /// How the base is turned in the frame that loads may be given in.
     pub base: UnitQuaternion,
-    /// Whether a cold start may trust an equilibrium only when it is stable.
-    pub stability: bool,
+    pub stability: StabilityCheck,
     /// Whether the path is followed past the point where the load cannot be raised.
     pub follow: bool,
     /// Whether it is found out how far cables go that do not go as far as they should.
@@ -129,6 +142,8 @@ pub(super) struct Scratch {
     pub(super) sampled: bool,
     /// Whether the answer is stable, as far as that was asked for.
     pub(super) stable: bool,
+    /// Whether an equilibrium was accepted whose stability was not checked, see [`StabilityCheck::AtAnswer`].
+    pub(super) unverified: bool,
     /// Whether branches off the path are left alone.
     pub(super) stays_on_path: bool,
 }
@@ -192,7 +207,7 @@ pub(super) fn solve_independent(
     };
     if let Some(coarse) = chain
         && let Some(found) = refine_chain(problem, scratch, coarse)
-        && (!stable || is_stable(problem, scratch))
+        && (!stable || is_accepted(problem, scratch))
     {
         scratch.stable = *stable;
         return Ok(found);
@@ -207,7 +222,7 @@ pub(super) fn solve_independent(
     if let Ok(effort) = shoot(problem, scratch, 1.0) {
         let found = finish(problem, scratch, effort);
         scratch.stable = *stable;
-        if !stable || is_stable(problem, scratch) {
+        if !stable || is_accepted(problem, scratch) {
             return Ok(found);
         }
         near = Some(scratch.newton.point.clone());
@@ -288,7 +303,7 @@ fn from_no_load(
         match shoot(problem, scratch, 1.0) {
             Ok(effort) => {
                 let found = finish(problem, scratch, effort);
-                scratch.stable = is_stable(problem, scratch);
+                scratch.stable = is_accepted(problem, scratch);
                 if scratch.stable {
                     return Ok(found);
                 }
@@ -355,13 +370,25 @@ fn from_loose_cables(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Fou
     guess(problem, scratch, 1.0);
     let effort = shoot(problem, scratch, 1.0).ok()?;
     let found = finish(problem, scratch, effort);
-    scratch.stable = is_stable(problem, scratch);
+    scratch.stable = is_accepted(problem, scratch);
     Some(found)
+}
+
+/// Whether the equilibrium in `scratch` is the answer on this grid.
+fn is_accepted(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
+    if problem.stability == StabilityCheck::AtAnswer {
+        scratch.unverified = true;
+        return true;
+    }
+    is_stable(problem, scratch)
 }
 
 /// Whether the answer in `scratch` is stable, where that is asked for and defined.
 pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
-    if !problem.stability || scratch.applied.any_follower() || problem.is_only(&scratch.applied) {
+    if problem.stability == StabilityCheck::Off
+        || scratch.applied.any_follower()
+        || problem.is_only(&scratch.applied)
+    {
         return true;
     }
     let sampled = sample(problem, scratch).is_ok();
@@ -370,18 +397,21 @@ pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     sampled && stability.is_stable(&at)
 }
 
-/// Stability of the answer in `scratch`, see [`super::stability`], or why there is none.
-pub(super) fn least_eigenvalue(
+/// Stability of the answer in `scratch`, see [`super::stability`], or why it is not known.
+pub(super) fn stability(
     problem: &Problem<'_>,
+    analysis: StabilityAnalysis,
     scratch: &mut Scratch,
-) -> Result<Result<f64, NoStability>, Failure> {
-    if !problem.stability {
+) -> Result<Result<Verdict, NoStability>, Failure> {
+    if problem.stability == StabilityCheck::Off {
         return Ok(Err(NoStability::NotAsked));
     }
     if !scratch.applied.any() {
         let Scratch { unloaded, tensions, .. } = scratch;
         let least = unloaded.stability(problem.grid, tensions);
-        return least.map(Ok).map_err(|fault| Failure::of_section(fault, tensions, 0.0));
+        return least
+            .map(|least| Ok(Verdict::of_eigenvalue(least)))
+            .map_err(|fault| Failure::of_section(fault, tensions, 0.0));
     }
     if scratch.applied.any_follower() {
         return Ok(Err(NoStability::Followers));
@@ -389,5 +419,5 @@ pub(super) fn least_eigenvalue(
     sample(problem, scratch).map_err(|fault| Failure::of_section(fault, &scratch.tensions, 1.0))?;
     let Scratch { stability, trajectory, tensions, lengths, applied, .. } = scratch;
     let at = problem.equilibrium(&trajectory.samples, tensions, lengths, applied, 1.0);
-    Ok(stability.least_eigenvalue(&at))
+    Ok(stability.verdict(&at, analysis))
 }

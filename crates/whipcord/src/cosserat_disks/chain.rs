@@ -93,23 +93,6 @@ pub(super) struct Chain {
     held: LengthConstraints,
 }
 
-/// Scales of moment and force of a rod.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Scales {
-    pub moment: f64,
-    pub force: f64,
-}
-
-impl Scales {
-    pub fn of(frame: &Frame, mesh: &Mesh) -> Self {
-        let (node, _) = mesh.grid.shooting.at(0, 0, 0);
-        let bending = node.section.stiffness.bending;
-        let length = frame.rod.backbone().length;
-        let moment = bending.x.min(bending.y).min(bending.z) / length;
-        Self { moment, force: moment / length }
-    }
-}
-
 /// [`Chain::measure`] with the instructions that the processor has, to the same bits.
 struct Measure<'a> {
     chain: &'a mut Chain,
@@ -231,7 +214,7 @@ impl Chain {
     #[inline(always)]
     fn measure_with(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
         let Task { frame, mesh, loads, load, .. } = *task;
-        let scales = Scales::of(frame, mesh);
+        let scales = frame.scales(mesh);
         let count = frame.spans.len();
         self.gaps.resize(count, Gap::default());
         self.poses.resize(mesh.grid.len(), Pose::IDENTITY);
@@ -300,7 +283,7 @@ impl Chain {
     /// Eliminates the chain with these shared tensions, by group.
     fn eliminate(&mut self, task: &Task<'_>, shared: &[usize]) -> bool {
         let cut = if task.loads.any_follower_force() { 6 } else { 3 };
-        let scales = Scales::of(task.frame, task.mesh);
+        let scales = task.frame.scales(task.mesh);
         let size = Size { cut, shared: shared.len() };
         self.elimination.start(size, scales.moment, scales.force);
         let axes = [Vec3::X, Vec3::Y, Vec3::Z];

@@ -13,6 +13,7 @@ use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::passages::{Passage, passages};
+use crate::statics::scales::Scales;
 
 /// What lies between two neighbouring disks.
 #[derive(Clone, Debug)]
@@ -82,6 +83,11 @@ impl Frame {
         let spans: Vec<_> = grid.disks.windows(2).map(|pair| pair[0]..pair[1]).collect();
         let repeated_spans = repeated_spans::find(&self.spans, &grid, &spans);
         Ok(Mesh { grid, spans, repeated_spans })
+    }
+
+    /// Scales of the rod.
+    pub fn scales(&self, mesh: &Mesh) -> Scales {
+        Scales::of(&mesh.grid, self.rod.backbone().length)
     }
 
     /// The holes with their friction coefficients.

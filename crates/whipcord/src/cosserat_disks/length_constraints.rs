@@ -13,9 +13,10 @@
 
 use whipcord_numerics::DenseLu;
 
-use super::chain::{Scales, Task};
+use super::chain::Task;
 use crate::statics::active_set::ActiveSetPrediction;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
+use crate::statics::scales::Scales;
 
 /// The step of the tensions, and memory.
 #[derive(Clone, Debug, Default)]
@@ -66,7 +67,7 @@ impl LengthConstraints {
 
     /// Solves (8); `false` where it is singular.
     pub fn solve(&mut self, task: &Task<'_>, tensions: &[f64], lengths: &[f64]) -> bool {
-        let scales = Scales::of(task.frame, task.mesh);
+        let scales = task.frame.scales(task.mesh);
         let backbone = task.frame.rod.backbone().length;
         let Self { cables, lengths: by, change, taut, matrix, right, lu, prediction } = self;
         let wide = cables.len() + 1;

@@ -7,7 +7,7 @@
 
 use whipcord_numerics::Vec3;
 
-use super::chain::{Chain, Node, Scales, Task};
+use super::chain::{Chain, Node, Task};
 use super::statics::{Problem, Rod, Scratch, Start, copy_out};
 use super::{stability_check, unloaded};
 use crate::section::Fault;
@@ -16,6 +16,7 @@ use crate::shape::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::continuation::{FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS, SHORT_ITERATION};
 use crate::statics::lengths::Effort;
+use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found, Open};
 use crate::statics::trace::Stage;
 
@@ -67,7 +68,7 @@ pub(super) fn solve(
             let Scratch { chain, groups, tensions, applied, .. } = &mut *scratch;
             chain.pull(groups, tensions);
             chain.start_from(&raise.task(groups, applied, 1.0), disks, *base);
-            Some((false, *stable && problem.stability))
+            Some((false, *stable && problem.stability != StabilityAnalysis::Off))
         }
         _ => None,
     };
@@ -97,7 +98,7 @@ pub(super) fn solve(
     }
     let with = |found: Found| Found { lost_at, ..found };
     if unstable.is_some()
-        && problem.stability
+        && problem.stability != StabilityAnalysis::Off
         && let Some(effort) = raise.perturbed(scratch, &rest)
     {
         return Ok(with(finish(problem, scratch, effort)));
@@ -294,7 +295,7 @@ impl Raise<'_> {
         let Problem { frame, mesh, .. } = *self.problem;
         let kept = scratch.applied.clone();
         let spans = mesh.spans.len() as f64;
-        let total = Scales::of(frame, mesh).moment;
+        let total = frame.scales(mesh).moment;
         let disturb = |scratch: &mut Scratch, part: f64| {
             scratch.applied.clone_from(&kept);
             for (k, steps) in mesh.spans.iter().enumerate() {
@@ -329,7 +330,7 @@ impl Raise<'_> {
     /// Under all of the load from shapes bent every way: a stable equilibrium.
     fn afar(&self, scratch: &mut Scratch, tensions: &[f64]) -> Option<Effort> {
         let Problem { frame, mesh, .. } = *self.problem;
-        let unit = Scales::of(frame, mesh).moment;
+        let unit = frame.scales(mesh).moment;
         for size in FAR_BENDS {
             for way in 0..FAR_WAYS {
                 if self.problem.cancel.is_cancelled() {

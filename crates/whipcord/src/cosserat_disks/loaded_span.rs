@@ -2,12 +2,13 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::chain::{Node, Scales, Task};
+use super::chain::{Node, Task};
 use super::rod::{self, By, End, InSpan, Sample, Variation};
 use super::span::{self, Answer, Chord, Factors};
 use super::unloaded_span;
 use crate::section::BodyWrench;
 use crate::statics::elimination::Change;
+use crate::statics::scales::Scales;
 
 /// What is left of the equations of a span.
 #[derive(Clone, Copy, Debug, Default)]

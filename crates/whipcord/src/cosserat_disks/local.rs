@@ -16,7 +16,7 @@ use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::Solution;
 use crate::statics::hold::{HeldCables, Hold};
-use crate::statics::options::{Accuracy, Options};
+use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::stations::Stations;
 
 /// Share of what would bend the robot by about a radian that differences take at first: their error
@@ -54,7 +54,7 @@ pub(crate) fn solve_at(
     let near = Options {
         actuation: Actuation::Tension,
         accuracy: Accuracy::Steps(answer.diagnostics.steps),
-        stability: false,
+        stability: StabilityAnalysis::Off,
         ..options.clone()
     };
     let driven_by = driven_by(&case, options.actuation);

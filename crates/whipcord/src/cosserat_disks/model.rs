@@ -1,4 +1,5 @@
 use std::borrow::Cow;
+use std::sync::{Arc, OnceLock};
 
 use whipcord_numerics::Pose;
 
@@ -16,14 +17,17 @@ use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
 use crate::statics::command::Command;
 use crate::statics::grid::steps_for_twist;
 use crate::statics::loads;
-use crate::statics::options::{Accuracy, Options};
+use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::refinement::{Coarse, ERROR_RATIO};
+use crate::statics::strength::Strength;
 use crate::statics::trace::Trace;
 use crate::statics::trace::TraceEvent;
 
 /// Meshes that are made beforehand.
 const READY_MESHES: usize = 3;
+/// Finer ones that are kept once they were needed.
+const FINER_MESHES: usize = 3;
 /// How often the steps may be halved.
 const MAX_REFINEMENTS: usize = 8;
 /// A failure to converge is believed only with steps halved this often.
@@ -71,6 +75,8 @@ pub struct CosseratDisks {
     options: Options,
     /// The only mesh, or the first of a sequence in which the steps are halved.
     meshes: Vec<Mesh>,
+    /// The next of them, made when the first case needs them and shared by all copies of the model.
+    finer: Arc<[OnceLock<Mesh>; FINER_MESHES]>,
     /// For the stability of spans near their own buckling load.
     fine: Mesh,
     /// With so many steps stability is computed.
@@ -139,7 +145,8 @@ impl CosseratDisks {
             _ => frame.mesh(stability_steps.div_ceil(4), 2)?,
         };
         let (robot, options) = (robot.clone(), options.clone());
-        Ok(Self { robot, frame, holes, options, meshes, fine, stability_steps })
+        let finer = Arc::default();
+        Ok(Self { robot, frame, holes, options, meshes, finer, fine, stability_steps })
     }
 
     /// The robot this model was built for.
@@ -290,11 +297,8 @@ impl CosseratDisks {
         let (mut error, mut steps, mut iterations) = (f64::INFINITY, 0, 0);
         let mut lost_at = None;
         let mut coarser = false;
-        for level in 0..=MAX_REFINEMENTS {
-            let mesh = match self.meshes.get(level) {
-                Some(mesh) => Cow::Borrowed(mesh),
-                None => Cow::Owned(self.frame.mesh(1, level)?),
-            };
+        for level in self.first_level(cases, workspace)..=MAX_REFINEMENTS {
+            let mesh = self.mesh(level)?;
             let found = match self.solve_on(level, &mesh, cases, &start, workspace) {
                 // Steps that are too coarse for a strong bend can keep Newton's method away.
                 Err(
@@ -309,7 +313,10 @@ impl CosseratDisks {
             };
             iterations += found.iterations;
             // A stable branch may not be there on coarse steps, or in another place.
-            if workspace.scratch.unstable && self.options.stability && level < LEAVE_LEVEL {
+            if workspace.scratch.unstable
+                && self.options.stability != StabilityAnalysis::Off
+                && level < LEAVE_LEVEL
+            {
                 continue;
             }
             lost_at = lost_at.or(found.lost_at);
@@ -325,6 +332,35 @@ impl CosseratDisks {
             (steps, coarser) = (mesh.grid.len(), true);
         }
         Err(SolveError::StepsTooCoarse { error, tolerance, steps })
+    }
+
+    /// The mesh whose steps are halved so often.
+    fn mesh(&self, level: usize) -> Result<Cow<'_, Mesh>, SolveError> {
+        if let Some(mesh) = self.meshes.get(level) {
+            return Ok(Cow::Borrowed(mesh));
+        }
+        let slot = level.checked_sub(READY_MESHES).and_then(|place| self.finer.get(place));
+        if let Some(mesh) = slot.and_then(OnceLock::get) {
+            return Ok(Cow::Borrowed(mesh));
+        }
+        let mesh = self.frame.mesh(1, level)?;
+        Ok(match slot {
+            Some(slot) => Cow::Borrowed(slot.get_or_init(|| mesh)),
+            None => Cow::Owned(mesh),
+        })
+    }
+
+    /// How often the steps of the first mesh are halved before anything is tried: until they see the layer in which
+    /// the greatest force of the cases bends the rod.
+    fn first_level(&self, cases: &[Case], workspace: &mut Workspace) -> usize {
+        let grid = &self.meshes[0].grid;
+        let applied = &mut workspace.scratch.applied;
+        let mut of_case = |case: &Case| {
+            applied.gather(grid, &case.loads, case.base.rotation);
+            Strength::of(applied, grid, self.robot.backbone().length).first_level()
+        };
+        let first = cases.iter().filter(|case| !case.loads.is_none()).map(&mut of_case).max();
+        first.map_or(0, |level| level.min(GIVE_UP_LEVEL))
     }
 
     /// The answer to the last step on one mesh. What holes remember depends on the mesh: the whole way
@@ -400,9 +436,9 @@ impl CosseratDisks {
     ) -> Solution {
         let case = cases.last();
         let base = case.map_or(Pose::IDENTITY, |case| case.base);
-        let stability = case.map_or(Err(NoStability::NotAsked), |case| {
+        let verdict = case.map_or(Err(NoStability::NotAsked), |case| {
             let problem = self.problem(mesh, &workspace.commands, case);
-            stability_check::least_eigenvalue(&problem, &mut workspace.scratch)
+            stability_check::stability(&problem, &mut workspace.scratch)
         });
         let scratch = &workspace.scratch;
         let shape = |arc_lengths: &[f64], places: &[usize]| {
@@ -429,12 +465,12 @@ impl CosseratDisks {
             diagnostics: Diagnostics {
                 iterations: found.iterations,
                 residual: found.residual,
-                stability: stability.ok(),
-                stability_absent: stability.err(),
                 discretization_error,
                 steps: mesh.grid.len(),
                 stability_lost_at: found.lost_at,
-            },
+                ..Diagnostics::default()
+            }
+            .with_stability(verdict),
         }
     }
 

@@ -182,6 +182,13 @@ impl Stability {
         Some(self.negative_directions(&at.mesh.spans, bound) == 0)
     }
 
+    /// Whether no eigenvalue is less than [`Diagnostics::NEAR_CRITICAL`], whatever the skew part of dead moments does.
+    pub fn is_clearly_stable(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<bool> {
+        self.assemble(at, locked)?;
+        self.add_moments(at, -0.5);
+        Some(self.negative_directions(&at.mesh.spans, Diagnostics::NEAR_CRITICAL) == 0)
+    }
+
     /// Adds `f |m||η|²` across the dead moments `m` to the energy.
     fn add_moments(&mut self, at: &Equilibrium<'_>, f: f64) {
         let Some((applied, disks)) = at.moments else { return };

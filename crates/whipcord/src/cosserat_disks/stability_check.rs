@@ -2,28 +2,29 @@
 
 use whipcord_numerics::Pose;
 
-use super::chain::Scales;
 use super::friction::{self, Holes};
 use super::layout::Mesh;
 use super::rod::{self, InSpan};
 use super::span::Chord;
-use super::stability::{Equilibrium, Locked};
+use super::stability::{Equilibrium, Locked, Stability};
 use super::statics::{Problem, Scratch};
 use crate::section::BodyWrench;
-use crate::shape::{Diagnostics, NoStability, SlipState};
+use crate::shape::{Diagnostics, NoStability, SlipState, Verdict};
 use crate::statics::command::Command;
+use crate::statics::options::StabilityAnalysis;
 use crate::statics::self_stress::is_idle;
 
 /// A hole that is so near to letting the cable slide, of its grip, counts as sliding.
 const SLIPS: f64 = 1e-6;
 
-/// Stability of the answer in `scratch`, which is on the mesh of the problem, or why there is none: loads that
-/// follow the body have no energy, and a cable that slides in a hole has no potential.
-pub(super) fn least_eigenvalue(
+/// Stability of the answer in `scratch`, which is on the mesh of the problem, or why it is not known: loads that
+/// follow the body have no energy, and a cable that slides in a hole has no potential. The least eigenvalue is computed
+/// where it is asked for, and where it decides.
+pub(super) fn stability(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
-) -> Result<f64, NoStability> {
-    if !problem.stability {
+) -> Result<Verdict, NoStability> {
+    if problem.stability == StabilityAnalysis::Off {
         return Err(NoStability::NotAsked);
     }
     if scratch.applied.any_follower() {
@@ -40,22 +41,39 @@ pub(super) fn least_eigenvalue(
     });
     let locked = locked(problem, scratch, &turned).ok_or(NoStability::Sliding)?;
     let mesh = problem.sampled.mesh(|k| compressed(scratch, loaded, k));
-    let value = verdict_on(problem, mesh, locked.clone(), loaded, scratch);
+    if problem.stability == StabilityAnalysis::Verdict {
+        let is_stable = match loaded {
+            true => on_mesh(problem, mesh, loaded, scratch, |stability, at| {
+                stability.is_clearly_stable(at, locked.clone())
+            }),
+            false => is_above_without_load(problem, Diagnostics::NEAR_CRITICAL, scratch),
+        };
+        if is_stable == Some(true) {
+            return Ok(Verdict::STABLE);
+        }
+    }
+    let value = on_mesh(problem, mesh, loaded, scratch, |stability, at| {
+        stability.least_eigenvalue(at, locked.clone())
+    });
     if value.is_ok_and(|value| value.abs() < NEARLY)
         && let Ok(finest) = problem.frame.mesh(mesh.spans.len(), FINEST)
     {
-        return verdict_on(problem, &finest, locked, loaded, scratch);
+        let value = on_mesh(problem, &finest, loaded, scratch, |stability, at| {
+            stability.least_eigenvalue(at, locked)
+        });
+        return value.map(Verdict::of_eigenvalue);
     }
-    value
+    value.map(Verdict::of_eigenvalue)
 }
 
-fn verdict_on(
+/// What is asked of the answer sampled on a mesh.
+fn on_mesh<T>(
     problem: &Problem<'_>,
     mesh: &Mesh,
-    locked: Locked,
     loaded: bool,
     scratch: &mut Scratch,
-) -> Result<f64, NoStability> {
+    ask: impl FnOnce(&mut Stability, &Equilibrium<'_>) -> T,
+) -> T {
     sample(problem, mesh, 1.0, loaded, scratch);
     let scale = compliance_scale(problem);
     let turned: Vec<_> = scratch.chain.nodes.iter().map(|node| node.rotation).collect();
@@ -63,8 +81,7 @@ fn verdict_on(
     let Scratch { stability, samples, pulled, applied_to_sample: applied, .. } = scratch;
     let moments = (loaded && applied.any_dead_moment()).then_some((&*applied, &turned[..]));
     let (frame, tensions) = (problem.frame, &pulled[..]);
-    let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments };
-    stability.least_eigenvalue(&at, locked)
+    ask(stability, &Equilibrium { frame, mesh, samples, chords, tensions, scale, moments })
 }
 
 /// Whether the equilibrium is stable that the chain holds under this part of its dead loads and without
@@ -296,6 +313,6 @@ pub(super) fn compliance_scale(problem: &Problem<'_>) -> f64 {
         .flat_map(|span| &span.passages)
         .map(|passage| passage.near.norm())
         .fold(1e-3 * length, f64::max);
-    let force = Scales::of(problem.frame, problem.mesh).force;
+    let force = problem.frame.scales(problem.mesh).force;
     lever * lever / (force * length)
 }

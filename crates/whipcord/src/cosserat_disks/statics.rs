@@ -19,6 +19,7 @@ use crate::statics::command::Command;
 use crate::statics::continuation::PATH_ENDS;
 use crate::statics::lengths::{self, Effort, Given, LengthScratch, Note, TensionResponse};
 use crate::statics::loads::AppliedLoads;
+use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::trace::Stage;
 
@@ -37,8 +38,8 @@ pub(super) struct Problem<'a> {
     pub case: &'a Case,
     /// Where stability is computed.
     pub sampled: Sampled<'a>,
-    /// Whether it is asked for.
-    pub stability: bool,
+    /// What is asked of it.
+    pub stability: StabilityAnalysis,
 }
 
 impl Problem<'_> {
@@ -138,7 +139,7 @@ pub(super) fn solve(
     let mut tensions = rod.scratch.tensions.clone();
     let effort = rod.converge(&mut tensions)?;
     let found = rod.finish(tensions, Found::with(effort));
-    if matches!(start, Start::Coarser) || !problem.stability {
+    if matches!(start, Start::Coarser) || problem.stability == StabilityAnalysis::Off {
         return Ok(found);
     }
     Ok(Found { lost_at: load_continuation::tensions_lost_at(problem, scratch), ..found })

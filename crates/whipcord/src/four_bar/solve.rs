@@ -332,6 +332,7 @@ impl FourBar {
             diagnostics: Diagnostics {
                 iterations: tally.iterations,
                 residual: tally.residual / self.robot.backbone().length,
+                stable: None,
                 stability: None,
                 stability_absent: Some(NoStability::NoEnergy),
                 discretization_error: None,

@@ -22,9 +22,10 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
 use crate::robot::Robot;
-use crate::shape::{Diagnostics, NoStability, Shape, Solution};
+use crate::shape::{Diagnostics, NoStability, Shape, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::lengths::{self, Given, LengthScratch};
+use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::Failure;
 use crate::stations::Stations;
 
@@ -41,8 +42,8 @@ pub struct Options {
     pub stations: Stations,
     /// Which command of each cable counts; by nature the tension.
     pub actuation: Actuation,
-    /// Whether the stability of the answer is computed.
-    pub stability: bool,
+    /// What is computed of the stability of the answer.
+    pub stability: StabilityAnalysis,
     /// Residual at which equilibrium counts as met, relative to EI/L and the moments in play.
     pub residual: f64,
     /// Ends a solve from outside.
@@ -54,7 +55,7 @@ impl Default for Options {
         Self {
             stations: Stations::default(),
             actuation: Actuation::default(),
-            stability: true,
+            stability: StabilityAnalysis::default(),
             residual: 1e-11,
             cancel: Cancel::default(),
         }
@@ -219,7 +220,7 @@ impl Linkage {
     }
 
     fn solution(&self, case: &Case, effort: Effort, workspace: &mut Workspace) -> Solution {
-        let stability = self.stability(case, workspace);
+        let verdict = self.stability(case, workspace);
         let Workspace { scratch, commands, tensions, .. } = &*workspace;
         let chain = &scratch.chain;
         let at = &self.robot.disks().arc_lengths;
@@ -257,18 +258,18 @@ impl Linkage {
             diagnostics: Diagnostics {
                 iterations: effort.iterations,
                 residual: effort.residual,
-                stability: stability.ok(),
-                stability_absent: stability.err(),
                 discretization_error: None,
                 steps: self.sections.len(),
                 stability_lost_at: effort.lost_at,
-            },
+                ..Diagnostics::default()
+            }
+            .with_stability(verdict),
         }
     }
 
-    /// The least eigenvalue of the tangent, or why there is none.
-    fn stability(&self, case: &Case, workspace: &mut Workspace) -> Result<f64, NoStability> {
-        if !self.options.stability {
+    /// Stability by the least eigenvalue of the tangent, or why it is not known.
+    fn stability(&self, case: &Case, workspace: &mut Workspace) -> Result<Verdict, NoStability> {
+        if self.options.stability == StabilityAnalysis::Off {
             return Err(NoStability::NotAsked);
         }
         if case.loads.has_follower() {
@@ -284,6 +285,7 @@ impl Linkage {
             }
         }
         let task = self.task(loads, tensions);
-        scratch.least_eigenvalue(&task, held).ok_or(NoStability::Undetermined)
+        let least = scratch.least_eigenvalue(&task, held).ok_or(NoStability::Undetermined)?;
+        Ok(Verdict::of_eigenvalue(least))
     }
 }

@@ -13,6 +13,7 @@ use crate::kind::ModelKind;
 use crate::linkage::division::{Division, Joint};
 use crate::linkage::{self, Linkage};
 use crate::robot::Robot;
+use crate::statics::options::StabilityAnalysis;
 use crate::stations::Stations;
 
 pub use crate::linkage::Workspace;
@@ -24,8 +25,8 @@ pub struct Options {
     pub stations: Stations,
     /// Which command of each cable counts; by nature the tension.
     pub actuation: Actuation,
-    /// Whether the stability of the answer is computed.
-    pub stability: bool,
+    /// What is computed of the stability of the answer.
+    pub stability: StabilityAnalysis,
     /// Residual at which equilibrium counts as met, relative to EI/L and the moments in play.
     pub residual: f64,
     /// Lengths of the bodies and stiffness of the joints.

@@ -10,7 +10,8 @@
 //! | `active_set` | which cables are taut at the end of a Newton step, eq. (13) |
 //! | `self_stress` | which cables at their lengths without tension constrain the rod |
 //! | `grid`, `refinement` | integration steps, and the error that they leave |
-//! | `loads` | loads at the nodes of a grid |
+//! | `loads`, `strength` | loads at the nodes of a grid, and how strong they are for the rod |
+//! | `scales` | units of residuals |
 //! | `elimination` | the linear system of multiple shooting, eq. (10) |
 //! | `continuation` | step sizes of load continuation |
 //! | `quadratic_form`, `eigenvalue` | the second variation of the energy, and its least eigenvalue |
@@ -35,7 +36,9 @@ pub(crate) mod passages;
 pub(crate) mod quadratic_form;
 pub(crate) mod rank;
 pub(crate) mod refinement;
+pub(crate) mod scales;
 pub(crate) mod self_stress;
+pub(crate) mod strength;
 pub(crate) mod trace;
 
 use crate::case::Case;

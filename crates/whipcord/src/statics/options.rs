@@ -14,10 +14,10 @@ pub struct Options {
     /// How finely it integrates. Where cables run straight between the disks, these are the model:
     /// they stay as many as the robot has, and only the spans between them are divided.
     pub accuracy: Accuracy,
-    /// Whether the stability of the answer is computed. It also decides which equilibrium under load is
+    /// What is computed of the stability of the answer. It also decides which equilibrium under load is
     /// the answer: with it a solve from cold goes on from an unstable one to a stable one where there is
     /// any; without it the first that is found is kept.
-    pub stability: bool,
+    pub stability: StabilityAnalysis,
     /// Residual at which equilibrium under load counts as met, relative to the scales of moment (EI/L,
     /// and what acts there), force (EI/L²), turn (1 rad) and length. It is about the relative error of
     /// the shape that the iteration leaves.
@@ -32,11 +32,24 @@ impl Default for Options {
             stations: Stations::default(),
             actuation: Actuation::default(),
             accuracy: Accuracy::default(),
-            stability: true,
+            stability: StabilityAnalysis::default(),
             residual: 2e-11,
             cancel: Cancel::default(),
         }
     }
+}
+
+/// What is computed of the stability of an answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StabilityAnalysis {
+    /// Nothing.
+    Off,
+    /// Whether it is stable; the eigenvalue where it is not, or nearly not ([`crate::Diagnostics::NEAR_CRITICAL`]).
+    #[default]
+    Verdict,
+    /// The least eigenvalue of the tangent stiffness too, [`crate::Diagnostics::stability`], which takes several times
+    /// as long.
+    Eigenvalue,
 }
 
 /// How finely the rod is integrated.

@@ -1,5 +1,7 @@
 //! The kinds of warnings and their limits.
 
+use crate::shape::Diagnostics;
+
 /// Shortest and longest backbone in m without a warning.
 pub const USUAL_LENGTHS: [f64; 2] = [1e-3, 10.0];
 /// Largest ratio of thickness to length of a slender rod.
@@ -9,7 +11,7 @@ pub const SOFT: f64 = 10e6;
 /// Largest change of the shape with half the spacing of the disks, relative to the length, without a warning.
 pub const SPACING: f64 = 0.01;
 /// Stability below which an answer is nearly critical; that of the unloaded backbone is 1.
-pub const NEAR_CRITICAL: f64 = 0.05;
+pub const NEAR_CRITICAL: f64 = Diagnostics::NEAR_CRITICAL;
 /// Largest surface strain without a warning if the file gives no `yield_strain`.
 pub const LARGE_STRAIN: f64 = 0.1;
 

@@ -199,6 +199,7 @@ fn what_warnings_about_answers_say() {
 /// An answer that is unstable: whether there is one to a case is a matter of the models.
 fn unstable(file: &CaseFile) -> Vec<FileWarning> {
     let mut answer = solve(file, ModelKind::Cosserat);
+    answer.diagnostics.stable = Some(false);
     answer.diagnostics.stability = Some(-0.5);
     answer.diagnostics.stability_lost_at = Some(2.0 / 3.0);
     file.answer_warnings([(None, &answer)])

@@ -11,8 +11,8 @@ use whipcord::batch::{
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
     Actuation, Backbone, Cable, CableCommand, Case, Disks, Loads, Material, Model, ModelKind,
-    PointLoad, Pose, Robot, Routing, Section, Shortening, Solution, SolveError, Statics, Stations,
-    UnitQuaternion, Vec3,
+    PointLoad, Pose, Robot, Routing, Section, Shortening, Solution, SolveError, StabilityAnalysis,
+    Statics, Stations, UnitQuaternion, Vec3,
 };
 
 /// The paper's rod; the first cable is that of its case III, the others turn about it.
@@ -57,7 +57,11 @@ fn cosserat(options: Options) -> Model {
 }
 
 fn quick() -> Options {
-    Options { accuracy: Accuracy::Steps(12), stability: false, ..Options::default() }
+    Options {
+        accuracy: Accuracy::Steps(12),
+        stability: StabilityAnalysis::Off,
+        ..Options::default()
+    }
 }
 
 fn same_as(batch: &Batch, row: usize, expected: &Result<Solution, SolveError>) {
@@ -82,8 +86,11 @@ fn same_as(batch: &Batch, row: usize, expected: &Result<Solution, SolveError>) {
 /// Rows that fail among others, with the numbers of the single solve, bit for bit.
 #[test]
 fn rows_are_single_solves_in_the_order_given() {
-    for options in [quick(), Options { stability: false, ..Options::default() }, Options::default()]
-    {
+    for options in [
+        quick(),
+        Options { stability: StabilityAnalysis::Off, ..Options::default() },
+        Options::default(),
+    ] {
         let model = cosserat(options);
         for cables in [1, 3, 6] {
             let robot = robot(cables);
@@ -201,7 +208,15 @@ fn lanes_answer_as_single_solves_do_for_many_robots() {
             Accuracy::Tolerance(1e-6),
             Accuracy::default(),
         ][i % 4];
-        let model = cosserat(Options { accuracy, stability: i % 3 != 0, ..Options::default() });
+        let model = cosserat(Options {
+            accuracy,
+            stability: [
+                StabilityAnalysis::Off,
+                StabilityAnalysis::Verdict,
+                StabilityAnalysis::Eigenvalue,
+            ][i % 3],
+            ..Options::default()
+        });
         let by_row = BatchOptions { no_lanes: true, ..threads(1) };
         let slow = solve_batch(&model, &robot, rows, &by_row).unwrap();
         for width in WIDTHS {

@@ -9,9 +9,9 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use whipcord::{
-    Along, Backbone, Cable, Case, Disks, DistributedLoad, Loads, Model, ModelKind, NoStability,
-    PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution, Statics as _,
-    Stiffness, Vec3,
+    Along, Backbone, Cable, Case, Diagnostics, Disks, DistributedLoad, Loads, Model, ModelKind,
+    NoStability, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution,
+    StabilityAnalysis, Statics as _, Stiffness, Vec3,
 };
 
 use crate::common;
@@ -296,9 +296,24 @@ fn locked() -> Vec<Critical> {
     cases
 }
 
+/// With the eigenvalue; the verdict without it is the same.
 fn solve(kind: ModelKind, robot: &Robot, case: &Case) -> Result<Solution, String> {
-    let model = Model::new(kind, Default::default(), Default::default());
-    model.solve(robot, case).map_err(|error| error.to_string())
+    let by = |analysis| {
+        let model = Model::new(kind, Default::default(), Default::default());
+        model.with_stability(analysis).solve(robot, case).map_err(|error| error.to_string())
+    };
+    let [verdict, answer] = [StabilityAnalysis::Verdict, StabilityAnalysis::Eigenvalue].map(by);
+    let of = |solved: &Result<Solution, String>| {
+        let diagnostics = solved.as_ref().ok().map(|solution| solution.diagnostics.clone());
+        diagnostics.map(|found| (found.stable, found.stability_absent, found.stability_lost_at))
+    };
+    assert_eq!(of(&verdict), of(&answer), "{kind}");
+    if let (Ok(quick), Ok(full)) = (&verdict, &answer) {
+        let [quick, full] = [quick, full].map(|solution| solution.diagnostics.stability);
+        let is_clear = full.is_none_or(|least| least >= Diagnostics::NEAR_CRITICAL);
+        assert!(quick == full || quick.is_none() && is_clear, "{kind}: {quick:?}, {full:?}");
+    }
+    answer
 }
 
 /// What the answer says of the shape that the load leads to: whether it is stable, and at which fraction of
@@ -319,7 +334,7 @@ fn says(kind: ModelKind, robot: &Robot, case: &Case) -> Says {
         Err(error) => return Says::Nothing(error),
     };
     let diagnostics = &solution.diagnostics;
-    match (diagnostics.is_stable(), diagnostics.stability_lost_at) {
+    match (diagnostics.stable, diagnostics.stability_lost_at) {
         (Some(true), None) => Says::Stable,
         (Some(true), Some(load)) => Says::Left(load),
         (Some(false), load) => Says::Unstable(load),
@@ -463,7 +478,7 @@ fn stability_is_lost_where_it_is_said_to_be() {
                 let (Ok(below), Ok(above)) = (at(0.99 * load), at(1.01 * load)) else { continue };
                 let (below, above) = (below.diagnostics, above.diagnostics);
                 lost += 1;
-                assert_eq!(below.is_stable(), Some(true), "{label}: below {load}: {below:?}");
+                assert_eq!(below.stable, Some(true), "{label}: below {load}: {below:?}");
                 assert_eq!(below.stability_lost_at, None, "{label}: below {load}");
                 let beyond = above.stability_lost_at;
                 assert!(

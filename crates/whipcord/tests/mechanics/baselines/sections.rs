@@ -5,8 +5,8 @@ use whipcord::cosserat::Accuracy;
 use whipcord::pseudo_rigid_body::{Coefficients, Options};
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Loads, Model, ModelKind, PointLoad, PointMass, Pose,
-    RestCurvature, Robot, Routing, Shortening, Solution, SolveError, Statics as _, Stations,
-    Stiffness, Twist, UnitQuaternion, Vec3, cosserat_disks,
+    RestCurvature, Robot, Routing, Shortening, Solution, SolveError, StabilityAnalysis,
+    Statics as _, Stations, Stiffness, Twist, UnitQuaternion, Vec3, cosserat_disks,
 };
 
 use crate::common::{
@@ -18,7 +18,9 @@ const PCC: ModelKind = ModelKind::PiecewiseConstantCurvature;
 const PRB: ModelKind = ModelKind::PseudoRigidBody;
 
 fn try_solve(kind: ModelKind, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-    Model::new(kind, Stations::Disks, Actuation::Natural).solve(robot, case)
+    Model::new(kind, Stations::Disks, Actuation::Natural)
+        .with_stability(StabilityAnalysis::Eigenvalue)
+        .solve(robot, case)
 }
 
 fn solve(kind: ModelKind, robot: &Robot, case: &Case) -> Solution {
@@ -283,7 +285,8 @@ fn symmetries_hold_and_neighbours_lead_to_the_same_answer() {
     {
         // Anchors and loads between disks, and sections so long that their cables fold them, are for others.
         for (count, kind) in solved.iter_mut().zip([PCC, PRB]) {
-            let model = Model::new(kind, Stations::Disks, Actuation::Natural);
+            let model = Model::new(kind, Stations::Disks, Actuation::Natural)
+                .with_stability(StabilityAnalysis::Eigenvalue);
             let answer = match model.solve(&robot, &case) {
                 Ok(answer) => answer,
                 Err(SolveError::Unsupported { .. } | SolveError::SectionFolds { .. }) => continue,

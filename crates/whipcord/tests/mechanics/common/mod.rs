@@ -15,7 +15,7 @@ use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
     Actuation, Along, Backbone, Cable, CableCommand, Case, Disks, Interpolation, Loads, Material,
     Model, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution, SolveError,
-    Statics, Stations, Vec3,
+    StabilityAnalysis, Statics, Stations, Vec3,
 };
 
 /// As many cases as are given, the same in every run.
@@ -115,7 +115,11 @@ pub fn solve_with(options: Options, robot: &Robot, case: &Case) -> Result<Soluti
 
 /// By tension, with eleven stations.
 pub fn solve(robot: &Robot, case: &Case) -> Solution {
-    let options = Options { stations: Stations::Equal(11), ..Options::default() };
+    let options = Options {
+        stations: Stations::Equal(11),
+        stability: StabilityAnalysis::Eigenvalue,
+        ..Options::default()
+    };
     solve_with(options, robot, case).unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
 }
 
@@ -123,8 +127,9 @@ pub fn solve(robot: &Robot, case: &Case) -> Solution {
 pub fn fine_options() -> Options {
     Options {
         stations: Stations::Equal(11),
-        accuracy: Accuracy::Tolerance(1e-12),
+        accuracy: Accuracy::Tolerance(4e-13),
         residual: 1e-13,
+        stability: StabilityAnalysis::Eigenvalue,
         ..Options::default()
     }
 }
@@ -148,6 +153,7 @@ pub fn solve_lengths(robot: &Robot, case: &Case) -> Result<Solution, SolveError>
     let options = Options {
         stations: Stations::Equal(11),
         actuation: Actuation::Shortening,
+        stability: StabilityAnalysis::Eigenvalue,
         ..Options::default()
     };
     solve_with(options, robot, case)
@@ -157,7 +163,7 @@ pub fn solve_lengths(robot: &Robot, case: &Case) -> Result<Solution, SolveError>
 /// that shape for another one, by how much the fraction of the load at which it did falls short of all of it.
 pub fn stability_of_path(solution: &Solution) -> f64 {
     let diagnostics = &solution.diagnostics;
-    let left = diagnostics.stability_lost_at.filter(|_| diagnostics.is_stable() == Some(true));
+    let left = diagnostics.stability_lost_at.filter(|_| diagnostics.stable == Some(true));
     left.map_or_else(|| diagnostics.stability.unwrap(), |load| load - 1.0)
 }
 

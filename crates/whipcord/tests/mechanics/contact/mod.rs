@@ -2,6 +2,7 @@
 
 mod cosserat;
 mod four_bar;
+mod free_path;
 mod friction;
 mod grasp;
 mod limits;

@@ -8,7 +8,8 @@ use crate::common::{Wildness, distance, fine_options, paper_backbone, solve_fine
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::robot::StiffnessMatrix;
 use whipcord::{
-    Along, Backbone, Cable, Case, Disks, Loads, Mat3, Pose, Robot, Routing, Stiffness, Vec3,
+    Along, Backbone, Cable, Case, Disks, Loads, Mat3, Pose, Robot, Routing, StabilityAnalysis,
+    Stiffness, Vec3,
 };
 
 fn robot(backbone: Backbone, cables: Vec<Cable>) -> Robot {
@@ -105,7 +106,11 @@ fn buckling_load(backbone: &Backbone) -> f64 {
     let robot = robot(backbone.clone(), vec![]);
     let stability = |force: f64| {
         let case = tip_force(Vec3::new(0.0, 0.0, -force));
-        let options = Options { accuracy: Accuracy::Steps(64), ..Options::default() };
+        let options = Options {
+            accuracy: Accuracy::Steps(64),
+            stability: StabilityAnalysis::Eigenvalue,
+            ..Options::default()
+        };
         common::stability_of_path(&solve_with(options, &robot, &case).unwrap())
     };
     let (mut low, mut high) = (0.5, 5.0);

@@ -9,8 +9,8 @@ use core::f64::consts::PI;
 use crate::common::solve_with;
 use whipcord::cosserat::Options;
 use whipcord::{
-    Along, Backbone, Case, Disks, DistributedLoad, Loads, NoStability, PointLoad, Robot, Stiffness,
-    Vec3,
+    Along, Backbone, Case, Disks, DistributedLoad, Loads, NoStability, PointLoad, Robot,
+    StabilityAnalysis, Stiffness, Vec3,
 };
 
 /// A rod of these bending stiffnesses about x and y, the same or given at places.
@@ -36,7 +36,12 @@ fn pushed(force: f64) -> Loads {
 
 fn stability(robot: &Robot, loads: Loads) -> f64 {
     let case = Case { loads, ..Case::default() };
-    let solution = solve_with(Options::default(), robot, &case).unwrap_or_else(|e| panic!("{e}"));
+    let solution = solve_with(
+        Options { stability: StabilityAnalysis::Eigenvalue, ..Options::default() },
+        robot,
+        &case,
+    )
+    .unwrap_or_else(|e| panic!("{e}"));
     let tip = solution.shape.tip().position;
     let left = solution.diagnostics.stability_lost_at.is_some();
     assert!(tip.is_finite() && (left || (tip - Vec3::Z).norm() < 1e-3), "{tip:?} is not straight");
@@ -119,12 +124,14 @@ fn a_strip_tips_over_sideways() {
 fn stability_that_is_left_out_is_said_to_be() {
     let column = rod(round(1.0), 0.7);
     let case = Case { loads: pushed(1.0), ..Case::default() };
-    for asked in [true, false] {
+    for asked in [StabilityAnalysis::Off, StabilityAnalysis::Verdict, StabilityAnalysis::Eigenvalue]
+    {
         let options = Options { stability: asked, ..Options::default() };
         let diagnostics = solve_with(options, &column, &case).unwrap().diagnostics;
-        assert_eq!(diagnostics.stability.is_some(), asked);
-        let absent = (!asked).then_some(NoStability::NotAsked);
-        assert_eq!(diagnostics.stability_absent, absent);
+        let is_off = asked == StabilityAnalysis::Off;
+        assert_eq!(diagnostics.stable, (!is_off).then_some(true));
+        assert_eq!(diagnostics.stability.is_some(), asked == StabilityAnalysis::Eigenvalue);
+        assert_eq!(diagnostics.stability_absent, is_off.then_some(NoStability::NotAsked));
     }
 }
 

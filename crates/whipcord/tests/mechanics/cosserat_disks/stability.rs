@@ -7,13 +7,14 @@ use core::f64::consts::PI;
 use crate::common::{helix, paper_backbone, straight};
 use whipcord::{
     Cable, Case, Disks, Loads, Model, ModelKind, NoStability, Robot, Routing, Shortening, Solution,
-    Statics as _, Vec3,
+    StabilityAnalysis, Statics as _, Vec3,
 };
 
 const LENGTH: f64 = 0.18;
 
 fn solve(kind: ModelKind, robot: &Robot, case: &Case) -> Solution {
-    let model = Model::new(kind, Default::default(), Default::default());
+    let model = Model::new(kind, Default::default(), Default::default())
+        .with_stability(StabilityAnalysis::Eigenvalue);
     model.solve(robot, case).unwrap_or_else(|error| panic!("{error}\n{case:?}"))
 }
 

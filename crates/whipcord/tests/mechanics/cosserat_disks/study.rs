@@ -15,7 +15,7 @@ use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::Options;
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Loads, Material, Model, Robot, Section, Solution,
-    SolveError, Statics as _, Vec3,
+    SolveError, StabilityAnalysis, Statics as _, Vec3,
 };
 
 const LENGTH: f64 = 0.2;
@@ -77,7 +77,8 @@ fn robots() -> impl Strategy<Value = (Robot, Case)> {
 /// The case with its tensions scaled so that the cables alone turn the backbone by about `target`;
 /// `None` where they fold it before.
 fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> {
-    let model = Model::CosseratDisks(Options { stability: false, ..Options::default() });
+    let model =
+        Model::CosseratDisks(Options { stability: StabilityAnalysis::Off, ..Options::default() });
     let mut scaled = Case { loads: Loads::default(), ..case.clone() };
     let mut answer = None;
     for _ in 0..6 {

@@ -13,7 +13,7 @@ use whipcord::cosserat::{Accuracy, Cosserat, Derivatives, Hold, Options, Place, 
 use whipcord::differences::{Difference, differentiate};
 use whipcord::{
     CableCommand, Case, DistributedLoad, Parameter, Profile, Robot, Routing, Shortening, Solution,
-    SolveError, Stations, Stiffness, Twist, Vec3,
+    SolveError, StabilityAnalysis, Stations, Stiffness, Twist, Vec3,
 };
 
 fn bending_stiffness(robot: &Robot) -> f64 {
@@ -42,7 +42,7 @@ fn options(case: &Case) -> Options {
         stations: Stations::Equal(4),
         accuracy: Accuracy::Steps(steps),
         residual: 1e-14,
-        stability: false,
+        stability: StabilityAnalysis::Off,
         ..Options::default()
     }
 }

@@ -4,14 +4,14 @@
 //! A force F bends a rod within `δ = √(EI/F)` from where it is held or pushed; beyond that the rod lies in the
 //! direction of the force. Steps that are much longer than δ do not see that layer.
 
-use super::newton::Scales;
-use crate::statics::continuation::FIRST_LOAD_STEP;
-use crate::statics::grid::Grid;
-use crate::statics::loads::AppliedLoads;
+use super::continuation::FIRST_LOAD_STEP;
+use super::grid::Grid;
+use super::loads::AppliedLoads;
+use super::scales::Scales;
 
 /// A load on a rod, without dimension; by default none.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Strength {
+pub(crate) struct Strength {
     /// The greatest force in units of EI/L².
     force: f64,
     /// The applied moments in units of EI/L.
@@ -35,7 +35,7 @@ const STEPS: usize = 300_000;
 /// the force bends the rod, no more.
 const SHOTS: usize = 200;
 /// What to do where that was not enough.
-pub(super) const GAVE_UP: &str = "the search was given up, as it is where a load is out of all proportion to the stiffness: check the units of load, modulus and diameter, or apply less load";
+pub(crate) const GAVE_UP: &str = "the search was given up, as it is where a load is out of all proportion to the stiffness: check the units of load, modulus and diameter, or apply less load";
 
 impl Strength {
     /// Of loads that are gathered on a grid.
@@ -43,7 +43,7 @@ impl Strength {
         let scales = Scales::of(grid, length);
         let [force, moment] = loads.greatest(grid);
         let longest = grid.steps.iter().map(|step| step.length).fold(0.0, f64::max);
-        let (force, moment) = (force / scales.tension, moment / scales.moment);
+        let (force, moment) = (force / scales.force, moment / scales.moment);
         Self { force, moment, step: longest / length }
     }
 

@@ -1,0 +1,169 @@
+//! Robots that keep clear of all obstacles on the way to their answer: it is that without obstacles.
+
+use whipcord_numerics::Vec3;
+
+use super::homotopy::Homotopy;
+use super::scene::Scene;
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::obstacle::Obstacle;
+use crate::robot::Robot;
+use crate::shape::Solution;
+
+/// The most shapes on the way that are looked at.
+const MOST_SHAPES: usize = 32;
+/// The least step on the way.
+const LEAST_STEP: f64 = 0.02;
+/// No cross-section moves farther in one step on the way, as a part of the length.
+const STRIDE: f64 = 0.25;
+/// Clearance that counts as none, as a part of the length: more than coarse steps and interpolation between them miss.
+const MARGIN: f64 = 1e-3;
+
+/// A model that is solved without obstacles.
+pub(crate) trait Unobstructed {
+    /// Arc lengths in m at which the robot is watched, from base to tip.
+    fn watched(&self) -> &[f64];
+
+    /// Length of each cable before actuation in m.
+    fn initial_lengths(&self) -> &[f64];
+
+    /// The answer to a case without obstacles, and the centres of the watched cross-sections in the frame of the base.
+    fn solve(
+        &mut self,
+        case: &Case,
+        from: Option<&Solution>,
+        centres: &mut Vec<Vec3>,
+    ) -> Result<Solution, SolveError>;
+
+    /// Those centres alone, as coarse steps have them.
+    fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError>;
+}
+
+/// The answer to a case with obstacles, where balls around the cross-sections stay clear of them from rest, or from a
+/// known answer without contacts, to it. `None` where they might not.
+pub(crate) fn solve_free(
+    model: &mut impl Unobstructed,
+    robot: &Robot,
+    case: &Case,
+    warm_start: Option<&Solution>,
+) -> Result<Option<Solution>, SolveError> {
+    let has_history = !case.before.is_empty() && case.obstacles.iter().any(Obstacle::has_friction);
+    if has_history || warm_start.is_some_and(|answer| !answer.contacts.is_empty()) {
+        return Ok(None);
+    }
+    let homotopy = match warm_start {
+        Some(answer) if answer.cables.len() == case.commands.len() => {
+            Homotopy::from_answer(answer, case)
+        }
+        _ => Homotopy::from_rest(case),
+    };
+    let initial = model.initial_lengths().to_vec();
+    let clearance = Clearance::new(robot, case, model.watched());
+    let mut start = Vec::new();
+    if !known(model.look(&homotopy.at(0.0, &initial), &mut start))? || !clearance.is_clear(&start) {
+        return Ok(None);
+    }
+    let mut end = Vec::new();
+    let answer = match model.solve(&homotopy.at(1.0, &initial), warm_start, &mut end) {
+        Ok(answer) => answer,
+        Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+        Err(_) => return Ok(None),
+    };
+    let diagnostics = &answer.diagnostics;
+    if diagnostics.is_unstable()
+        || diagnostics.stability_lost_at.is_some()
+        || !clearance.is_clear(&end)
+    {
+        return Ok(None);
+    }
+    // Shapes farther on the way, the next one last.
+    let (mut here, mut ahead, mut shapes) = ((0.0, start), vec![(1.0, end)], 0);
+    while let Some((way, centres)) = ahead.last() {
+        if clearance.covers(&here.1, centres) {
+            let Some(next) = ahead.pop() else { break };
+            here = next;
+            continue;
+        }
+        let middle = 0.5 * (here.0 + way);
+        shapes += 1;
+        if way - here.0 < LEAST_STEP || shapes > MOST_SHAPES {
+            return Ok(None);
+        }
+        let mut between = Vec::new();
+        if !known(model.look(&homotopy.at(middle, &initial), &mut between))?
+            || !clearance.is_clear(&between)
+        {
+            return Ok(None);
+        }
+        ahead.push((middle, between));
+    }
+    Ok(Some(answer))
+}
+
+/// Whether a shape is known; an error where the solve was ended from outside.
+fn known(looked: Result<(), SolveError>) -> Result<bool, SolveError> {
+    match looked {
+        Ok(()) => Ok(true),
+        Err(error @ SolveError::Cancelled { .. }) => Err(error),
+        Err(_) => Ok(false),
+    }
+}
+
+/// How far the balls around the watched cross-sections are from the obstacles.
+struct Clearance {
+    scene: Scene,
+    length: f64,
+    /// Of the watched places, in m.
+    arc_lengths: Vec<f64>,
+    /// Radii in m of the balls that backbone and disks fit in.
+    reach: Vec<f64>,
+}
+
+impl Clearance {
+    fn new(robot: &Robot, case: &Case, watched: &[f64]) -> Self {
+        let (backbone, disks) = (robot.backbone(), robot.disks());
+        let of_place = |&s: &f64| {
+            let at_disk = |&k: &usize| (disks.arc_lengths[k] - s).abs() <= 1e-9 * backbone.length;
+            let disk = (1..disks.count()).filter(|_| disks.are_present).find(at_disk);
+            let rim = disk.map_or(0.0, |k| disks.rim_radius(k));
+            backbone.outer_radius_at(disks, s).max(rim)
+        };
+        Self {
+            scene: Scene::new(case),
+            length: backbone.length,
+            arc_lengths: watched.to_vec(),
+            reach: watched.iter().map(of_place).collect(),
+        }
+    }
+
+    /// Whether nothing touches, between the watched places either: along the backbone a distance changes by no more than
+    /// the way. The base is clamped and does not count.
+    fn is_clear(&self, centres: &[Vec3]) -> bool {
+        let margin = MARGIN * self.length;
+        self.scene.iter().all(|(_, obstacle)| {
+            let gap = |k: usize| obstacle.surface(centres[k]).distance - self.reach[k];
+            let mut before = f64::INFINITY;
+            (1..centres.len()).all(|k| {
+                let here = gap(k);
+                let apart = self.arc_lengths[k] - self.arc_lengths[k - 1];
+                let is_clear = here > margin && before + here > apart;
+                before = here;
+                is_clear
+            })
+        })
+    }
+
+    /// Whether the free balls around each centre before and after cover its way, eq. (7).
+    fn covers(&self, before: &[Vec3], after: &[Vec3]) -> bool {
+        let margin = MARGIN * self.length;
+        before.iter().zip(after).all(|(before, after)| {
+            let way = (*after - *before).norm();
+            way <= margin
+                || way <= STRIDE * self.length
+                    && self.scene.iter().all(|(_, obstacle)| {
+                        let room = |at: &Vec3| obstacle.surface(*at).distance;
+                        room(before) + room(after) >= way
+                    })
+        })
+    }
+}
