@@ -30,7 +30,7 @@ pub use mat3::{Ldlt3, Mat3};
 pub use orthogonal::SingularValues;
 pub use polynomial::{CubicError, PiecewiseCubic};
 pub use pose::{Pose, Twist};
-pub use quadrature::{GAUSS_2, GAUSS_3, GAUSS_5, GaussRule};
+pub use quadrature::{GAUSS_2, GAUSS_3, GAUSS_5, GaussRule, integral};
 pub use quaternion::UnitQuaternion;
 pub use runge_kutta::{BUTCHER_5, ExplicitTableau, weighted_sum};
 pub use spacing::equally_spaced;

@@ -56,6 +56,13 @@ fn options(steps: usize, actuation: Actuation) -> Options {
 /// Steps from base to tip; with 12 of them the error is below 1e-6 of the length.
 const STEPS: [usize; 4] = [12, 24, 48, 96];
 
+/// Builds the model.
+#[divan::bench]
+fn build(bencher: Bencher) {
+    let robot = case_3::robot();
+    bencher.bench_local(|| Cosserat::new(&robot, &case_3::loads(), &Options::default()).unwrap());
+}
+
 #[divan::bench(args = STEPS)]
 fn unloaded_cold(bencher: Bencher, steps: usize) {
     let (robot, case) = (case_3::robot(), Case::with_tensions(&[TENSION]));

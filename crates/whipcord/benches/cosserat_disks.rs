@@ -37,6 +37,14 @@ fn measure_of(robot: &Robot, bencher: Bencher<'_, '_>, options: &Options, case: 
     bencher.bench_local(|| model.solve(case, None, &mut workspace).unwrap());
 }
 
+/// Builds the model.
+#[divan::bench]
+fn build(bencher: Bencher<'_, '_>) {
+    let robot = case_3::robot();
+    let build = || CosseratDisks::new(&robot, &case_3::loads(), &Options::default()).unwrap();
+    bencher.bench_local(build);
+}
+
 #[divan::bench(args = STEPS)]
 fn unloaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
     measure(bencher, &options(steps, Actuation::Tension), &Case::with_tensions(&[TENSION]));

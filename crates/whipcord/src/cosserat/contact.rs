@@ -80,7 +80,7 @@ impl Cosserat {
         stations.extend_from_slice(self.stations());
         stations.sort_by(f64::total_cmp);
         stations.dedup();
-        let at_base = self.grids[0].shooting.at(0, 0, 0).0.section.bending_stiffness();
+        let at_base = self.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let mut adapter = ContactAdapter {
             robot: &self.robot,
             options: &self.options,
@@ -139,7 +139,7 @@ impl Unobstructed for FreeRod<'_> {
 
     fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
         self.model.solve_coarsely(case, self.workspace)?;
-        self.centres(&self.model.grids[0], centres);
+        self.centres(&self.model.grid, centres);
         Ok(())
     }
 }

@@ -433,7 +433,7 @@ impl ContactGrid {
         };
         let model = Cosserat::new(robot, &case.loads, &options)?;
         let grid = match halvings {
-            0 => model.grids[0].clone(),
+            0 => model.grid.clone(),
             _ => Grid::refined(robot, &model.layout, steps, halvings)?,
         };
         Ok(Self { model, grid, halvings, stations: stations.to_vec(), pushes: pushes.to_vec() })

@@ -4,9 +4,7 @@ use std::sync::{Arc, OnceLock};
 use super::derivatives::{Derivatives, NoDerivatives, Solved};
 use super::lanes::{Setting, UnloadedLanes};
 use super::redundant_cables;
-use super::refinement::{
-    COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, READY_GRIDS, Refined,
-};
+use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, Refined};
 use super::statics::{self, Scratch, StabilityCheck, Start};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
@@ -62,7 +60,7 @@ pub struct Cosserat {
     /// How often the steps of the first grid are halved to follow the twist of the unloaded rod.
     pub(super) twist_level: usize,
     /// The only grid, or the first of a sequence in which the steps are halved.
-    pub(super) grids: Vec<Grid>,
+    pub(super) grid: Grid,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
     pub(super) finer: Arc<[OnceLock<Grid>; FINER_GRIDS]>,
 }
@@ -96,21 +94,20 @@ impl Cosserat {
         options.stations.check(robot)?;
         let stations = options.stations.arc_lengths(robot);
         let layout = Layout::new(robot, stations, loads);
-        let grids = match options.accuracy {
-            Accuracy::Steps(steps) => vec![Grid::new(robot, &layout, steps)?],
-            Accuracy::Tolerance(_) => (0..READY_GRIDS)
-                .map(|level| Grid::refined(robot, &layout, COARSE_STEPS, level))
-                .collect::<Result<_, _>>()?,
+        let steps = match options.accuracy {
+            Accuracy::Steps(steps) => steps,
+            Accuracy::Tolerance(_) => COARSE_STEPS,
         };
+        let grid = Grid::new(robot, &layout, steps)?;
         Ok(Self {
             robot: robot.clone(),
             options: options.clone(),
             twist_level: (0..MAX_REFINEMENTS)
                 .find(|&level| steps_for_twist(robot) <= COARSE_STEPS << level)
                 .unwrap_or(MAX_REFINEMENTS),
-            redundant_cables: redundant_cables::any(robot, &grids[0], &layout.order),
+            redundant_cables: redundant_cables::any(robot, &grid, &layout.order),
             layout,
-            grids,
+            grid,
             finer: Arc::default(),
         })
     }
@@ -234,7 +231,7 @@ impl Cosserat {
         };
         match self.options.accuracy {
             Accuracy::Steps(_) => {
-                let grid = &self.grids[0];
+                let grid = &self.grid;
                 self.solve_checked(case, workspace, |check, workspace| {
                     let allowance = Strength::default().allowance(grid);
                     workspace.scratch.trajectory.steps_left = allowance;

@@ -17,10 +17,8 @@ use crate::statics::strength::{GAVE_UP, Strength};
 
 /// Steps from base to tip on the grid that [`Accuracy::Tolerance`] starts with.
 pub(super) const COARSE_STEPS: usize = 8;
-/// Grids that are made beforehand: with three of them most robots are done.
-pub(super) const READY_GRIDS: usize = 3;
-/// Finer ones that are kept once they were needed: to make them takes longer than to solve on them.
-pub(super) const FINER_GRIDS: usize = 3;
+/// Finer grids that are kept once they were needed: to make them takes longer than to solve on them.
+pub(super) const FINER_GRIDS: usize = 5;
 /// A failure to converge is believed only with steps halved this often.
 pub(super) const GIVE_UP_LEVEL: usize = 3;
 /// Where the load path loses its stability or ends, it is followed on with steps halved this often:
@@ -30,8 +28,6 @@ pub(super) const FOLLOW_LEVEL: usize = 2;
 pub(super) const FOLD_LEVEL: usize = 5;
 /// How often the steps may be halved.
 pub(super) const MAX_REFINEMENTS: usize = 9;
-/// A rod without load is integrated with order 6, which leaves 1/64.
-pub(super) const UNLOADED_ERROR_RATIO: f64 = 31.0;
 /// Residual of a shape that is only looked at.
 const COARSE_RESIDUAL: f64 = 1e-6;
 /// Where lengths are given they do not change with the steps; the tensions do. The steps are those
@@ -56,19 +52,16 @@ impl Workspace {
     /// Estimated error in m of positions and cables' lengths: as much of their largest change since then
     /// as the order of the method leaves.
     pub(super) fn error(&self, grid: &Grid) -> f64 {
-        let Scratch { poses, lengths, applied, .. } = &self.scratch;
-        let ratio = if applied.any() { ERROR_RATIO } else { UNLOADED_ERROR_RATIO };
-        self.coarse.change(grid, poses, lengths) / ratio
+        let Scratch { poses, lengths, .. } = &self.scratch;
+        self.coarse.change(grid, poses, lengths) / ERROR_RATIO
     }
 }
 
 impl Cosserat {
     /// The grid whose steps are halved so often; where the steps are prescribed, the only one.
     pub(super) fn grid(&self, level: usize) -> Result<Cow<'_, Grid>, SolveError> {
-        if let Some(grid) = self.grids.get(level) {
-            return Ok(Cow::Borrowed(grid));
-        }
-        let slot = level.checked_sub(READY_GRIDS).and_then(|place| self.finer.get(place));
+        let Some(place) = level.checked_sub(1) else { return Ok(Cow::Borrowed(&self.grid)) };
+        let slot = self.finer.get(place);
         if let Some(grid) = slot.and_then(OnceLock::get) {
             return Ok(Cow::Borrowed(grid));
         }
@@ -196,7 +189,7 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<(), SolveError> {
         self.accept(case, workspace)?;
-        let grid = &self.grids[0];
+        let grid = &self.grid;
         let allowance = self.strength(case, workspace).allowance(grid);
         let problem = statics::Problem {
             stability: StabilityCheck::Off,
@@ -215,7 +208,7 @@ impl Cosserat {
         if case.loads.is_none() {
             return Strength::default();
         }
-        let grid = &self.grids[0];
+        let grid = &self.grid;
         let loads = &mut workspace.scratch.applied;
         loads.gather(grid, &case.loads, case.base.rotation);
         Strength::of(loads, grid, self.robot.backbone().length)

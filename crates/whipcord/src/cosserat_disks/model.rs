@@ -24,10 +24,10 @@ use crate::statics::strength::Strength;
 use crate::statics::trace::Trace;
 use crate::statics::trace::TraceEvent;
 
-/// Meshes that are made beforehand.
-const READY_MESHES: usize = 3;
-/// Finer ones that are kept once they were needed.
-const FINER_MESHES: usize = 3;
+/// Finer meshes that are kept once they were needed.
+const FINER_MESHES: usize = 5;
+/// Of them the finest on which stability is computed where it has steps enough.
+const STABILITY_LEVEL: usize = 2;
 /// How often the steps may be halved.
 const MAX_REFINEMENTS: usize = 8;
 /// A failure to converge is believed only with steps halved this often.
@@ -74,11 +74,11 @@ pub struct CosseratDisks {
     holes: Option<Holes>,
     options: Options,
     /// The only mesh, or the first of a sequence in which the steps are halved.
-    meshes: Vec<Mesh>,
+    mesh: Mesh,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
     finer: Arc<[OnceLock<Mesh>; FINER_MESHES]>,
-    /// For the stability of spans near their own buckling load.
-    fine: Mesh,
+    /// For the stability of spans near their own buckling load, where no mesh of the sequence serves; made as those.
+    fine: Arc<OnceLock<Mesh>>,
     /// With so many steps stability is computed.
     stability_steps: usize,
 }
@@ -129,24 +129,17 @@ impl CosseratDisks {
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         refusal::without_disks(ModelKind::CosseratDisks, robot)?;
         let frame = Frame::new(robot, options.stations.arc_lengths(robot), loads)?;
-        let meshes = match options.accuracy {
-            Accuracy::Steps(steps) => vec![frame.mesh(steps, 0)?],
-            Accuracy::Tolerance(_) => {
-                (0..READY_MESHES).map(|level| frame.mesh(1, level)).collect::<Result<_, _>>()?
-            }
+        let steps = match options.accuracy {
+            Accuracy::Steps(steps) => steps,
+            Accuracy::Tolerance(_) => 1,
         };
+        let mesh = frame.mesh(steps, 0)?;
         let has_friction = robot.cables().iter().any(Cable::has_friction);
         let holes = has_friction.then(|| frame.holes(robot));
         let stability_steps = STABILITY_STEPS.max(steps_for_twist(robot));
-        let fine = match (options.accuracy, meshes.last()) {
-            (Accuracy::Tolerance(_), Some(mesh)) if mesh.grid.len() >= stability_steps => {
-                mesh.clone()
-            }
-            _ => frame.mesh(stability_steps.div_ceil(4), 2)?,
-        };
         let (robot, options) = (robot.clone(), options.clone());
-        let finer = Arc::default();
-        Ok(Self { robot, frame, holes, options, meshes, finer, fine, stability_steps })
+        let (finer, fine) = (Arc::default(), Arc::default());
+        Ok(Self { robot, frame, holes, options, mesh, finer, fine, stability_steps })
     }
 
     /// The robot this model was built for.
@@ -275,7 +268,7 @@ impl CosseratDisks {
     ) -> Result<Solution, SolveError> {
         let outcome = match self.options.accuracy {
             Accuracy::Steps(_) => {
-                let mesh = &self.meshes[0];
+                let mesh = &self.mesh;
                 let found = self.solve_on(0, mesh, cases, &start, workspace);
                 found.map(|found| self.solution(mesh, cases, workspace, found, None))
             }
@@ -334,26 +327,40 @@ impl CosseratDisks {
         Err(SolveError::StepsTooCoarse { error, tolerance, steps })
     }
 
-    /// The mesh whose steps are halved so often.
+    /// The mesh whose steps are halved so often; where the steps are prescribed, the only one.
     fn mesh(&self, level: usize) -> Result<Cow<'_, Mesh>, SolveError> {
-        if let Some(mesh) = self.meshes.get(level) {
+        if let Some(mesh) = self.kept_mesh(level)? {
             return Ok(Cow::Borrowed(mesh));
         }
-        let slot = level.checked_sub(READY_MESHES).and_then(|place| self.finer.get(place));
-        if let Some(mesh) = slot.and_then(OnceLock::get) {
-            return Ok(Cow::Borrowed(mesh));
-        }
-        let mesh = self.frame.mesh(1, level)?;
-        Ok(match slot {
-            Some(slot) => Cow::Borrowed(slot.get_or_init(|| mesh)),
-            None => Cow::Owned(mesh),
-        })
+        Ok(Cow::Owned(self.frame.mesh(1, level)?))
+    }
+
+    /// The same, made and kept; `None` for one that is too fine to be kept.
+    fn kept_mesh(&self, level: usize) -> Result<Option<&Mesh>, SolveError> {
+        let Some(place) = level.checked_sub(1) else { return Ok(Some(&self.mesh)) };
+        let Some(slot) = self.finer.get(place) else { return Ok(None) };
+        made(slot, || self.frame.mesh(1, level)).map(Some)
+    }
+
+    /// The meshes on which stability is computed: for the usual case the first of the sequence with steps enough.
+    fn sampled(&self) -> Result<Sampled<'_>, SolveError> {
+        let is_sequence = matches!(self.options.accuracy, Accuracy::Tolerance(_));
+        let finest = if is_sequence { STABILITY_LEVEL } else { 0 };
+        let has_enough = |level: &usize| self.mesh.grid.len() << level >= self.stability_steps;
+        let of_sequence = |level| self.kept_mesh(level).map(|mesh| mesh.unwrap_or(&self.mesh));
+        let fine = if is_sequence && has_enough(&finest) {
+            of_sequence(finest)?
+        } else {
+            made(&self.fine, || self.frame.mesh(self.stability_steps.div_ceil(4), 2))?
+        };
+        let usual = (0..=finest).find(has_enough).map(of_sequence).transpose()?;
+        Ok(Sampled { usual: usual.unwrap_or(fine), fine })
     }
 
     /// How often the steps of the first mesh are halved before anything is tried: until they see the layer in which
     /// the greatest force of the cases bends the rod.
     fn first_level(&self, cases: &[Case], workspace: &mut Workspace) -> usize {
-        let grid = &self.meshes[0].grid;
+        let grid = &self.mesh.grid;
         let applied = &mut workspace.scratch.applied;
         let mut of_case = |case: &Case| {
             applied.gather(grid, &case.loads, case.base.rotation);
@@ -385,7 +392,7 @@ impl CosseratDisks {
         for (n, case) in cases.iter().enumerate().skip(taken) {
             scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);
             self.commands(case, commands)?;
-            let problem = self.problem(mesh, commands, case);
+            let problem = self.problem(mesh, commands, case)?;
             // What a coarser mesh found is that of the last step.
             let start = if n + 1 == cases.len() { start } else { &Start::Cold };
             found = statics::solve(&problem, start, scratch)
@@ -400,9 +407,8 @@ impl CosseratDisks {
         mesh: &'a Mesh,
         commands: &'a [Command],
         case: &'a Case,
-    ) -> Problem<'a> {
-        let enough = self.meshes.iter().find(|mesh| mesh.grid.len() >= self.stability_steps);
-        Problem {
+    ) -> Result<Problem<'a>, SolveError> {
+        Ok(Problem {
             frame: &self.frame,
             mesh,
             commands,
@@ -410,9 +416,9 @@ impl CosseratDisks {
             cancel: &self.options.cancel,
             holes: self.holes.as_ref(),
             case,
-            sampled: Sampled { usual: enough.unwrap_or(&self.fine), fine: &self.fine },
+            sampled: self.sampled()?,
             stability: self.options.stability,
-        }
+        })
     }
 
     /// What drives each cable.
@@ -437,7 +443,9 @@ impl CosseratDisks {
         let case = cases.last();
         let base = case.map_or(Pose::IDENTITY, |case| case.base);
         let verdict = case.map_or(Err(NoStability::NotAsked), |case| {
+            // The meshes that it takes were made for the answer.
             let problem = self.problem(mesh, &workspace.commands, case);
+            let problem = problem.map_err(|_| NoStability::Undetermined)?;
             stability_check::stability(&problem, &mut workspace.scratch)
         });
         let scratch = &workspace.scratch;
@@ -487,6 +495,18 @@ impl CosseratDisks {
         let name = |cable: usize| self.robot.cables()[cable].name.clone();
         failure.explain(commands, &self.frame.rest_lengths, name)
     }
+}
+
+/// What a slot holds, made where it is empty.
+fn made(
+    slot: &OnceLock<Mesh>,
+    make: impl FnOnce() -> Result<Mesh, SolveError>,
+) -> Result<&Mesh, SolveError> {
+    if let Some(mesh) = slot.get() {
+        return Ok(mesh);
+    }
+    let mesh = make()?;
+    Ok(slot.get_or_init(|| mesh))
 }
 
 /// The steps of a case, each without those before it.

@@ -16,8 +16,8 @@ use whipcord_numerics::Pose;
 use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
 
 use super::model::Cosserat;
-use super::refinement::UNLOADED_ERROR_RATIO;
 use crate::statics::grid::Grid;
+use crate::statics::refinement::ERROR_RATIO;
 use grid::{LaneGrid, LaneSection};
 use section::one_cable;
 use stability::stability;
@@ -185,7 +185,7 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                         for (&fine, &coarse) in sweep.lengths.iter().zip(&coarse_lengths) {
                             change = change.max((fine - coarse).abs());
                         }
-                        Some(change / Lanes::splat(simd, UNLOADED_ERROR_RATIO))
+                        Some(change / Lanes::splat(simd, ERROR_RATIO))
                     }
                 };
                 coarse_lengths.clone_from(&sweep.lengths);
