@@ -89,4 +89,14 @@ mod tests {
             assert_eq!((integral(&GAUSS_5, power) - exact).abs() < 1e-15, power <= 9);
         }
     }
+
+    /// Pieces are halved where a function bends sharply, and no more than so often where it jumps.
+    #[test]
+    fn sharp_bends_are_halved() {
+        let peak = |x: f64| 1.0 / (1.0 + 1e4 * x * x);
+        let exact = 2.0 * 100.0_f64.atan() / 100.0;
+        assert!((super::integral(&peak, [-1.0, 1.0], 1e-11) / exact - 1.0).abs() < 1e-13);
+        let step = |x: f64| if x < 1.0 / 3.0 { 0.0 } else { 1.0 };
+        assert!((super::integral(&step, [0.0, 1.0], 1e-11) - 2.0 / 3.0).abs() < 1e-4);
+    }
 }
