@@ -5,8 +5,8 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whipcord::cosserat::derivatives::{Change, Cotangent};
-use whipcord::cosserat::{Hold, Place};
+use whipcord::derivatives::{Change, Cotangent};
+use whipcord::derivatives::{Hold, Place};
 use whipcord::{ModelKind, Prepared, Twist, UnitQuaternion, Vec3, cosserat, four_bar};
 
 use crate::convert::{array, matrix6, square, twist};
@@ -28,7 +28,7 @@ pub struct Derivatives {
 /// Those of the model that answers.
 enum Inner {
     /// In the frame of the base.
-    Rod(Box<cosserat::Derivatives>),
+    Rod(Box<whipcord::derivatives::Derivatives>),
     /// In that of the positions; by shortenings alone.
     FourBar(four_bar::Derivatives),
 }
@@ -245,7 +245,7 @@ impl Derivatives {
 
 impl Derivatives {
     /// What only the Cosserat model knows.
-    fn rod(&self, py: Python<'_>, what: &str) -> PyResult<&cosserat::Derivatives> {
+    fn rod(&self, py: Python<'_>, what: &str) -> PyResult<&whipcord::derivatives::Derivatives> {
         match &self.inner {
             Inner::Rod(rod) => Ok(rod),
             Inner::FourBar(_) => Err(errors::not_by(py, self.solution.model, what)),

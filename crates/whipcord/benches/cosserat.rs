@@ -9,7 +9,8 @@ mod case_3;
 
 use case_3::TENSION;
 use divan::Bencher;
-use whipcord::cosserat::{Accuracy, Cosserat, Hold, Options, Place, Workspace};
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::derivatives::{Hold, Place};
 use whipcord::{Actuation, Case, Robot, Shortening, StabilityAnalysis};
 
 fn main() {

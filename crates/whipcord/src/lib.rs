@@ -17,6 +17,7 @@ pub mod constant_curvature;
 mod contact;
 pub mod cosserat;
 pub mod cosserat_disks;
+pub mod derivatives;
 pub mod differences;
 pub mod error;
 pub mod format;

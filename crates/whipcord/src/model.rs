@@ -414,7 +414,7 @@ impl Model {
         }
         let (solution, derivatives) =
             model.solve_with_derivatives(case, left.as_ref(), &[], &mut workspace)?;
-        let local = derivatives.at(cosserat::Place::Station(0))?;
+        let local = derivatives.at(crate::derivatives::Place::Station(0))?;
         Ok((solution, local))
     }
 }

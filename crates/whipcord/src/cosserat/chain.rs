@@ -8,13 +8,13 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::derivatives::StepGap;
 use super::loaded::{Target, Trajectory};
 use super::sensitivity::{Column, Sensitivity, Unknowns};
 use super::shared_unknowns::Shared;
 use super::state::{Direction, State};
 use super::statics::Problem;
 use crate::cancel::Cancel;
+use crate::derivatives::StepGap;
 use crate::section::Fault;
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Elimination, Size};

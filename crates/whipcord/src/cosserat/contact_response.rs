@@ -7,12 +7,12 @@
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Chain, Task};
-use super::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench};
 use super::loaded::{Target, Trajectory};
 use super::model::{Cosserat, Workspace};
 use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
 use crate::case::Case;
+use crate::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench};
 use crate::error::SolveError;
 use crate::robot::Robot;
 use crate::section::Fault;

@@ -23,12 +23,9 @@ use crate::shape::Wrench;
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::quadratic_form::Sample;
+use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES, State, pack, unpack};
 use whipcord_numerics::weighted_sum;
 
-/// Of the Runge–Kutta method.
-pub(super) const STAGES: usize = 6;
-/// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] each stage uses.
-pub(super) const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
 /// Stages at the start, in the middle and at the end of a step.
 const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
 /// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] the samples sit at.
@@ -51,9 +48,6 @@ pub(super) struct Trajectory {
     /// Integration steps that the solve may still make, see [`super::strength`].
     pub steps_left: usize,
 }
-
-/// Quaternion (w, x, y, z), position and moment in the base frame; or their derivatives.
-pub(super) type State = [f64; 10];
 
 /// What is aimed at the tip.
 #[derive(Clone, Copy, Debug)]
@@ -286,28 +280,6 @@ impl Trajectory {
         }
         Ok(())
     }
-}
-
-#[inline]
-pub(super) fn pack(rotation: UnitQuaternion, position: Vec3, moment: Vec3) -> State {
-    let (q, p, m) = (rotation, position, moment);
-    [q.w, q.v.x, q.v.y, q.v.z, p.x, p.y, p.z, m.x, m.y, m.z]
-}
-
-/// Rotation, scaled back to a unit quaternion, position and moment.
-#[inline]
-pub(super) fn unpack(
-    &[w, x, y, z, px, py, pz, mx, my, mz]: &State,
-) -> (UnitQuaternion, Vec3, Vec3) {
-    let rotation = UnitQuaternion { w, v: Vec3::new(x, y, z) }.renormalized();
-    (rotation, Vec3::new(px, py, pz), Vec3::new(mx, my, mz))
-}
-
-/// The state after the step `h` along the weighted slopes.
-#[inline]
-pub(super) fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> State {
-    let sum = |sum: State, (slope, weight): (&State, &f64)| plus(&sum, h * weight, slope);
-    slopes.iter().zip(weights).fold(*start, sum)
 }
 
 /// The state this far along a slope.

@@ -30,7 +30,6 @@ mod chain;
 mod contact;
 mod contact_response;
 mod continuation;
-pub mod derivatives;
 mod guess;
 mod lanes;
 mod loaded;
@@ -49,10 +48,8 @@ mod trace;
 mod unloaded;
 mod without_load;
 
-pub use crate::statics::hold::Hold;
 pub use crate::statics::options::{Accuracy, Options};
 pub use crate::statics::trace::{Stage, TraceEvent};
 pub use branches::{BranchOptions, Branches, CriticalKind, CriticalPoint, Equilibrium};
-pub use derivatives::{Derivatives, Place};
 pub(crate) use lanes::UnloadedLanes;
 pub use model::{Cosserat, Workspace};

@@ -1,13 +1,13 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use super::derivatives::{Derivatives, NoDerivatives, Solved};
 use super::lanes::{Setting, UnloadedLanes};
 use super::redundant_cables;
 use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, Refined};
 use super::statics::{self, Scratch, StabilityCheck, Start};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
+use crate::derivatives::{Derivatives, NoDerivatives, Solved};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;

@@ -28,13 +28,11 @@ use crate::section::{BodyWrench, Strain};
 use crate::shape::Wrench;
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
+use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES, advance, pack, unpack};
 use whipcord_numerics::weighted_sum;
 
-const STAGES: usize = 6;
 /// How many of the grid's nodes lie in a step, its ends included.
 const NODES: usize = 5;
-/// Which of the grid's shooting nodes each stage uses.
-const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
 
 /// Loads inside a span, as seen from the disk it starts from.
 #[derive(Clone, Copy, Debug)]
@@ -77,34 +75,6 @@ pub(super) struct Variation {
     pub shift: Vec3,
     pub moment: Vec3,
     pub force: Vec3,
-}
-
-/// Quaternion, position and moment, or their derivatives.
-type State = [f64; 10];
-
-#[inline(always)]
-fn pack(q: UnitQuaternion, p: Vec3, m: Vec3) -> State {
-    [q.w, q.v.x, q.v.y, q.v.z, p.x, p.y, p.z, m.x, m.y, m.z]
-}
-
-#[inline(always)]
-fn unpack(&[w, x, y, z, px, py, pz, mx, my, mz]: &State) -> (UnitQuaternion, Vec3, Vec3) {
-    let rotation = UnitQuaternion { w, v: Vec3::new(x, y, z) }.renormalized();
-    (rotation, Vec3::new(px, py, pz), Vec3::new(mx, my, mz))
-}
-
-#[inline(always)]
-fn advance(start: &State, slopes: &[State], weights: &[f64; STAGES], h: f64) -> State {
-    let mut out = *start;
-    for (slope, &weight) in slopes.iter().zip(weights) {
-        if weight != 0.0 {
-            let f = h * weight;
-            for (x, rate) in out.iter_mut().zip(slope) {
-                *x += f * rate;
-            }
-        }
-    }
-    out
 }
 
 /// Integrates eqs. (1) over the steps of a span from the wrench at its start. `poses` takes the

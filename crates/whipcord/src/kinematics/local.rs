@@ -49,7 +49,7 @@ pub enum ComplianceUnknown {
 }
 
 /// How one place of a robot moves with its cables and yields to a load; see
-/// [`crate::cosserat::Derivatives`] for the frames.
+/// [`crate::derivatives::Derivatives`] for the frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Local {
     /// By the cables of the robot.

@@ -11,6 +11,7 @@
 //! | `self_stress` | which cables at their lengths without tension constrain the rod |
 //! | `grid`, `refinement` | integration steps, and the error that they leave |
 //! | `loads`, `strength` | loads at the nodes of a grid, and how strong they are for the rod |
+//! | `runge_kutta` | state and stages of the integration of a rod under loads |
 //! | `scales` | units of residuals |
 //! | `elimination` | the linear system of multiple shooting, eq. (10) |
 //! | `continuation` | step sizes of load continuation |
@@ -36,6 +37,7 @@ pub(crate) mod passages;
 pub(crate) mod quadratic_form;
 pub(crate) mod rank;
 pub(crate) mod refinement;
+pub(crate) mod runge_kutta;
 pub(crate) mod scales;
 pub(crate) mod self_stress;
 pub(crate) mod strength;

@@ -1,7 +1,8 @@
 //! Derivatives of the Cosserat model against closed forms.
 
 use crate::common::{bending_stiffness, paper_backbone, paper_robot, straight};
-use whipcord::cosserat::{Accuracy, Cosserat, Derivatives, Hold, Options, Place, Workspace};
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::derivatives::{Derivatives, Hold, Place};
 use whipcord::{Case, Disks, Parameter, Robot, Solution, SolveError, StiffnessPart, Vec3};
 
 const L: f64 = 0.18;

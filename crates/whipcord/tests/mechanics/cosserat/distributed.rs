@@ -8,7 +8,8 @@ use core::f64::consts::PI;
 
 use crate::common::{fine_options, paper_robot, round, solve_finely, solve_with, straight};
 use crate::oracle::Oracle;
-use whipcord::cosserat::{Accuracy, Cosserat, Hold, Options, Place, Workspace};
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::derivatives::{Hold, Place};
 use whipcord::{
     Backbone, Case, Disks, DistributedLoad, LoadFrame, Loads, Material, Parameter, PointLoad,
     PointMass, Pose, Profile, Robot, Solution, SolveError, StabilityAnalysis, UnitQuaternion, Vec3,

@@ -3,8 +3,8 @@
 use super::kinds_of_load::under_spread_followers;
 use super::{ROBOTS, bending_stiffness, by_length, differentiated, parameters, taut};
 use crate::common::Wildness;
-use whipcord::cosserat::derivatives::{Change, Cotangent};
-use whipcord::cosserat::{Hold, Place};
+use whipcord::derivatives::{Change, Cotangent};
+use whipcord::derivatives::{Hold, Place};
 use whipcord::{Case, Parameter, Robot, Twist, Vec3};
 
 /// Some numbers between −1 and 1, the same in every run.

@@ -5,7 +5,8 @@ use super::{
     options, solve_near, taut,
 };
 use crate::common::Wildness;
-use whipcord::cosserat::{Accuracy, Cosserat, Hold, Options, Place, Workspace};
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::derivatives::{Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{Case, PointLoad, Shortening, Solution, Vec3};
 

@@ -8,8 +8,9 @@ mod kinds_of_load;
 
 use crate::common;
 use crate::common::Wildness;
-use whipcord::cosserat::derivatives::Change;
-use whipcord::cosserat::{Accuracy, Cosserat, Derivatives, Hold, Options, Place, Workspace};
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::derivatives::Change;
+use whipcord::derivatives::{Derivatives, Hold, Place};
 use whipcord::differences::{Difference, differentiate};
 use whipcord::{
     CableCommand, Case, DistributedLoad, Parameter, Profile, Robot, Routing, Shortening, Solution,

@@ -7,7 +7,8 @@ mod rod;
 
 use core::f64::consts::PI;
 
-use whipcord::cosserat::{Accuracy, Cosserat, Hold, Options, Place, Workspace};
+use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::derivatives::{Hold, Place};
 use whipcord::{
     Backbone, Cable, CableCommand, Case, Disks, DistributedLoad, Loads, Material, Parameter,
     PointLoad, Profile, RestCurvature, Robot, Routing, Section, Shortening, Vec3,

@@ -1,6 +1,6 @@
 //! The steps of an answer once more, with the linear map of every stage.
 //!
-//! A stage of the Runge–Kutta method of [`super::super::loaded`] takes a quaternion, scaled back to
+//! A stage of the Runge–Kutta method of `cosserat` takes a quaternion, scaled back to
 //! norm 1 by one Newton step, and a moment; solves the section; and returns slopes. Each of these
 //! maps is differentiated as it is computed, so that what comes out is the derivative of the
 //! discrete solution, not a discretisation of the derivative.
@@ -9,12 +9,12 @@ use whipcord_numerics::{BUTCHER_5, Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::elimination::NodeChange;
 use super::forward::Forcing;
-use crate::cosserat::loaded::{NODE_OF_STAGE, STAGES, State, advance, pack, unpack};
 use crate::section::Fault;
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::shape::Wrench;
 use crate::statics::grid::Grid;
 use crate::statics::loads::{AppliedLoads, Line};
+use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES, State, advance, pack, unpack};
 use whipcord_numerics::weighted_sum;
 
 /// The place of [`crate::statics::grid::SHOOTING_NODES`] at the end of a step.

@@ -43,7 +43,7 @@ struct Eliminated {
 /// How a node moves, base frame: with something that changes, or the other way round the
 /// sensitivity of something to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::cosserat) struct NodeChange {
+pub(crate) struct NodeChange {
     pub turn: Vec3,
     pub position: Vec3,
     /// Of moment and force just behind the node.

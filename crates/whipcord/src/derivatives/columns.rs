@@ -251,7 +251,7 @@ impl Raw {
 }
 
 /// A wrench of which one component is 1, the force first.
-pub(in crate::cosserat) fn unit_wrench(component: usize) -> Wrench {
+pub(crate) fn unit_wrench(component: usize) -> Wrench {
     match component {
         0..3 => Wrench { force: AXES[component], moment: Vec3::ZERO },
         _ => Wrench { force: Vec3::ZERO, moment: AXES[component % 3] },

@@ -6,8 +6,8 @@ use whipcord_numerics::{BUTCHER_5, UnitQuaternion, Vec3};
 use super::elimination::StepPull;
 use super::forward::Forcing;
 use super::replay::{Ends, Replay, Spread, Stage, Swing};
-use crate::cosserat::loaded::STAGES;
 use crate::statics::grid::Step;
+use crate::statics::runge_kutta::STAGES;
 
 /// Sensitivities of one scalar to the forcing of every stage; six to a step.
 pub(super) fn stage_pulls(

@@ -17,9 +17,9 @@ use whipcord_numerics::{BUTCHER_5, Mat3, Vec3};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::replay::{AXES, Replay, Spread, Stage, Swing};
-use crate::cosserat::loaded::STAGES;
 use crate::section::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
 use crate::statics::grid::Step;
+use crate::statics::runge_kutta::STAGES;
 
 /// Turn (3), moment (3) and force (3) at the start of a step, base frame.
 pub(super) const STATES: usize = 9;

@@ -8,10 +8,10 @@ use super::elimination::StepPull;
 use super::forward::{Forcing, Maps};
 use super::quadrature::{POINTS, Quadrature};
 use super::replay::{Answer, Replay, Stage};
-use crate::cosserat::loaded::{NODE_OF_STAGE, STAGES};
 use crate::section::Fault;
 use crate::section::{BodyWrench, Crossing, Strain};
 use crate::statics::grid::{Grid, Node, Step};
+use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES};
 
 /// A linearised answer.
 #[derive(Clone, Debug)]

@@ -10,7 +10,7 @@
 //! what one source changes, `change` is what comes out, `at_place` what is said of one place.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
-//! [`super::Cosserat::solve`] on the same steps to rounding, and with those of the rod to its
+//! [`crate::cosserat::Cosserat::solve`] on the same steps to rounding, and with those of the rod to its
 //! discretisation error. Only what a load does to a rod that has none is compared to solutions of
 //! another integrator, that of the loaded rod.
 
@@ -33,12 +33,12 @@ mod spread_change;
 pub use self::backward::{Cotangent, Gradient};
 pub use self::change::Change;
 use self::change::Places;
-pub(super) use self::columns::unit_wrench;
+pub(crate) use self::columns::unit_wrench;
 use self::columns::{Raw, Source};
 use self::elimination::Elimination;
 use self::forward::Maps;
 use self::linear::Linear;
-pub(super) use self::open::{Motion, StepGap};
+pub(crate) use self::open::{Motion, StepGap};
 use self::partials::{Partial, Setting};
 use self::replay::Answer;
 use crate::case::Case;
@@ -49,6 +49,7 @@ use crate::section::Strain;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::grid::{Grid, Layout, Step};
+pub use crate::statics::hold::Hold;
 use crate::statics::hold::{Critical, HeldCables};
 use crate::statics::loads::AppliedLoads;
 
@@ -74,7 +75,8 @@ pub enum Place {
 /// and the derivatives are those of the side that the answer says.
 ///
 /// ```
-/// use whipcord::cosserat::{Cosserat, Hold, Options, Place, Workspace};
+/// use whipcord::cosserat::{Cosserat, Options, Workspace};
+/// use whipcord::derivatives::{Hold, Place};
 /// use whipcord::{Backbone, Cable, Case, Disks, Loads, Material, Parameter, Robot, Routing, Section};
 ///
 /// let material =
@@ -122,7 +124,7 @@ pub struct Derivatives {
 
 /// Why an answer has no derivatives.
 #[derive(Clone, Debug)]
-pub(super) enum NoDerivatives {
+pub(crate) enum NoDerivatives {
     Fault(Fault),
     Parameter(RobotError),
     Critical,
@@ -141,7 +143,7 @@ impl From<Fault> for NoDerivatives {
 }
 
 /// The answer that is differentiated, as the solver left it.
-pub(super) struct Solved<'a> {
+pub(crate) struct Solved<'a> {
     pub robot: &'a Robot,
     pub case: &'a Case,
     pub layout: &'a Layout,
@@ -160,7 +162,7 @@ pub(super) struct Solved<'a> {
 }
 
 impl Derivatives {
-    pub(super) fn of(solved: &Solved<'_>, parameters: &[Parameter]) -> Result<Self, NoDerivatives> {
+    pub(crate) fn of(solved: &Solved<'_>, parameters: &[Parameter]) -> Result<Self, NoDerivatives> {
         let Solved { robot, case, layout, grid, loads, tensions, .. } = *solved;
         let mut linear = Linear::of(&Answer {
             grid,

@@ -15,7 +15,7 @@ use crate::statics::hold::Hold;
 
 /// How a step ends beyond the node that it should meet, base frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::cosserat) struct StepGap {
+pub(crate) struct StepGap {
     pub turn: Vec3,
     pub moment: Vec3,
     pub force: Vec3,
@@ -23,7 +23,7 @@ pub(in crate::cosserat) struct StepGap {
 
 /// How all nodes and the tensions move, the latter by grid places.
 #[derive(Clone, Debug, Default)]
-pub(in crate::cosserat) struct Motion {
+pub(crate) struct Motion {
     pub nodes: Vec<NodeChange>,
     pub tensions: Vec<f64>,
 }
@@ -43,7 +43,7 @@ impl Motion {
 impl Derivatives {
     /// The step that closes the gaps, takes the tension off cables that are not taut, and takes those that
     /// are by these slacknesses in m to their lengths.
-    pub(in crate::cosserat) fn closing(
+    pub(crate) fn closing(
         &self,
         gaps: &[StepGap],
         tensions: &[f64],
@@ -63,7 +63,7 @@ impl Derivatives {
     }
 
     /// How everything moves with a wrench at a node, all commands held.
-    pub(in crate::cosserat) fn contact_response(&self, node: usize, wrench: Wrench) -> Motion {
+    pub(crate) fn contact_response(&self, node: usize, wrench: Wrench) -> Motion {
         let added = |at: usize| if at == node { wrench } else { Wrench::default() };
         let cables = self.place_of.len();
         let steps = self.steps.len();
