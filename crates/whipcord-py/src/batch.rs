@@ -8,7 +8,7 @@ use whipcord::batch::{
     Arrays, BatchOptions, Gradients, Progress, Rows, Sensitivities, Solved, solve_batch_into,
     solve_robots,
 };
-use whipcord::{Diagnostics, SolveError};
+use whipcord::{Diagnostics, ModelKind, SolveError};
 
 use crate::convert::array;
 use crate::errors;
@@ -197,9 +197,9 @@ pub fn pull_back_batch<'py>(
 ) -> PyResult<Pulled<'py>> {
     let count = setup.rows(py, &values)?;
     let (method, limit) = model.begin();
-    let whipcord::Model::Cosserat(model) = &method else {
+    if !matches!(method.kind(), ModelKind::Cosserat | ModelKind::CosseratDisks) {
         return Err(errors::not_by(py, method.kind(), "gradients"));
-    };
+    }
     let parameters: Vec<_> =
         parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;
     let by_commands = PyArray2::zeros(py, [count, setup.robot.cables().len()], false);
@@ -219,7 +219,7 @@ pub fn pull_back_batch<'py>(
             let options = shared(threads, progress);
             let robot = &setup.robot;
             whipcord::batch::pull_back_batch(
-                model,
+                &method,
                 robot,
                 rows,
                 &parameters,

@@ -1,13 +1,12 @@
-//! Exact derivatives of an answer: of the Cosserat model by all, of the four-bar model by the lengths.
+//! Exact derivatives of an answer: of the Cosserat rods by all, of the four-bar model by the lengths.
 
 use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whipcord::derivatives::{Change, Cotangent};
-use whipcord::derivatives::{Hold, Place};
-use whipcord::{ModelKind, Prepared, Twist, UnitQuaternion, Vec3, cosserat, four_bar};
+use whipcord::derivatives::{Change, Cotangent, Hold, Place};
+use whipcord::{Case, ModelKind, Prepared, Twist, UnitQuaternion, Vec3, four_bar};
 
 use crate::convert::{array, matrix6, square, twist};
 use crate::errors;
@@ -52,22 +51,23 @@ pub fn derivatives(
     let start = start.map(|solution| Arc::clone(&solution.inner));
     let of = Arc::clone(&case);
     let answer = Setup::watched(setup, model, move |prepared| {
-        let (model, workspace) = match prepared {
-            Prepared::Cosserat(model, workspace) => (model, workspace),
+        match prepared {
+            Prepared::Cosserat(..) | Prepared::CosseratDisks(..) => {}
             Prepared::FourBar(model, workspace) if parameters.is_empty() => {
                 let (solution, inner) = model.solve_with_derivatives(&of, workspace)?;
                 return Ok(Some((solution, Inner::FourBar(inner))));
             }
             _ => return Ok(None),
-        };
+        }
         let mut left = None;
         if start.is_none() {
             for step in of.single_steps().take(of.before.len()) {
-                left = Some(model.solve(&step, left.as_ref(), workspace)?);
+                left = Some(prepared.solve(&step, left.as_ref())?);
             }
         }
         let start = start.as_deref().or(left.as_ref());
-        let (solution, inner) = model.solve_with_derivatives(&of, start, &parameters, workspace)?;
+        let last = Case { before: Vec::new(), ..(*of).clone() };
+        let (solution, inner) = prepared.solve_with_derivatives(&last, start, &parameters)?;
         Ok(Some((solution, Inner::Rod(Box::new(inner)))))
     })?;
     let Some((solution, inner)) = answer else {
@@ -244,7 +244,7 @@ impl Derivatives {
 }
 
 impl Derivatives {
-    /// What only the Cosserat model knows.
+    /// What only the Cosserat rods know.
     fn rod(&self, py: Python<'_>, what: &str) -> PyResult<&whipcord::derivatives::Derivatives> {
         match &self.inner {
             Inner::Rod(rod) => Ok(rod),

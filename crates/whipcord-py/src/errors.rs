@@ -35,7 +35,11 @@ pub fn input(py: Python<'_>, path: &str, message: String) -> PyErr {
 
 /// A model is asked for what only the Cosserat model knows.
 pub fn not_by(py: Python<'_>, model: ModelKind, what: &str) -> PyErr {
-    input(py, "model", format!("{what} are known to the model cosserat, not to {model}"))
+    input(
+        py,
+        "model",
+        format!("{what} are known to the models cosserat and cosserat-disks, not to {model}"),
+    )
 }
 
 /// A quantity of a robot or a case that cannot be.

@@ -24,6 +24,7 @@ pub mod format;
 pub mod four_bar;
 pub mod kind;
 pub mod kinematics;
+mod linearization;
 pub mod linkage;
 pub mod model;
 pub mod obstacle;

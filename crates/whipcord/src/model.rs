@@ -378,11 +378,8 @@ impl Model {
         arc_length: f64,
         warm_start: Option<&Solution>,
     ) -> Result<(Solution, Local), SolveError> {
-        let options = match self {
-            Self::Cosserat(options) => options,
-            Self::CosseratDisks(options) => {
-                return cosserat_disks::solve_at(options, robot, case, arc_length, warm_start);
-            }
+        let model = match self {
+            Self::Cosserat(_) | Self::CosseratDisks(_) => self.at(Stations::At(vec![arc_length])),
             Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
                 return Err(SolveError::Unsupported {
                     model: self.kind(),
@@ -403,17 +400,14 @@ impl Model {
                 });
             }
         };
-        let options =
-            cosserat::Options { stations: Stations::At(vec![arc_length]), ..options.clone() };
-        let model = cosserat::Cosserat::new(robot, &case.loads, &options)?;
-        let mut workspace = cosserat::Workspace::default();
+        let mut prepared = model.prepare(robot, &case.loads)?;
         let mut left = warm_start.cloned();
         let before = if left.is_some() { 0 } else { case.before.len() };
         for step in case.single_steps().take(before) {
-            left = Some(model.solve(&step, left.as_ref(), &mut workspace)?);
+            left = Some(prepared.solve(&step, left.as_ref())?);
         }
-        let (solution, derivatives) =
-            model.solve_with_derivatives(case, left.as_ref(), &[], &mut workspace)?;
+        let last = Case { before: Vec::new(), ..case.clone() };
+        let (solution, derivatives) = prepared.solve_with_derivatives(&last, left.as_ref(), &[])?;
         let local = derivatives.at(crate::derivatives::Place::Station(0))?;
         Ok((solution, local))
     }

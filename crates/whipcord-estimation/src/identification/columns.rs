@@ -8,10 +8,10 @@ use super::forward::{Forward, Marker};
 use super::quantity::Quantity;
 use super::{Experiment, Unknown};
 use whipcord::case::{LoadFrame, Shortening};
-use whipcord::derivatives::Change;
-use whipcord::derivatives::{Derivatives, Hold, Place};
-use whipcord::model::{Model, Prepared};
+use whipcord::derivatives::{Change, Derivatives, Hold, Place};
+use whipcord::model::Model;
 use whipcord::parameter::Parameter;
+use whipcord::robot::Robot;
 use whipcord::shape::Solution;
 
 /// How the derivative by an unknown comes about.
@@ -37,10 +37,11 @@ impl DerivativeMethod {
         unknown: &Unknown,
         unknowns: &[Unknown],
         experiment: &Experiment,
-        model: &Model,
+        (model, robot): (&Model, &Robot),
     ) -> Self {
         let loads = &experiment.case.loads;
-        let is_exact = matches!(model, Model::Cosserat(_));
+        let rubs = unknowns.iter().any(|u| matches!(u.quantity, Quantity::Friction { .. }));
+        let is_exact = !rubs && model.has_derivatives(robot, &experiment.case);
         let by_factor = unknowns.iter().any(|other| {
             matches!(other.quantity, Quantity::Parameter(Parameter::StiffnessScale(_)))
         });
@@ -89,15 +90,14 @@ impl Forward<'_> {
         let (prepared, case) = self.prepare(experiment, x)?;
         let mut answers: Vec<(Solution, Option<Derivatives>)> = Vec::new();
         match prepared {
-            Prepared::Cosserat(model, workspace) if asks => {
+            prepared if asks => {
                 for (k, step) in case.single_steps().enumerate() {
                     let last = answers.last().map(|(solution, _)| solution);
                     answers.push(if observed.contains(&k) {
-                        let answer =
-                            model.solve_with_derivatives(&step, last, &parameters, workspace)?;
+                        let answer = prepared.solve_with_derivatives(&step, last, &parameters)?;
                         (answer.0, Some(answer.1))
                     } else {
-                        (model.solve(&step, last, workspace)?, None)
+                        (prepared.solve(&step, last)?, None)
                     });
                 }
             }

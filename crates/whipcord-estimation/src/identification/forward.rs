@@ -79,9 +79,9 @@ impl<'a> Forward<'a> {
             unknowns
                 .iter()
                 .map(|unknown| {
-                    unknown
-                        .is_of(e)
-                        .then(|| DerivativeMethod::of(unknown, unknowns, experiment, &model))
+                    unknown.is_of(e).then(|| {
+                        DerivativeMethod::of(unknown, unknowns, experiment, (&model, robot))
+                    })
                 })
                 .collect()
         };

@@ -4,10 +4,10 @@ use super::BatchOptions;
 use super::error::BatchError;
 use super::rows::Rows;
 use super::run::run;
-use crate::cosserat::{Cosserat, Options, Workspace};
 use crate::derivatives::Cotangent;
 use crate::derivatives::{Hold, Place};
 use crate::error::SolveError;
+use crate::model::Model;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use whipcord_numerics::{Twist, Vec3};
@@ -40,7 +40,7 @@ pub struct Gradients<'a> {
     pub parameters: &'a mut [f64],
 }
 
-/// Solves the rows by the Cosserat model and pulls the sensitivities of a scalar to each answer back
+/// Solves the rows by a model with exact derivatives ([`Model::has_derivatives`]) and pulls the sensitivities of a scalar to each answer back
 /// to the commands of the row and to these parameters, exactly, in one sweep for all of them. When a
 /// parameter changes the commands are held.
 ///
@@ -48,7 +48,7 @@ pub struct Gradients<'a> {
 /// As [`super::solve_batch_into`]. A row without an answer, or whose answer has no derivatives, is no
 /// error of the batch.
 pub fn pull_back_batch(
-    options: &Options,
+    model: &Model,
     robot: &Robot,
     rows: Rows<'_>,
     parameters: &[Parameter],
@@ -56,8 +56,8 @@ pub fn pull_back_batch(
     sensitivities: Sensitivities<'_>,
     gradients: Gradients<'_>,
 ) -> Result<Vec<Result<(), SolveError>>, BatchError> {
-    let model = Cosserat::new(robot, &rows.first_loads(), options)?;
-    let (stations, cables) = (model.stations().len(), robot.cables().len());
+    let prepared = model.prepare(robot, &rows.first_loads())?;
+    let (stations, cables) = (prepared.stations().len(), robot.cables().len());
     let count = rows.count(cables)?;
     sensitivities.check(count, stations, cables)?;
     size("commands", gradients.commands.len(), count * cables)?;
@@ -75,9 +75,9 @@ pub fn pull_back_batch(
         jobs,
         count,
         batch,
-        &options.cancel,
-        || (model.clone(), Workspace::default(), rows.blank()),
-        |(first, by_commands, by_parameters, outcomes), (model, workspace, blank), tally| {
+        model.cancel(),
+        || (prepared.clone(), rows.blank()),
+        |(first, by_commands, by_parameters, outcomes), (prepared, blank), tally| {
             for (i, outcome) in outcomes.iter_mut().enumerate() {
                 if !tally.goes_on() {
                     return;
@@ -85,15 +85,12 @@ pub fn pull_back_batch(
                 let row = first + i;
                 let case = rows.case(row, cables, blank);
                 let to_base = case.base.rotation.conjugate();
-                let answer = if model.takes_places_of(&case.loads) {
-                    model.solve_with_derivatives(case, None, parameters, workspace)
-                } else {
-                    let built = Cosserat::new(robot, &case.loads, options);
-                    built.and_then(|built| {
-                        *model = built;
-                        model.solve_with_derivatives(case, None, parameters, workspace)
-                    })
+                let built = match prepared.takes_places_of(&case.loads) {
+                    true => Ok(()),
+                    false => model.prepare(robot, &case.loads).map(|built| *prepared = built),
                 };
+                let answer =
+                    built.and_then(|()| prepared.solve_with_derivatives(case, None, parameters));
                 *outcome = answer.map(|(_, derivatives)| {
                     let cotangent =
                         sensitivities.of_row(row, (stations, cables), |v| to_base.rotate(v));

@@ -12,7 +12,9 @@ use super::model::{Cosserat, Workspace};
 use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
 use crate::case::Case;
-use crate::derivatives::{Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench};
+use crate::derivatives::{
+    Cables, Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench,
+};
 use crate::error::SolveError;
 use crate::robot::Robot;
 use crate::section::Fault;
@@ -209,11 +211,12 @@ impl ContactResponse {
                 }
             })
             .collect();
+        let known: Vec<Option<Wrench>> = starts.iter().copied().map(Some).collect();
         let base_force = scratch.applied.base_force() + starts[0].force;
         let solved = Solved {
             robot,
             case,
-            layout: &model.layout,
+            cables: Cables::of(&model.layout),
             grid,
             loads: &scratch.applied,
             commands,
@@ -221,7 +224,7 @@ impl ContactResponse {
             taut: &taut,
             poses: &self.poses,
             base_wrench: Wrench { force: base_force, ..starts[0] },
-            starts: Some(&starts),
+            starts: &known,
             strains: self.trajectory.strains(),
         };
         let derivatives = Derivatives::of(&solved, &[]).map_err(|error| match error {

@@ -7,7 +7,7 @@ use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, 
 use super::statics::{self, Scratch, StabilityCheck, Start};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
-use crate::derivatives::{Derivatives, NoDerivatives, Solved};
+use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
@@ -191,7 +191,7 @@ impl Cosserat {
             &Solved {
                 robot: &self.robot,
                 case,
-                layout: &self.layout,
+                cables: Cables::of(&self.layout),
                 grid: &grid,
                 loads: &scratch.applied,
                 commands,
@@ -199,7 +199,7 @@ impl Cosserat {
                 taut: &taut,
                 poses: &scratch.poses,
                 base_wrench: scratch.base_wrench,
-                starts: starts.as_deref(),
+                starts: &starts,
                 // Without load no shot has been fired: its strains would be those of another case.
                 strains: match scratch.applied.any() {
                     true => scratch.trajectory.strains(),

@@ -8,6 +8,7 @@ use super::friction::Holes;
 use super::repeated_spans::{self, RepeatedSpan};
 use super::span::Chord;
 use crate::case::Loads;
+use crate::derivatives::StraightSpan;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Robot;
@@ -122,10 +123,24 @@ impl Frame {
         }
     }
 
+    /// The mesh on which the rod at rest is known.
+    pub fn rest_mesh(&self) -> Result<Mesh, SolveError> {
+        const HALVINGS: usize = 3;
+        self.mesh(1, HALVINGS)
+    }
+
+    /// The cables between the disks, on the steps of a mesh.
+    pub fn straight_spans(&self, mesh: &Mesh) -> Vec<StraightSpan<'_>> {
+        self.spans
+            .iter()
+            .zip(&mesh.spans)
+            .map(|(span, steps)| StraightSpan { steps: steps.clone(), passages: &span.passages })
+            .collect()
+    }
+
     /// The chords of all passages on the rod at rest.
     fn chords_at_rest(&self) -> Result<Vec<Chord>, SolveError> {
-        const HALVINGS: usize = 3;
-        let mesh = self.mesh(1, HALVINGS)?;
+        let mesh = self.rest_mesh()?;
         let mut chords = Vec::with_capacity(self.passages);
         for (span, steps) in self.spans.iter().zip(&mesh.spans) {
             let pose = steps.clone().fold(Pose::IDENTITY, |pose, k| {

@@ -23,7 +23,6 @@ pub(crate) mod layout;
 mod length_constraints;
 mod load_continuation;
 mod loaded_span;
-mod local;
 mod model;
 mod newton;
 mod repeated_spans;
@@ -36,5 +35,4 @@ mod unloaded;
 mod unloaded_span;
 
 pub use crate::statics::options::Options;
-pub(crate) use local::solve_at;
 pub use model::{CosseratDisks, Workspace};

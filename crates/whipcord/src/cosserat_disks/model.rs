@@ -9,8 +9,10 @@ use super::stability_check::{self, Sampled};
 use super::statics::{self, Problem, Scratch, Start};
 use crate::cancel::Cancel;
 use crate::case::{CableCommand, Case, Loads};
+use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StraightCables};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
@@ -258,6 +260,70 @@ impl CosseratDisks {
         Ok(())
     }
 
+    /// [`Self::solve`], with the derivatives of the answer: by tensions or lengths, by loads at any
+    /// place, and by these parameters.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`SolveError::Invalid`] for a parameter that robot and case do not have,
+    /// [`SolveError::Unsupported`] where a cable rubs: pulling and releasing it then give different derivatives; and
+    /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
+    pub fn solve_with_derivatives(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Derivatives), SolveError> {
+        refusal::hole_friction(
+            ModelKind::CosseratDisks,
+            &self.robot,
+            "friction at the holes, for compliance and derivatives",
+            "with friction the compliance differs between pulling and releasing a cable: set the friction to 0",
+        )?;
+        let cases = core::slice::from_ref(case);
+        self.check_steps(cases, workspace)?;
+        let start = warm_start.map_or(Start::Cold, start_from);
+        let solved = self.solve_keeping_mesh(cases, start, workspace);
+        let (solution, level) = self.options.cancel.checked(solved)?;
+        let mesh = self.mesh(level)?;
+        let Workspace { scratch, commands, .. } = workspace;
+        // Lengths before actuation hang on parameters alone.
+        let rest = (!parameters.is_empty()).then(|| self.frame.rest_mesh()).transpose()?;
+        let rest = rest.as_ref().map(|mesh| (&mesh.grid, self.frame.straight_spans(mesh)));
+        let straight = StraightCables {
+            spans: &self.frame.straight_spans(&mesh),
+            rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
+        };
+        let order: Vec<usize> = (0..scratch.tensions.len()).collect();
+        let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
+        let solved = Solved {
+            robot: &self.robot,
+            case,
+            cables: Cables {
+                order: &order,
+                rest_lengths: &self.frame.rest_lengths,
+                straight: Some(straight),
+            },
+            grid: &mesh.grid,
+            loads: &scratch.applied,
+            commands,
+            tensions: &scratch.tensions,
+            taut: &taut,
+            poses: &scratch.poses,
+            base_wrench: scratch.base_wrench,
+            starts: &scratch.starts(&mesh),
+            strains: &[],
+        };
+        match Derivatives::of(&solved, parameters) {
+            Ok(derivatives) => Ok((solution, derivatives)),
+            Err(NoDerivatives::Parameter(error)) => Err(error.into()),
+            // The sections of a rod without cables have no equilibrium to miss.
+            Err(NoDerivatives::Critical | NoDerivatives::Fault(_)) => {
+                Err(SolveError::NoDerivatives)
+            }
+        }
+    }
+
     /// The answer to the last of several checked steps; those before it that were walked on a mesh already are
     /// not walked again.
     fn solve_last(
@@ -266,15 +332,25 @@ impl CosseratDisks {
         start: Start,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
-        let outcome = match self.options.accuracy {
+        let outcome = self.solve_keeping_mesh(cases, start, workspace);
+        self.options.cancel.checked(outcome.map(|(solution, _)| solution))
+    }
+
+    /// The answer, and how often the steps of its mesh are halved.
+    fn solve_keeping_mesh(
+        &self,
+        cases: &[Case],
+        start: Start,
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, usize), SolveError> {
+        match self.options.accuracy {
             Accuracy::Steps(_) => {
                 let mesh = &self.mesh;
-                let found = self.solve_on(0, mesh, cases, &start, workspace);
-                found.map(|found| self.solution(mesh, cases, workspace, found, None))
+                let found = self.solve_on(0, mesh, cases, &start, workspace)?;
+                Ok((self.solution(mesh, cases, workspace, found, None), 0))
             }
             Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, cases, start, workspace),
-        };
-        self.options.cancel.checked(outcome)
+        }
     }
 
     /// Halves the steps until the answer changes no more.
@@ -284,7 +360,7 @@ impl CosseratDisks {
         cases: &[Case],
         mut start: Start,
         workspace: &mut Workspace,
-    ) -> Result<Solution, SolveError> {
+    ) -> Result<(Solution, usize), SolveError> {
         let length = self.robot.backbone().length;
         let tolerance = tolerance * length;
         let (mut error, mut steps, mut iterations) = (f64::INFINITY, 0, 0);
@@ -317,7 +393,8 @@ impl CosseratDisks {
                 error = workspace.change(&mesh, length) / ERROR_RATIO;
                 if error <= tolerance {
                     let found = Found { iterations, lost_at, ..found };
-                    return Ok(self.solution(&mesh, cases, workspace, found, Some(error)));
+                    let solution = self.solution(&mesh, cases, workspace, found, Some(error));
+                    return Ok((solution, level));
                 }
             }
             workspace.keep(&mesh);

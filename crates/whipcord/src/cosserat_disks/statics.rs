@@ -100,6 +100,26 @@ pub(super) struct Scratch {
     length_scratch: LengthScratch,
 }
 
+impl Scratch {
+    /// What acts in the rod of the answer just beyond the disks, as [`crate::derivatives`] takes it: in the base frame, and
+    /// beyond the dead loads.
+    pub fn starts(&self, mesh: &Mesh) -> Vec<Option<Wrench>> {
+        let mut starts = vec![None; mesh.grid.len()];
+        for (k, steps) in mesh.spans.iter().enumerate() {
+            let wrench = match self.applied.any() {
+                true => self.chain.nodes[k].wrench,
+                false => self.unloaded.wrenches[k],
+            };
+            let disk = self.poses[steps.start].rotation;
+            starts[steps.start] = Some(Wrench {
+                force: disk.rotate(wrench.linear) - self.applied.force(steps.start, 0),
+                moment: disk.rotate(wrench.angular),
+            });
+        }
+        starts
+    }
+}
+
 /// Solves the problem under the loads that `scratch.applied` has gathered; the answer is left in
 /// `scratch`.
 pub(super) fn solve(

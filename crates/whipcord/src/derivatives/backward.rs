@@ -3,7 +3,10 @@
 use whipcord_numerics::{Twist, Vec3};
 
 use super::change::Places;
-use super::elimination::NodeChange;
+use super::columns::unit_wrench;
+use super::elimination::{NodeChange, StepPull};
+use super::forward::Effect;
+use super::spans::Spans;
 use super::{Derivatives, Place};
 use crate::shape::Wrench;
 use crate::statics::command::Command;
@@ -60,14 +63,15 @@ impl Derivatives {
             node.position += twist.linear;
             node.turn += twist.angular;
         }
-        nodes[0].moment += cotangent.base_wrench.moment;
-        nodes[0].force += cotangent.base_wrench.force;
+        let at_base = &cotangent.base_wrench;
         // What a change of each tension is worth, by all that it moves.
         let worth: Vec<f64> = (self.by_tension.iter().zip(&tensions))
             .map(|(column, own)| {
                 let moved: f64 = column.nodes.iter().zip(&nodes).map(|(a, b)| a.dot(b)).sum();
                 let longer: f64 = column.lengths.iter().zip(&lengths).map(|(a, b)| a * b).sum();
-                own + moved + longer
+                let base =
+                    column.base.force.dot(at_base.force) + column.base.moment.dot(at_base.moment);
+                own + moved + longer + base
             })
             .collect();
         let by_length = self.held.pull_back(hold, &worth);
@@ -96,14 +100,43 @@ impl Derivatives {
             }
             sum
         };
+        let spans = self.linear.spans();
+        let (mut links, starts) = match spans {
+            Some(spans) => spans.gather(&nodes),
+            None => (nodes.clone(), Vec::new()),
+        };
+        links[0].moment += at_base.moment;
+        links[0].force += at_base.force;
+        let extra = |k: usize| {
+            let mut sum = extra(k);
+            for (s, start) in sum.iter_mut().zip(starts.get(k).into_iter().flatten()) {
+                *s += *start;
+            }
+            sum
+        };
         let mut steps = Vec::new();
-        self.elimination.pull_back(&nodes, extra, &mut steps);
+        self.elimination.pull_back(&links, extra, &mut steps);
         let mut stages = Vec::new();
         self.linear.pull_back(&self.steps, &steps, &lengths, &mut stages);
         let mut wrenches = vec![Wrench::default()];
-        wrenches.extend(steps.iter().map(|step| step.added));
+        match spans {
+            None => wrenches.extend(steps.iter().map(|step| step.added)),
+            Some(spans) => {
+                // Nobody asks for those at other nodes between disks.
+                let places = self.places.stations.iter().copied();
+                let loaded = self.partials.iter().filter_map(|partial| Some(partial.added?.0));
+                wrenches.resize(nodes.len(), Wrench::default());
+                for node in places.chain(loaded).chain(self.places.disks.iter().copied()) {
+                    wrenches[node] = self.worth_of_wrench(spans, node, &nodes, &steps, &lengths);
+                }
+            }
+        }
         let parameters = (self.partials.iter())
-            .map(|partial| {
+            .enumerate()
+            .map(|(p, partial)| {
+                let within = spans.map_or(0.0, |spans| {
+                    self.worth_of_input(spans, cables + p, &nodes, &steps, &lengths)
+                });
                 let acting: f64 =
                     stages.iter().enumerate().map(|(i, pull)| pull.dot(&partial.forcing(i))).sum();
                 let longer: f64 = partial.lengths.iter().zip(&lengths).map(|(a, b)| a * b).sum();
@@ -112,11 +145,56 @@ impl Derivatives {
                     wrenches[node].force.dot(wrench.force)
                         + wrenches[node].moment.dot(wrench.moment)
                 });
-                let at_base = cotangent.base_wrench.force.dot(partial.at_node(0).force);
-                acting + longer + asked + added + at_base
+                let at_base = at_base.force.dot(partial.at_node(0).force);
+                within + acting + longer + asked + added + at_base
             })
             .collect();
         Gradient { commands, parameters, nodes: wrenches, places: self.places.clone() }
+    }
+}
+
+impl Derivatives {
+    /// What an input that acts within spans is worth.
+    fn worth_of_input(
+        &self,
+        spans: &Spans,
+        input: usize,
+        nodes: &[NodeChange],
+        pulls: &[StepPull],
+        lengths: &[f64],
+    ) -> f64 {
+        let cables = lengths.len();
+        let of_span = |(k, pull): (usize, &StepPull)| {
+            let at = (k * self.maps.inputs + input) * cables;
+            let by = &self.maps.length_by_input[at..at + cables];
+            let longer: f64 = by.iter().zip(lengths).map(|(a, b)| a * b).sum();
+            pull.effect.dot(&self.maps.effects_of(k)[input]) + longer
+        };
+        spans.worth(nodes, spans.input(input)) + pulls.iter().enumerate().map(of_span).sum::<f64>()
+    }
+
+    /// What a dead force and moment on a node of the grid are worth, of a robot that is cut into spans.
+    fn worth_of_wrench(
+        &self,
+        spans: &Spans,
+        node: usize,
+        nodes: &[NodeChange],
+        pulls: &[StepPull],
+        lengths: &[f64],
+    ) -> Wrench {
+        if let Some(disk) = spans.disk(node) {
+            return disk.checked_sub(1).map_or_else(Wrench::default, |span| pulls[span].added);
+        }
+        let of = |component: usize| {
+            let pushed = spans.push(node, unit_wrench(component), lengths.len());
+            let longer: f64 = pushed.lengths.iter().zip(lengths).map(|(a, b)| a * b).sum();
+            let acting = |k: usize, node: usize| {
+                if k == pushed.span { pushed.inside[node] } else { Effect::default() }
+            };
+            pulls[pushed.span].effect.dot(&pushed.effect) + spans.worth(nodes, acting) + longer
+        };
+        let [fx, fy, fz, mx, my, mz] = core::array::from_fn(of);
+        Wrench { force: Vec3::new(fx, fy, fz), moment: Vec3::new(mx, my, mz) }
     }
 }
 

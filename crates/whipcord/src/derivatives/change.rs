@@ -13,6 +13,7 @@ pub struct Change {
     pub(super) places: Places,
     pub(super) nodes: Vec<NodeChange>,
     pub(super) strains: Vec<Strain>,
+    pub(super) base: Wrench,
     /// By cables of the robot.
     pub(super) lengths: Vec<f64>,
     pub(super) tensions: Vec<f64>,
@@ -61,7 +62,7 @@ impl Change {
     /// Rate of what rod and cables exert on the base, base frame.
     #[must_use]
     pub fn base_wrench(&self) -> Wrench {
-        Wrench { force: self.nodes[0].force, moment: self.nodes[0].moment }
+        self.base
     }
 }
 

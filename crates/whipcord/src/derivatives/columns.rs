@@ -6,6 +6,7 @@ use super::change::Change;
 use super::elimination::NodeChange;
 use super::forward::{Effect, Forcing};
 use super::replay::AXES;
+use super::spans::Spans;
 use super::{Derivatives, Place};
 use crate::section::Strain;
 use crate::shape::Wrench;
@@ -15,7 +16,11 @@ use crate::statics::hold::Hold;
 /// A change at constant tensions, in the terms of the grid.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Raw {
+    /// At the nodes of the grid; what acts there is that in the rod, and in cables that run through its sections.
     pub nodes: Vec<NodeChange>,
+    /// At the disks, with what acts in cables too, where these run straight from disk to disk; else empty.
+    pub disks: Vec<NodeChange>,
+    pub base: Wrench,
     pub lengths: Vec<f64>,
 }
 
@@ -35,37 +40,86 @@ impl Derivatives {
     /// The change that a source makes at constant tensions.
     pub(super) fn raw(&self, source: Source) -> Raw {
         let cables = self.place_of.len();
-        let input = match source {
-            Source::Tension(place) => Some(place),
-            Source::Parameter(p) if self.partials[p].acts() => Some(cables + p),
+        match source {
+            Source::Tension(place) => self.respond(Some(place), None),
+            Source::Wrench { node, component } => {
+                self.respond(None, Some((node, unit_wrench(component))))
+            }
+            Source::Parameter(p) => {
+                let partial = &self.partials[p];
+                let mut raw = self.respond(partial.acts().then_some(cables + p), partial.added);
+                for (length, by) in raw.lengths.iter_mut().zip(&partial.lengths) {
+                    *length += by;
+                }
+                raw
+            }
+        }
+    }
+
+    /// The change at constant tensions that goes with one of the inputs of the maps, and with a dead wrench that is added
+    /// at a node of the grid.
+    pub(super) fn respond(&self, input: Option<usize>, wrench: Option<(usize, Wrench)>) -> Raw {
+        let cables = self.place_of.len();
+        let spans = self.linear.spans();
+        // The number that the node has in the chain; `None` between disks.
+        let link = |node: usize| spans.map_or(Some(node), |spans| spans.disk(node));
+        let pushed = match (spans, wrench) {
+            (Some(spans), Some((node, wrench))) if link(node).is_none() => {
+                Some(spans.push(node, wrench, cables))
+            }
             _ => None,
         };
-        let added = match source {
-            Source::Tension(_) => None,
-            Source::Parameter(p) => self.partials[p].added,
-            Source::Wrench { node, component } => Some((node, unit_wrench(component))),
+        let added = wrench.and_then(|(node, wrench)| Some((link(node)?, wrench)));
+        let effect = |k: usize| {
+            let own = input.map_or_else(Effect::default, |i| self.maps.effects_of(k)[i]);
+            match &pushed {
+                Some(pushed) if pushed.span == k => own.plus(&pushed.effect),
+                _ => own,
+            }
         };
-        let effect = |k: usize| input.map_or_else(Effect::default, |i| self.maps.effects_of(k)[i]);
-        let wrench = |node: usize| match added {
+        let first = match (input, &added, &pushed) {
+            (Some(_), ..) => 0,
+            (None, Some((node, _)), _) => node.saturating_sub(1),
+            (None, None, Some(pushed)) => pushed.span,
+            (None, None, None) => self.links(),
+        };
+        let mut raw = self.answer_to(first.min(self.links()), effect, |node| match added {
             Some((at, wrench)) if at == node => wrench,
             _ => Wrench::default(),
-        };
-        let mut raw = self.answer_to(0, effect, wrench);
+        });
         for (place, length) in raw.lengths.iter_mut().enumerate() {
-            if let Source::Parameter(p) = source {
-                *length += self.partials[p].lengths[place];
-            }
             if let Some(input) = input {
                 let at = |k: usize| (k * self.maps.inputs + input) * cables + place;
-                *length +=
-                    (0..self.steps.len()).map(|k| self.maps.length_by_input[at(k)]).sum::<f64>();
+                *length += (0..self.links()).map(|k| self.maps.length_by_input[at(k)]).sum::<f64>();
             }
+            if let Some(pushed) = &pushed {
+                *length += pushed.lengths[place];
+            }
+        }
+        if let Some(spans) = spans {
+            raw.disks = core::mem::take(&mut raw.nodes);
+            spans.expand(
+                &raw.disks,
+                |k, node| {
+                    let own = input.map_or_else(Effect::default, |i| spans.input(i)(k, node));
+                    match &pushed {
+                        Some(pushed) if pushed.span == k => own.plus(&pushed.inside[node]),
+                        _ => own,
+                    }
+                },
+                &mut raw.nodes,
+            );
         }
         raw
     }
 
-    /// The change that goes with something that acts within the steps, and wrenches added at the nodes, at
-    /// constant tensions; nothing acts in the steps before `first`.
+    /// How many steps, or spans, are eliminated.
+    pub(super) fn links(&self) -> usize {
+        self.linear.spans().map_or(self.steps.len(), Spans::len)
+    }
+
+    /// The change of the nodes that are eliminated that goes with something that acts within the steps or spans, and wrenches
+    /// added between them, at constant tensions; nothing acts in those before `first`.
     pub(super) fn answer_to(
         &self,
         first: usize,
@@ -73,14 +127,15 @@ impl Derivatives {
         added: impl Fn(usize) -> Wrench,
     ) -> Raw {
         let cables = self.place_of.len();
-        let mut raw = Raw { nodes: Vec::new(), lengths: vec![0.0; cables] };
+        let mut raw = Raw { lengths: vec![0.0; cables], ..Raw::default() };
         self.elimination.solve(first, effect, added, &mut raw.nodes);
-        for (k, node) in raw.nodes.iter().take(self.steps.len()).enumerate() {
+        for (k, node) in raw.nodes.iter().take(self.links()).enumerate() {
             for (place, length) in raw.lengths.iter_mut().enumerate() {
                 let [turn, moment, force] = &self.maps.length_by_state[k * cables + place];
                 *length += turn.dot(node.turn) + moment.dot(node.moment) + force.dot(node.force);
             }
         }
+        raw.base = Wrench { force: raw.nodes[0].force, moment: raw.nodes[0].moment };
         raw
     }
 
@@ -93,41 +148,29 @@ impl Derivatives {
             .map(|place| targets.get(place).copied().unwrap_or(0.0) - raw.lengths[place])
             .collect();
         let mut tensions = self.held.tensions(hold, &right);
-        let Raw { mut nodes, mut lengths } = raw;
+        let mut changed = raw;
         for (column, &tension) in self.by_tension.iter().zip(&tensions) {
-            if tension != 0.0 {
-                for (node, by) in nodes.iter_mut().zip(&column.nodes) {
-                    node.add(tension, by);
-                }
-                for (length, by) in lengths.iter_mut().zip(&column.lengths) {
-                    *length += tension * by;
-                }
-            }
+            changed.add(tension, column);
         }
-        let strains = self.strains(&nodes, source, &tensions);
+        let strains = self.strains(&changed.nodes, source, &tensions);
         if let Source::Parameter(p) = source {
             // What acts on the rod between base and tip adds to what the nodes carry.
-            nodes[0].force += self.partials[p].at_node(0).force;
+            changed.base.force += self.partials[p].at_node(0).force;
         }
         if let Source::Tension(place) = source {
             tensions[place] += 1.0;
         }
-        self.change(nodes, strains, &lengths, &tensions)
+        self.change(changed, strains, &tensions)
     }
 
-    fn change(
-        &self,
-        nodes: Vec<NodeChange>,
-        strains: Vec<Strain>,
-        lengths: &[f64],
-        tensions: &[f64],
-    ) -> Change {
+    fn change(&self, changed: Raw, strains: Vec<Strain>, tensions: &[f64]) -> Change {
         let of_robot = |values: &[f64]| self.place_of.iter().map(|&place| values[place]).collect();
         Change {
             places: self.places.clone(),
-            nodes,
             strains,
-            lengths: of_robot(lengths),
+            base: changed.base,
+            lengths: of_robot(&changed.lengths),
+            nodes: changed.nodes,
             tensions: of_robot(tensions),
         }
     }
@@ -139,7 +182,8 @@ impl Derivatives {
             .map(|node| {
                 let stage = self.linear.at_node(node);
                 let mut change = nodes[node];
-                if node == self.steps.len() {
+                // Of spans what acts in the rod at the tip is known in front of it.
+                if node == self.steps.len() && self.linear.spans().is_none() {
                     self.elimination.arriving(&mut change, node);
                     if let Source::Wrench { node: place, component } = source
                         && place == node
@@ -204,20 +248,18 @@ impl Derivatives {
     /// The change that goes with changes of the tensions, by grid places, and with nothing else.
     fn with_tensions(&self, tensions: &[f64]) -> Change {
         let cables = tensions.len();
-        let mut nodes = vec![NodeChange::default(); self.steps.len() + 1];
-        let mut lengths = vec![0.0; cables];
+        let mut changed = Raw {
+            nodes: vec![NodeChange::default(); self.steps.len() + 1],
+            lengths: vec![0.0; cables],
+            ..Raw::default()
+        };
         for (column, &tension) in self.by_tension.iter().zip(tensions) {
-            for (node, by) in nodes.iter_mut().zip(&column.nodes) {
-                node.add(tension, by);
-            }
-            for (length, by) in lengths.iter_mut().zip(&column.lengths) {
-                *length += tension * by;
-            }
+            changed.add(tension, column);
         }
         // No wrench at all is added: the component does not matter.
         let nothing = Source::Wrench { node: usize::MAX, component: 0 };
-        let strains = self.strains(&nodes, nothing, tensions);
-        self.change(nodes, strains, &lengths, tensions)
+        let strains = self.strains(&changed.nodes, nothing, tensions);
+        self.change(changed, strains, tensions)
     }
 
     /// How the answer changes with a parameter, by its number in the list that was asked for.
@@ -244,6 +286,23 @@ impl Derivatives {
 }
 
 impl Raw {
+    /// `self += f · other`.
+    pub fn add(&mut self, f: f64, other: &Self) {
+        if f == 0.0 {
+            return;
+        }
+        for (nodes, others) in [(&mut self.nodes, &other.nodes), (&mut self.disks, &other.disks)] {
+            for (node, by) in nodes.iter_mut().zip(others) {
+                node.add(f, by);
+            }
+        }
+        for (length, by) in self.lengths.iter_mut().zip(&other.lengths) {
+            *length += f * by;
+        }
+        self.base.force += f * other.base.force;
+        self.base.moment += f * other.base.moment;
+    }
+
     pub fn is_finite(&self) -> bool {
         self.nodes.iter().all(|n| n.turn.is_finite() && n.position.is_finite())
             && self.lengths.iter().all(|l| l.is_finite())

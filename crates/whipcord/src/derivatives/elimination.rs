@@ -13,12 +13,11 @@
 //! does not magnify errors as a single shot does, and costs one 3×3 inverse to a step where loads
 //! are dead. [`Elimination::pull_back`] is the same run backwards, operation by operation.
 
-use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
+use whipcord_numerics::{Mat3, Twist, Vec3};
 
 use super::forward::{Effect, Maps, StepMap};
 use crate::shape::Wrench;
 use crate::statics::hold::Critical;
-use crate::statics::loads::AppliedLoads;
 
 /// The eliminated chain.
 #[derive(Clone, Debug, Default)]
@@ -95,12 +94,12 @@ impl Elimination {
         }
     }
 
-    /// Eliminates from the base; `poses` are the frames at the nodes. Keeps the maps of the steps.
+    /// Eliminates from the base; `follower` is what turns with the section at the end of each step, base frame. Keeps the
+    /// maps of the steps.
     pub fn eliminate(
         &mut self,
         maps: &mut Maps,
-        loads: &AppliedLoads,
-        poses: impl Fn(usize) -> Pose,
+        follower: impl Fn(usize) -> Wrench,
     ) -> Result<(), Critical> {
         self.maps = core::mem::take(&mut maps.steps);
         self.steps.clear();
@@ -111,11 +110,9 @@ impl Elimination {
             let [c, d_moment, d_force] = map.moment;
             let turn = [a * before[0] + b_moment, a * before[1] + b_force];
             let mut moment = [c * before[0] + d_moment, c * before[1] + d_force];
-            let wrench = loads.follower(k + 1);
-            let follower = (*wrench != Wrench::default()).then(|| {
-                let rotation = poses(k + 1).rotation;
-                [wrench.moment, wrench.force].map(|w| Mat3::skew(rotation.rotate(w)))
-            });
+            let wrench = follower(k);
+            let follower = (wrench != Wrench::default())
+                .then(|| [wrench.moment, wrench.force].map(Mat3::skew));
             let coupled = follower.is_some() || map.force.is_some();
             let (gain, after) = if coupled {
                 let mut force = match map.force {
@@ -254,7 +251,7 @@ impl Elimination {
 }
 
 /// The inverse of a matrix of four blocks; `None` when it is singular to working precision.
-fn invert([[a, b], [c, d]]: [[Mat3; 2]; 2]) -> Option<[[Mat3; 2]; 2]> {
+pub(super) fn invert([[a, b], [c, d]]: [[Mat3; 2]; 2]) -> Option<[[Mat3; 2]; 2]> {
     // The lower right block is the identity but for what followers turn.
     let d_inverse = d.inverse()?;
     let upper = b * d_inverse;

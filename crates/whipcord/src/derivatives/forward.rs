@@ -35,6 +35,77 @@ pub(super) struct StepMap {
     pub force: Option<[Mat3; 3]>,
 }
 
+impl StepMap {
+    /// Of a step of no length.
+    pub const IDENTITY: Self = Self {
+        turn: [Mat3::IDENTITY, Mat3::ZERO, Mat3::ZERO],
+        moment: [Mat3::ZERO, Mat3::IDENTITY, Mat3::ZERO],
+        shift: [Mat3::ZERO; 3],
+        force: None,
+    };
+
+    /// The end by turn, moment and force at the start.
+    pub fn apply(&self, start: [Vec3; 3]) -> Effect {
+        let by = |row: &[Mat3; 3]| row[0] * start[0] + row[1] * start[1] + row[2] * start[2];
+        Effect {
+            turn: by(&self.turn),
+            moment: by(&self.moment),
+            shift: by(&self.shift),
+            force: self.force.as_ref().map_or(start[2], by),
+        }
+    }
+
+    /// What acts before the step, at its end.
+    pub fn carry(&self, before: &Effect) -> Effect {
+        let end = self.apply([before.turn, before.moment, before.force]);
+        Effect { shift: before.shift + end.shift, ..end }
+    }
+
+    /// This step and the next.
+    pub fn then(&self, next: &Self) -> Self {
+        let force = self.force.unwrap_or(NO_FOLLOWERS);
+        let by = |row: &[Mat3; 3]| -> [Mat3; 3] {
+            core::array::from_fn(|j| {
+                row[0] * self.turn[j] + row[1] * self.moment[j] + row[2] * force[j]
+            })
+        };
+        let shift = by(&next.shift);
+        Self {
+            turn: by(&next.turn),
+            moment: by(&next.moment),
+            shift: core::array::from_fn(|j| self.shift[j] + shift[j]),
+            force: match &next.force {
+                Some(row) => Some(by(row)),
+                None => self.force,
+            },
+        }
+    }
+
+    /// With what turns with the section at the end: `follower` says what a turn adds to moment and force.
+    pub fn with_follower(mut self, [by_moment, by_force]: &[Mat3; 2]) -> Self {
+        let mut force = self.force.unwrap_or(NO_FOLLOWERS);
+        for j in 0..3 {
+            self.moment[j] += *by_moment * self.turn[j];
+            force[j] += *by_force * self.turn[j];
+        }
+        self.force = Some(force);
+        self
+    }
+
+    /// Sets the column of one component of turn, moment and force, in this order.
+    pub fn set(&mut self, column: usize, end: &Effect) {
+        set_column(&mut self.turn[column / 3], column % 3, end.turn);
+        set_column(&mut self.moment[column / 3], column % 3, end.moment);
+        set_column(&mut self.shift[column / 3], column % 3, end.shift);
+        if let Some(force) = &mut self.force {
+            set_column(&mut force[column / 3], column % 3, end.force);
+        }
+    }
+}
+
+/// Of the force, where nothing turns with the rod.
+const NO_FOLLOWERS: [Mat3; 3] = [Mat3::ZERO, Mat3::ZERO, Mat3::IDENTITY];
+
 /// How the end of a step moves with something that acts within it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Effect {
@@ -42,6 +113,32 @@ pub(super) struct Effect {
     pub moment: Vec3,
     pub shift: Vec3,
     pub force: Vec3,
+}
+
+impl Effect {
+    pub fn plus(self, other: &Self) -> Self {
+        Self {
+            turn: self.turn + other.turn,
+            moment: self.moment + other.moment,
+            shift: self.shift + other.shift,
+            force: self.force + other.force,
+        }
+    }
+
+    /// With what turns with the section there.
+    pub fn with_follower(mut self, [by_moment, by_force]: &[Mat3; 2]) -> Self {
+        self.moment += *by_moment * self.turn;
+        self.force += *by_force * self.turn;
+        self
+    }
+
+    /// What an effect is worth where the other is a sensitivity.
+    pub fn dot(&self, other: &Self) -> f64 {
+        self.turn.dot(other.turn)
+            + self.moment.dot(other.moment)
+            + self.shift.dot(other.shift)
+            + self.force.dot(other.force)
+    }
 }
 
 /// What acts within a stage: the explicit change `e` of the section equations, that of the force, and
@@ -221,12 +318,7 @@ impl WithSimd for AllSteps<'_> {
                     let (turn, moment) = (ended.turn.get(lane), ended.moment.get(lane));
                     let (shift, force) = (ended.shift.get(lane), ended.force.get(lane));
                     if c < STATES {
-                        set_column(&mut map.turn[c / 3], c % 3, turn);
-                        set_column(&mut map.moment[c / 3], c % 3, moment);
-                        set_column(&mut map.shift[c / 3], c % 3, shift);
-                        if let Some(map) = &mut map.force {
-                            set_column(&mut map[c / 3], c % 3, force);
-                        }
+                        map.set(c, &Effect { turn, moment, shift, force });
                         for (i, length) in lengths.iter().enumerate() {
                             maps.length_by_state[k * cables + i][c / 3][c % 3] = length.0[lane];
                         }
@@ -246,7 +338,7 @@ impl WithSimd for AllSteps<'_> {
 }
 
 #[inline(always)]
-fn set_column(m: &mut Mat3, column: usize, v: Vec3) {
+pub(super) fn set_column(m: &mut Mat3, column: usize, v: Vec3) {
     for (row, value) in m.rows.iter_mut().zip([v.x, v.y, v.z]) {
         row[column] = value;
     }

@@ -1,16 +1,18 @@
 //! The sections at which an answer is linearised: the stages of the shot under load, or the nodes of
 //! the quadrature without.
 
-use whipcord_numerics::{BUTCHER_5, GAUSS_3, Mat3};
+use whipcord_numerics::{BUTCHER_5, GAUSS_3, Mat3, Vec3};
 
 use super::adjoint::stage_pulls;
 use super::elimination::StepPull;
 use super::forward::{Forcing, Maps};
 use super::quadrature::{POINTS, Quadrature};
 use super::replay::{Answer, Replay, Stage};
+use super::spans::{Spans, StraightSpan};
 use crate::section::Fault;
 use crate::section::{BodyWrench, Crossing, Strain};
 use crate::statics::grid::{Grid, Node, Step};
+use crate::statics::hold::Critical;
 use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES};
 
 /// A linearised answer.
@@ -18,12 +20,20 @@ use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES};
 pub(super) enum Linear {
     Trajectory(Replay),
     Unloaded(Quadrature),
+    /// Under cables that run straight between the disks.
+    Spans(Box<Spans>),
 }
 
 impl Linear {
-    /// An answer under loads, or with starts of its own for every step, or one without.
-    pub fn of(answer: &Answer<'_>) -> Result<Self, Fault> {
-        if answer.loads.any() || answer.starts.is_some() {
+    /// An answer under loads, or with starts of its own for every step, or one without; with cables straight between
+    /// disks where spans are given.
+    pub fn of(answer: &Answer<'_>, spans: Option<&[StraightSpan<'_>]>) -> Result<Self, Fault> {
+        if let Some(straight) = spans {
+            let mut spans = Box::<Spans>::default();
+            // The sections of the rod have no cables in them.
+            spans.run(&Answer { tensions: &[], ..*answer }, straight, answer.tensions)?;
+            Ok(Self::Spans(spans))
+        } else if answer.loads.any() || !answer.starts.is_empty() {
             let mut replay = Replay::default();
             replay.run(answer)?;
             Ok(Self::Trajectory(replay))
@@ -34,10 +44,18 @@ impl Linear {
         }
     }
 
+    /// The spans, where cables run straight between disks.
+    pub fn spans(&self) -> Option<&Spans> {
+        match self {
+            Self::Spans(spans) => Some(spans),
+            Self::Trajectory(_) | Self::Unloaded(_) => None,
+        }
+    }
+
     /// Sections within a step.
     pub fn per_step(&self) -> usize {
         match self {
-            Self::Trajectory(_) => STAGES,
+            Self::Trajectory(_) | Self::Spans(_) => STAGES,
             Self::Unloaded(_) => POINTS,
         }
     }
@@ -45,7 +63,7 @@ impl Linear {
     /// Where in a step of length 1 a section of it lies, and its weight.
     pub fn place(&self, i: usize) -> (f64, f64) {
         match self {
-            Self::Trajectory(_) => (BUTCHER_5.c[i], BUTCHER_5.b[i]),
+            Self::Trajectory(_) | Self::Spans(_) => (BUTCHER_5.c[i], BUTCHER_5.b[i]),
             Self::Unloaded(_) => (GAUSS_3.nodes[i], GAUSS_3.weights[i]),
         }
     }
@@ -59,7 +77,7 @@ impl Linear {
         active: usize,
     ) -> (&'g Node, &'g [Crossing]) {
         match self {
-            Self::Trajectory(_) => grid.shooting.at(k, NODE_OF_STAGE[i], active),
+            Self::Trajectory(_) | Self::Spans(_) => grid.shooting.at(k, NODE_OF_STAGE[i], active),
             Self::Unloaded(_) => grid.gauss.at(k, i, active),
         }
     }
@@ -68,6 +86,7 @@ impl Linear {
     pub fn strain(&self, at: usize) -> Strain {
         match self {
             Self::Trajectory(replay) => replay.stages[at].strain,
+            Self::Spans(spans) => spans.replay.stages[at].strain,
             Self::Unloaded(quadrature) => quadrature.points[at].strain,
         }
     }
@@ -76,6 +95,7 @@ impl Linear {
     pub fn rotation(&self, at: usize) -> Mat3 {
         match self {
             Self::Trajectory(replay) => replay.stages[at].rotation,
+            Self::Spans(spans) => spans.replay.stages[at].rotation,
             Self::Unloaded(quadrature) => quadrature.rotation(at),
         }
     }
@@ -85,6 +105,7 @@ impl Linear {
         let all = match self {
             Self::Trajectory(replay) => &replay.pulls,
             Self::Unloaded(quadrature) => &quadrature.pulls,
+            Self::Spans(_) => return &[],
         };
         &all[at * cables..at * cables + active]
     }
@@ -93,6 +114,7 @@ impl Linear {
     pub fn at_node(&self, node: usize) -> &Stage {
         match self {
             Self::Trajectory(replay) => &replay.stages[STAGES * node],
+            Self::Spans(spans) => &spans.replay.stages[STAGES * node],
             Self::Unloaded(quadrature) => &quadrature.nodes[node],
         }
     }
@@ -102,28 +124,34 @@ impl Linear {
         match self {
             Self::Trajectory(replay) => replay.pulls_at(STAGES * node, cables, active),
             Self::Unloaded(quadrature) => &quadrature.node_pulls[node * cables..][..active],
+            Self::Spans(_) => &[],
         }
     }
 
-    /// The maps of every step, see [`Maps::compute`].
+    /// The maps of every step, see [`Maps::compute`], or of every span, see [`Spans::compute`].
+    ///
+    /// # Errors
+    /// [`Critical`] where a span is about to buckle by itself.
     pub fn maps(
         &mut self,
-        steps: &[Step],
+        grid: &Grid,
         cables: usize,
         more: usize,
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
-    ) -> Maps {
+        holes: &dyn Fn(usize, usize, usize) -> [Vec3; 2],
+    ) -> Result<Maps, Critical> {
         let mut maps = Maps::default();
         match self {
-            Self::Trajectory(replay) => maps.compute(steps, replay, cables, more, forcing),
+            Self::Trajectory(replay) => maps.compute(&grid.steps, replay, cables, more, forcing),
             Self::Unloaded(quadrature) => {
-                quadrature.compute(&mut maps, steps, cables, more, forcing);
+                quadrature.compute(&mut maps, &grid.steps, cables, more, forcing);
             }
+            Self::Spans(spans) => return spans.compute(grid, (cables, more), forcing, holes),
         }
-        maps
+        Ok(maps)
     }
 
-    /// Sensitivities of one scalar to the forcing of every section within the steps.
+    /// Sensitivities of one scalar to the forcing of every section within the steps; none of spans, see [`Spans::worth`].
     pub fn pull_back(
         &self,
         steps: &[Step],
@@ -134,6 +162,7 @@ impl Linear {
         match self {
             Self::Trajectory(replay) => stage_pulls(steps, replay, pulls, lengths, out),
             Self::Unloaded(quadrature) => quadrature.stage_pulls(steps, pulls, lengths, out),
+            Self::Spans(_) => out.clear(),
         }
     }
 }

@@ -28,6 +28,7 @@ mod open;
 mod partials;
 mod quadrature;
 mod replay;
+mod spans;
 mod spread_change;
 
 pub use self::backward::{Cotangent, Gradient};
@@ -39,9 +40,12 @@ use self::elimination::Elimination;
 use self::forward::Maps;
 use self::linear::Linear;
 pub(crate) use self::open::{Motion, StepGap};
-use self::partials::{Partial, Setting};
+use self::partials::{AtRest, Partial, Setting};
 use self::replay::Answer;
-use crate::case::Case;
+pub(crate) use self::spans::StraightSpan;
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3, magnus_6};
+
+use crate::case::{Case, Loads};
 use crate::parameter::Parameter;
 use crate::robot::{Robot, RobotError};
 use crate::section::Fault;
@@ -146,25 +150,51 @@ impl From<Fault> for NoDerivatives {
 pub(crate) struct Solved<'a> {
     pub robot: &'a Robot,
     pub case: &'a Case,
-    pub layout: &'a Layout,
+    pub cables: Cables<'a>,
     pub grid: &'a Grid,
     pub loads: &'a AppliedLoads,
     pub commands: &'a [Command],
     pub tensions: &'a [f64],
     /// Which cables are taut.
     pub taut: &'a [bool],
-    pub poses: &'a [whipcord_numerics::Pose],
+    pub poses: &'a [Pose],
     pub base_wrench: Wrench,
-    /// Moment, and force of the followers, in the base frame at the start of each step, of an answer
-    /// that has them.
-    pub starts: Option<&'a [Wrench]>,
+    /// Moment, and force beyond that of the dead loads, in the base frame at the starts of steps where they are known.
+    pub starts: &'a [Option<Wrench>],
     pub strains: &'a [Strain],
+}
+
+/// The cables of the robot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cables<'a> {
+    /// In the order of the grid.
+    pub order: &'a [usize],
+    /// In m, in the same order.
+    pub rest_lengths: &'a [f64],
+    /// Where they run straight from hole to hole; their order is then that of the robot.
+    pub straight: Option<StraightCables<'a>>,
+}
+
+/// Cables that run straight from hole to hole.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StraightCables<'a> {
+    /// Between each two disks.
+    pub spans: &'a [StraightSpan<'a>],
+    /// The same on the grid on which their lengths before actuation are known; derivatives by parameters need it.
+    pub rest: Option<(&'a Grid, &'a [StraightSpan<'a>])>,
+}
+
+impl<'a> Cables<'a> {
+    /// Through every section of a grid.
+    pub fn of(layout: &'a Layout) -> Self {
+        Self { order: &layout.order, rest_lengths: &layout.rest_lengths, straight: None }
+    }
 }
 
 impl Derivatives {
     pub(crate) fn of(solved: &Solved<'_>, parameters: &[Parameter]) -> Result<Self, NoDerivatives> {
-        let Solved { robot, case, layout, grid, loads, tensions, .. } = *solved;
-        let mut linear = Linear::of(&Answer {
+        let Solved { robot, case, cables: of_robot, grid, loads, tensions, .. } = *solved;
+        let answer = Answer {
             grid,
             loads,
             tensions,
@@ -173,8 +203,20 @@ impl Derivatives {
             follower_force: loads.follower_share(solved.base_wrench.force),
             starts: solved.starts,
             strains: solved.strains,
-        })?;
-        let setting = Setting { robot, case, layout, grid, tensions, poses: solved.poses };
+        };
+        let mut linear = Linear::of(&answer, of_robot.straight.map(|straight| straight.spans))?;
+        let rest = of_robot.straight.and_then(|straight| straight.rest);
+        let rest = rest.map(|(grid, spans)| at_rest(grid, spans, tensions)).transpose()?;
+        let poses = solved.poses;
+        let setting = Setting {
+            robot,
+            case,
+            cables: of_robot,
+            grid,
+            tensions,
+            poses,
+            at_rest: rest.as_ref(),
+        };
         let partials = parameters
             .iter()
             .map(|parameter| Partial::new(&setting, &linear, parameter))
@@ -182,13 +224,19 @@ impl Derivatives {
             .map_err(NoDerivatives::Parameter)?;
         let cables = tensions.len();
         let per_step = linear.per_step();
-        let mut maps = linear.maps(&grid.steps, cables, partials.len(), &|k, i, p| {
-            partials[p].forcing(per_step * k + i)
-        });
+        let forcing = |k: usize, i: usize, p: usize| partials[p].forcing(per_step * k + i);
+        let holes =
+            |p: usize, cable: usize, span: usize| partials[p].moved_holes(robot, cable, span);
+        let mut maps = linear.maps(grid, cables, partials.len(), &forcing, &holes)?;
         let mut elimination = Elimination::default();
-        elimination.eliminate(&mut maps, loads, |node| solved.poses[node])?;
+        elimination.eliminate(&mut maps, |step| {
+            let node = linear.spans().map_or(step + 1, |spans| spans.far_disk(step));
+            let Wrench { force, moment } = *loads.follower(node);
+            let rotation = poses[node].rotation;
+            Wrench { force: rotation.rotate(force), moment: rotation.rotate(moment) }
+        })?;
         let mut place_of = vec![0; cables];
-        for (place, &cable) in layout.order.iter().enumerate() {
+        for (place, &cable) in of_robot.order.iter().enumerate() {
             place_of[cable] = place;
         }
         let mut derivatives = Self {
@@ -210,7 +258,7 @@ impl Derivatives {
         };
         derivatives.by_tension =
             (0..cables).map(|place| derivatives.raw(Source::Tension(place))).collect();
-        derivatives.hold(robot, layout, solved.taut)?;
+        derivatives.hold(robot, of_robot, solved.taut)?;
         let tip = derivatives.raw(Source::Wrench { node: grid.len(), component: 0 });
         let finite = derivatives.by_tension.iter().chain([&tip]).all(Raw::is_finite);
         if finite { Ok(derivatives) } else { Err(NoDerivatives::Critical) }
@@ -219,13 +267,13 @@ impl Derivatives {
     fn hold(
         &mut self,
         robot: &Robot,
-        layout: &Layout,
+        of_robot: Cables<'_>,
         is_taut: &[bool],
     ) -> Result<(), NoDerivatives> {
         let cables = is_taut.len();
         let compliance = |place: usize| {
-            let stiffness = robot.cables()[layout.order[place]].axial_stiffness;
-            stiffness.map_or(0.0, |k| layout.rest_lengths[place] / k)
+            let stiffness = robot.cables()[of_robot.order[place]].axial_stiffness;
+            stiffness.map_or(0.0, |k| of_robot.rest_lengths[place] / k)
         };
         let taut = |place: usize| is_taut[place];
         let driven = |place: usize| matches!(self.commands[place], Command::Length { .. });
@@ -233,4 +281,32 @@ impl Derivatives {
         self.held = HeldCables::new(cables, matrix, compliance, taut, driven)?;
         Ok(())
     }
+}
+
+/// The rod at rest, bearing nothing.
+fn at_rest<'a>(
+    grid: &'a Grid,
+    spans: &[StraightSpan<'_>],
+    tensions: &[f64],
+) -> Result<AtRest<'a>, NoDerivatives> {
+    let mut pose = Pose::IDENTITY;
+    let mut poses = vec![pose];
+    for (k, step) in grid.steps.iter().enumerate() {
+        let strain = |j: usize| grid.gauss.at(k, j, 0).0.section.rest_strain() * step.length;
+        pose = pose * magnus_6(&[strain(0), strain(1), strain(2)]);
+        poses.push(pose);
+    }
+    let mut loads = AppliedLoads::default();
+    loads.gather(grid, &Loads::default(), UnitQuaternion::IDENTITY);
+    let answer = Answer {
+        grid,
+        loads: &loads,
+        tensions,
+        poses: &poses,
+        base_moment: Vec3::ZERO,
+        follower_force: Vec3::ZERO,
+        starts: &[],
+        strains: &[],
+    };
+    Ok(AtRest { grid, linear: Linear::of(&answer, Some(spans))? })
 }

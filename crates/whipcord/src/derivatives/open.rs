@@ -64,17 +64,15 @@ impl Derivatives {
 
     /// How everything moves with a wrench at a node, all commands held.
     pub(crate) fn contact_response(&self, node: usize, wrench: Wrench) -> Motion {
-        let added = |at: usize| if at == node { wrench } else { Wrench::default() };
         let cables = self.place_of.len();
-        let steps = self.steps.len();
-        let raw = self.answer_to(node.saturating_sub(1).min(steps), |_| Effect::default(), added);
+        let raw = self.respond(None, Some((node, wrench)));
         self.complete(raw, vec![0.0; cables], &vec![0.0; cables])
     }
 
     /// A change at constant tensions, these changes of tensions, and those of the taut cables that bring
     /// them to their lengths.
     fn complete(&self, raw: Raw, mut tensions: Vec<f64>, slackness: &[f64]) -> Motion {
-        let Raw { mut nodes, mut lengths } = raw;
+        let Raw { mut nodes, mut lengths, .. } = raw;
         for (column, &tension) in self.by_tension.iter().zip(&tensions) {
             for (length, by) in lengths.iter_mut().zip(&column.lengths) {
                 *length += tension * by;

@@ -3,6 +3,7 @@
 
 use whipcord_numerics::{GAUSS_3, Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
+use super::Cables;
 use super::forward::Forcing;
 use super::linear::Linear;
 use super::mass_change::MassChange;
@@ -14,18 +15,27 @@ use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::{Robot, RobotError, Routing, SectionProperties};
 use crate::section::{BodyWrench, Crossing, Stiffness, Strain};
 use crate::shape::Wrench;
-use crate::statics::grid::{Grid, Layout, Node, SHOOTING_NODES, Step};
+use crate::statics::grid::{Grid, Node, SHOOTING_NODES, Step};
 
 /// The robot and case of an answer, as the partial derivatives need them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setting<'a> {
     pub robot: &'a Robot,
     pub case: &'a Case,
-    pub layout: &'a Layout,
+    pub cables: Cables<'a>,
     pub grid: &'a Grid,
     pub tensions: &'a [f64],
     /// Frames at the ends of all steps.
     pub poses: &'a [Pose],
+    /// The rod at rest, where cables run straight between disks.
+    pub at_rest: Option<&'a AtRest<'a>>,
+}
+
+/// The rod at rest, bearing nothing, on a grid of its own.
+#[derive(Clone, Debug)]
+pub(super) struct AtRest<'a> {
+    pub grid: &'a Grid,
+    pub linear: Linear,
 }
 
 impl Setting<'_> {
@@ -88,10 +98,10 @@ impl Partial {
         linear: &Linear,
         parameter: &Parameter,
     ) -> Result<Self, RobotError> {
-        let Setting { robot, case, layout, .. } = *setting;
+        let Setting { robot, case, cables, .. } = *setting;
         exists(robot, case, parameter)?;
         let routes: Vec<_> =
-            layout.order.iter().map(|&c| RouteChange::new(robot, c, parameter)).collect();
+            cables.order.iter().map(|&c| RouteChange::new(robot, c, parameter)).collect();
         let mut partial = Self {
             parameter: *parameter,
             rest_lengths: vec![0.0; routes.len()],
@@ -106,7 +116,7 @@ impl Partial {
         };
         partial.masses = MassChange::new(setting, parameter);
         partial.change_rest_lengths(setting);
-        partial.act(setting, linear);
+        partial.lengths = partial.act(setting, linear);
         partial.added = partial.wrench(setting);
         partial.targets =
             (0..partial.routes.len()).map(|place| partial.target(setting, place)).collect();
@@ -160,7 +170,7 @@ impl Partial {
     }
 
     fn target(&self, setting: &Setting<'_>, place: usize) -> f64 {
-        let cable = setting.layout.order[place];
+        let cable = setting.cables.order[place];
         let rest = self.rest_lengths[place];
         let asked = match setting.case.commands[cable].shortening {
             Some(Shortening::Fraction(fraction)) => rest * (1.0 - fraction),
@@ -171,7 +181,7 @@ impl Partial {
             Some(stiffness) => {
                 let own = match self.parameter {
                     Parameter::AxialStiffness { cable: c } if c == cable => {
-                        -setting.layout.rest_lengths[place] / (stiffness * stiffness)
+                        -setting.cables.rest_lengths[place] / (stiffness * stiffness)
                     }
                     _ => 0.0,
                 };
@@ -192,7 +202,7 @@ impl Partial {
     /// Rate of the stretch at rest of a cable at an arc length.
     fn rest_stretch(&self, setting: &Setting<'_>, place: usize, s: f64, inside: f64) -> f64 {
         let robot = setting.robot;
-        let route = &robot.routes()[setting.layout.order[place]];
+        let route = &robot.routes()[setting.cables.order[place]];
         let point = route.at(s);
         let (backbone, disks) = (robot.backbone(), robot.disks());
         let u = backbone.rest_curvature.at_end(disks, s, inside);
@@ -208,9 +218,24 @@ impl Partial {
         if !self.changes_rest() {
             return;
         }
+        if let Some(AtRest { grid, linear: linear @ Linear::Spans(spans) }) = setting.at_rest {
+            self.act(&Setting { grid, ..*setting }, linear);
+            let forcing = |k: usize, i: usize, _: usize| self.forcing(linear.per_step() * k + i);
+            let holes = |cable: usize, span: usize| self.moved_holes(setting.robot, cable, span);
+            let cables = self.rest_lengths.len();
+            self.rest_lengths = spans.lengths_at_rest(grid, cables, &forcing, &holes);
+            return;
+        }
         for place in 0..self.rest_lengths.len() {
             self.rest_lengths[place] = self.rest_length_change(setting, place);
         }
+    }
+
+    /// How the holes of a cable move at both ends of a span, in the frames of the disks.
+    pub fn moved_holes(&self, robot: &Robot, cable: usize, span: usize) -> [Vec3; 2] {
+        let Some(change) = &self.routes[cable] else { return [Vec3::ZERO; 2] };
+        let (route, disks) = (&robot.routes()[cable], &robot.disks().arc_lengths);
+        [span, span + 1].map(|disk| change.at(route, disks[disk]).0)
     }
 
     /// By Gauss quadrature in pieces of the steps that are halved until nothing changes.
@@ -238,8 +263,8 @@ impl Partial {
         change
     }
 
-    /// Forcing of all stages, and the explicit change of lengths.
-    fn act(&mut self, setting: &Setting<'_>, linear: &Linear) {
+    /// Gathers the forcing of all stages; the explicit change of the lengths of cables through the sections.
+    fn act(&mut self, setting: &Setting<'_>, linear: &Linear) -> Vec<f64> {
         let Setting { grid, tensions, .. } = *setting;
         let cables = tensions.len();
         let acts = self.changes_rest()
@@ -255,10 +280,16 @@ impl Partial {
                     | Parameter::Stiffness { .. }
                     | Parameter::Gravity { .. }
             );
+        self.forcing.clear();
+        self.at_nodes.clear();
+        let mut lengths = vec![0.0; cables];
         if !acts {
-            return;
+            return lengths;
         }
-        let mut lengths = self.rest_lengths.clone();
+        // What straight cables do, their holes do at the disks.
+        if linear.spans().is_none() {
+            lengths.clone_from(&self.rest_lengths);
+        }
         for (k, step) in grid.steps.iter().enumerate() {
             let inside = step.start + 0.5 * step.length;
             for i in 0..linear.per_step() {
@@ -302,7 +333,7 @@ impl Partial {
             let out = self.act_at(setting, &section, 0.0, &mut lengths);
             self.at_nodes.push(out);
         }
-        self.lengths = lengths;
+        lengths
     }
 
     /// What acts at one section; adds to the lengths.
@@ -357,7 +388,7 @@ impl Partial {
                 lengths[place] -= weight * self.rest_stretch(setting, place, s, inside);
             }
             let Some(change) = &self.routes[place] else { continue };
-            let route = &robot.routes()[setting.layout.order[place]];
+            let route = &robot.routes()[setting.cables.order[place]];
             let (dr, d_slope) = change.at(route, s);
             let t = pull.linear;
             let along = u.cross(dr) + d_slope;

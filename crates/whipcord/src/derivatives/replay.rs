@@ -149,9 +149,9 @@ pub(super) struct Answer<'a> {
     pub base_moment: Vec3,
     /// Force of the followers at the base.
     pub follower_force: Vec3,
-    /// Moment, and force of the followers, in the base frame at the start of each step, where the
-    /// answer has them: without them both are integrated.
-    pub starts: Option<&'a [Wrench]>,
+    /// Moment, and force beyond that of the dead loads, in the base frame at the start of each step, where the answer has
+    /// them; elsewhere both are integrated. Empty where it has none.
+    pub starts: &'a [Option<Wrench>],
     /// Strains to start the sections from, six to a step; where there are none each starts from its
     /// neighbour.
     pub strains: &'a [Strain],
@@ -173,14 +173,14 @@ impl Replay {
         let known = answer.strains.len() == STAGES * grid.len();
         // The last shot has met the equilibrium of every section, but that of a chain, whose starts
         // have been moved since.
-        let met = known && answer.starts.is_none();
+        let met = known && answer.starts.is_empty();
         self.stages.resize(STAGES * grid.len(), Stage::default());
         let mut strain = grid.shooting.at(0, 0, 0).0.section.rest_strain();
         let mut moment = answer.base_moment;
         let mut follower_force = answer.follower_force;
         for k in 0..grid.len() {
-            if let Some(starts) = answer.starts {
-                (moment, follower_force) = (starts[k].moment, starts[k].force);
+            if let Some(Some(start)) = answer.starts.get(k) {
+                (moment, follower_force) = (start.moment, start.force);
             }
             let step = grid.steps[k];
             let (h, active) = (step.length, &tensions[..step.active]);

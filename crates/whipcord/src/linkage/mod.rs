@@ -88,6 +88,12 @@ pub struct Workspace {
 }
 
 impl Linkage {
+    /// Which of the models of sections it is.
+    #[must_use]
+    pub const fn kind(&self) -> ModelKind {
+        self.kind
+    }
+
     /// The chain of a robot whose sections are divided like this.
     pub(crate) fn new(
         robot: &Robot,

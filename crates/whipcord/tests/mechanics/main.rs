@@ -15,6 +15,7 @@ mod common;
 mod contact;
 mod cosserat;
 mod cosserat_disks;
+mod derivatives;
 mod four_bar;
 mod obstacles;
 mod oracle;

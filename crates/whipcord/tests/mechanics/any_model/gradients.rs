@@ -41,7 +41,7 @@ fn they_are_those_of_differences() {
     let lengths: Vec<f64> = (0..3).flat_map(|_| (0..2).map(|i| weight(i + 5))).collect();
     let (mut commands, mut parameters) = ([f64::NAN; 6], [f64::NAN; 3]);
     let outcomes = pull_back_batch(
-        &Options::default(),
+        &Model::Cosserat(Options::default()),
         &robot,
         Rows::Tensions { values: &values, case: &case() },
         &[Parameter::YoungModulus],
@@ -82,7 +82,7 @@ fn outcome(
     sensitivities: Sensitivities,
 ) -> Result<(), BatchError> {
     pull_back_batch(
-        &Options::default(),
+        &Model::Cosserat(Options::default()),
         &paper_robot(vec![straight(0.0)]),
         Rows::Tensions { values: tensions, case: &case() },
         &[],

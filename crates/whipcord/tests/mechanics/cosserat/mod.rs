@@ -10,7 +10,6 @@ mod closed_forms;
 mod columns;
 mod compliance;
 mod contradictions;
-mod derivatives;
 mod distributed;
 mod dual_numbers;
 mod follower;

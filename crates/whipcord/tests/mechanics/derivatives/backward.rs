@@ -1,7 +1,7 @@
 //! Backward derivatives are the transpose of the forward ones.
 
 use super::kinds_of_load::under_spread_followers;
-use super::{ROBOTS, bending_stiffness, by_length, differentiated, parameters, taut};
+use super::{ROBOTS, Rod, bending_stiffness, by_length, differentiated, parameters, taut};
 use crate::common::Wildness;
 use whipcord::derivatives::{Change, Cotangent};
 use whipcord::derivatives::{Hold, Place};
@@ -47,8 +47,7 @@ fn off_scale(change: &Change, cotangent: &Cotangent, robot: &Robot) -> f64 {
         + base.moment.norm() * force / length
 }
 
-#[test]
-fn backward_equals_forward() {
+fn backward_equals_forward(rod: Rod) {
     let follower = |(robot, mut case): (Robot, Case)| {
         case.loads.tip_follower = true;
         for (i, point) in case.loads.points.iter_mut().enumerate() {
@@ -61,17 +60,17 @@ fn backward_equals_forward() {
         let case = under_spread_followers(&robot, &case, i % 2 == 0);
         (robot, case)
     };
-    let robots = taut(Wildness::LOADED, ROBOTS)
-        .chain(taut(Wildness::UNLOADED, ROBOTS))
-        .chain(taut(Wildness::LOADED, ROBOTS).map(follower))
-        .chain(taut(Wildness::LOADED, ROBOTS).enumerate().map(spread));
+    let robots = taut(rod, Wildness::LOADED, ROBOTS)
+        .chain(taut(rod, Wildness::UNLOADED, ROBOTS))
+        .chain(taut(rod, Wildness::LOADED, ROBOTS).map(follower))
+        .chain(taut(rod, Wildness::LOADED, ROBOTS).enumerate().map(spread));
     for (i, (robot, case)) in robots.enumerate() {
         let (robot, case) = match i % 3 {
             0 => (robot, case),
-            kind => by_length(&robot, &case, kind == 1),
+            kind => by_length(rod, &robot, &case, kind == 1),
         };
         let list: Vec<Parameter> = parameters(&robot, &case).into_iter().map(|(p, _)| p).collect();
-        let (_, derivatives) = differentiated(&robot, &case, &list);
+        let (_, derivatives) = differentiated(rod, &robot, &case, &list);
         let cables = case.commands.len();
         let (length, stiffness) = (robot.backbone().length, bending_stiffness(&robot));
         let mut next = noise(i);
@@ -128,3 +127,5 @@ fn backward_equals_forward() {
         }
     }
 }
+
+for_both_rods!(backward_equals_forward);

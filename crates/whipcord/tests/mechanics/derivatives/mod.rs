@@ -1,6 +1,24 @@
-//! The derivatives of the Cosserat model against differences of its own solutions on the same steps,
+//! The derivatives of both Cosserat rods against differences of its own solutions on the same steps,
 //! on random robots: every parameter, command and load, both ways of holding cables, forward and
 //! backward.
+
+/// Tests of each rod, under its name.
+macro_rules! for_both_rods {
+    ($($name:ident),*) => {
+        mod continuous_cables {
+            $(#[test]
+            fn $name() {
+                super::$name(crate::derivatives::Rod::Continuous);
+            })*
+        }
+        mod from_hole_to_hole {
+            $(#[test]
+            fn $name() {
+                super::$name(crate::derivatives::Rod::Disks);
+            })*
+        }
+    };
+}
 
 mod backward;
 mod commands_and_compliance;
@@ -8,14 +26,89 @@ mod kinds_of_load;
 
 use crate::common;
 use crate::common::Wildness;
-use whipcord::cosserat::{Accuracy, Cosserat, Options, Workspace};
+use whipcord::cosserat::{self, Accuracy, Cosserat, Options};
+use whipcord::cosserat_disks::{self, CosseratDisks};
 use whipcord::derivatives::Change;
 use whipcord::derivatives::{Derivatives, Hold, Place};
 use whipcord::differences::{Difference, differentiate};
 use whipcord::{
-    CableCommand, Case, DistributedLoad, Parameter, Profile, Robot, Routing, Shortening, Solution,
-    SolveError, StabilityAnalysis, Stations, Stiffness, Twist, Vec3,
+    Cable, CableCommand, Case, DistributedLoad, Parameter, Profile, Robot, Routing, Shortening,
+    Solution, SolveError, StabilityAnalysis, Stations, Stiffness, Twist, Vec3,
 };
+
+/// The model that is differentiated.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Rod {
+    Continuous,
+    Disks,
+}
+
+impl Rod {
+    fn solve(
+        self,
+        robot: &Robot,
+        case: &Case,
+        options: &Options,
+        from: Option<&Solution>,
+    ) -> Result<Solution, SolveError> {
+        match self {
+            Self::Continuous => {
+                let model = Cosserat::new(robot, &case.loads, options)?;
+                model.solve(case, from, &mut cosserat::Workspace::default())
+            }
+            Self::Disks => {
+                let model = CosseratDisks::new(robot, &case.loads, options)?;
+                model.solve(case, from, &mut cosserat_disks::Workspace::default())
+            }
+        }
+    }
+
+    fn solve_with_derivatives(
+        self,
+        robot: &Robot,
+        case: &Case,
+        options: &Options,
+        parameters: &[Parameter],
+    ) -> Result<(Solution, Derivatives), SolveError> {
+        match self {
+            Self::Continuous => {
+                let model = Cosserat::new(robot, &case.loads, options)?;
+                let mut workspace = cosserat::Workspace::default();
+                model.solve_with_derivatives(case, None, parameters, &mut workspace)
+            }
+            Self::Disks => {
+                let model = CosseratDisks::new(robot, &case.loads, options)?;
+                let mut workspace = cosserat_disks::Workspace::default();
+                model.solve_with_derivatives(case, None, parameters, &mut workspace)
+            }
+        }
+    }
+
+    /// One step between each two places of the robot, so that its measures do not move the steps; between disks a few, because
+    /// in steps so long that the norm of the quaternion counts it is not the same in all frames.
+    const fn steps(self) -> usize {
+        match self {
+            Self::Continuous => 1,
+            Self::Disks => 40,
+        }
+    }
+
+    /// The robot with cables that it takes: anchored at disks.
+    fn takes(self, robot: &Robot) -> Robot {
+        if self == Self::Continuous {
+            return robot.clone();
+        }
+        let disks = &robot.disks().arc_lengths;
+        let at_disk = |end: f64| {
+            let near = |a: &&f64, b: &&f64| (**a - end).abs().total_cmp(&(**b - end).abs());
+            disks[1..].iter().min_by(near).copied()
+        };
+        let anchored =
+            |cable: &Cable| Cable { ends_at: cable.ends_at.and_then(at_disk), ..cable.clone() };
+        let cables = robot.cables().iter().map(anchored).collect();
+        Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap()
+    }
+}
 
 fn bending_stiffness(robot: &Robot) -> f64 {
     match &robot.backbone().stiffness {
@@ -29,15 +122,14 @@ const FINE: usize = 192;
 const BARE: usize = 24;
 
 /// A prescribed number of steps, so that neighbouring cases are solved on the same ones.
-fn options(case: &Case) -> Options {
-    // One step between each two places of the robot, so that its measures do not move the steps.
+fn options(rod: Rod, case: &Case) -> Options {
     // Without load it is the rod under no load that is differentiated, which is integrated otherwise:
     // the two agree to the error of discretisation.
     let steps = match case.commands.len() {
         _ if case.loads.is_none() => FINE,
         // Nothing of a bare rod moves the steps.
         0 => BARE,
-        _ => 1,
+        _ => rod.steps(),
     };
     Options {
         stations: Stations::Equal(4),
@@ -48,23 +140,25 @@ fn options(case: &Case) -> Options {
     }
 }
 
-fn differentiated(robot: &Robot, case: &Case, parameters: &[Parameter]) -> (Solution, Derivatives) {
-    let model = Cosserat::new(robot, &case.loads, &options(case)).unwrap();
-    model
-        .solve_with_derivatives(case, None, parameters, &mut Workspace::default())
+fn differentiated(
+    rod: Rod,
+    robot: &Robot,
+    case: &Case,
+    parameters: &[Parameter],
+) -> (Solution, Derivatives) {
+    rod.solve_with_derivatives(robot, case, &options(rod, case), parameters)
         .unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
 }
 
-fn solve_near(robot: &Robot, case: &Case, at: &Solution) -> Result<Solution, SolveError> {
+fn solve_near(rod: Rod, robot: &Robot, case: &Case, at: &Solution) -> Result<Solution, SolveError> {
     // On the steps of that answer.
     let steps = match case.commands.len() {
         _ if at.diagnostics.steps >= FINE => FINE,
         0 => BARE,
-        _ => 1,
+        _ => rod.steps(),
     };
     let accuracy = Accuracy::Steps(steps);
-    let model = Cosserat::new(robot, &case.loads, &Options { accuracy, ..options(case) })?;
-    model.solve(case, Some(at), &mut Workspace::default())
+    rod.solve(robot, case, &Options { accuracy, ..options(rod, case) }, Some(at))
 }
 
 /// Everything that a robot and case can be differentiated by, with a step for differences.
@@ -211,21 +305,27 @@ fn off(change: &Change, difference: &Difference, robot: &Robot) -> f64 {
 /// Differences leave about this much, relative to the largest change.
 const TOLERANCE: f64 = 2e-7;
 
-fn check_parameters(robot: &Robot, case: &Case, failures: &mut String) -> usize {
-    check_parameters_to(TOLERANCE, robot, case, failures)
+fn check_parameters(rod: Rod, robot: &Robot, case: &Case, failures: &mut String) -> usize {
+    check_parameters_to(rod, TOLERANCE, robot, case, failures)
 }
 
-fn check_parameters_to(tolerance: f64, robot: &Robot, case: &Case, failures: &mut String) -> usize {
+fn check_parameters_to(
+    rod: Rod,
+    tolerance: f64,
+    robot: &Robot,
+    case: &Case,
+    failures: &mut String,
+) -> usize {
     let all = parameters(robot, case);
     let list: Vec<Parameter> = all.iter().map(|(p, _)| *p).collect();
-    let (solution, derivatives) = differentiated(robot, case, &list);
+    let (solution, derivatives) = differentiated(rod, robot, case, &list);
     for (i, (parameter, step)) in all.iter().enumerate() {
         let change = derivatives.parameter(i, Hold::Commands);
         let off = |step: f64| {
             let difference = differentiate(
                 |by| {
                     let (robot, case) = parameter.moved(robot, case, by)?;
-                    solve_near(&robot, &case, &solution)
+                    solve_near(rod, &robot, &case, &solution)
                 },
                 step,
             );
@@ -266,13 +366,14 @@ fn with_room(case: &Case, length: f64) -> Case {
     case
 }
 
-fn check_random(wild: Wildness, count: usize) {
+fn check_random(rod: Rod, wild: Wildness, count: usize) {
     let mut failures = String::new();
     let mut checked = 0;
     for (i, (robot, case)) in common::samples(common::robot(wild), count).enumerate() {
+        let robot = rod.takes(&robot);
         let case = with_room(&case, robot.backbone().length);
         let before = failures.len();
-        checked += check_parameters(&robot, &case, &mut failures);
+        checked += check_parameters(rod, &robot, &case, &mut failures);
         if failures.len() > before {
             failures += &format!("  of robot {i}: {:?}\n", robot.cables());
         }
@@ -283,19 +384,16 @@ fn check_random(wild: Wildness, count: usize) {
 
 const ROBOTS: usize = if cfg!(debug_assertions) { 1 } else { 6 };
 
-#[test]
-fn parameters_under_loads() {
-    check_random(Wildness::LOADED, ROBOTS);
+fn parameters_under_loads(rod: Rod) {
+    check_random(rod, Wildness::LOADED, ROBOTS);
 }
 
-#[test]
-fn parameters_without_load() {
-    check_random(Wildness::UNLOADED, ROBOTS);
+fn parameters_without_load(rod: Rod) {
+    check_random(rod, Wildness::UNLOADED, ROBOTS);
 }
 
 /// Stiffness that is given itself, with terms beside its diagonal, or along which strains are held.
-#[test]
-fn given_stiffness() {
+fn given_stiffness(rod: Rod) {
     let matrix = {
         let mut k = [[0.0; 6]; 6];
         for (i, value) in [3e3, 2.5e3, 8e3, 4e-3, 6e-3, 3e-3].into_iter().enumerate() {
@@ -318,28 +416,27 @@ fn given_stiffness() {
         };
         let cables = [common::straight(20.0), common::helix(80.0, 0.5)];
         let cables = cables.into_iter().enumerate();
-        let cables = cables.map(|(i, r)| whipcord::Cable::new(format!("{i}"), r)).collect();
+        let cables = cables.map(|(i, r)| Cable::new(format!("{i}"), r)).collect();
         let robot = Robot::new(backbone, common::paper_disks(), cables).unwrap();
         let mut case = Case::with_tensions(&[2.0, 1.5]);
         case.loads.tip_force = Vec3::new(0.05, 0.1, -0.05);
         case.loads.gravity = Some(Vec3::new(0.0, 9.81, 0.0));
-        check_parameters(&robot, &case, &mut failures);
+        check_parameters(rod, &robot, &case, &mut failures);
     }
     assert!(failures.is_empty(), "{failures}");
 }
 
 /// A case in which the cables are as long as they are now, but for every second one, which keeps its
 /// tension, and the robot with some of its cables elastic.
-fn by_length(robot: &Robot, case: &Case, all: bool) -> (Robot, Case) {
-    let elastic = |(i, cable): (usize, &whipcord::Cable)| whipcord::Cable {
+fn by_length(rod: Rod, robot: &Robot, case: &Case, all: bool) -> (Robot, Case) {
+    let elastic = |(i, cable): (usize, &Cable)| Cable {
         axial_stiffness: (i % 3 == 1)
             .then(|| 300.0 * bending_stiffness(robot) / robot.backbone().length.powi(2)),
         ..cable.clone()
     };
     let cables = robot.cables().iter().enumerate().map(elastic).collect();
     let robot = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap();
-    let model = Cosserat::new(&robot, &case.loads, &options(case)).unwrap();
-    let solution = model.solve(case, None, &mut Workspace::default()).unwrap();
+    let solution = rod.solve(&robot, case, &options(rod, case), None).unwrap();
     let command = |(i, (state, given)): (usize, (&whipcord::CableState, &CableCommand))| {
         if !all && i % 2 == 1 {
             return *given;
@@ -360,7 +457,7 @@ fn by_length(robot: &Robot, case: &Case, all: bool) -> (Robot, Case) {
 
 /// Random robots whose cables are all so taut that no difference lets one go slack, and so few that
 /// their lengths are independent.
-fn taut(wild: Wildness, count: usize) -> impl Iterator<Item = (Robot, Case)> {
+fn taut(rod: Rod, wild: Wildness, count: usize) -> impl Iterator<Item = (Robot, Case)> {
     let wild = Wildness { cables: 3, ..wild };
     common::samples(common::robot(wild), 4 * count)
         .filter(|(robot, case)| {
@@ -369,4 +466,7 @@ fn taut(wild: Wildness, count: usize) -> impl Iterator<Item = (Robot, Case)> {
             case.commands.iter().all(|c| c.tension.unwrap() > 0.05 * unit)
         })
         .take(count)
+        .map(move |(robot, case)| (rod.takes(&robot), case))
 }
+
+for_both_rods!(parameters_under_loads, parameters_without_load, given_stiffness);

@@ -1,0 +1,488 @@
+//! Cables that run straight from the hole of one disk to that of the next.
+//!
+//! Between two disks the rod carries no cable, and the steps in between have maps by the turn `φ` of the near disk
+//! and by the change `ω = (δm, δg)` of what acts in the rod there. With `a` and `b` the near and the far hole as seen from
+//! their disks (base frame), `t` the direction of the chord between them and `ℓ` its length, the cables give
+//!
+//! ```text
+//! c = Δ + φ₁ × b − φ₀ × a + (δb − δa),    δℓ = t·c,    δt = (c − t δℓ)/ℓ                              (d6)
+//! δg = δG − Σ δ(τ t),    δm = δM − Σ δ(τ a × t)     at the near disk                                    (d7)
+//! δG = δg + Σ δ(τ t),    δM = δm + Σ δ(τ b × t)     at the far one
+//! ```
+//!
+//! where `Δ` is the change of the displacement from disk to disk and `(M, G)` acts in rod and cables together. The first
+//! line puts `c` in terms of `φ₀`, `ω` and of what acts within the span: (d7) are six equations for `ω`. With these
+//! eliminated a span has a map of the form that a step has, and [`super::elimination`] does not see the difference.
+
+use core::ops::Range;
+
+use whipcord_numerics::{Mat3, Vec3};
+
+use super::elimination::{NodeChange, invert};
+use super::forward::{Effect, Forcing, Maps, StepMap, set_column};
+use super::replay::{AXES, Answer, Replay};
+use crate::section::Fault;
+use crate::shape::Wrench;
+use crate::statics::grid::Grid;
+use crate::statics::hold::Critical;
+use crate::statics::passages::Passage;
+
+/// The cables between two disks.
+#[derive(Clone, Debug)]
+pub(crate) struct StraightSpan<'a> {
+    /// Steps of the grid between the disks.
+    pub steps: Range<usize>,
+    pub passages: &'a [Passage],
+}
+
+/// A cable between two disks at the answer, base frame.
+#[derive(Clone, Copy, Debug)]
+struct Chord {
+    cable: usize,
+    tension: f64,
+    length: f64,
+    /// `t`, `a` and `b`.
+    along: Vec3,
+    near: Vec3,
+    far: Vec3,
+}
+
+/// Changes that what acts on a chord's ends and in it makes at constant direction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ChordChange {
+    pub tension: f64,
+    /// Of the holes, base frame.
+    pub near: Vec3,
+    pub far: Vec3,
+}
+
+/// What the chords of a span exert: force, and moments at the near and at the far disk.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pulls {
+    force: Vec3,
+    near: Vec3,
+    far: Vec3,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Span {
+    steps: Range<usize>,
+    /// Where its nodes begin among those of all spans, each with both its disks.
+    first: usize,
+    chords: Vec<Chord>,
+    /// Inverse of (d7).
+    inverse: [[Mat3; 2]; 2],
+}
+
+impl Span {
+    /// Its nodes among those of all spans.
+    fn nodes(&self) -> Range<usize> {
+        self.first..self.first + self.steps.len() + 1
+    }
+}
+
+/// All spans of an answer. Nodes are those of the grid, with each disk between two spans once as the end of one, once as
+/// the start of the next.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Spans {
+    /// Of the rod without its cables.
+    pub replay: Replay,
+    spans: Vec<Span>,
+    /// Maps of the steps of the rod.
+    rod: Vec<StepMap>,
+    /// Maps of the rod from the disk before to each node, by `(φ₀, ω)`.
+    along: Vec<StepMap>,
+    /// How each node moves, and what the rod bears there, by turn, moment and force at the disk before: (d7) solved.
+    inside: Vec<StepMap>,
+    /// The same by the inputs; by nodes, then inputs.
+    inside_effects: Vec<Effect>,
+    /// Followers at the end of each step between two disks: what a turn adds to moment and force there.
+    followers: Vec<Option<[Mat3; 2]>>,
+    inputs: usize,
+}
+
+/// What a dead wrench on a section does to its span, the near disk and what acts there held.
+#[derive(Clone, Debug)]
+pub(super) struct Pushed {
+    pub span: usize,
+    pub effect: Effect,
+    /// At the nodes of the span.
+    pub inside: Vec<Effect>,
+    /// Of the cables, by their numbers.
+    pub lengths: Vec<f64>,
+}
+
+/// Where a cable's hole is in the two disks of a span, and what of this changes.
+type HoleShifts<'a> = &'a dyn Fn(&Chord) -> ChordChange;
+
+const HELD: HoleShifts<'static> =
+    &|_| ChordChange { tension: 0.0, near: Vec3::ZERO, far: Vec3::ZERO };
+
+impl Spans {
+    /// Goes over an answer that is given by the rod's wrenches at the disks ([`Answer::starts`]).
+    pub fn run(
+        &mut self,
+        answer: &Answer<'_>,
+        spans: &[StraightSpan<'_>],
+        tensions: &[f64],
+    ) -> Result<(), Fault> {
+        self.replay.run(answer)?;
+        self.spans.clear();
+        for span in spans {
+            let [near, far] = [span.steps.start, span.steps.end].map(|node| answer.poses[node]);
+            let chord = |passage: &Passage| {
+                let (a, b) = (near.rotation.rotate(passage.near), far.rotation.rotate(passage.far));
+                let way = far.position + b - near.position - a;
+                let length = way.norm();
+                let (cable, tension) = (passage.cable, tensions[passage.cable]);
+                Chord { cable, tension, length, along: way / length, near: a, far: b }
+            };
+            self.spans.push(Span {
+                steps: span.steps.clone(),
+                first: span.steps.start + self.spans.len(),
+                chords: span.passages.iter().map(chord).collect(),
+                ..Span::default()
+            });
+        }
+        let follower = |node: usize| {
+            let wrench = answer.loads.follower(node);
+            let turned = |w: Vec3| Mat3::skew(answer.poses[node].rotation.rotate(w));
+            (*wrench != Wrench::default()).then(|| [wrench.moment, wrench.force].map(turned))
+        };
+        self.followers.clear();
+        self.followers.extend((1..=answer.grid.len()).map(follower));
+        for span in &self.spans {
+            // Those at the disks act between the spans.
+            self.followers[span.steps.end - 1] = None;
+        }
+        Ok(())
+    }
+
+    /// How many spans there are.
+    pub fn len(&self) -> usize {
+        self.spans.len()
+    }
+
+    /// The node of the grid at which a span ends.
+    pub fn far_disk(&self, span: usize) -> usize {
+        self.spans[span].steps.end
+    }
+
+    /// The disk of a node of the grid, where there is one.
+    pub fn disk(&self, node: usize) -> Option<usize> {
+        let disk = self.spans.partition_point(|span| span.steps.end <= node);
+        let at = self.spans.get(disk).map(|span| span.steps.start);
+        (at == Some(node) || disk == self.spans.len()).then_some(disk)
+    }
+
+    /// Maps of all spans by their starts, the tensions and `more` inputs, which act in the sections as `forcing` says by
+    /// step, stage and input, and move the holes of a cable at both ends of a span as `holes` says by input, cable and
+    /// span, in the frames of the disks.
+    ///
+    /// # Errors
+    /// [`Critical`] where a span is about to buckle by itself.
+    pub fn compute(
+        &mut self,
+        grid: &Grid,
+        (cables, more): (usize, usize),
+        forcing: &dyn Fn(usize, usize, usize) -> Forcing,
+        holes: &dyn Fn(usize, usize, usize) -> [Vec3; 2],
+    ) -> Result<Maps, Critical> {
+        let mut rod = Maps::default();
+        rod.compute(&grid.steps, &self.replay, 0, more, forcing);
+        self.rod = core::mem::take(&mut rod.steps);
+        self.inputs = cables + more;
+        let mut maps = Maps::default();
+        maps.prepare(self.spans.len(), cables, more);
+        let nodes = grid.len() + self.spans.len();
+        self.along.clear();
+        self.inside.clear();
+        self.inside_effects.clear();
+        self.inside_effects.resize(nodes * self.inputs, Effect::default());
+        for k in 0..self.spans.len() {
+            self.compose(k);
+            self.spans[k].inverse = self.invert(k)?;
+            let map = self.by_start(k, &mut maps.length_by_state[k * cables..(k + 1) * cables]);
+            maps.steps.push(map);
+            for input in 0..self.inputs {
+                let of_input = (k * self.inputs + input) * cables;
+                let lengths = &mut maps.length_by_input[of_input..of_input + cables];
+                let (effect, inside) = match input.checked_sub(cables) {
+                    None => {
+                        let explicit = vec![Effect::default(); self.spans[k].nodes().len()];
+                        let pulled = |chord: &Chord| ChordChange {
+                            tension: if chord.cable == input { 1.0 } else { 0.0 },
+                            ..ChordChange::default()
+                        };
+                        self.solve(k, [Vec3::ZERO; 3], &explicit, &pulled, lengths)
+                    }
+                    Some(more) => {
+                        let first = self.spans[k].steps.start;
+                        let acting = |step: usize| rod.effects_of(step)[more];
+                        let explicit = self.carry(k, first, Effect::default(), acting);
+                        let moved = |chord: &Chord| self.moved(k, holes(more, chord.cable, k));
+                        self.solve(k, [Vec3::ZERO; 3], &explicit, &moved, lengths)
+                    }
+                };
+                maps.effects[k * self.inputs + input] = effect;
+                for (node, effect) in self.spans[k].nodes().zip(inside) {
+                    self.inside_effects[node * self.inputs + input] = effect;
+                }
+            }
+        }
+        Ok(maps)
+    }
+
+    /// Holes that move in the frames of their disks.
+    fn moved(&self, k: usize, [near, far]: [Vec3; 2]) -> ChordChange {
+        let turned = |node: usize, shift: Vec3| match node.checked_sub(1) {
+            Some(step) => self.replay.ends[step].pose.rotation.rotate(shift),
+            None => shift,
+        };
+        let Range { start, end } = self.spans[k].steps;
+        ChordChange { tension: 0.0, near: turned(start, near), far: turned(end, far) }
+    }
+
+    /// Maps of the rod from the near disk to each node of a span.
+    fn compose(&mut self, k: usize) {
+        let mut at = StepMap::IDENTITY;
+        self.along.push(at);
+        for step in self.spans[k].steps.clone() {
+            at = at.then(&self.rod[step]);
+            if let Some(follower) = &self.followers[step] {
+                at = at.with_follower(follower);
+            }
+            self.along.push(at);
+        }
+    }
+
+    /// What acts from a node of the grid in a span on, carried to each node; nothing does before it.
+    fn carry(
+        &self,
+        k: usize,
+        from: usize,
+        start: Effect,
+        acting: impl Fn(usize) -> Effect,
+    ) -> Vec<Effect> {
+        let steps = self.spans[k].steps.clone();
+        let mut at = if from == steps.start { start } else { Effect::default() };
+        let mut out = vec![at];
+        for step in steps {
+            if step >= from {
+                at = self.rod[step].carry(&at).plus(&acting(step));
+                if let Some(follower) = &self.followers[step] {
+                    at = at.with_follower(follower);
+                }
+            }
+            if step + 1 == from {
+                at = start;
+            }
+            out.push(at);
+        }
+        out
+    }
+
+    /// What the chords exert once the far disk has moved so against the near one, (d6), and their lengths by cables.
+    fn pulls(
+        &self,
+        k: usize,
+        near_turn: Vec3,
+        end: &Effect,
+        changes: HoleShifts<'_>,
+        lengths: &mut [f64],
+    ) -> Pulls {
+        let mut sum = Pulls::default();
+        for chord in &self.spans[k].chords {
+            let Chord { along: t, near: a, far: b, tension, .. } = *chord;
+            let change = changes(chord);
+            let (da, db) = (near_turn.cross(a) + change.near, end.turn.cross(b) + change.far);
+            let way = end.shift + db - da;
+            let longer = t.dot(way);
+            if let Some(length) = lengths.get_mut(chord.cable) {
+                *length += longer;
+            }
+            let pull = change.tension * t + (way - t * longer) * (tension / chord.length);
+            sum.force += pull;
+            sum.near += a.cross(pull) + tension * da.cross(t);
+            sum.far += b.cross(pull) + tension * db.cross(t);
+        }
+        sum
+    }
+
+    /// Inverts (d7).
+    fn invert(&self, k: usize) -> Result<[[Mat3; 2]; 2], Critical> {
+        let end = &self.along[self.spans[k].nodes().end - 1];
+        let mut columns = [[Mat3::ZERO; 2]; 2];
+        for column in 0..6 {
+            let mut start = [Vec3::ZERO; 3];
+            let axis = AXES[column % 3];
+            start[1 + column / 3] = axis;
+            let of = self.pulls(k, Vec3::ZERO, &end.apply(start), HELD, &mut []);
+            for (row, value) in [of.near, of.force].into_iter().enumerate() {
+                let own = if row == column / 3 { axis } else { Vec3::ZERO };
+                set_column(&mut columns[row][column / 3], column % 3, own + value);
+            }
+        }
+        invert(columns).ok_or(Critical)
+    }
+
+    /// Solves (d7) for a start, given by turn, moment and force, and what acts within: what comes out at the far disk, and
+    /// in the rod at each node.
+    fn solve(
+        &self,
+        k: usize,
+        [turn, moment, force]: [Vec3; 3],
+        explicit: &[Effect],
+        changes: HoleShifts<'_>,
+        lengths: &mut [f64],
+    ) -> (Effect, Vec<Effect>) {
+        let span = &self.spans[k];
+        let along = &self.along[span.nodes()];
+        let at = |node: usize, rod| along[node].apply(rod).plus(&explicit[node]);
+        let last = along.len() - 1;
+        let free = at(last, [turn, Vec3::ZERO, Vec3::ZERO]);
+        let pulled = self.pulls(k, turn, &free, changes, &mut []);
+        let (moment, force) = (moment - pulled.near, force - pulled.force);
+        let [[by_moment, by_force], [force_by_moment, force_by_force]] = span.inverse;
+        let rod = [
+            turn,
+            by_moment * moment + by_force * force,
+            force_by_moment * moment + force_by_force * force,
+        ];
+        let inside: Vec<Effect> = (0..along.len()).map(|node| at(node, rod)).collect();
+        let mut end = inside[last];
+        let pulled = self.pulls(k, turn, &end, changes, lengths);
+        end.moment += pulled.far;
+        end.force += pulled.force;
+        (end, inside)
+    }
+
+    /// The map of a span by its start; of the lengths by turn, moment and force, by cables.
+    fn by_start(&mut self, k: usize, lengths: &mut [[Vec3; 3]]) -> StepMap {
+        let steps = self.spans[k].steps.clone();
+        let follows =
+            |step: usize| self.rod[step].force.is_some() || self.followers[step].is_some();
+        let force = steps.clone().any(follows).then(Default::default);
+        let mut map = StepMap { force, ..StepMap::default() };
+        let of_rod = StepMap { force: Some(Default::default()), ..StepMap::default() };
+        let nodes = self.spans[k].nodes();
+        let nothing = vec![Effect::default(); nodes.len()];
+        self.inside.resize(nodes.end, of_rod);
+        let mut longer = vec![0.0; lengths.len()];
+        for column in 0..9 {
+            let mut start = [Vec3::ZERO; 3];
+            start[column / 3] = AXES[column % 3];
+            longer.fill(0.0);
+            let (end, inside) = self.solve(k, start, &nothing, HELD, &mut longer);
+            map.set(column, &end);
+            for (of, by) in lengths.iter_mut().zip(&longer) {
+                of[column / 3][column % 3] = *by;
+            }
+            for (node, effect) in nodes.clone().zip(inside) {
+                self.inside[node].set(column, &effect);
+            }
+        }
+        map
+    }
+
+    /// What a dead wrench on a node of the grid does to its span, the one behind the node.
+    pub fn push(&self, node: usize, wrench: Wrench, cables: usize) -> Pushed {
+        let span = self.span_behind(node);
+        let start = Effect { moment: -wrench.moment, force: -wrench.force, ..Effect::default() };
+        let explicit = self.carry(span, node, start, |_| Effect::default());
+        let mut lengths = vec![0.0; cables];
+        let (effect, inside) = self.solve(span, [Vec3::ZERO; 3], &explicit, HELD, &mut lengths);
+        Pushed { span, effect, inside, lengths }
+    }
+
+    fn span_behind(&self, node: usize) -> usize {
+        let span = self.spans.partition_point(|span| span.steps.end <= node);
+        span.min(self.spans.len() - 1)
+    }
+
+    /// The effects of an input at all nodes, those of the span `k` from 0 at its near disk.
+    pub fn input(&self, input: usize) -> impl Fn(usize, usize) -> Effect {
+        move |k, node| self.inside_effects[(self.spans[k].first + node) * self.inputs + input]
+    }
+
+    /// The changes at all nodes of the grid from those of the disks and what acts inside the spans, by span and node. What
+    /// acts at a node is that in the rod just behind it, at the tip in front of it.
+    pub fn expand(
+        &self,
+        disks: &[NodeChange],
+        acting: impl Fn(usize, usize) -> Effect,
+        nodes: &mut Vec<NodeChange>,
+    ) {
+        nodes.clear();
+        for (k, span) in self.spans.iter().enumerate() {
+            // The far disk is the near one of the next span.
+            nodes.pop();
+            let NodeChange { turn, position, moment, force } = disks[k];
+            nodes.extend(self.inside[span.nodes()].iter().enumerate().map(|(node, map)| {
+                let Effect { turn, moment, shift, force } =
+                    map.apply([turn, moment, force]).plus(&acting(k, node));
+                NodeChange { turn, position: position + shift, moment, force }
+            }));
+        }
+    }
+
+    /// The transpose of [`Self::expand`]: sensitivities to the disks, and to the starts of the spans as
+    /// [`super::elimination::Elimination::pull_back`] takes them.
+    pub fn gather(&self, nodes: &[NodeChange]) -> (Vec<NodeChange>, Vec<[Vec3; 3]>) {
+        let mut disks = vec![NodeChange::default(); self.spans.len() + 1];
+        let mut starts = vec![[Vec3::ZERO; 3]; self.spans.len()];
+        for (k, span) in self.spans.iter().enumerate() {
+            for node in 1..=span.steps.len() {
+                let NodeChange { turn, position, .. } = nodes[span.steps.start + node];
+                if node == span.steps.len() {
+                    disks[k + 1].turn += turn;
+                    disks[k + 1].position += position;
+                    continue;
+                }
+                disks[k].position += position;
+                let map = &self.inside[span.first + node];
+                for (to, (by_turn, by_shift)) in
+                    starts[k].iter_mut().zip(map.turn.iter().zip(&map.shift))
+                {
+                    *to += by_turn.transpose_mul(turn) + by_shift.transpose_mul(position);
+                }
+            }
+        }
+        (disks, starts)
+    }
+
+    /// What effects inside the spans are worth at all nodes of the grid but the disks.
+    pub fn worth(&self, nodes: &[NodeChange], acting: impl Fn(usize, usize) -> Effect) -> f64 {
+        let of_span = |(k, span): (usize, &Span)| -> f64 {
+            let of_node = |node: usize| {
+                let NodeChange { turn, position, .. } = nodes[span.steps.start + node];
+                let Effect { turn: by_turn, shift, .. } = acting(k, node);
+                turn.dot(by_turn) + position.dot(shift)
+            };
+            (1..span.steps.len()).map(of_node).sum()
+        };
+        self.spans.iter().enumerate().map(of_span).sum()
+    }
+
+    /// Changes of the chords' lengths by cables, on a rod at rest that bears nothing, by an input.
+    pub fn lengths_at_rest(
+        &self,
+        grid: &Grid,
+        cables: usize,
+        forcing: &dyn Fn(usize, usize, usize) -> Forcing,
+        holes: &dyn Fn(usize, usize) -> [Vec3; 2],
+    ) -> Vec<f64> {
+        let mut rod = Maps::default();
+        rod.compute(&grid.steps, &self.replay, 0, 1, forcing);
+        let mut lengths = vec![0.0; cables];
+        for (k, span) in self.spans.iter().enumerate() {
+            let mut end = Effect::default();
+            for step in span.steps.clone() {
+                end = rod.steps[step].carry(&end).plus(&rod.effects_of(step)[0]);
+            }
+            let moved = |chord: &Chord| self.moved(k, holes(chord.cable, k));
+            self.pulls(k, Vec3::ZERO, &end, &moved, &mut lengths);
+        }
+        lengths
+    }
+}
