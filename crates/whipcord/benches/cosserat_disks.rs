@@ -10,6 +10,7 @@ use case_3::TENSION;
 use divan::Bencher;
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::{CosseratDisks, Options, Workspace};
+use whipcord::derivatives::{Hold, Place};
 use whipcord::{Actuation, Case, Robot, Shortening, StabilityAnalysis};
 
 fn main() {
@@ -55,6 +56,37 @@ fn unloaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
 fn unloaded_tapered_cold(bencher: Bencher<'_, '_>, steps: usize) {
     let options = options(steps, Actuation::Tension);
     measure_of(&case_3::tapered(), bencher, &options, &Case::with_tensions(&[TENSION]));
+}
+
+/// With the Jacobian of the tip by the tension and the compliance of the tip.
+#[divan::bench(args = STEPS)]
+fn loaded_cold_with_derivatives(bencher: Bencher<'_, '_>, steps: usize) {
+    let case = Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) };
+    derivatives(bencher, &options(steps, Actuation::Tension), &case);
+}
+
+#[divan::bench(args = STEPS)]
+fn unloaded_cold_with_derivatives(bencher: Bencher<'_, '_>, steps: usize) {
+    let case = Case::with_tensions(&[TENSION]);
+    derivatives(bencher, &options(steps, Actuation::Tension), &case);
+}
+
+/// To the default accuracy.
+#[divan::bench]
+fn default_loaded_with_derivatives(bencher: Bencher<'_, '_>) {
+    let case = Case { loads: case_3::loads(), ..Case::with_tensions(&[TENSION]) };
+    derivatives(bencher, &Options::default(), &case);
+}
+
+fn derivatives(bencher: Bencher<'_, '_>, options: &Options, case: &Case) {
+    let model = CosseratDisks::new(&case_3::robot(), &case.loads, options).unwrap();
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| {
+        let (_, derivatives) =
+            model.solve_with_derivatives(case, None, &[], &mut workspace).unwrap();
+        let jacobian = derivatives.actuation_jacobian(Place::Tip);
+        (jacobian, derivatives.compliance(Place::Tip, Hold::Tensions).unwrap())
+    });
 }
 
 fn by_length() -> Case {

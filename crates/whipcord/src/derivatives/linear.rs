@@ -31,7 +31,8 @@ impl Linear {
         if let Some(straight) = spans {
             let mut spans = Box::<Spans>::default();
             // The sections of the rod have no cables in them.
-            spans.run(&Answer { tensions: &[], ..*answer }, straight, answer.tensions)?;
+            let rod = Answer { tensions: &[], ..*answer };
+            spans.run(&rod, straight, answer.tensions, &answer.grid.stations)?;
             Ok(Self::Spans(spans))
         } else if answer.loads.any() || !answer.starts.is_empty() {
             let mut replay = Replay::default();

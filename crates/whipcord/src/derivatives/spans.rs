@@ -67,7 +67,9 @@ struct Pulls {
 #[derive(Clone, Debug, Default)]
 struct Span {
     steps: Range<usize>,
-    /// Where its nodes begin among those of all spans, each with both its disks.
+    /// Its kept nodes, counted from the near disk: both disks, and the nodes between them that are asked for.
+    kept: Vec<usize>,
+    /// Where they begin among those of all spans.
     first: usize,
     chords: Vec<Chord>,
     /// Inverse of (d7).
@@ -75,14 +77,14 @@ struct Span {
 }
 
 impl Span {
-    /// Its nodes among those of all spans.
+    /// Its kept nodes among those of all spans.
     fn nodes(&self) -> Range<usize> {
-        self.first..self.first + self.steps.len() + 1
+        self.first..self.first + self.kept.len()
     }
 }
 
-/// All spans of an answer. Nodes are those of the grid, with each disk between two spans once as the end of one, once as
-/// the start of the next.
+/// All spans of an answer. Of the nodes of the grid those are kept that are asked for, with each disk between two spans once
+/// as the end of one, once as the start of the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spans {
     /// Of the rod without its cables.
@@ -90,9 +92,9 @@ pub(super) struct Spans {
     spans: Vec<Span>,
     /// Maps of the steps of the rod.
     rod: Vec<StepMap>,
-    /// Maps of the rod from the disk before to each node, by `(φ₀, ω)`.
+    /// Maps of the rod from the disk before to each kept node, by `(φ₀, ω)`.
     along: Vec<StepMap>,
-    /// How each node moves, and what the rod bears there, by turn, moment and force at the disk before: (d7) solved.
+    /// How each kept node moves, and what the rod bears there, by turn, moment and force at the disk before: (d7) solved.
     inside: Vec<StepMap>,
     /// The same by the inputs; by nodes, then inputs.
     inside_effects: Vec<Effect>,
@@ -106,7 +108,7 @@ pub(super) struct Spans {
 pub(super) struct Pushed {
     pub span: usize,
     pub effect: Effect,
-    /// At the nodes of the span.
+    /// At the kept nodes of the span.
     pub inside: Vec<Effect>,
     /// Of the cables, by their numbers.
     pub lengths: Vec<f64>,
@@ -119,15 +121,18 @@ const HELD: HoleShifts<'static> =
     &|_| ChordChange { tension: 0.0, near: Vec3::ZERO, far: Vec3::ZERO };
 
 impl Spans {
-    /// Goes over an answer that is given by the rod's wrenches at the disks ([`Answer::starts`]).
+    /// Goes over an answer that is given by the rod's wrenches at the disks ([`Answer::starts`]), and keeps these nodes of
+    /// the grid beside the disks.
     pub fn run(
         &mut self,
         answer: &Answer<'_>,
         spans: &[StraightSpan<'_>],
         tensions: &[f64],
+        nodes: &[usize],
     ) -> Result<(), Fault> {
         self.replay.run(answer)?;
         self.spans.clear();
+        let mut first = 0;
         for span in spans {
             let [near, far] = [span.steps.start, span.steps.end].map(|node| answer.poses[node]);
             let chord = |passage: &Passage| {
@@ -137,9 +142,17 @@ impl Spans {
                 let (cable, tension) = (passage.cable, tensions[passage.cable]);
                 Chord { cable, tension, length, along: way / length, near: a, far: b }
             };
+            let Range { start, end } = span.steps;
+            let between = nodes.iter().filter(|node| (start + 1..end).contains(node));
+            let mut kept: Vec<usize> = between.map(|node| node - start).collect();
+            kept.extend([0, end - start]);
+            kept.sort_unstable();
+            kept.dedup();
+            first += kept.len();
             self.spans.push(Span {
                 steps: span.steps.clone(),
-                first: span.steps.start + self.spans.len(),
+                first: first - kept.len(),
+                kept,
                 chords: span.passages.iter().map(chord).collect(),
                 ..Span::default()
             });
@@ -194,7 +207,7 @@ impl Spans {
         self.inputs = cables + more;
         let mut maps = Maps::default();
         maps.prepare(self.spans.len(), cables, more);
-        let nodes = grid.len() + self.spans.len();
+        let nodes: usize = self.spans.iter().map(|span| span.kept.len()).sum();
         self.along.clear();
         self.inside.clear();
         self.inside_effects.clear();
@@ -243,20 +256,23 @@ impl Spans {
         ChordChange { tension: 0.0, near: turned(start, near), far: turned(end, far) }
     }
 
-    /// Maps of the rod from the near disk to each node of a span.
+    /// Maps of the rod from the near disk to each kept node of a span.
     fn compose(&mut self, k: usize) {
         let mut at = StepMap::IDENTITY;
         self.along.push(at);
-        for step in self.spans[k].steps.clone() {
+        let Span { steps, kept, .. } = &self.spans[k];
+        for (node, step) in (1..).zip(steps.clone()) {
             at = at.then(&self.rod[step]);
             if let Some(follower) = &self.followers[step] {
                 at = at.with_follower(follower);
             }
-            self.along.push(at);
+            if kept.contains(&node) {
+                self.along.push(at);
+            }
         }
     }
 
-    /// What acts from a node of the grid in a span on, carried to each node; nothing does before it.
+    /// What acts from a node of the grid in a span on, carried to each kept node; nothing does before it.
     fn carry(
         &self,
         k: usize,
@@ -264,10 +280,10 @@ impl Spans {
         start: Effect,
         acting: impl Fn(usize) -> Effect,
     ) -> Vec<Effect> {
-        let steps = self.spans[k].steps.clone();
+        let Span { steps, kept, .. } = &self.spans[k];
         let mut at = if from == steps.start { start } else { Effect::default() };
         let mut out = vec![at];
-        for step in steps {
+        for (node, step) in (1..).zip(steps.clone()) {
             if step >= from {
                 at = self.rod[step].carry(&at).plus(&acting(step));
                 if let Some(follower) = &self.followers[step] {
@@ -277,7 +293,9 @@ impl Spans {
             if step + 1 == from {
                 at = start;
             }
-            out.push(at);
+            if kept.contains(&node) {
+                out.push(at);
+            }
         }
         out
     }
@@ -327,7 +345,7 @@ impl Spans {
     }
 
     /// Solves (d7) for a start, given by turn, moment and force, and what acts within: what comes out at the far disk, and
-    /// in the rod at each node.
+    /// in the rod at each kept node.
     fn solve(
         &self,
         k: usize,
@@ -400,13 +418,13 @@ impl Spans {
         span.min(self.spans.len() - 1)
     }
 
-    /// The effects of an input at all nodes, those of the span `k` from 0 at its near disk.
+    /// The effects of an input at the kept nodes of each span.
     pub fn input(&self, input: usize) -> impl Fn(usize, usize) -> Effect {
         move |k, node| self.inside_effects[(self.spans[k].first + node) * self.inputs + input]
     }
 
-    /// The changes at all nodes of the grid from those of the disks and what acts inside the spans, by span and node. What
-    /// acts at a node is that in the rod just behind it, at the tip in front of it.
+    /// The changes at the nodes of the grid, of those that are kept, from the changes of the disks and what acts inside the
+    /// spans, by span and kept node. What acts at a node is that in the rod just behind it, at the tip in front of it.
     pub fn expand(
         &self,
         disks: &[NodeChange],
@@ -414,15 +432,17 @@ impl Spans {
         nodes: &mut Vec<NodeChange>,
     ) {
         nodes.clear();
+        let count = self.spans.last().map_or(0, |span| span.steps.end + 1);
+        nodes.resize(count, NodeChange::default());
         for (k, span) in self.spans.iter().enumerate() {
-            // The far disk is the near one of the next span.
-            nodes.pop();
             let NodeChange { turn, position, moment, force } = disks[k];
-            nodes.extend(self.inside[span.nodes()].iter().enumerate().map(|(node, map)| {
+            // The far disk is the near one of the next span, which comes later.
+            for (i, (node, map)) in span.kept.iter().zip(&self.inside[span.nodes()]).enumerate() {
                 let Effect { turn, moment, shift, force } =
-                    map.apply([turn, moment, force]).plus(&acting(k, node));
-                NodeChange { turn, position: position + shift, moment, force }
-            }));
+                    map.apply([turn, moment, force]).plus(&acting(k, i));
+                let at = &mut nodes[span.steps.start + node];
+                *at = NodeChange { turn, position: position + shift, moment, force };
+            }
         }
     }
 
@@ -432,7 +452,7 @@ impl Spans {
         let mut disks = vec![NodeChange::default(); self.spans.len() + 1];
         let mut starts = vec![[Vec3::ZERO; 3]; self.spans.len()];
         for (k, span) in self.spans.iter().enumerate() {
-            for node in 1..=span.steps.len() {
+            for (i, &node) in span.kept.iter().enumerate().skip(1) {
                 let NodeChange { turn, position, .. } = nodes[span.steps.start + node];
                 if node == span.steps.len() {
                     disks[k + 1].turn += turn;
@@ -440,7 +460,7 @@ impl Spans {
                     continue;
                 }
                 disks[k].position += position;
-                let map = &self.inside[span.first + node];
+                let map = &self.inside[span.first + i];
                 for (to, (by_turn, by_shift)) in
                     starts[k].iter_mut().zip(map.turn.iter().zip(&map.shift))
                 {
@@ -451,15 +471,16 @@ impl Spans {
         (disks, starts)
     }
 
-    /// What effects inside the spans are worth at all nodes of the grid but the disks.
+    /// What effects inside the spans, by span and kept node, are worth at the nodes of the grid but the disks.
     pub fn worth(&self, nodes: &[NodeChange], acting: impl Fn(usize, usize) -> Effect) -> f64 {
         let of_span = |(k, span): (usize, &Span)| -> f64 {
-            let of_node = |node: usize| {
+            let of_node = |(i, node): (usize, &usize)| {
                 let NodeChange { turn, position, .. } = nodes[span.steps.start + node];
-                let Effect { turn: by_turn, shift, .. } = acting(k, node);
+                let Effect { turn: by_turn, shift, .. } = acting(k, i);
                 turn.dot(by_turn) + position.dot(shift)
             };
-            (1..span.steps.len()).map(of_node).sum()
+            let last = span.kept.len() - 1;
+            span.kept[..last].iter().enumerate().skip(1).map(of_node).sum()
         };
         self.spans.iter().enumerate().map(of_span).sum()
     }
