@@ -111,6 +111,16 @@ impl Model {
         self
     }
 
+    /// The same model, to this estimated error of positions and lengths as a part of the length of the backbone
+    /// ([`crate::cosserat::Accuracy::Tolerance`]); models whose sections are their discretisation have none to choose.
+    #[must_use]
+    pub const fn with_tolerance(mut self, tolerance: f64) -> Self {
+        if let Self::Cosserat(options) | Self::CosseratDisks(options) = &mut self {
+            options.accuracy = cosserat::Accuracy::Tolerance(tolerance);
+        }
+        self
+    }
+
     /// The flag that ends its solves.
     #[must_use]
     pub const fn cancel(&self) -> &Cancel {

@@ -160,7 +160,7 @@ impl ContactResponse {
             loads: &scratch.applied,
             commands,
             length: robot.backbone().length,
-            tolerance: options.residual,
+            tolerance: options.greatest_residual(),
             cancel: &options.cancel,
         };
         for (tension, command) in self.chain.state.tensions.iter_mut().zip(&*commands) {
@@ -332,7 +332,7 @@ impl ContactResponse {
             loads: &scratch.applied,
             commands,
             length: contact_grid.model.robot.backbone().length,
-            tolerance: contact_grid.model.options.residual,
+            tolerance: contact_grid.model.options.greatest_residual(),
             cancel: &contact_grid.model.options.cancel,
         };
         let negative = self.chain.is_determinant_negative(&task, &mut self.trajectory);

@@ -290,7 +290,7 @@ impl Cosserat {
             follow: true,
             bracket: true,
             redundant_cables: self.redundant_cables,
-            tolerance: self.options.residual,
+            tolerance: self.options.greatest_residual(),
             cancel: &self.options.cancel,
         }
     }

@@ -489,7 +489,7 @@ impl CosseratDisks {
             frame: &self.frame,
             mesh,
             commands,
-            tolerance: self.options.residual,
+            tolerance: self.options.greatest_residual(),
             cancel: &self.options.cancel,
             holes: self.holes.as_ref(),
             case,

@@ -20,7 +20,8 @@ pub struct Options {
     pub stability: StabilityAnalysis,
     /// Residual at which equilibrium under load counts as met, relative to the scales of moment (EI/L,
     /// and what acts there), force (EI/L²), turn (1 rad) and length. It is about the relative error of
-    /// the shape that the iteration leaves.
+    /// the shape that the iteration leaves. With [`Accuracy::Tolerance`] a fiftieth of the tolerance suffices, where that
+    /// is more.
     pub residual: f64,
     /// Ends a solve from outside.
     pub cancel: Cancel,
@@ -38,6 +39,19 @@ impl Default for Options {
         }
     }
 }
+
+impl Options {
+    /// Residual at which equilibrium counts as met.
+    pub(crate) fn greatest_residual(&self) -> f64 {
+        match self.accuracy {
+            Accuracy::Tolerance(tolerance) => self.residual.max(RESIDUAL_OF_TOLERANCE * tolerance),
+            Accuracy::Steps(_) => self.residual,
+        }
+    }
+}
+
+/// Part of the tolerance that the iteration may leave.
+const RESIDUAL_OF_TOLERANCE: f64 = 0.02;
 
 /// What is computed of the stability of an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,8 +77,14 @@ pub enum Accuracy {
     Steps(usize),
 }
 
+impl Accuracy {
+    /// A thousandth of the thickness of a rod that is a thousand times as long as thick: far below what is known of any real
+    /// robot.
+    pub const DEFAULT_TOLERANCE: f64 = 1e-6;
+}
+
 impl Default for Accuracy {
     fn default() -> Self {
-        Self::Tolerance(1e-9)
+        Self::Tolerance(Self::DEFAULT_TOLERANCE)
     }
 }

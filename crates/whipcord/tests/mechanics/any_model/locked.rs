@@ -1,6 +1,7 @@
 //! More straight cables held at their lengths than lengths are independent: whether one of them pulls depends
 //! on which of the others do.
 
+use crate::common::accurate;
 use core::f64::consts::TAU;
 
 use whipcord::cosserat::Options;
@@ -56,7 +57,7 @@ fn missed(solution: &Solution, shortened: &[f64]) -> f64 {
 }
 
 fn by_length() -> Options {
-    Options { actuation: Actuation::Shortening, ..Options::default() }
+    Options { actuation: Actuation::Shortening, ..accurate() }
 }
 
 /// The answer is an equilibrium under its tensions, whichever cables have them.

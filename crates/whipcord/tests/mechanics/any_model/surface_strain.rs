@@ -1,5 +1,6 @@
 //! The strain that a warning names is that of beam theory.
 
+use crate::common::ACCURATE;
 use whipcord::warning::of_answer;
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Loads, Material, Model, ModelKind, Robot, Routing,
@@ -30,7 +31,7 @@ fn bending_stiffness() -> f64 {
 
 /// The greatest strain on the surface and its arc length in m.
 fn strain(kind: ModelKind, robot: &Robot, case: &Case) -> (f64, f64) {
-    let model = Model::new(kind, Stations::Disks, Actuation::Tension);
+    let model = Model::new(kind, Stations::Disks, Actuation::Tension).with_tolerance(ACCURATE);
     let solution = model.solve(robot, case).unwrap();
     let found = of_answer(robot, &solution).into_iter().find_map(|warning| match warning {
         Warning::Strain { strain, arc_length, .. } => Some((strain, arc_length)),

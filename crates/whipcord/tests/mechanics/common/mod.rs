@@ -113,12 +113,20 @@ pub fn solve_with(options: Options, robot: &Robot, case: &Case) -> Result<Soluti
     Model::Cosserat(options).solve(robot, case)
 }
 
+/// A thousandth of the default tolerance.
+pub const ACCURATE: f64 = 1e-9;
+
+/// So accurate that closed forms and other formulations can be compared to many digits.
+pub fn accurate() -> Options {
+    Options { accuracy: Accuracy::Tolerance(ACCURATE), ..Options::default() }
+}
+
 /// By tension, with eleven stations.
 pub fn solve(robot: &Robot, case: &Case) -> Solution {
     let options = Options {
         stations: Stations::Equal(11),
         stability: StabilityAnalysis::Eigenvalue,
-        ..Options::default()
+        ..accurate()
     };
     solve_with(options, robot, case).unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
 }
@@ -154,7 +162,7 @@ pub fn solve_lengths(robot: &Robot, case: &Case) -> Result<Solution, SolveError>
         stations: Stations::Equal(11),
         actuation: Actuation::Shortening,
         stability: StabilityAnalysis::Eigenvalue,
-        ..Options::default()
+        ..accurate()
     };
     solve_with(options, robot, case)
 }

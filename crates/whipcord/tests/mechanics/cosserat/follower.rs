@@ -1,5 +1,6 @@
 //! Loads that turn with the body.
 
+use crate::common::accurate;
 use whipcord::cosserat::{Options, Workspace};
 use whipcord::{
     Backbone, Cable, Case, Disks, Loads, Material, Model, PointLoad, Robot, Routing, Section,
@@ -25,7 +26,7 @@ fn slender(cables: Vec<Cable>) -> Robot {
 }
 
 fn solve(robot: &Robot, case: &Case) -> Solution {
-    Model::Cosserat(Options::default()).solve(robot, case).unwrap()
+    Model::Cosserat(accurate()).solve(robot, case).unwrap()
 }
 
 fn tip_force(force: Vec3, follower: bool) -> Loads {
@@ -94,7 +95,7 @@ fn agrees_with_the_dead_load_of_the_same_direction() {
     let tip = solution.disks.tip().rotation;
     // The place of the point load is no disk: ask a model with a station there.
     let at_load = {
-        let options = Options { stations: whipcord::Stations::Equal(101), ..Options::default() };
+        let options = Options { stations: whipcord::Stations::Equal(101), ..accurate() };
         Model::Cosserat(options).solve(&robot, &case).unwrap().shape.poses[37].rotation
     };
     let dead = Loads {
@@ -152,8 +153,7 @@ fn lengths_give_back_the_tensions_under_a_follower_load() {
 fn a_warm_start_finds_the_same_answer() {
     let robot = slender(vec![]);
     let case = |force: f64| Case { loads: tip_force(Vec3::X * force, true), ..Case::default() };
-    let model =
-        whipcord::cosserat::Cosserat::new(&robot, &Loads::default(), &Options::default()).unwrap();
+    let model = whipcord::cosserat::Cosserat::new(&robot, &Loads::default(), &accurate()).unwrap();
     let mut workspace = Workspace::default();
     let near = model.solve(&case(4.9), None, &mut workspace).unwrap();
     let warm = model.solve(&case(5.0), Some(&near), &mut workspace).unwrap();

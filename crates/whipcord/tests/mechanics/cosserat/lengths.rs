@@ -1,6 +1,7 @@
 //! The Cosserat model driven by cable lengths.
 
 use crate::common;
+use crate::common::accurate;
 use crate::common::{
     Wildness, config, distance, helix, lengths_of, paper_robot, robot, samples, solve,
     solve_lengths, solve_with, straight, tensions,
@@ -107,7 +108,7 @@ proptest! {
         let mut asked = case.clone();
         asked.commands[0] =
             CableCommand { tension: None, shortening: Some(Shortening::Fraction(fraction)) };
-        match solve_with(Options::default(), &robot, &asked) {
+        match solve_with(accurate(), &robot, &asked) {
             Ok(solution) => {
                 let cable = &solution.cables[0];
                 let left = cable.length - (1.0 - fraction) * cable.initial_length;
@@ -119,7 +120,7 @@ proptest! {
                 let reach = |factor: f64| {
                     let mut case = asked.clone();
                     case.commands[0] = by_length(factor * reachable);
-                    solve_with(Options::default(), &robot, &case)
+                    solve_with(accurate(), &robot, &case)
                 };
                 prop_assert!(reach(0.99).is_ok(), "{:?}", reach(0.99));
                 prop_assert!(reach(1.02).is_err(), "goes farther than {reachable}");
@@ -141,7 +142,7 @@ fn cables_that_all_but_depend_on_one_another_settle() {
                 stations: Stations::Equal(11),
                 accuracy: Accuracy::Steps(24),
                 actuation,
-                ..Options::default()
+                ..accurate()
             };
             let pulled = solve_with(options(Actuation::Tension), &robot, &case).unwrap();
             let asked = lengths_of(&pulled, &case.loads);
@@ -212,7 +213,7 @@ fn a_case_may_give_lengths_of_some_cables_and_tensions_of_others() {
         let mut mixed = case.clone();
         let cable = &pulled.cables[1];
         mixed.commands[1] = by_length(cable.initial_length - cable.length);
-        let options = Options { stations: Stations::Equal(11), ..Options::default() };
+        let options = Options { stations: Stations::Equal(11), ..accurate() };
         let answer = solve_with(options, &robot, &mixed).unwrap();
         assert!(tension_error(&tensions(&pulled), &tensions(&answer)) < 1e-8);
         assert!(distance(&pulled, &answer) < 1e-10);

@@ -1,6 +1,7 @@
 //! What must hold for any robot under the Cosserat model.
 
 use crate::common;
+use crate::common::accurate;
 use crate::common::load_kind::burdened;
 use crate::common::symmetry::Symmetry;
 use crate::common::{
@@ -41,7 +42,7 @@ fn length_difference(a: &Solution, b: &Solution, order: &[usize]) -> f64 {
 }
 
 fn cold_and_warm(robot: &Robot, case: &Case, neighbour: &Case) -> (Solution, Solution) {
-    let options = Options { stations: Stations::Equal(11), ..Options::default() };
+    let options = Options { stations: Stations::Equal(11), ..accurate() };
     let mut model = Model::Cosserat(options).prepare(robot, &case.loads).unwrap();
     let near = model.solve(neighbour, None).unwrap();
     let warm = model.solve(case, Some(&near)).unwrap();
@@ -217,6 +218,9 @@ fn the_estimated_error_is_no_less_than_the_true_one() {
         let truth = common::solve_finely(&robot, &case);
         let estimate = solution.diagnostics.discretization_error.unwrap();
         assert!(estimate <= tolerance * 0.18);
-        assert!(distance(&solution, &truth) <= estimate.max(1e-12), "{tolerance}");
+        // The estimate is of the steps; the iteration leaves its residual.
+        let left = solution.diagnostics.residual * 0.18;
+        assert!(left <= 0.02 * tolerance * 0.18);
+        assert!(distance(&solution, &truth) <= (estimate + left).max(1e-12), "{tolerance}");
     }
 }

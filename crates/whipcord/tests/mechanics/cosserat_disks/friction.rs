@@ -1,6 +1,7 @@
 //! Cables that rub in their holes, and cables that stretch.
 
 use crate::common;
+use crate::common::accurate;
 use crate::common::{helix, paper_backbone, straight};
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::Options;
@@ -10,7 +11,7 @@ use whipcord::{
 };
 
 fn solve(robot: &Robot, case: &Case) -> Solution {
-    Model::CosseratDisks(Options::default())
+    Model::CosseratDisks(accurate())
         .solve(robot, case)
         .unwrap_or_else(|error| panic!("{error}\n{case:?}"))
 }
@@ -37,7 +38,7 @@ fn path(robot: &Robot, steps: &[Vec<CableCommand>], loads: &Loads) -> Vec<Soluti
         ..Case::default()
     };
     let mut solutions = Vec::new();
-    let model = Model::CosseratDisks(Options::default());
+    let model = Model::CosseratDisks(accurate());
     let walked = model.prepare(robot, loads).unwrap().solve_steps(&case, |s| solutions.push(s));
     walked.unwrap_or_else(|(step, error)| panic!("{step}: {error}\n{case:?}"));
     solutions
@@ -407,7 +408,7 @@ fn elastic_cables_are_longer_by_their_stretch() {
 fn a_strong_pull_is_answered_or_said_how_far_it_goes() {
     let robot = one_rubbing(9, 0.3);
     let pull = |shortening: f64, steps: usize| {
-        let options = Options { accuracy: Accuracy::Steps(steps), ..Options::default() };
+        let options = Options { accuracy: Accuracy::Steps(steps), ..accurate() };
         let case = Case::with_shortenings(&[Shortening::Length(shortening)]);
         Model::CosseratDisks(options).solve(&robot, &case)
     };

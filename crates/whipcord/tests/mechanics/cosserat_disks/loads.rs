@@ -2,6 +2,7 @@
 //! rod of the other model, with many disks it tends to that model, and closed forms hold.
 
 use crate::common;
+use crate::common::ACCURATE;
 use crate::common::{helix, paper_backbone, straight};
 use whipcord::{
     Backbone, Cable, Case, Disks, DistributedLoad, Loads, Material, Model, ModelKind, PointLoad,
@@ -11,7 +12,7 @@ use whipcord::{
 const LENGTH: f64 = 0.18;
 
 fn solve(kind: ModelKind, robot: &Robot, case: &Case) -> Solution {
-    let model = Model::new(kind, Default::default(), Default::default());
+    let model = Model::new(kind, Default::default(), Default::default()).with_tolerance(ACCURATE);
     model.solve(robot, case).unwrap_or_else(|error| panic!("{error}\n{case:?}"))
 }
 

@@ -1,5 +1,6 @@
 //! The model with cables straight from hole to hole against numbers made without it.
 
+use crate::common::accurate;
 use crate::common::paper_backbone;
 use whipcord::cosserat_disks::Options;
 use whipcord::{
@@ -119,7 +120,7 @@ fn the_answers_of_another_formulation() {
             before: reference.before.iter().map(|t| Case::with_tensions(t).commands).collect(),
             ..Case::with_tensions(&tensions)
         };
-        let solution = Model::CosseratDisks(Options::default()).solve(&robot, &case).unwrap();
+        let solution = Model::CosseratDisks(accurate()).solve(&robot, &case).unwrap();
         for (found, expected) in solution.disks.positions().skip(1).zip(&reference.disks) {
             let error = (found - Vec3::from(*expected)).max_abs();
             assert!(error < 2e-10, "{k}: {found:?} {expected:?}");
@@ -201,7 +202,7 @@ fn a_span_is_an_elastica() {
         let disks = Disks::equally_spaced(length, 2, radius).with_holes(4);
         let cable = Cable::new("string", Routing::holes(vec![1, 1]));
         let robot = Robot::new(backbone, disks, vec![cable]).unwrap();
-        let options = Options { stations: Stations::Equal(5), ..Options::default() };
+        let options = Options { stations: Stations::Equal(5), ..accurate() };
         let model = Model::CosseratDisks(options);
         let solution = model.solve(&robot, &Case::with_tensions(&[tension])).unwrap();
         let tip = solution.disks.tip();

@@ -1,5 +1,6 @@
 //! The model with cables straight from hole to hole: limits, equilibrium, symmetries.
 
+use crate::common::{ACCURATE, accurate};
 use crate::common::{helix, paper_backbone, paper_disks, paper_robot, stability_of_path, straight};
 use whipcord::cosserat::Accuracy;
 use whipcord::cosserat_disks::Options;
@@ -9,7 +10,7 @@ use whipcord::{
 };
 
 fn solve(robot: &Robot, case: &Case) -> Solution {
-    Model::CosseratDisks(Options::default())
+    Model::CosseratDisks(accurate())
         .solve(robot, case)
         .unwrap_or_else(|error| panic!("{error}\n{case:?}"))
 }
@@ -45,6 +46,7 @@ fn tends_to_the_continuous_model_with_order_two() {
     for loads in [Loads::default(), several_loads()] {
         let case = Case { loads, ..Case::with_tensions(&[3.0, 1.5]) };
         let continuous = Model::new(ModelKind::Cosserat, Default::default(), Default::default())
+            .with_tolerance(ACCURATE)
             .solve(&with_sections(9, &routings), &case)
             .unwrap();
         let error = |sections: usize| {
@@ -67,7 +69,8 @@ fn at_the_papers_spacing_the_tip_is_some_millimetres_from_the_continuous_one() {
         let robot = paper_robot(vec![Routing::holes(holes)]);
         let case = Case::with_tensions(&[0.4 * 9.80665]);
         let tip = |kind| {
-            let model = Model::new(kind, Default::default(), Default::default());
+            let model =
+                Model::new(kind, Default::default(), Default::default()).with_tolerance(ACCURATE);
             model.solve(&robot, &case).unwrap().disks.tip().position
         };
         let apart = (tip(ModelKind::CosseratDisks) - tip(ModelKind::Cosserat)).norm();
@@ -82,7 +85,8 @@ fn the_base_bears_what_is_applied() {
     let loads = Loads { gravity: None, ..several_loads() };
     let case = Case { loads, ..Case::with_tensions(&[3.0, 1.5]) };
     let stations = whipcord::Stations::Equal(19);
-    let model = Model::new(ModelKind::CosseratDisks, stations, Default::default());
+    let model =
+        Model::new(ModelKind::CosseratDisks, stations, Default::default()).with_tolerance(ACCURATE);
     let solution = model.solve(&robot, &case).unwrap();
     let at = |s: f64| {
         let i = solution.shape.arc_length.iter().position(|&x| (x - s).abs() < 1e-9).unwrap();
@@ -133,7 +137,8 @@ fn followers_turn_with_the_robot() {
     };
     let case = Case { loads, ..Case::with_tensions(&[2.0]) };
     let stations = whipcord::Stations::Equal(10);
-    let model = Model::new(ModelKind::CosseratDisks, stations, Default::default());
+    let model =
+        Model::new(ModelKind::CosseratDisks, stations, Default::default()).with_tolerance(ACCURATE);
     let solution = model.solve(&robot, &case).unwrap();
     let at_load = solution.shape.poses[4];
     let tip = solution.disks.tip();
@@ -152,7 +157,7 @@ fn fewer_steps_than_the_default_err_by_little() {
     let robot = paper_robot(vec![straight(0.0)]);
     let case = Case::with_tensions(&[0.4 * 9.80665]);
     let exact = solve(&robot, &case);
-    let options = Options { accuracy: Accuracy::Steps(9), ..Options::default() };
+    let options = Options { accuracy: Accuracy::Steps(9), ..accurate() };
     let coarse = Model::CosseratDisks(options).solve(&robot, &case).unwrap();
     let error = (coarse.disks.tip().position - exact.disks.tip().position).norm() / 0.18;
     assert!(error < 2e-5, "{error}");
@@ -177,6 +182,7 @@ fn stability_is_that_of_the_continuous_model_in_the_limit() {
         let case = Case { loads, ..Case::with_tensions(tensions) };
         let least = |kind| {
             let model = Model::new(kind, Default::default(), Default::default())
+                .with_tolerance(ACCURATE)
                 .with_stability(StabilityAnalysis::Eigenvalue);
             stability_of_path(&model.solve(&robot, &case).unwrap())
         };
@@ -200,7 +206,7 @@ fn moving_the_base_moves_the_robot() {
         assert!((base.transform(a.position) - b.position).norm() < 1e-12);
     }
     // From a neighbour that stands there.
-    let mut model = Model::CosseratDisks(Options::default()).prepare(&robot, &case.loads).unwrap();
+    let mut model = Model::CosseratDisks(accurate()).prepare(&robot, &case.loads).unwrap();
     let warm = model.solve(&case, Some(&there)).unwrap();
     assert!((warm.disks.tip().position - here.disks.tip().position).norm() < 1e-11);
 }
@@ -250,7 +256,7 @@ fn lengths_that_contradict_are_named_with_what_each_misses() {
     let cables = routings.iter().enumerate().map(cable).collect();
     let robot = Robot::new(backbone, paper_disks(), cables).unwrap();
     let shorter = [0.005, 0.0, 0.0].map(Shortening::Length);
-    let refused = Model::CosseratDisks(Options::default())
+    let refused = Model::CosseratDisks(accurate())
         .solve(&robot, &Case::with_shortenings(&shorter))
         .unwrap_err();
     let SolveError::ContradictoryLengths { misses } = refused else { panic!("{refused}") };
@@ -268,7 +274,7 @@ fn antagonists_press_the_rod_beyond_its_buckling() {
     let robot = paper_robot(vec![straight(0.0), straight(180.0)]);
     for (shorter, stable) in [([0.001, 0.0016], true), ([0.005, 0.008], false)] {
         let case = Case::with_shortenings(&shorter.map(Shortening::Length));
-        let options = Options { accuracy: Accuracy::Steps(144), ..Options::default() };
+        let options = Options { accuracy: Accuracy::Steps(144), ..accurate() };
         let solution = Model::CosseratDisks(options).solve(&robot, &case).unwrap();
         assert_eq!(solution.diagnostics.stable == Some(true), stable, "{shorter:?}");
         let pressed: f64 = solution.cables.iter().map(|cable| cable.tension.unwrap()).sum();
@@ -298,6 +304,7 @@ fn locked_cables_under_load_tend_to_the_continuous_ones_with_order_two() {
         solution.cables.iter().map(|cable| cable.tension.unwrap()).collect()
     };
     let continuous = Model::new(ModelKind::Cosserat, Default::default(), Default::default())
+        .with_tolerance(ACCURATE)
         .solve(&robot(9), &case)
         .unwrap();
     let continuous = tensions(&continuous);
