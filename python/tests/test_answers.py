@@ -340,7 +340,7 @@ def test_sections_say_how_they_move(case: whipcord.Case) -> None:
         derivatives.compliance,
         lambda: derivatives.pull_back(position=np.ones_like(solution.position)),
     ):
-        with pytest.raises(InputError, match="known to the model cosserat, not to four-bar"):
+        with pytest.raises(InputError, match="known to the models cosserat and cosserat-disks, not to four-bar"):
             unknown()
     # The same frame as the rod's, and the same numbers at the tip.
     tip = case.stiffness(shortening=shortening, model="four-bar")

@@ -36,7 +36,7 @@ NAMES = (
 @dataclass(frozen=True)
 class _Rod:
     tolerance: float | None = None
-    """Steps are halved until the estimated error is below this fraction of the length; 1e-9 by default."""
+    """Steps are halved until the estimated error is below this fraction of the length; 1e-6 by default."""
     steps: int | None = None
     """At least this many integration steps, instead of a tolerance."""
     stability: bool | Literal["eigenvalue"] = True

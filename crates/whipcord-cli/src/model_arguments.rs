@@ -26,6 +26,20 @@ pub struct ModelArguments {
     #[arg(long, value_name = "NAME", value_parser = named::<four_bar::LengthRule>(
         &["proportional", "equal", "free"]))]
     length_rule: Option<four_bar::LengthRule>,
+    /// Estimated error that cosserat and cosserat-disks may leave in positions and lengths, as a fraction of the length
+    #[arg(long, value_name = "FRACTION", default_value = "1e-6", value_parser = tolerance)]
+    tolerance: f64,
+}
+
+/// Below it rounding counts.
+const LEAST_TOLERANCE: f64 = 1e-13;
+/// Above it an answer says nothing.
+const GREATEST_TOLERANCE: f64 = 0.01;
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let range = LEAST_TOLERANCE..=GREATEST_TOLERANCE;
+    let given = text.parse::<f64>().ok().filter(|tolerance| range.contains(tolerance));
+    given.ok_or_else(|| format!("give a number from {LEAST_TOLERANCE:e} to {GREATEST_TOLERANCE}"))
 }
 
 /// What drives all cables.
@@ -77,7 +91,8 @@ impl ModelArguments {
     /// [`Failure::Input`] for an option that the model does not have.
     pub fn model(&self) -> Result<Model, Failure> {
         let model = Model::new(self.kind, Stations::Disks, self.actuation())
-            .with_stability(StabilityAnalysis::Eigenvalue);
+            .with_stability(StabilityAnalysis::Eigenvalue)
+            .with_tolerance(self.tolerance);
         let mut model = model.cancelled_by(&deadline::cancel());
         if let Model::FourBar(options) = &mut model {
             options.objective = self.objective.unwrap_or(options.objective);

@@ -34,7 +34,8 @@ hole_circle_radius = "15.06 mm"
 
 fn solve(robot: &str) -> Value {
     let scratch = Scratch::new();
-    let (text, _) = warned(&["solve", &scratch.write("robot.toml", robot), "--json"]);
+    let (text, _) =
+        warned(&["solve", &scratch.write("robot.toml", robot), "--json", "--tolerance", "1e-9"]);
     serde_json::from_str(&text).unwrap()
 }
 

@@ -48,7 +48,10 @@ fn vector(value: &Value) -> Vec3 {
 
 fn solve(robot: &Robot, case: &Case, actuation: Actuation, name: &str) -> Solution {
     let options = Options { stations: Stations::Equal(11), actuation, ..Options::default() };
-    Model::Cosserat(options).solve(robot, case).unwrap_or_else(|error| panic!("{name}: {error}"))
+    Model::Cosserat(options)
+        .with_tolerance(1e-9)
+        .solve(robot, case)
+        .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// Largest distance between the positions of a solution and those of the reference, at disks and

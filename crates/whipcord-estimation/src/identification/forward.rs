@@ -11,6 +11,7 @@ use super::{Experiment, Settings, Unknown};
 use crate::camera::Camera;
 use crate::observation::{Observation, Seen};
 use whipcord::case::Case;
+use whipcord::cosserat::Accuracy;
 use whipcord::kind::ModelKind;
 use whipcord::model::{Model, Prepared};
 use whipcord::parameter::Parameter;
@@ -53,6 +54,10 @@ pub(super) struct Marker {
     pub(super) by_point: [Vec3; 3],
 }
 
+/// No looser tolerance of a rod: the number of its steps changes with the unknowns, and what that changes of the answer must not
+/// count in differences of answers and in the sum of squares.
+const TOLERANCE: f64 = 1e-9;
+
 impl<'a> Forward<'a> {
     pub(super) fn new(
         robot: &'a Robot,
@@ -74,7 +79,12 @@ impl<'a> Forward<'a> {
             let rows: usize = experiment.observations.iter().map(Observation::numbers).sum();
             first_rows.push(first_rows[first_rows.len() - 1] + rows);
         }
-        let model = settings.model.at(Stations::At(places.clone()));
+        let mut model = settings.model.at(Stations::At(places.clone()));
+        if let Model::Cosserat(options) | Model::CosseratDisks(options) = &mut model
+            && let Accuracy::Tolerance(tolerance) = &mut options.accuracy
+        {
+            *tolerance = tolerance.min(TOLERANCE);
+        }
         let means = |(e, experiment): (usize, &Experiment)| {
             unknowns
                 .iter()

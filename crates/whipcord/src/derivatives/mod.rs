@@ -7,7 +7,8 @@
 //! is the choice between them. `elimination` solves the linear problem between base and tip; `partials`
 //! says where a parameter enters, with `mass_change` and `spread_change`; `holding` keeps cables at their
 //! lengths; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
-//! what one source changes, `change` is what comes out, `at_place` what is said of one place.
+//! what one source changes, `change` is what comes out, `at_place` what is said of one place. Where cables run straight
+//! from disk to disk, `spans` makes one map of the steps between two disks and of the cables.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
 //! [`crate::cosserat::Cosserat::solve`] on the same steps to rounding, and with those of the rod to its
@@ -68,7 +69,7 @@ pub enum Place {
     Tip,
 }
 
-/// The derivatives of one answer of the Cosserat model.
+/// The derivatives of one answer of a Cosserat rod, with continuous cables or with cables straight from hole to hole.
 ///
 /// Motions and wrenches are in the base frame: a change of pose is the velocity of the station's
 /// point and the angular velocity of its frame, `δR = φ̂ R`; a wrench acts at that point and does not

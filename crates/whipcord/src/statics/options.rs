@@ -20,7 +20,7 @@ pub struct Options {
     pub stability: StabilityAnalysis,
     /// Residual at which equilibrium under load counts as met, relative to the scales of moment (EI/L,
     /// and what acts there), force (EI/L²), turn (1 rad) and length. It is about the relative error of
-    /// the shape that the iteration leaves. With [`Accuracy::Tolerance`] a fiftieth of the tolerance suffices, where that
+    /// the shape that the iteration leaves. With [`Accuracy::Tolerance`] a thousandth of the tolerance suffices, where that
     /// is more.
     pub residual: f64,
     /// Ends a solve from outside.
@@ -51,7 +51,7 @@ impl Options {
 }
 
 /// Part of the tolerance that the iteration may leave.
-const RESIDUAL_OF_TOLERANCE: f64 = 0.02;
+const RESIDUAL_OF_TOLERANCE: f64 = 1e-3;
 
 /// What is computed of the stability of an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

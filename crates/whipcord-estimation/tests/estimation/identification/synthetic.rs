@@ -7,7 +7,7 @@ use whipcord_estimation::identification::{Experiment, Quantity, Settings, Unknow
 use whipcord_estimation::{Observation, Place, Seen};
 
 pub fn model(kind: ModelKind) -> Model {
-    Model::new(kind, Default::default(), Default::default())
+    Model::new(kind, Default::default(), Default::default()).with_tolerance(1e-9)
 }
 
 pub fn settings() -> Settings {

@@ -3,6 +3,7 @@ use super::*;
 const COSSERAT: Candidate = Candidate { kind: ModelKind::Cosserat, preset: Preset::Usual };
 const STEPS: Candidate = Candidate { preset: Preset::StepPerSection, ..COSSERAT };
 const DISKS: Candidate = Candidate { kind: ModelKind::CosseratDisks, preset: Preset::Usual };
+const ARC: Candidate = Candidate { kind: ModelKind::ConstantCurvature, preset: Preset::Usual };
 const FOUR_BAR: Candidate = Candidate { kind: ModelKind::FourBar, preset: Preset::Usual };
 
 /// Of one candidate: cases judged of four, greatest error, and time.
@@ -63,7 +64,7 @@ fn nothing_is_said_of_nothing() {
 fn control_takes_the_fastest_with_exact_derivatives() {
     let all = vec![
         standing(COSSERAT, 4, 0.009, 12e-6),
-        standing(DISKS, 4, 0.0, 2e-6),
+        standing(ARC, 4, 0.0, 2e-6),
         standing(FOUR_BAR, 4, 0.016, 4e-6),
     ];
     let found = control(&evidence(all));
@@ -91,9 +92,9 @@ fn control_passes_over_what_is_too_far_off_or_answers_too_little() {
 
 #[test]
 fn control_makes_do_with_differences() {
-    let all = vec![standing(COSSERAT, 4, 0.05, 12e-6), standing(DISKS, 4, 0.0, 3e-4)];
+    let all = vec![standing(COSSERAT, 4, 0.05, 12e-6), standing(ARC, 4, 0.0, 3e-4)];
     let found = control(&evidence(all));
-    assert_eq!(found.choice, Some(DISKS));
+    assert_eq!(found.choice, Some(ARC));
     assert!(found.text.contains("derivatives by differences"), "{}", found.text);
 }
 
@@ -122,8 +123,6 @@ fn design_takes_the_nearest_that_knows_forces() {
     let found = design(&evidence(all.clone()));
     assert_eq!(found.choice, Some(DISKS));
     assert!(found.text.contains("the nearest to the reference of those that know forces"));
-    let told = "; of those with exact derivatives cosserat is the nearest: at most 0.9 % of the length off, 12.0 µs a solve.";
-    assert!(found.text.ends_with(told), "{}", found.text);
     let own = Evidence { reference: Some(ModelKind::CosseratDisks), ..evidence(all) };
     assert!(design(&own).text.contains("which the others are measured against"));
 }
