@@ -63,10 +63,12 @@ impl ModelKind {
     #[must_use]
     pub const fn command_derivatives(self) -> CommandDerivatives {
         match self {
-            Self::Cosserat | Self::CosseratDisks | Self::FourBar => CommandDerivatives::Exact,
-            Self::ConstantCurvature | Self::PiecewiseConstantCurvature | Self::PseudoRigidBody => {
-                CommandDerivatives::Differences
-            }
+            Self::Cosserat
+            | Self::CosseratDisks
+            | Self::FourBar
+            | Self::ConstantCurvature
+            | Self::PiecewiseConstantCurvature
+            | Self::PseudoRigidBody => CommandDerivatives::Exact,
         }
     }
 }

@@ -390,24 +390,13 @@ impl Model {
     ) -> Result<(Solution, Local), SolveError> {
         let model = match self {
             Self::Cosserat(_) | Self::CosseratDisks(_) => self.at(Stations::At(vec![arc_length])),
-            Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
-                return Err(SolveError::Unsupported {
-                    model: self.kind(),
-                    path: "a request for the compliance".to_owned(),
-                    what: "it is a baseline of shapes",
-                    advice: "use cosserat or cosserat-disks",
-                });
-            }
+            Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => self.clone(),
             Self::FourBar(options) => {
                 return four_bar::solve_at(options, robot, case, arc_length);
             }
-            Self::ConstantCurvature(_) => {
-                return Err(SolveError::Unsupported {
-                    model: self.kind(),
-                    path: "a request for the compliance".to_owned(),
-                    what: "it takes no loads",
-                    advice: "use cosserat or cosserat-disks",
-                });
+            Self::ConstantCurvature(options) => {
+                let model = constant_curvature::ConstantCurvature::new(robot, options)?;
+                return model.solve_at(case, arc_length, &mut Default::default());
             }
         };
         let mut prepared = model.prepare(robot, &case.loads)?;
@@ -417,6 +406,9 @@ impl Model {
             left = Some(prepared.solve(&step, left.as_ref())?);
         }
         let last = Case { before: Vec::new(), ..case.clone() };
+        if let Prepared::Linkage(model, workspace) = &mut prepared {
+            return model.solve_at(&last, arc_length, left.as_ref(), workspace);
+        }
         let (solution, derivatives) = prepared.solve_with_derivatives(&last, left.as_ref(), &[])?;
         let local = derivatives.at(crate::derivatives::Place::Station(0))?;
         Ok((solution, local))

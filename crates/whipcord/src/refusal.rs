@@ -44,7 +44,7 @@ pub(crate) fn obstacles(model: ModelKind, case: &Case) -> Result<(), SolveError>
         model,
         path: "obstacles".to_owned(),
         what: "it knows no contact",
-        advice: "use cosserat, or four-bar with the strain-energy objective",
+        advice: "use cosserat or cosserat-disks, or four-bar with the strain-energy objective",
     })
 }
 

@@ -527,7 +527,7 @@ fn models_and_references_are_chosen() {
     assert!(message.contains("is read: write to another file"), "{message}");
 }
 
-/// Of all models two know contact; the others say so. A robot of 9 sections, bent a little against each obstacle, and one that is
+/// The rods and the four bars with an energy know contact; the others say so. A robot of 9 sections, bent a little against each obstacle, and one that is
 /// free.
 #[test]
 fn robots_touch_what_is_in_their_way() {
@@ -543,10 +543,10 @@ fn robots_touch_what_is_in_their_way() {
     assert_eq!(burdens, ["none", "wall", "ball", "pipe"]);
     let recommendation = object["recommendation"].as_array().unwrap();
     let found = recommendation.iter().find(|finding| finding["topic"] == "obstacles").unwrap();
-    assert_eq!((&found["model"], &found["preset"]), (&"four-bar".into(), &"strain-energy".into()));
+    assert!(["four-bar", "cosserat-disks"].iter().any(|name| found["model"] == *name), "{found}");
     for case in &cases[1..] {
         for run in case["runs"].as_array().unwrap() {
-            if run["preset"] == "strain-energy" {
+            if run["preset"] == "strain-energy" || run["model"] == "cosserat-disks" {
                 let error = run["error"]["rms"].as_f64().unwrap() / 0.18;
                 assert!(error < 0.02, "{}: {error}", case["title"]);
             } else {

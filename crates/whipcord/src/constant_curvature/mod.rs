@@ -3,6 +3,7 @@
 //! `docs/theory/constant-curvature.md` derives the equations whose numbers stand in the code.
 
 mod arc;
+mod local;
 mod refusal;
 
 use whipcord_numerics::Pose;
@@ -134,6 +135,15 @@ impl ConstantCurvature {
     /// for lengths that no arc has; [`SolveError::SectionFolds`] for tensions that leave a cable no length;
     /// [`SolveError::Invalid`] for a case that does not fit the robot.
     pub fn solve(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
+        self.solve_arc(case, workspace).map(|(solution, _)| solution)
+    }
+
+    /// The shape and its arc.
+    fn solve_arc(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Arc), SolveError> {
         case.check(&self.robot)?;
         shared_refusal::obstacles(ModelKind::ConstantCurvature, case)?;
         refusal::loads(case)?;
@@ -155,7 +165,13 @@ impl ConstantCurvature {
             failure.explain(&workspace.commands, &self.rest_lengths, name)
         });
         let (arc, effort) = self.cancel.checked(bent)?;
-        Ok(self.solution(case.base, &arc, effort, workspace))
+        Ok((self.solution(case.base, &arc, effort, workspace), arc))
+    }
+
+    /// That of the robot, or where it is not known one that gives the same shapes for the same lengths.
+    fn elasticity_or_unit(&self) -> Elasticity {
+        let unit = Elasticity::geometric(self.rest.length);
+        self.elasticity.as_ref().copied().unwrap_or(unit)
     }
 
     /// The arc under the commands.
@@ -167,7 +183,7 @@ impl ConstantCurvature {
             Command::Length { .. } => 0.0,
         }));
         let length = self.rest.length;
-        let elasticity = self.elasticity.as_ref().copied().unwrap_or(Elasticity::geometric(length));
+        let elasticity = self.elasticity_or_unit();
         let mut rod = arc::Rod {
             rest: self.rest,
             elasticity,

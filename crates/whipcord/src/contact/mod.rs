@@ -5,6 +5,7 @@
 //! | module | content |
 //! |---|---|
 //! | `model` | the interface to a model |
+//! | `rod`, `rod_response` | what both Cosserat rods have of it |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
 //! | `friction` | stick and slip of a contact |
@@ -18,12 +19,15 @@ mod complementarity;
 mod free_path;
 mod friction;
 mod homotopy;
-mod model;
+pub(crate) mod model;
 mod pairs;
 mod path;
+mod rod;
+mod rod_response;
 mod scene;
 mod step;
 
 pub(crate) use free_path::{Unobstructed, solve_free};
-pub(crate) use model::{Compliant, Push};
 pub(crate) use path::solve;
+pub(crate) use rod::{PushedRod, RodAdapter, watched};
+pub(crate) use rod_response::RodResponse;

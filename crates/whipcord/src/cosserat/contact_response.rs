@@ -12,9 +12,8 @@ use super::model::{Cosserat, Workspace};
 use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
 use crate::case::Case;
-use crate::derivatives::{
-    Cables, Derivatives, Motion, NoDerivatives, Solved, StepGap, unit_wrench,
-};
+use crate::contact::{PushedRod, RodResponse};
+use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StepGap};
 use crate::error::SolveError;
 use crate::robot::Robot;
 use crate::section::Fault;
@@ -46,7 +45,7 @@ pub(super) struct ContactResponse {
     pub poses: Vec<Pose>,
     /// What is left of its equations.
     pub gap: f64,
-    linear: Option<Linear>,
+    linear: Option<RodResponse>,
     /// How often the steps are halved.
     halvings: usize,
     coarse: Option<(Coarse, Vec<f64>)>,
@@ -72,28 +71,16 @@ struct ContactGrid {
     pushes: Vec<f64>,
 }
 
-#[derive(Clone, Debug)]
-struct Linear {
-    derivatives: Derivatives,
-    /// Newton's step while the wrenches stay as they are.
-    closing: Motion,
-    /// The nodes that are pushed, each once: several pushes may act on one.
-    nodes: Vec<usize>,
-    /// The place in these of each push.
-    place_of: Vec<usize>,
-    /// How everything moves with each component of a wrench on each of these nodes.
-    contact_response: Vec<Motion>,
-}
+impl PushedRod for ContactResponse {
+    type Kept = Kept;
 
-impl ContactResponse {
-    /// Forgets where it stands.
-    pub fn reset(&mut self) {
+    fn reset(&mut self) {
         (self.contact_grid, self.linear) = (None, None);
     }
 
     /// Looks at a case in which wrenches on the places `pushes` are among the loads. Where it is, its steps do
     /// not meet; it stays there. It starts from `warm`, or the robot without any load or tension.
-    pub fn look(
+    fn look(
         &mut self,
         robot: &Robot,
         options: &Options,
@@ -176,18 +163,36 @@ impl ContactResponse {
     }
 
     /// How many steps it has from base to tip.
-    pub fn steps(&self) -> usize {
+    fn gap(&self) -> f64 {
+        self.gap
+    }
+
+    fn pose_before(kept: &Kept, arc_length: f64) -> Pose {
+        kept.pose(arc_length)
+    }
+
+    fn solve_free(
+        robot: &Robot,
+        options: &Options,
+        case: &Case,
+        near: &Solution,
+    ) -> Result<Solution, SolveError> {
+        let model = Cosserat::new(robot, &case.loads, options)?;
+        model.solve(case, Some(near), &mut Workspace::default())
+    }
+
+    fn steps(&self) -> usize {
         self.contact_grid.as_ref().map_or(0, |contact_grid| contact_grid.grid.len())
     }
 
     /// The frame of a station or place of a push.
-    pub fn pose(&self, arc_length: f64) -> Pose {
+    fn pose(&self, arc_length: f64) -> Pose {
         let Some(contact_grid) = &self.contact_grid else { return Pose::IDENTITY };
         self.poses[contact_grid.node(arc_length)]
     }
 
     /// Linearises the equations where it stands.
-    pub fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError> {
+    fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError> {
         if self.linear.is_some() {
             return Ok(());
         }
@@ -226,6 +231,7 @@ impl ContactResponse {
             base_wrench: Wrench { force: base_force, ..starts[0] },
             starts: &known,
             strains: self.trajectory.strains(),
+            nodes: &grid.stations,
         };
         let derivatives = Derivatives::of(&solved, &[]).map_err(|error| match error {
             NoDerivatives::Fault(fault) => {
@@ -240,15 +246,14 @@ impl ContactResponse {
             .enumerate()
             .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
             .collect();
-        let closing = derivatives.closing(&gaps, tensions, &taut, &slackness);
-        let (nodes, place_of, contact_response) = (Vec::new(), Vec::new(), Vec::new());
-        self.linear = Some(Linear { derivatives, closing, nodes, place_of, contact_response });
+        let closing = derivatives.closing(&gaps, &[], tensions, &taut, &slackness);
+        self.linear = Some(RodResponse::new(derivatives, closing));
         Ok(())
     }
 
     /// How the places of pushes move with each component of each of them, by rows, and how with the step that is
     /// left, linearised.
-    pub fn compliance(
+    fn compliance(
         &mut self,
         places: impl Iterator<Item = f64>,
         compliance: &mut Vec<f64>,
@@ -259,47 +264,14 @@ impl ContactResponse {
         let (Some(contact_grid), Some(linear)) = (&self.contact_grid, &mut self.linear) else {
             return;
         };
-        let Linear { derivatives, closing, nodes, place_of, contact_response } = linear;
-        let of_pushes: Vec<usize> = places.map(|at| contact_grid.node(at)).collect();
-        nodes.clone_from(&of_pushes);
-        nodes.sort_unstable();
-        nodes.dedup();
-        place_of.clear();
-        place_of.extend(of_pushes.iter().map(|node| nodes.partition_point(|other| other < node)));
-        contact_response.clear();
-        let components = nodes.iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
-        contact_response
-            .extend(components.map(|(node, i)| derivatives.contact_response(node, unit_wrench(i))));
-        let rates = |motion: &Motion, node: usize| {
-            let twist = motion.nodes[node].twist();
-            let parts = [twist.linear, twist.angular].map(<[f64; 3]>::from);
-            core::array::from_fn::<f64, 6, _>(|a| parts[a / 3][a % 3])
-        };
-        let mut columns: Vec<[f64; 6]> = Vec::with_capacity(contact_response.len());
-        for &node in &of_pushes {
-            drift.extend(rates(closing, node));
-            columns.clear();
-            columns.extend(contact_response.iter().map(|motion| rates(motion, node)));
-            for a in 0..6 {
-                for &place in place_of.iter() {
-                    compliance.extend(columns[6 * place..6 * place + 6].iter().map(|x| x[a]));
-                }
-            }
-        }
+        let nodes: Vec<usize> = places.map(|at| contact_grid.node(at)).collect();
+        linear.compliance(&nodes, compliance, drift);
     }
 
     /// Takes a part of Newton's step, with what changes of the pushes do.
-    pub fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
-        let Some(Linear { closing, place_of, contact_response, .. }) = &self.linear else { return };
-        let mut motion = closing.clone();
-        let mut together = vec![0.0; contact_response.len()];
-        for (&place, change) in place_of.iter().zip(changes) {
-            let of_node = &mut together[6 * place..6 * place + 6];
-            of_node.iter_mut().zip(change).for_each(|(sum, change)| *sum += change);
-        }
-        for (column, &change) in contact_response.iter().zip(&together) {
-            motion.add(change, column);
-        }
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
+        let Some(linear) = &self.linear else { return };
+        let motion = linear.step(changes);
         let most = motion.nodes.iter().map(|node| node.turn.norm()).fold(0.0, f64::max);
         let part = if part * most > LONGEST { LONGEST / most } else { part };
         let state = &self.chain.state;
@@ -324,7 +296,7 @@ impl ContactResponse {
     }
 
     /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.
-    pub fn stands(&mut self) -> bool {
+    fn stands(&mut self) -> bool {
         let Some(contact_grid) = &self.contact_grid else { return true };
         let Workspace { scratch, commands, .. } = &self.workspace;
         let task = Task {
@@ -339,14 +311,14 @@ impl ContactResponse {
         !negative.unwrap_or(false)
     }
 
-    pub fn keep(&self, kept: &mut Kept) {
+    fn keep(&self, kept: &mut Kept) {
         kept.contact_grid.clone_from(&self.contact_grid);
         kept.state.clone_from(&self.chain.state);
         kept.trajectory.clone_from(&self.trajectory);
         kept.poses.clone_from(&self.poses);
     }
 
-    pub fn go_back(&mut self, kept: &Kept) {
+    fn go_back(&mut self, kept: &Kept) {
         self.linear = None;
         self.contact_grid.clone_from(&kept.contact_grid);
         self.chain.state.clone_from(&kept.state);
@@ -356,7 +328,7 @@ impl ContactResponse {
 
     /// Halves the steps if the answer is not yet known to the tolerance; `false` if it is, or if the steps
     /// are given.
-    pub fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError> {
+    fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError> {
         let (Accuracy::Tolerance(tolerance), Some(contact_grid)) = (accuracy, &self.contact_grid)
         else {
             return Ok(false);
@@ -381,7 +353,7 @@ impl ContactResponse {
     }
 
     /// The answer at stations of the model, where it stands.
-    pub fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
+    fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
         let Some(ContactGrid { model, grid, .. }) = &self.contact_grid else { return Ok(None) };
         let scratch = &mut self.workspace.scratch;
         scratch.poses.clone_from(&self.poses);

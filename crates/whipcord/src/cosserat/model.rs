@@ -205,6 +205,7 @@ impl Cosserat {
                     true => scratch.trajectory.strains(),
                     false => &scratch.unloaded.strains,
                 },
+                nodes: &grid.stations,
             },
             parameters,
         );

@@ -21,6 +21,7 @@ use super::loaded_span::{Gap, Link, Push, Taut};
 use super::rod::{self, InSpan, Sample};
 use super::span::{self, Chord, Vanished};
 use crate::cancel::Cancel;
+use crate::derivatives::NodeChange;
 use crate::section::BodyWrench;
 use crate::section::Fault;
 use crate::section::SectionFault;
@@ -42,6 +43,53 @@ pub(super) struct Node {
     pub wrench: BodyWrench,
     /// Of a step: the change of the rotation, in the body frame.
     turn: Vec3,
+}
+
+/// What acts in the rod just beyond the disks, in the base frame and beyond the dead loads, at the steps that begin there;
+/// from the rotation of each disk and the rod's wrench in its frame.
+pub(super) fn starts(
+    mesh: &Mesh,
+    loads: &AppliedLoads,
+    rod: impl Fn(usize) -> (UnitQuaternion, BodyWrench),
+) -> Vec<Option<Wrench>> {
+    let mut starts = vec![None; mesh.grid.len()];
+    for (k, steps) in mesh.spans.iter().enumerate() {
+        let (disk, wrench) = rod(k);
+        starts[steps.start] = Some(Wrench {
+            force: disk.rotate(wrench.linear) - loads.force(steps.start, 0),
+            moment: disk.rotate(wrench.angular),
+        });
+    }
+    starts
+}
+
+impl Node {
+    /// The disk a part of the way along a change of it, and of what acts in the rod behind it, both in the base frame.
+    /// Dead forces are known beforehand: without followers there is no other.
+    pub fn moved(
+        &self,
+        part: f64,
+        disk: &NodeChange,
+        rod: &NodeChange,
+        has_followers: bool,
+    ) -> Self {
+        let to_body = |x: Vec3| self.rotation.conjugate().rotate(x);
+        // Of a vector that is given in the frame of the disk.
+        let turned = |own: Vec3, change: Vec3| {
+            to_body(change - disk.turn.cross(self.rotation.rotate(own))) * part
+        };
+        let BodyWrench { linear, angular } = self.wrench;
+        Self {
+            rotation: (UnitQuaternion::exp(disk.turn * part) * self.rotation).renormalized(),
+            moment: self.moment + turned(self.moment, disk.moment),
+            force: if has_followers { self.force + disk.force * part } else { self.force },
+            wrench: BodyWrench {
+                linear: linear + turned(linear, rod.force),
+                angular: angular + turned(angular, rod.moment),
+            },
+            turn: Vec3::ZERO,
+        }
+    }
 }
 
 /// What the chain is closed for.
@@ -319,6 +367,23 @@ impl Chain {
         self.columns = columns;
         self.elimination.answer();
         (0..=task.frame.spans.len()).all(|k| self.elimination.change(k, shared.len()).is_finite())
+    }
+
+    /// The same of this chain.
+    pub fn starts(&self, mesh: &Mesh, loads: &AppliedLoads) -> Vec<Option<Wrench>> {
+        starts(mesh, loads, |k| (self.nodes[k].rotation, self.nodes[k].wrench))
+    }
+
+    /// Whether the determinant of the linearised problem at this load is negative: of what is eliminated span by span, of the
+    /// chain, and of the lengths of the cables that are held; `None` where it cannot be told.
+    pub fn is_determinant_negative(&mut self, task: &Task<'_>) -> Option<bool> {
+        self.measure(task).ok()?;
+        if !(self.linearise(task) && self.direct(task)) {
+            return None;
+        }
+        let of_spans = self.links.iter().filter(|link| link.is_negative()).count();
+        let negative = self.elimination.is_negative() ^ self.held.is_negative();
+        Some(negative ^ (of_spans % 2 == 1))
     }
 
     /// The Newton step from where the chain was last measured, with the links as they are; `false`

@@ -65,6 +65,12 @@ impl LengthConstraints {
         at.and_then(|at| self.change.get(at)).copied().unwrap_or(0.0)
     }
 
+    /// Whether the lengths of the taut cables leave an odd number of unstable directions: each taut cable shortens with its
+    /// own tension.
+    pub fn is_negative(&self) -> bool {
+        !self.cables.is_empty() && self.lu.is_determinant_negative() != (self.taut.len() % 2 == 1)
+    }
+
     /// Solves (8); `false` where it is singular.
     pub fn solve(&mut self, task: &Task<'_>, tensions: &[f64], lengths: &[f64]) -> bool {
         let scales = task.frame.scales(task.mesh);

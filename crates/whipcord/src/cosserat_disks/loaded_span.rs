@@ -157,6 +157,11 @@ impl Link {
         Some(Self { by, factors, rotation, turn, total_force, followers, applied, follower })
     }
 
+    /// Whether the determinant of what is eliminated is negative.
+    pub const fn is_negative(&self) -> bool {
+        self.factors.is_negative
+    }
+
     /// The change of `w` and what arrives at the next disk when the start changes.
     pub fn pass(&self, push: &Push) -> (BodyWrench, Change) {
         let Push { turn, moment, force, residual, pull, far } = *push;

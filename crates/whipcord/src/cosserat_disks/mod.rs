@@ -18,6 +18,8 @@
 //! | `local` | compliance and Jacobians at a place, by differences |
 
 mod chain;
+mod contact;
+mod contact_response;
 mod friction;
 pub(crate) mod layout;
 mod length_constraints;

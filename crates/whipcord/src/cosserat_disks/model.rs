@@ -7,6 +7,7 @@ use super::friction::{History, Holes};
 use super::layout::{Frame, Mesh};
 use super::stability_check::{self, Sampled};
 use super::statics::{self, Problem, Scratch, Start};
+use super::unloaded::Unloaded;
 use crate::cancel::Cancel;
 use crate::case::{CableCommand, Case, Loads};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StraightCables};
@@ -15,10 +16,10 @@ use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
+use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::grid::steps_for_twist;
-use crate::statics::loads;
+use crate::statics::loads::{self, AppliedLoads};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::refinement::{Coarse, ERROR_RATIO};
@@ -36,6 +37,8 @@ const MAX_REFINEMENTS: usize = 8;
 const GIVE_UP_LEVEL: usize = 4;
 /// What an unstable equilibrium could be left for is looked for with steps halved this often.
 const LEAVE_LEVEL: usize = 3;
+/// Of a shape that is only looked at, on the first mesh.
+const COARSE_RESIDUAL: f64 = 1e-6;
 /// With so many, the least eigenvalue of a column is known to better than 1e-6.
 const STABILITY_STEPS: usize = 16;
 
@@ -104,6 +107,44 @@ struct StepHistory {
 }
 
 impl Workspace {
+    /// What drives each cable, of the case that was accepted last.
+    pub(super) fn commands(&self) -> &[Command] {
+        &self.commands
+    }
+
+    /// Loads of that case.
+    pub(super) const fn loads(&self) -> &AppliedLoads {
+        &self.scratch.applied
+    }
+
+    /// The robot without load.
+    pub(super) const fn unloaded_mut(&mut self) -> &mut Unloaded {
+        &mut self.scratch.unloaded
+    }
+
+    /// Frames at the ends of all steps, the base first.
+    pub(super) fn poses(&self) -> &[Pose] {
+        &self.scratch.poses
+    }
+
+    /// Takes a state for the answer.
+    pub(super) fn adopt(
+        &mut self,
+        poses: &[Pose],
+        tensions: &[f64],
+        lengths: &[f64],
+        base_wrench: Wrench,
+    ) {
+        let scratch = &mut self.scratch;
+        scratch.poses.clear();
+        scratch.poses.extend_from_slice(poses);
+        scratch.tensions.clear();
+        scratch.tensions.extend_from_slice(tensions);
+        scratch.lengths.clear();
+        scratch.lengths.extend_from_slice(lengths);
+        scratch.base_wrench = base_wrench;
+    }
+
     /// Keeps what the answer on a coarse mesh is compared by.
     fn keep(&mut self, mesh: &Mesh) {
         self.coarse.keep(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
@@ -179,6 +220,10 @@ impl CosseratDisks {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        if !case.obstacles.is_empty() {
+            let outcome = self.solve_among_obstacles(case, warm_start, workspace);
+            return self.options.cancel.checked(outcome);
+        }
         let start = warm_start.map_or(Start::Cold, start_from);
         if self.holes.is_none() {
             let case = core::slice::from_ref(case);
@@ -186,7 +231,6 @@ impl CosseratDisks {
             return self.solve_last(case, start, workspace);
         }
         case.check(&self.robot)?;
-        refusal::obstacles(ModelKind::CosseratDisks, case)?;
         let steps = one_by_one(case);
         workspace.histories.clear();
         self.check_steps(&steps, workspace)?;
@@ -228,7 +272,15 @@ impl CosseratDisks {
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
-        refusal::obstacles(ModelKind::CosseratDisks, case).map_err(|error| (0, error))?;
+        if !case.obstacles.is_empty() {
+            let mut last = None;
+            for (n, step) in case.single_steps().enumerate() {
+                let solution =
+                    self.solve(&step, last.as_ref(), workspace).map_err(|error| (n, error))?;
+                each(last.insert(solution).clone());
+            }
+            return Ok(());
+        }
         let steps = one_by_one(case);
         workspace.histories.clear();
         let mut start = Start::Cold;
@@ -248,7 +300,6 @@ impl CosseratDisks {
     fn check_steps(&self, cases: &[Case], workspace: &mut Workspace) -> Result<(), SolveError> {
         for case in cases {
             case.check(&self.robot)?;
-            refusal::obstacles(ModelKind::CosseratDisks, case)?;
             loads::check(&self.robot, &case.loads)
                 .map_err(|error| error.of(ModelKind::CosseratDisks))?;
             if !self.takes_places_of(&case.loads) {
@@ -280,11 +331,8 @@ impl CosseratDisks {
             "friction at the holes, for compliance and derivatives",
             "with friction the compliance differs between pulling and releasing a cable: set the friction to 0",
         )?;
-        let cases = core::slice::from_ref(case);
-        self.check_steps(cases, workspace)?;
-        let start = warm_start.map_or(Start::Cold, start_from);
-        let solved = self.solve_keeping_mesh(cases, start, workspace);
-        let (solution, level) = self.options.cancel.checked(solved)?;
+        refusal::among_obstacles("derivatives", ModelKind::CosseratDisks, case)?;
+        let (solution, level) = self.solve_keeping_level(case, warm_start, workspace)?;
         let mesh = self.mesh(level)?;
         let Workspace { scratch, commands, .. } = workspace;
         // Lengths before actuation hang on parameters alone.
@@ -313,6 +361,7 @@ impl CosseratDisks {
             base_wrench: scratch.base_wrench,
             starts: &scratch.starts(&mesh),
             strains: &[],
+            nodes: &mesh.grid.stations,
         };
         match Derivatives::of(&solved, parameters) {
             Ok(derivatives) => Ok((solution, derivatives)),
@@ -322,6 +371,58 @@ impl CosseratDisks {
                 Err(SolveError::NoDerivatives)
             }
         }
+    }
+
+    /// The answer to a case without obstacles and hole friction, and how often the steps of its mesh are halved.
+    pub(super) fn solve_keeping_level(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, usize), SolveError> {
+        let cases = core::slice::from_ref(case);
+        self.check_steps(cases, workspace)?;
+        let start = warm_start.map_or(Start::Cold, start_from);
+        let solved = self.solve_keeping_mesh(cases, start, workspace);
+        self.options.cancel.checked(solved)
+    }
+
+    /// The shape on the first mesh, whether it is stable or not; it is left in the workspace.
+    pub(super) fn solve_coarsely(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<(), SolveError> {
+        self.accept(case, &self.mesh, workspace)?;
+        let Workspace { scratch, commands, .. } = workspace;
+        let problem = Problem {
+            stability: StabilityAnalysis::Off,
+            tolerance: COARSE_RESIDUAL,
+            ..self.problem(&self.mesh, commands, case)?
+        };
+        let found = statics::solve(&problem, &Start::Cold, scratch);
+        let solved = found.map(|_| ()).map_err(|failure| self.explain(failure, commands));
+        self.options.cancel.checked(solved)
+    }
+
+    /// Checks a case, and gathers its commands and loads on a mesh.
+    pub(super) fn accept(
+        &self,
+        case: &Case,
+        mesh: &Mesh,
+        workspace: &mut Workspace,
+    ) -> Result<(), SolveError> {
+        self.check_steps(core::slice::from_ref(case), workspace)?;
+        workspace.scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);
+        Ok(())
+    }
+
+    pub(super) const fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    pub(super) const fn options(&self) -> &Options {
+        &self.options
     }
 
     /// The answer to the last of several checked steps; those before it that were walked on a mesh already are
@@ -405,7 +506,7 @@ impl CosseratDisks {
     }
 
     /// The mesh whose steps are halved so often; where the steps are prescribed, the only one.
-    fn mesh(&self, level: usize) -> Result<Cow<'_, Mesh>, SolveError> {
+    pub(super) fn mesh(&self, level: usize) -> Result<Cow<'_, Mesh>, SolveError> {
         if let Some(mesh) = self.kept_mesh(level)? {
             return Ok(Cow::Borrowed(mesh));
         }
@@ -509,7 +610,7 @@ impl CosseratDisks {
         Ok(())
     }
 
-    fn solution(
+    pub(super) fn solution(
         &self,
         mesh: &Mesh,
         cases: &[Case],
@@ -568,7 +669,7 @@ impl CosseratDisks {
         })
     }
 
-    fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
+    pub(super) fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
         let name = |cable: usize| self.robot.cables()[cable].name.clone();
         failure.explain(commands, &self.frame.rest_lengths, name)
     }

@@ -131,6 +131,8 @@ pub(super) struct Factors {
     lower: Mat3,
     /// Inverse of the Schur complement of the force block.
     moment: Mat3,
+    /// Whether the determinant is negative.
+    pub is_negative: bool,
 }
 
 impl Factors {
@@ -143,9 +145,11 @@ impl Factors {
         let upper = Mat3::from_columns(linear(3), linear(4), linear(5));
         let lower = Mat3::from_columns(angular(0), angular(1), angular(2));
         let moment = Mat3::IDENTITY + Mat3::from_columns(angular(3), angular(4), angular(5));
+        let of_force = force.determinant();
         let force = force.inverse()?;
-        let moment = (moment - lower * force * upper).inverse()?;
-        Some(Self { force, upper, lower, moment })
+        let moment = moment - lower * force * upper;
+        let is_negative = (of_force < 0.0) != (moment.determinant() < 0.0);
+        Some(Self { force, upper, lower, moment: moment.inverse()?, is_negative })
     }
 
     #[inline]

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Pose;
 
-use super::chain::Chain;
+use super::chain::{self, Chain};
 use super::friction::{self, History, Holes};
 use super::layout::{Frame, Mesh};
 use super::load_continuation::{self, Raise};
@@ -101,22 +101,14 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// What acts in the rod of the answer just beyond the disks, as [`crate::derivatives`] takes it: in the base frame, and
-    /// beyond the dead loads.
+    /// What acts in the rod of the answer just beyond the disks, as [`crate::derivatives`] takes it.
     pub fn starts(&self, mesh: &Mesh) -> Vec<Option<Wrench>> {
-        let mut starts = vec![None; mesh.grid.len()];
-        for (k, steps) in mesh.spans.iter().enumerate() {
-            let wrench = match self.applied.any() {
-                true => self.chain.nodes[k].wrench,
-                false => self.unloaded.wrenches[k],
-            };
-            let disk = self.poses[steps.start].rotation;
-            starts[steps.start] = Some(Wrench {
-                force: disk.rotate(wrench.linear) - self.applied.force(steps.start, 0),
-                moment: disk.rotate(wrench.angular),
-            });
-        }
-        starts
+        let wrench = |k: usize| match self.applied.any() {
+            true => self.chain.nodes[k].wrench,
+            false => self.unloaded.wrenches[k],
+        };
+        let rotation = |k: usize| self.poses[mesh.spans[k].start].rotation;
+        chain::starts(mesh, &self.applied, |k| (rotation(k), wrench(k)))
     }
 }
 

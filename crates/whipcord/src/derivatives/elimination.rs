@@ -139,6 +139,11 @@ impl Elimination {
         Ok(())
     }
 
+    /// The map of a step.
+    pub fn step(&self, k: usize) -> &StepMap {
+        &self.maps[k]
+    }
+
     /// How every node moves with what acts on the end of each step and what is added at each node; nothing does in the
     /// steps before `first`.
     pub fn solve(

@@ -26,13 +26,16 @@ pub(super) enum Linear {
 
 impl Linear {
     /// An answer under loads, or with starts of its own for every step, or one without; with cables straight between
-    /// disks where spans are given.
-    pub fn of(answer: &Answer<'_>, spans: Option<&[StraightSpan<'_>]>) -> Result<Self, Fault> {
-        if let Some(straight) = spans {
+    /// disks where spans are given, with the nodes of the grid that are asked for.
+    pub fn of(
+        answer: &Answer<'_>,
+        spans: Option<(&[StraightSpan<'_>], &[usize])>,
+    ) -> Result<Self, Fault> {
+        if let Some((straight, nodes)) = spans {
             let mut spans = Box::<Spans>::default();
             // The sections of the rod have no cables in them.
             let rod = Answer { tensions: &[], ..*answer };
-            spans.run(&rod, straight, answer.tensions, &answer.grid.stations)?;
+            spans.run(&rod, straight, answer.tensions, nodes)?;
             Ok(Self::Spans(spans))
         } else if answer.loads.any() || !answer.starts.is_empty() {
             let mut replay = Replay::default();

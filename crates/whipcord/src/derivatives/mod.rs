@@ -38,6 +38,7 @@ use self::change::Places;
 pub(crate) use self::columns::unit_wrench;
 use self::columns::{Raw, Source};
 use self::elimination::Elimination;
+pub(crate) use self::elimination::NodeChange;
 use self::forward::Maps;
 use self::linear::Linear;
 pub(crate) use self::open::{Motion, StepGap};
@@ -163,6 +164,8 @@ pub(crate) struct Solved<'a> {
     /// Moment, and force beyond that of the dead loads, in the base frame at the starts of steps where they are known.
     pub starts: &'a [Option<Wrench>],
     pub strains: &'a [Strain],
+    /// Nodes of the grid that are asked for beside the disks, where cables run straight between these.
+    pub nodes: &'a [usize],
 }
 
 /// The cables of the robot.
@@ -205,7 +208,8 @@ impl Derivatives {
             starts: solved.starts,
             strains: solved.strains,
         };
-        let mut linear = Linear::of(&answer, of_robot.straight.map(|straight| straight.spans))?;
+        let mut linear =
+            Linear::of(&answer, of_robot.straight.map(|straight| (straight.spans, solved.nodes)))?;
         let rest = of_robot.straight.and_then(|straight| straight.rest);
         let rest = rest.map(|(grid, spans)| at_rest(grid, spans, tensions)).transpose()?;
         let poses = solved.poses;
@@ -309,5 +313,5 @@ fn at_rest<'a>(
         starts: &[],
         strains: &[],
     };
-    Ok(AtRest { grid, linear: Linear::of(&answer, Some(spans))? })
+    Ok(AtRest { grid, linear: Linear::of(&answer, Some((spans, &[])))? })
 }

@@ -25,14 +25,18 @@ pub(crate) struct StepGap {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Motion {
     pub nodes: Vec<NodeChange>,
+    /// Of the disks, with what acts in rod and cables together, where cables run straight from disk to disk; else empty.
+    pub disks: Vec<NodeChange>,
     pub tensions: Vec<f64>,
 }
 
 impl Motion {
     /// `self += f · other`.
     pub fn add(&mut self, f: f64, other: &Self) {
-        for (node, by) in self.nodes.iter_mut().zip(&other.nodes) {
-            node.add(f, by);
+        for (nodes, others) in [(&mut self.nodes, &other.nodes), (&mut self.disks, &other.disks)] {
+            for (node, by) in nodes.iter_mut().zip(others) {
+                node.add(f, by);
+            }
         }
         for (tension, by) in self.tensions.iter_mut().zip(&other.tensions) {
             *tension += f * by;
@@ -42,19 +46,42 @@ impl Motion {
 
 impl Derivatives {
     /// The step that closes the gaps, takes the tension off cables that are not taut, and takes those that
-    /// are by these slacknesses in m to their lengths.
+    /// are by these slacknesses in m to their lengths. `unbalanced` is what (d7) lacks at the near disk of each span, of
+    /// cables that run straight between disks: rod and cables less what acts there.
     pub(crate) fn closing(
         &self,
         gaps: &[StepGap],
+        unbalanced: &[Wrench],
         tensions: &[f64],
         taut: &[bool],
         slackness: &[f64],
     ) -> Motion {
+        let start = |k: usize| {
+            unbalanced
+                .get(k)
+                .map_or([Vec3::ZERO; 3], |lack| [Vec3::ZERO, -lack.moment, -lack.force])
+        };
         let effect = |k: usize| {
             let StepGap { turn, moment, force } = gaps[k];
-            Effect { turn, moment, force, shift: Vec3::ZERO }
+            let gap = Effect { turn, moment, force, shift: Vec3::ZERO };
+            let by_lack = self.elimination.step(k).apply(start(k));
+            // What is lacking is no force of followers.
+            let force = by_lack.force - start(k)[2];
+            gap.plus(&Effect { force, ..by_lack })
         };
-        let raw = self.answer_to(0, effect, |_| Wrench::default());
+        let mut raw = self.answer_to(0, effect, |_| Wrench::default());
+        if let Some(spans) = self.linear.spans() {
+            for k in 0..self.links() {
+                let [_, by_moment, by_force] = start(k);
+                for (place, length) in raw.lengths.iter_mut().enumerate() {
+                    let [_, moment, force] = &self.maps.length_by_state[k * tensions.len() + place];
+                    *length += moment.dot(by_moment) + force.dot(by_force);
+                }
+            }
+            raw.disks = core::mem::take(&mut raw.nodes);
+            let acting = |k: usize, node: usize| spans.inside(k, node).apply(start(k));
+            spans.expand(&raw.disks, acting, &mut raw.nodes);
+        }
         let release = |place: usize| match self.commands[place] {
             Command::Length { .. } if !taut[place] => -tensions[place],
             _ => 0.0,
@@ -72,12 +99,13 @@ impl Derivatives {
     /// A change at constant tensions, these changes of tensions, and those of the taut cables that bring
     /// them to their lengths.
     fn complete(&self, raw: Raw, mut tensions: Vec<f64>, slackness: &[f64]) -> Motion {
-        let Raw { mut nodes, mut lengths, .. } = raw;
+        let mut changed = raw;
         for (column, &tension) in self.by_tension.iter().zip(&tensions) {
-            for (length, by) in lengths.iter_mut().zip(&column.lengths) {
+            for (length, by) in changed.lengths.iter_mut().zip(&column.lengths) {
                 *length += tension * by;
             }
         }
+        let lengths = changed.lengths.clone();
         let right: Vec<f64> =
             slackness.iter().zip(&lengths).map(|(slack, length)| slack - length).collect();
         for (tension, change) in tensions.iter_mut().zip(self.held.tensions(Hold::Commands, &right))
@@ -85,12 +113,8 @@ impl Derivatives {
             *tension += change;
         }
         for (column, &tension) in self.by_tension.iter().zip(&tensions) {
-            if tension != 0.0 {
-                for (node, by) in nodes.iter_mut().zip(&column.nodes) {
-                    node.add(tension, by);
-                }
-            }
+            changed.add(tension, column);
         }
-        Motion { nodes, tensions }
+        Motion { nodes: changed.nodes, disks: changed.disks, tensions }
     }
 }

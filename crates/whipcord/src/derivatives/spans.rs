@@ -423,6 +423,11 @@ impl Spans {
         move |k, node| self.inside_effects[(self.spans[k].first + node) * self.inputs + input]
     }
 
+    /// How a kept node of a span moves with its start.
+    pub fn inside(&self, k: usize, node: usize) -> &StepMap {
+        &self.inside[self.spans[k].first + node]
+    }
+
     /// The changes at the nodes of the grid, of those that are kept, from the changes of the disks and what acts inside the
     /// spans, by span and kept node. What acts at a node is that in the rod just behind it, at the tip in front of it.
     pub fn expand(

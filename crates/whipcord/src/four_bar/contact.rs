@@ -11,7 +11,8 @@ use super::several::MOST_CONFLICT;
 use super::solve::{MET, Workspace};
 use crate::cancel::Cancel;
 use crate::case::Case;
-use crate::contact::{self, Compliant, Push};
+use crate::contact;
+use crate::contact::model::{Compliant, Push};
 use crate::error::SolveError;
 use crate::shape::{NoStability, Solution, Wrench};
 

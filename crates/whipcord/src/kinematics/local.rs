@@ -43,6 +43,11 @@ pub enum ComplianceUnknown {
         "every section keeps its own part of a cable, which has no one tension: take the length rule free, or use cosserat"
     )]
     SharedLengths,
+    /// An arc of constant curvature bears nothing but its cables.
+    #[error(
+        "the model takes no loads: use piecewise-constant-curvature, cosserat or cosserat-disks"
+    )]
+    NoLoads,
     /// Nothing says how stiff the robot is.
     #[error("its stiffness is not given: give Young's modulus and the cross-section")]
     NoStiffness,

@@ -42,6 +42,15 @@ pub(super) enum Asked {
     Responses,
 }
 
+/// A dead wrench on a cross-section of a section, in the frame of the disk at the section's start.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pushed {
+    pub section: usize,
+    /// Of the cross-section.
+    pub motion: Motion,
+    pub wrench: Wrench,
+}
+
 /// A matrix row of each coordinate.
 type Rows<T> = [T; MOST];
 
@@ -257,11 +266,21 @@ impl Chain {
     /// The number of negative pivots, which is that of negative eigenvalues where the tangent is symmetric; `None`
     /// where it is singular.
     pub fn eliminate(&mut self, task: &Task<'_>, how: Elimination) -> Option<usize> {
+        self.eliminate_with(task, how, &[])
+    }
+
+    /// The same, with the responses to these wrenches behind those to the tensions, eq. (10).
+    pub fn eliminate_with(
+        &mut self,
+        task: &Task<'_>,
+        how: Elimination,
+        pushes: &[Pushed],
+    ) -> Option<usize> {
         let (count, n) = (task.division.coordinates(), task.sections.len());
         let sides = match how.asked {
             Asked::Signs => 0,
             Asked::Step => 1,
-            Asked::Responses => 1 + task.tensions.len(),
+            Asked::Responses => 1 + task.tensions.len() + pushes.len(),
         };
         self.steps.clear();
         self.steps.resize(sides * n, [0.0; MOST]);
@@ -354,6 +373,13 @@ impl Chain {
                         }
                     }
                 }
+                let push = side.checked_sub(1 + task.tensions.len()).and_then(|i| pushes.get(i));
+                let push = push.filter(|push| push.section == k);
+                if let Some(Pushed { motion, wrench, .. }) = push {
+                    for (a, x) in self.column.iter_mut().enumerate() {
+                        *x += wrench.moment.dot(motion.turn[a]) + wrench.force.dot(motion.shift[a]);
+                    }
+                }
                 self.lu.solve(&mut self.column);
                 let step = &mut self.steps[side * n + k];
                 step[..count].copy_from_slice(&self.column);
@@ -379,6 +405,10 @@ impl Chain {
                         + moved.cross(load.force)
                         + motion.end.cross(change);
                 }
+                if let Some(Pushed { motion, wrench, .. }) = push {
+                    force += wrench.force;
+                    moment += wrench.moment + motion.end.cross(wrench.force);
+                }
                 self.beyond[side] = [force, moment];
             }
         }
@@ -402,19 +432,39 @@ impl Chain {
         }
     }
 
-    /// `∂ℓᵢ/∂τⱼ` by rows in m/N, from the responses of the last elimination.
-    pub fn length_by_tension(&self, task: &Task<'_>, into: &mut Vec<f64>) {
-        let (cables, n) = (task.tensions.len(), task.sections.len());
-        into.clear();
-        into.resize(cables * cables, 0.0);
+    /// How a section moves where it was evaluated last.
+    pub fn motion(&self, section: usize) -> &Motion {
+        &self.links[section].motion
+    }
+
+    /// How the coordinates of a section change, of the last elimination.
+    pub fn response(&self, task: &Task<'_>, side: usize, section: usize) -> &[f64] {
+        let step = &self.steps[side * task.sections.len() + section];
+        &step[..task.division.coordinates()]
+    }
+
+    /// How the lengths of the cables change with that, in m.
+    pub fn lengths_by(&self, task: &Task<'_>, side: usize) -> Vec<f64> {
+        let mut lengths = vec![0.0; task.tensions.len()];
         let mut pulls = self.pulls.iter();
         for (k, section) in task.sections.iter().enumerate() {
+            let response = self.response(task, side, k);
             for (passage, pull) in section.passages.iter().zip(&mut pulls) {
-                for j in 0..cables {
-                    let response = &self.steps[(1 + j) * n + k];
-                    let change: f64 = pull.iter().zip(response).map(|(p, r)| p * r).sum();
-                    into[passage.cable * cables + j] += change;
-                }
+                lengths[passage.cable] +=
+                    pull.iter().zip(response).map(|(p, r)| p * r).sum::<f64>();
+            }
+        }
+        lengths
+    }
+
+    /// `∂ℓᵢ/∂τⱼ` by rows in m/N, from the responses of the last elimination.
+    pub fn length_by_tension(&self, task: &Task<'_>, into: &mut Vec<f64>) {
+        let cables = task.tensions.len();
+        into.clear();
+        into.resize(cables * cables, 0.0);
+        for j in 0..cables {
+            for (i, change) in self.lengths_by(task, 1 + j).into_iter().enumerate() {
+                into[i * cables + j] = change;
             }
         }
     }

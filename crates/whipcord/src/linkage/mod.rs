@@ -4,12 +4,13 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
-//! the linear system of a step, `statics` finds it.
+//! the linear system of a step, `statics` finds it, `local` differentiates it.
 
 mod chain;
 pub(crate) mod division;
 mod layout;
 mod loads;
+mod local;
 mod motion;
 mod statics;
 mod swing;

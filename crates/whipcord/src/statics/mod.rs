@@ -18,6 +18,7 @@
 //! | `quadratic_form`, `eigenvalue` | the second variation of the energy, and its least eigenvalue |
 //! | `passages` | cables straight between disks |
 //! | `hold` | tensions that keep cables at their lengths, eq. (d4) |
+//! | `local` | Jacobians and compliances of a place |
 //! | `outcome`, `trace` | how a solve ended, and the record of its iterations |
 
 pub(crate) mod active_set;
@@ -31,6 +32,7 @@ mod infeasible_lengths;
 mod length_step;
 pub(crate) mod lengths;
 pub(crate) mod loads;
+pub(crate) mod local;
 pub(crate) mod options;
 pub(crate) mod outcome;
 pub(crate) mod passages;

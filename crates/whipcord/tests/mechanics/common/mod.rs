@@ -172,7 +172,10 @@ pub fn solve_lengths(robot: &Robot, case: &Case) -> Result<Solution, SolveError>
 pub fn stability_of_path(solution: &Solution) -> f64 {
     let diagnostics = &solution.diagnostics;
     let left = diagnostics.stability_lost_at.filter(|_| diagnostics.stable == Some(true));
-    left.map_or_else(|| diagnostics.stability.unwrap(), |load| load - 1.0)
+    left.map_or_else(
+        || diagnostics.stability.unwrap_or_else(|| panic!("{diagnostics:?}")),
+        |load| load - 1.0,
+    )
 }
 
 pub fn tensions(solution: &Solution) -> Vec<f64> {

@@ -47,7 +47,7 @@ fn contacts_hold_the_shape_and_do_not_overlap() {
         let case = among(Case::with_tensions(&[tension]), vec![obstacle.clone()]);
         let solution = solve(&robot, &case).unwrap();
         assert!(!solution.contacts.is_empty());
-        assert_forces_hold(&robot, &case, &solution);
+        assert_forces_hold(ModelKind::Cosserat, &robot, &case, &solution);
         super::assert_clear(&robot, &solution, &obstacle);
     }
 }
@@ -161,8 +161,10 @@ fn models_without_contact_refuse_obstacles() {
     for kind in ModelKind::ALL {
         let model = Model::new(kind, Default::default(), whipcord::Actuation::Natural);
         match (kind, model.solve(&robot, &case)) {
-            (ModelKind::Cosserat, Ok(solution)) => assert_eq!(solution.contacts.len(), 1),
-            (ModelKind::Cosserat, Err(error)) => panic!("{error}"),
+            (ModelKind::Cosserat | ModelKind::CosseratDisks, Ok(solution)) => {
+                assert_eq!(solution.contacts.len(), 1);
+            }
+            (ModelKind::Cosserat | ModelKind::CosseratDisks, Err(error)) => panic!("{error}"),
             (_, Ok(_)) => panic!("{kind} ignores the wall"),
             (_, Err(SolveError::Unsupported { .. } | SolveError::Missing { .. })) => {}
             (_, Err(error)) => panic!("{kind}: {error}"),

@@ -3,7 +3,9 @@
 use super::{LENGTH, STIFFNESS, among, assert_clear, assert_forces_hold, finger, sphere, wall};
 use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective};
-use whipcord::{Actuation, Case, Contact, Obstacle, Robot, Shortening, Solution, SolveError, Vec3};
+use whipcord::{
+    Actuation, Case, Contact, ModelKind, Obstacle, Robot, Shortening, Solution, SolveError, Vec3,
+};
 
 fn rubbing(obstacle: Obstacle, friction: f64) -> Obstacle {
     Obstacle { friction, ..obstacle }
@@ -69,7 +71,7 @@ fn forces_keep_to_the_cone_and_hold_the_shape() {
             assert!(if touch.sticks { part < 1.0 } else { (part - 1.0).abs() < 1e-6 }, "{touch:?}");
             stuck += usize::from(touch.sticks);
         }
-        assert_forces_hold(&robot, &case, &solution);
+        assert_forces_hold(ModelKind::Cosserat, &robot, &case, &solution);
         assert_clear(&robot, &solution, &obstacle);
     }
     assert_eq!(stuck, 1);

@@ -4,7 +4,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::common::{paper_robot, round, solve_with, stability_of_path, straight};
+use crate::common::{accurate, paper_robot, round, solve_with, stability_of_path, straight};
 use whipcord::cosserat::Options;
 use whipcord::{
     Backbone, Cable, CableCommand, Case, Disks, Loads, Material, Robot, Routing, Shortening,
@@ -32,7 +32,7 @@ fn robot(angles: &[f64]) -> Robot {
 }
 
 fn stability(robot: &Robot, case: &Case) -> f64 {
-    let options = Options { stability: StabilityAnalysis::Eigenvalue, ..Options::default() };
+    let options = Options { stability: StabilityAnalysis::Eigenvalue, ..accurate() };
     let solution = solve_with(options, robot, case).unwrap();
     let tip = solution.disks.tip().position;
     let left = solution.diagnostics.stability_lost_at.is_some();

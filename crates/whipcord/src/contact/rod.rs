@@ -1,0 +1,270 @@
+//! Cosserat rods among obstacles: what [`Compliant`] asks, of a rod that takes one step of Newton's method at a time.
+
+use whipcord_numerics::{Pose, equally_spaced};
+
+use super::model::{Compliant, Push};
+use crate::cancel::Cancel;
+use crate::case::{Case, PointLoad};
+use crate::error::SolveError;
+use crate::robot::Robot;
+use crate::shape::{NoStability, Solution};
+use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
+
+/// The backbone is watched at this many places from base to tip, besides the disks.
+const WATCHED: usize = 80;
+
+/// A rod that stands where it is, in equilibrium or not, under loads and wrenches on places of it. Under the wrenches of its
+/// contacts alone a robot may buckle though the contacts hold it, so that an equilibrium under given wrenches cannot be asked
+/// for: it takes one step of Newton's method at a time, and [`crate::contact`] changes the wrenches along with the shape.
+pub(crate) trait PushedRod: Default {
+    /// Where it stands, to go back to.
+    type Kept: Default;
+
+    /// Forgets where it stands.
+    fn reset(&mut self);
+
+    /// Looks at a case in which wrenches on the places `pushes`, in m, are among the loads, and stays where it is. It starts from
+    /// `warm`, or from the robot without any load or tension.
+    fn look(
+        &mut self,
+        robot: &Robot,
+        options: &Options,
+        case: &Case,
+        places: (&[f64], &[f64]),
+        warm: Option<&Solution>,
+    ) -> Result<(), SolveError>;
+
+    /// How many steps it has from base to tip.
+    fn steps(&self) -> usize;
+
+    /// What is left of its equations.
+    fn gap(&self) -> f64;
+
+    /// The frame of a station or place of a push, in the frame of the base.
+    fn pose(&self, arc_length: f64) -> Pose;
+
+    /// The frame of a cross-section where it was kept, between two nodes on the line that joins them.
+    fn pose_before(kept: &Self::Kept, arc_length: f64) -> Pose;
+
+    /// Linearises the equations where it stands, with these places of pushes.
+    fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError>;
+
+    /// How the places of pushes move with each component of each of them, by rows, and how with the step that is
+    /// left, linearised.
+    fn compliance(
+        &mut self,
+        places: impl Iterator<Item = f64>,
+        compliance: &mut Vec<f64>,
+        drift: &mut Vec<f64>,
+    );
+
+    /// Takes a part of Newton's step, with what changes of the pushes do.
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64);
+
+    /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.
+    fn stands(&mut self) -> bool;
+
+    /// Keeps where it stands.
+    fn keep(&self, kept: &mut Self::Kept);
+
+    /// Goes back to where it was kept.
+    fn go_back(&mut self, kept: &Self::Kept);
+
+    /// Halves the steps if the answer is not yet known to the tolerance; `false` if it is, or if the steps
+    /// are given.
+    fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError>;
+
+    /// The answer where it stands.
+    fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError>;
+
+    /// The answer to a case in which nothing touches, from a neighbouring one.
+    fn solve_free(
+        robot: &Robot,
+        options: &Options,
+        case: &Case,
+        near: &Solution,
+    ) -> Result<Solution, SolveError>;
+}
+
+/// A rod among obstacles.
+pub(crate) struct RodAdapter<'a, R: PushedRod> {
+    robot: &'a Robot,
+    /// As the user wants the answer.
+    options: &'a Options,
+    watched: Vec<f64>,
+    /// Those, and where the user wants the shape.
+    stations: Vec<f64>,
+    initial_lengths: Vec<f64>,
+    force_scale: f64,
+    /// The case that it last looked at, with the pushes among its loads.
+    case: Case,
+    warm: Option<Solution>,
+    found: R,
+    kept: R::Kept,
+}
+
+impl<'a, R: PushedRod> RodAdapter<'a, R> {
+    /// A rod whose cables have these lengths in m before actuation; `stiffness` is that of bending at the base.
+    pub fn new(
+        robot: &'a Robot,
+        options: &'a Options,
+        initial_lengths: Vec<f64>,
+        stiffness: f64,
+    ) -> Self {
+        let length = robot.backbone().length;
+        let watched = watched(robot);
+        let mut stations = watched.clone();
+        stations.extend(options.stations.arc_lengths(robot));
+        stations.sort_by(f64::total_cmp);
+        stations.dedup();
+        Self {
+            robot,
+            options,
+            watched,
+            stations,
+            initial_lengths,
+            force_scale: stiffness / (length * length),
+            case: Case::default(),
+            warm: None,
+            found: R::default(),
+            kept: R::Kept::default(),
+        }
+    }
+}
+
+/// The arc lengths at which the backbone is watched: those of the disks and some between.
+pub(crate) fn watched(robot: &Robot) -> Vec<f64> {
+    let length = robot.backbone().length;
+    let mut watched = robot.disks().arc_lengths.clone();
+    watched.extend(equally_spaced(0.0, length, WATCHED + 1));
+    sorted(&mut watched, 1e-3 * length / WATCHED as f64);
+    watched
+}
+
+/// In order, without those that are nearer to the one before than `apart`; the first and the last stay.
+fn sorted(places: &mut Vec<f64>, apart: f64) {
+    places.sort_by(f64::total_cmp);
+    let last = places.last().copied();
+    places.dedup_by(|next, before| *next - *before <= apart);
+    if let (Some(end), Some(last)) = (places.last_mut(), last) {
+        *end = last;
+    }
+}
+
+/// The case with the pushes as point loads.
+fn with_pushes(case: &Case, pushes: &[Push]) -> Case {
+    let mut case = case.clone();
+    let turn = case.loads.to_base(case.base.rotation).conjugate();
+    case.loads.points.extend(pushes.iter().map(|push| PointLoad {
+        at: push.arc_length,
+        force: turn.rotate(push.wrench.force),
+        moment: turn.rotate(push.wrench.moment),
+        follower: false,
+    }));
+    case
+}
+
+impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
+    fn watched(&self) -> &[f64] {
+        &self.watched
+    }
+
+    fn initial_lengths(&self) -> &[f64] {
+        &self.initial_lengths
+    }
+
+    fn knows_forces(&self) -> bool {
+        true
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.force_scale
+    }
+
+    fn cancel(&self) -> &Cancel {
+        &self.options.cancel
+    }
+
+    fn effort(&self) -> f64 {
+        self.found.steps().max(self.watched.len()) as f64 / 100.0
+    }
+
+    fn refine(&mut self) -> Result<bool, SolveError> {
+        self.found.refine(self.options.accuracy)
+    }
+
+    fn reset(&mut self) {
+        self.found.reset();
+    }
+
+    fn start_from(&mut self, answer: &Solution) {
+        self.found = R::default();
+        self.warm = Some(answer.clone());
+    }
+
+    fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
+        self.case = with_pushes(case, pushes);
+        let places: Vec<f64> = pushes.iter().map(|push| push.arc_length).collect();
+        let warm = self.warm.take();
+        let at = (&self.stations[..], &places[..]);
+        self.found.look(self.robot, self.options, &self.case, at, warm.as_ref())
+    }
+
+    fn pose(&self, arc_length: f64) -> Pose {
+        self.found.pose(arc_length)
+    }
+
+    fn unsettled(&self) -> f64 {
+        self.found.gap()
+    }
+
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<(), SolveError> {
+        self.found.linearise(self.robot, &self.case)?;
+        self.found.advance(changes, part);
+        Ok(())
+    }
+
+    fn compliance(
+        &mut self,
+        pushes: &[Push],
+        compliance: &mut Vec<f64>,
+        drift: &mut Vec<f64>,
+    ) -> Result<(), SolveError> {
+        self.found.linearise(self.robot, &self.case)?;
+        self.found.compliance(pushes.iter().map(|push| push.arc_length), compliance, drift);
+        let finite = compliance.iter().chain(&*drift).all(|value| value.is_finite());
+        if finite { Ok(()) } else { Err(SolveError::NoDerivatives) }
+    }
+
+    fn stands_alone(&mut self) -> bool {
+        self.found.stands()
+    }
+
+    fn keep(&mut self) {
+        self.found.keep(&mut self.kept);
+    }
+
+    fn pose_before(&self, arc_length: f64) -> Pose {
+        R::pose_before(&self.kept, arc_length)
+    }
+
+    fn go_back(&mut self) {
+        self.found.go_back(&self.kept);
+    }
+
+    fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
+        let mut solution = self.found.solution(&self.case)?.ok_or(SolveError::NoDerivatives)?;
+        let touching = pushes.iter().any(|push| push.wrench != Default::default());
+        if !touching {
+            return R::solve_free(self.robot, self.options, case, &solution);
+        }
+        let asked = self.options.stations.arc_lengths(self.robot);
+        let shape = &mut solution.shape;
+        let at = |&s: &f64| shape.poses[shape.arc_length.partition_point(|&there| there < s)];
+        (shape.poses, shape.arc_length) = (asked.iter().map(at).collect(), asked);
+        if self.options.stability != StabilityAnalysis::Off {
+            solution.diagnostics.stability_absent = Some(NoStability::Touching);
+        }
+        Ok(solution)
+    }
+}

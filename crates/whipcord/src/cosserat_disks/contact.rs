@@ -1,0 +1,89 @@
+//! Contact of the rod with cables from hole to hole: backbone and disks among obstacles.
+
+use whipcord_numerics::Vec3;
+
+use super::contact_response::ContactResponse;
+use super::layout::Mesh;
+use super::model::{CosseratDisks, Workspace};
+use crate::case::Case;
+use crate::contact::{self, RodAdapter, Unobstructed};
+use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::refusal;
+use crate::shape::{Shape, Solution};
+
+impl CosseratDisks {
+    /// The shape among the obstacles of a case: without them where the robot keeps clear of them.
+    pub(super) fn solve_among_obstacles(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        case.check(self.robot())?;
+        refusal::hole_friction(
+            ModelKind::CosseratDisks,
+            self.robot(),
+            "friction at the holes, among obstacles",
+            "what the holes hold depends on the way, and so do the contacts: set the friction of the cables to 0, or remove the obstacles",
+        )?;
+        let watched = contact::watched(self.robot());
+        let mut free = FreeRod { model: self, workspace, watched };
+        if let Some(solution) = contact::solve_free(&mut free, self.robot(), case, warm_start)? {
+            return Ok(solution);
+        }
+        let at_base = self.mesh(0)?.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
+        let initial = self.frame().rest_lengths.clone();
+        let stiffness = at_base.column(0).x;
+        let mut adapter: RodAdapter<'_, ContactResponse> =
+            RodAdapter::new(self.robot(), self.options(), initial, stiffness);
+        contact::solve(&mut adapter, self.robot(), case, warm_start)
+    }
+}
+
+/// The rod without obstacles.
+struct FreeRod<'a> {
+    model: &'a CosseratDisks,
+    workspace: &'a mut Workspace,
+    watched: Vec<f64>,
+}
+
+impl FreeRod<'_> {
+    /// The centres of the watched cross-sections of the rod whose steps the workspace holds.
+    fn centres(&self, mesh: &Mesh, centres: &mut Vec<Vec3>) {
+        let end = self.model.robot().backbone().length;
+        let arc_length = mesh.grid.steps.iter().map(|step| step.start).chain([end]).collect();
+        let nodes = Shape { arc_length, poses: self.workspace.poses().to_vec() };
+        centres.clear();
+        centres.extend(self.watched.iter().map(|&s| nodes.at(s).position));
+    }
+}
+
+impl Unobstructed for FreeRod<'_> {
+    fn watched(&self) -> &[f64] {
+        &self.watched
+    }
+
+    fn initial_lengths(&self) -> &[f64] {
+        &self.model.frame().rest_lengths
+    }
+
+    fn solve(
+        &mut self,
+        case: &Case,
+        from: Option<&Solution>,
+        centres: &mut Vec<Vec3>,
+    ) -> Result<Solution, SolveError> {
+        let (solution, level) = self.model.solve_keeping_level(case, from, self.workspace)?;
+        let mesh = self.model.mesh(level)?;
+        self.centres(&mesh, centres);
+        Ok(solution)
+    }
+
+    fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
+        self.model.solve_coarsely(case, self.workspace)?;
+        let mesh = self.model.mesh(0)?;
+        self.centres(&mesh, centres);
+        Ok(())
+    }
+}

@@ -1,0 +1,446 @@
+//! The rod with cables from hole to hole under contact forces: one step of Newton's method on the chain at a time, in
+//! which [`crate::contact`] changes the forces along with the shape. Disks stay where they are when the places of contact,
+//! at which steps end, come and go.
+
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+
+use super::chain::{Chain, Node, Task};
+use super::layout::Mesh;
+use super::loaded_span::Gap;
+use super::model::{CosseratDisks, Workspace};
+use super::unloaded::From;
+use crate::case::Case;
+use crate::contact::{PushedRod, RodResponse};
+use crate::derivatives::{
+    Cables, Derivatives, Motion, NoDerivatives, NodeChange, Solved, StepGap, StraightCables,
+};
+use crate::error::SolveError;
+use crate::robot::Robot;
+use crate::section::{BodyWrench, Fault};
+use crate::shape::{Shape, Solution, Wrench};
+use crate::statics::command::Command;
+use crate::statics::elimination::Change;
+use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
+use crate::statics::outcome::{Failure, Found};
+use crate::statics::refinement::{Coarse, ERROR_RATIO};
+use crate::stations::Stations;
+
+/// No disk turns by more in one step, in rad.
+const LONGEST: f64 = 0.5;
+/// How often the steps are halved to meet a tolerance.
+const MAX_HALVINGS: usize = 5;
+
+/// The rod where it stands, and its equations there.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ContactResponse {
+    contact_mesh: Option<ContactMesh>,
+    chain: Chain,
+    workspace: Workspace,
+    /// Frames at the ends of all steps, in the frame of the base.
+    poses: Vec<Pose>,
+    /// What is left of its equations.
+    gap: f64,
+    linear: Option<RodResponse>,
+    /// How often the steps are halved.
+    halvings: usize,
+    coarse: Option<(Coarse, Vec<f64>)>,
+    error: Option<f64>,
+}
+
+/// What it is to be kept for, to go back to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
+    contact_mesh: Option<ContactMesh>,
+    nodes: Vec<Node>,
+    tensions: Vec<f64>,
+    poses: Vec<Pose>,
+}
+
+/// Where its steps end.
+#[derive(Clone, Debug)]
+struct ContactMesh {
+    model: CosseratDisks,
+    mesh: Mesh,
+    halvings: usize,
+    stations: Vec<f64>,
+    pushes: Vec<f64>,
+    /// Cable of each passage.
+    groups: Vec<usize>,
+}
+
+impl ContactMesh {
+    fn new(
+        robot: &Robot,
+        options: &Options,
+        case: &Case,
+        halvings: usize,
+        stations: &[f64],
+        pushes: &[f64],
+    ) -> Result<Self, SolveError> {
+        let mut places = stations.to_vec();
+        places.extend_from_slice(pushes);
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let steps = match options.accuracy {
+            Accuracy::Steps(steps) => steps,
+            Accuracy::Tolerance(_) => 1,
+        };
+        let options = Options {
+            stations: Stations::At(places),
+            accuracy: Accuracy::Steps(steps),
+            stability: StabilityAnalysis::Off,
+            ..options.clone()
+        };
+        let model = CosseratDisks::new(robot, &case.loads, &options)?;
+        let mesh = model.frame().mesh(steps, halvings)?;
+        let passages = model.frame().spans.iter().flat_map(|span| &span.passages);
+        let groups = passages.map(|passage| passage.cable).collect();
+        let (stations, pushes) = (stations.to_vec(), pushes.to_vec());
+        Ok(Self { model, mesh, halvings, stations, pushes, groups })
+    }
+
+    /// The node of a station or a push.
+    fn node(&self, arc_length: f64) -> usize {
+        let stations = self.model.stations();
+        let place = stations.partition_point(|&s| s < arc_length).min(stations.len() - 1);
+        self.mesh.grid.stations[place]
+    }
+
+    /// Arc lengths of its nodes, from base to tip.
+    fn arc_lengths(&self) -> Vec<f64> {
+        let steps = &self.mesh.grid.steps;
+        let end = steps.last().map(|step| step.start + step.length);
+        steps.iter().map(|step| step.start).chain(end).collect()
+    }
+
+    /// The equations of the chain.
+    fn task<'a>(&'a self, workspace: &'a Workspace) -> Task<'a> {
+        let commands = workspace.commands();
+        let by_length = commands.iter().any(Command::is_length);
+        let options = self.model.options();
+        Task {
+            frame: self.model.frame(),
+            mesh: &self.mesh,
+            loads: workspace.loads(),
+            load: 1.0,
+            groups: &self.groups,
+            commands: if by_length { commands } else { &[] },
+            derivatives: false,
+            tolerance: options.greatest_residual(),
+            cancel: &options.cancel,
+        }
+    }
+}
+
+impl ContactResponse {
+    /// The rod without any load or tension.
+    fn start_at_rest(&mut self, contact_mesh: &ContactMesh) -> Result<(), Fault> {
+        let (frame, mesh) = (contact_mesh.model.frame(), &contact_mesh.mesh);
+        let cables = self.workspace.commands().len();
+        let rest = vec![0.0; contact_mesh.groups.len()];
+        let unloaded = self.workspace.unloaded_mut();
+        unloaded.sweep(frame, mesh, &rest, From::Nothing, false)?;
+        self.chain.pull(&contact_mesh.groups, &vec![0.0; cables]);
+        self.chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
+        Ok(())
+    }
+
+    /// Where an answer stood.
+    fn start_near(&mut self, contact_mesh: &ContactMesh, answer: &Solution) {
+        let Some(base) = answer.base_wrench else { return };
+        let to_base = answer.disks.poses.first().map_or(Pose::IDENTITY, Pose::inverse);
+        let disks: Vec<Pose> = answer.disks.poses.iter().map(|pose| to_base * *pose).collect();
+        let tensions: Vec<f64> =
+            answer.cables.iter().map(|cable| cable.tension.unwrap_or(0.0).max(0.0)).collect();
+        self.chain.pull(&contact_mesh.groups, &tensions);
+        self.chain.start_from(&contact_mesh.task(&self.workspace), &disks, base);
+    }
+
+    /// Frames at the ends of all steps, from disk to disk.
+    fn place(&mut self, mesh: &Mesh) {
+        self.poses.clear();
+        self.poses.push(Pose::IDENTITY);
+        let mut position = Vec3::ZERO;
+        for (node, steps) in self.chain.nodes.iter().zip(&mesh.spans) {
+            let disk = Pose { position, rotation: node.rotation };
+            self.poses.extend(self.chain.poses[steps.clone()].iter().map(|pose| disk * *pose));
+            position = self.poses[steps.end].position;
+        }
+    }
+
+    fn fault(&self, contact_mesh: &ContactMesh, fault: Fault) -> SolveError {
+        let failure = Failure::of_section(fault, &self.chain.tensions, 1.0);
+        contact_mesh.model.explain(failure, self.workspace.commands())
+    }
+
+    fn looked(
+        &mut self,
+        contact_mesh: &ContactMesh,
+        is_new: bool,
+        warm: Option<&Solution>,
+    ) -> Result<(), SolveError> {
+        if is_new {
+            let started = self.start_at_rest(contact_mesh);
+            started.map_err(|fault| self.fault(contact_mesh, fault))?;
+        }
+        if let Some(answer) = warm {
+            self.start_near(contact_mesh, answer);
+        }
+        let mut tensions = self.chain.tensions.clone();
+        for (tension, command) in tensions.iter_mut().zip(self.workspace.commands()) {
+            if let Command::Tension(given) = command {
+                *tension = *given;
+            }
+        }
+        self.chain.pull(&contact_mesh.groups, &tensions);
+        let measured = self.chain.measure(&contact_mesh.task(&self.workspace));
+        self.gap = measured.map_err(|fault| self.fault(contact_mesh, fault))?;
+        self.place(&contact_mesh.mesh);
+        Ok(())
+    }
+
+    fn linearised(
+        &self,
+        contact_mesh: &ContactMesh,
+        robot: &Robot,
+        case: &Case,
+    ) -> Result<RodResponse, SolveError> {
+        let ContactMesh { model, mesh, .. } = contact_mesh;
+        let (frame, chain) = (model.frame(), &self.chain);
+        let (commands, loads) = (self.workspace.commands(), self.workspace.loads());
+        let units = [frame.scales(mesh).force, robot.backbone().length];
+        let (tensions, lengths) = (&chain.tensions, &chain.lengths);
+        let is_taut = |(i, command): (usize, &Command)| match command.is_length() {
+            true => command.is_active(i, tensions, lengths, units),
+            false => tensions[i] > 0.0,
+        };
+        let taut: Vec<bool> = commands.iter().enumerate().map(is_taut).collect();
+        let order: Vec<usize> = (0..tensions.len()).collect();
+        let spans = frame.straight_spans(mesh);
+        let mut nodes: Vec<usize> =
+            contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let base = chain.nodes[0];
+        let solved = Solved {
+            robot,
+            case,
+            cables: Cables {
+                order: &order,
+                rest_lengths: &frame.rest_lengths,
+                straight: Some(StraightCables { spans: &spans, rest: None }),
+            },
+            grid: &mesh.grid,
+            loads,
+            commands,
+            tensions,
+            taut: &taut,
+            poses: &self.poses,
+            base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
+            starts: &chain.starts(mesh, loads),
+            strains: &[],
+            nodes: &nodes,
+        };
+        let derivatives =
+            Derivatives::of(&solved, &[]).map_err(|_: NoDerivatives| SolveError::NoDerivatives)?;
+        let ends = chain.gaps.iter().zip(chain.nodes.windows(2));
+        let gaps: Vec<StepGap> = ends.map(|(gap, nodes)| step_gap(gap, &nodes[1])).collect();
+        let lacks = chain.gaps.iter().zip(&chain.nodes).map(|(gap, node)| {
+            let BodyWrench { linear, angular } = gap.residual;
+            let to_base = |x: Vec3| node.rotation.rotate(x);
+            Wrench { force: to_base(linear), moment: to_base(angular) }
+        });
+        let slackness: Vec<f64> = commands
+            .iter()
+            .enumerate()
+            .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
+            .collect();
+        let unbalanced: Vec<Wrench> = lacks.collect();
+        let closing = derivatives.closing(&gaps, &unbalanced, tensions, &taut, &slackness);
+        Ok(RodResponse::new(derivatives, closing))
+    }
+}
+
+/// How a span ends beyond the next disk, in the base frame.
+fn step_gap(gap: &Gap, next: &Node) -> StepGap {
+    let Change { turn, moment, force } = gap.change;
+    let end = next.rotation * UnitQuaternion::exp(turn);
+    StepGap {
+        turn: next.rotation.rotate(turn),
+        moment: end.rotate(moment + next.moment) - next.rotation.rotate(next.moment),
+        force,
+    }
+}
+
+impl PushedRod for ContactResponse {
+    type Kept = Kept;
+
+    fn reset(&mut self) {
+        (self.contact_mesh, self.linear) = (None, None);
+    }
+
+    fn look(
+        &mut self,
+        robot: &Robot,
+        options: &Options,
+        case: &Case,
+        (stations, pushes): (&[f64], &[f64]),
+        warm: Option<&Solution>,
+    ) -> Result<(), SolveError> {
+        self.linear = None;
+        let before = self.contact_mesh.take();
+        let is_new = before.is_none();
+        let stands = |there: &ContactMesh| {
+            there.halvings == self.halvings && there.pushes == pushes && there.stations == stations
+        };
+        let contact_mesh = match before.filter(stands) {
+            Some(contact_mesh) => contact_mesh,
+            None => ContactMesh::new(robot, options, case, self.halvings, stations, pushes)?,
+        };
+        contact_mesh.model.accept(case, &contact_mesh.mesh, &mut self.workspace)?;
+        let looked = self.looked(&contact_mesh, is_new, warm);
+        self.contact_mesh = Some(contact_mesh);
+        looked
+    }
+
+    fn steps(&self) -> usize {
+        self.contact_mesh.as_ref().map_or(0, |contact_mesh| contact_mesh.mesh.grid.len())
+    }
+
+    fn gap(&self) -> f64 {
+        self.gap
+    }
+
+    fn pose(&self, arc_length: f64) -> Pose {
+        let Some(contact_mesh) = &self.contact_mesh else { return Pose::IDENTITY };
+        self.poses[contact_mesh.node(arc_length)]
+    }
+
+    fn pose_before(kept: &Kept, arc_length: f64) -> Pose {
+        let Some(contact_mesh) = &kept.contact_mesh else { return Pose::IDENTITY };
+        let shape = Shape { arc_length: contact_mesh.arc_lengths(), poses: kept.poses.clone() };
+        shape.at(arc_length)
+    }
+
+    fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError> {
+        if self.linear.is_none()
+            && let Some(contact_mesh) = &self.contact_mesh
+        {
+            self.linear = Some(self.linearised(contact_mesh, robot, case)?);
+        }
+        Ok(())
+    }
+
+    fn compliance(
+        &mut self,
+        places: impl Iterator<Item = f64>,
+        compliance: &mut Vec<f64>,
+        drift: &mut Vec<f64>,
+    ) {
+        compliance.clear();
+        drift.clear();
+        let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &mut self.linear) else {
+            return;
+        };
+        let nodes: Vec<usize> = places.map(|at| contact_mesh.node(at)).collect();
+        linear.compliance(&nodes, compliance, drift);
+    }
+
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
+        let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &self.linear) else { return };
+        let Motion { nodes, disks, tensions } = linear.step(changes);
+        let most = disks.iter().map(|disk| disk.turn.norm()).fold(0.0, f64::max);
+        let part = if part * most > LONGEST { LONGEST / most } else { part };
+        let has_followers = self.workspace.loads().any_follower_force();
+        let at = &contact_mesh.mesh.grid.disks;
+        let last = self.chain.nodes.len() - 1;
+        for (k, node) in self.chain.nodes.iter_mut().enumerate() {
+            // The base is clamped, and nothing is left to act at the tip.
+            let turn = if k == 0 { Vec3::ZERO } else { disks[k].turn };
+            if k < last {
+                let change = NodeChange { turn, ..disks[k] };
+                *node = node.moved(part, &change, &nodes[at[k]], has_followers);
+            } else {
+                let change = NodeChange { turn, ..NodeChange::default() };
+                *node = node.moved(part, &change, &NodeChange::default(), false);
+            }
+        }
+        let mut pulled = self.chain.tensions.clone();
+        for (tension, change) in pulled.iter_mut().zip(&tensions) {
+            *tension = (*tension + part * change).max(0.0);
+        }
+        self.chain.pull(&contact_mesh.groups, &pulled);
+    }
+
+    fn stands(&mut self) -> bool {
+        let Some(contact_mesh) = &self.contact_mesh else { return true };
+        let task = contact_mesh.task(&self.workspace);
+        let negative = self.chain.is_determinant_negative(&task);
+        !negative.unwrap_or(false)
+    }
+
+    fn keep(&self, kept: &mut Kept) {
+        kept.contact_mesh.clone_from(&self.contact_mesh);
+        kept.nodes.clone_from(&self.chain.nodes);
+        kept.tensions.clone_from(&self.chain.tensions);
+        kept.poses.clone_from(&self.poses);
+    }
+
+    fn go_back(&mut self, kept: &Kept) {
+        self.linear = None;
+        self.contact_mesh.clone_from(&kept.contact_mesh);
+        self.chain.nodes.clone_from(&kept.nodes);
+        self.poses.clone_from(&kept.poses);
+        if let Some(contact_mesh) = &self.contact_mesh {
+            self.chain.pull(&contact_mesh.groups, &kept.tensions);
+        }
+    }
+
+    fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError> {
+        let (Accuracy::Tolerance(tolerance), Some(contact_mesh)) = (accuracy, &self.contact_mesh)
+        else {
+            return Ok(false);
+        };
+        let ContactMesh { mesh, pushes, model, .. } = contact_mesh;
+        let tolerance = tolerance * model.robot().backbone().length;
+        if let Some((coarse, _)) = self.coarse.as_ref().filter(|(_, there)| there == pushes) {
+            let error = coarse.change(&mesh.grid, &self.poses, &self.chain.lengths) / ERROR_RATIO;
+            if error <= tolerance {
+                self.error = Some(error);
+                return Ok(false);
+            }
+            if self.halvings == MAX_HALVINGS {
+                let steps = mesh.grid.len();
+                return Err(SolveError::StepsTooCoarse { error, tolerance, steps });
+            }
+        }
+        let mut coarse = Coarse::default();
+        coarse.keep(&mesh.grid, &self.poses, &self.chain.lengths);
+        self.coarse = Some((coarse, pushes.clone()));
+        self.halvings += 1;
+        Ok(true)
+    }
+
+    fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
+        let Some(contact_mesh) = &self.contact_mesh else { return Ok(None) };
+        let base = self.chain.nodes[0];
+        let force = self.workspace.loads().base_force() + base.force;
+        let base_wrench = Wrench { force, moment: base.moment };
+        let Chain { tensions, lengths, .. } = &self.chain;
+        self.workspace.adopt(&self.poses, tensions, lengths, base_wrench);
+        let found = Found { iterations: 0, residual: self.gap, lost_at: None };
+        let ContactMesh { model, mesh, .. } = contact_mesh;
+        let cases = core::slice::from_ref(case);
+        Ok(Some(model.solution(mesh, cases, &mut self.workspace, found, self.error)))
+    }
+
+    fn solve_free(
+        robot: &Robot,
+        options: &Options,
+        case: &Case,
+        near: &Solution,
+    ) -> Result<Solution, SolveError> {
+        let model = CosseratDisks::new(robot, &case.loads, options)?;
+        model.solve(case, Some(near), &mut Workspace::default())
+    }
+}
