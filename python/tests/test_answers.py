@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import whipcord
-from whipcord import Backbone, Cable, Case, Disks, InputError, Loads, Obstacle, Robot, Routing, errors
+from whipcord import Backbone, Cable, Case, Disks, InputError, Loads, Obstacle, Robot, Routing, errors, models
 
 Array = npt.NDArray[np.float64]
 
@@ -261,20 +261,23 @@ def agree(case: Case, route: object, force: Array) -> None:
     assert np.abs(solution.rotation - rotation).max() < 1e-6
 
 
-def test_jacobians_are_those_of_differences() -> None:
+@pytest.mark.parametrize("rod", [models.Cosserat, models.CosseratDisks])
+def test_jacobians_are_those_of_differences(rod: type[models.Cosserat] | type[models.CosseratDisks]) -> None:
     case = whipcord.load("examples/wall-mounted-arm.toml")
+    # So accurate that differences are.
+    model = rod(tolerance=1e-10)
     parameters = ["loads.tip_force[0]", "backbone.young_modulus", "disks.mass"]
     steps = [1e-4, 1e4, 1e-5]
     case = case.replace(loads=case.loads.replace(tip_force=[0.01, 0.02, 0.03]))
-    solution, derivatives = case.differentiate(parameters=parameters)
+    solution, derivatives = case.differentiate(parameters=parameters, model=model)
     h = 1e-4
-    ahead, behind = (case.solve(tension=[6 + d]).position for d in (h, -h))
+    ahead, behind = (case.solve(tension=[6 + d], model=model).position for d in (h, -h))
     expected = (ahead - behind) / (2 * h)
     scale = np.abs(expected).max()
     assert np.abs(derivatives.position_by_command[:, :, 0] - expected).max() < 1e-6 * scale
     for i, (path, step) in enumerate(zip(parameters, steps)):
         value = case.parameter(path)
-        ahead, behind = (case.with_parameters({path: value + d}).solve().position for d in (step, -step))
+        ahead, behind = (case.with_parameters({path: value + d}).solve(model=model).position for d in (step, -step))
         expected = (ahead - behind) / (2 * step)
         got = derivatives.position_by_parameter[:, :, i]
         assert np.abs(got - expected).max() < 1e-5 * np.abs(expected).max(), path

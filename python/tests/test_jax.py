@@ -105,6 +105,16 @@ def test_a_loss_over_shape_and_parameter_is_that_of_differences() -> None:
     assert abs(jax.grad(loss)(turns)[0] - difference) < 1e-6 * abs(difference)
 
 
+def test_cables_from_hole_to_hole_are_differentiated_too() -> None:
+    case = whipcord.load("examples/helical-finger.toml")
+    paths = ["backbone.young_modulus", "cables[0].routing.turns"]
+    solve = whipcord.jax.Solver(case, parameters=paths, model="cosserat-disks")
+    _, derivatives = case.differentiate(parameters=paths, tension=[2.0], model="cosserat-disks")
+    by_tension, by_parameter = jax.jacrev(lambda t, p: solve(t, p).tip, argnums=(0, 1))(jnp.array([2.0]), solve.values)
+    agree(by_tension, derivatives.position_by_command[-1])
+    agree(by_parameter, derivatives.position_by_parameter[-1])
+
+
 def test_shortenings_drive_as_well() -> None:
     case = whipcord.load("examples/table1/case-3.toml")
     solve = whipcord.jax.Solver(case, actuation="shortening")

@@ -112,7 +112,9 @@ impl Setup {
         what: &str,
     ) -> PyResult<Cosserat> {
         let whipcord::Model::Cosserat(options) = model else {
-            return Err(errors::not_by(py, model.kind(), what));
+            let message =
+                format!("{what} are known to the model cosserat, not to {}", model.kind());
+            return Err(errors::input(py, "model", message));
         };
         let built = Cosserat::new(&self.robot, &self.case.loads, options);
         built.map_err(|error| errors::solve(py, &error))

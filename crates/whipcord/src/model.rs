@@ -331,8 +331,8 @@ impl Statics for Model {
     }
 }
 
-/// A model that gives the Jacobian and the compliance of a place: with exact derivatives, or by
-/// differences ([`Local::method`]). A geometric model may give the Jacobian alone
+/// A model that gives the Jacobian and the compliance of a place, exactly ([`Local::method`]). A geometric model, or one
+/// that takes no loads, gives the Jacobian alone
 /// ([`Local::compliances`]). Of other quantities [`crate::differences`] differentiates any
 /// [`Statics`].
 pub trait Differentiable: Statics {
@@ -341,7 +341,7 @@ pub trait Differentiable: Statics {
     ///
     /// # Errors
     /// As [`Statics::solve`]; [`SolveError::Invalid`] for a place that is not on the backbone,
-    /// [`SolveError::Unsupported`] from a baseline of shapes or from hole friction, and
+    /// [`SolveError::Unsupported`] for hole friction and among obstacles, and
     /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
     fn solve_at(
         &self,

@@ -120,7 +120,7 @@ fn what_cannot_be_is_said() {
     let message = fail(2, &["stiffness", THREE, "--at", "half"]);
     assert!(message.contains("or `tip`"), "{message}");
     let message = fail(2, &["stiffness", CASE_3, "--model", "constant-curvature"]);
-    assert!(message.contains("use cosserat or cosserat-disks"), "{message}");
+    assert!(message.contains("one arc takes straight cables only"), "{message}");
     let message = fail(2, &["stiffness", CASE_3, "--length-rule", "free"]);
     assert!(
         message.contains("--length-rule is an option of four-bar, not of cosserat"),
@@ -133,7 +133,7 @@ fn what_cannot_be_is_said() {
     assert!(message.contains("set the friction to 0"), "{message}");
 }
 
-/// The model without derivatives of its own says so, and comes close to the other.
+/// The rod with cables from hole to hole comes close to the other.
 #[test]
 fn discrete_holes_yield_too() {
     let json = |model: &str| -> Value {

@@ -14,7 +14,7 @@ use crate::statics::local::{Column, local_of};
 const PIECES: usize = 16;
 
 impl ConstantCurvature {
-    /// The answer, and how the place at an arc length in m moves: eq. (4). It takes no loads, so that nothing says how it
+    /// The answer, and how the place at an arc length in m moves: eq. (5). It takes no loads, so that nothing says how it
     /// yields.
     ///
     /// # Errors
@@ -55,7 +55,7 @@ impl Arc {
     /// How the frame at an arc length moves with a change of the constant strain `ξ`,
     ///
     /// ```text
-    /// V = ∫ Ad(exp(σ ξ)) δξ dσ    from base to place                                      (4)
+    /// V = ∫ Ad(exp(σ ξ)) δξ dσ    from base to place                                      (5)
     /// ```
     ///
     /// and its point with `V × p` beside.

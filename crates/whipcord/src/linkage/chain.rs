@@ -269,7 +269,7 @@ impl Chain {
         self.eliminate_with(task, how, &[])
     }
 
-    /// The same, with the responses to these wrenches behind those to the tensions, eq. (10).
+    /// The same, with the responses to these wrenches behind those to the tensions, eq. (11).
     pub fn eliminate_with(
         &mut self,
         task: &Task<'_>,

@@ -3,7 +3,7 @@
 //! The coordinates solve `r(q) = 0`, eq. (3), and with its tangent `H = ∂r/∂q`, eq. (5), the implicit function theorem gives
 //!
 //! ```text
-//! δq = −H⁻¹ (Cᵢ δτᵢ − Jᵀ W)                                                           (10)
+//! δq = −H⁻¹ (Cᵢ δτᵢ − Jᵀ W)                                                           (11)
 //! ```
 //!
 //! for the tension of a cable, `Cᵢ = ∂ℓᵢ/∂q`, and a dead wrench W on a place that moves by `J δq`.
