@@ -5,7 +5,7 @@
 //! | module | content |
 //! |---|---|
 //! | `model` | the interface to a model |
-//! | `rod`, `rod_response` | what both Cosserat rods have of it |
+//! | `rod`, `rod_response`, `refinement` | what both Cosserat rods have of it |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
 //! | `friction` | stick and slip of a contact |
@@ -22,6 +22,7 @@ mod homotopy;
 pub(crate) mod model;
 mod pairs;
 mod path;
+mod refinement;
 mod rod;
 mod rod_response;
 mod scene;
@@ -29,5 +30,6 @@ mod step;
 
 pub(crate) use free_path::{Unobstructed, solve_free};
 pub(crate) use path::solve;
+pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{PushedRod, RodAdapter, watched};
 pub(crate) use rod_response::RodResponse;

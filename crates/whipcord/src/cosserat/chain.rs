@@ -6,7 +6,7 @@
 //! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
 //! the step is then at right angles to a given direction ([`super::arc_length`]).
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{Pose, Vec3};
 
 use super::loaded::{Target, Trajectory};
 use super::sensitivity::{Column, Sensitivity, Unknowns};
@@ -177,16 +177,10 @@ impl Chain {
 
     /// How the steps end beyond the nodes that they should meet, in the base frame.
     pub fn gaps(&self) -> impl Iterator<Item = StepGap> + '_ {
-        self.gaps.iter().zip(self.state.nodes.windows(2)).map(|(gap, nodes)| {
-            let next = nodes[1];
-            let Change { turn, moment, force } = gap.change;
-            let end = next.rotation * UnitQuaternion::exp(turn);
-            StepGap {
-                turn: next.rotation.rotate(turn),
-                moment: end.rotate(moment + next.moment) - next.rotation.rotate(next.moment),
-                force,
-            }
-        })
+        self.gaps
+            .iter()
+            .zip(self.state.nodes.windows(2))
+            .map(|(gap, nodes)| StepGap::new(gap.change, nodes[1].rotation, nodes[1].moment))
     }
 
     /// Frames at the ends of all steps of a closed chain.

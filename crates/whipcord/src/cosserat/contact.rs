@@ -7,8 +7,7 @@ use super::model::{Cosserat, Workspace};
 use crate::case::Case;
 use crate::contact::{self, RodAdapter, Unobstructed};
 use crate::error::SolveError;
-use crate::shape::{Shape, Solution};
-use crate::statics::grid::Grid;
+use crate::shape::Solution;
 
 impl Cosserat {
     /// The shape among the obstacles of a case: without them where the robot keeps clear of them.
@@ -58,17 +57,6 @@ struct FreeRod<'a> {
     initial_lengths: Vec<f64>,
 }
 
-impl FreeRod<'_> {
-    /// The centres of the watched cross-sections of the rod whose steps the workspace holds.
-    fn centres(&self, grid: &Grid, centres: &mut Vec<Vec3>) {
-        let end = self.model.robot.backbone().length;
-        let arc_length = grid.steps.iter().map(|step| step.start).chain([end]).collect();
-        let nodes = Shape { arc_length, poses: self.workspace.scratch.poses.clone() };
-        centres.clear();
-        centres.extend(self.watched.iter().map(|&s| nodes.at(s).position));
-    }
-}
-
 impl Unobstructed for FreeRod<'_> {
     fn watched(&self) -> &[f64] {
         &self.watched
@@ -86,13 +74,13 @@ impl Unobstructed for FreeRod<'_> {
     ) -> Result<Solution, SolveError> {
         let solved = self.model.solve_keeping_grid(case, from, self.workspace);
         let (solution, grid) = self.model.options.cancel.checked(solved)?;
-        self.centres(&grid, centres);
+        contact::centres(&grid, &self.workspace.scratch.poses, &self.watched, centres);
         Ok(solution)
     }
 
     fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
         self.model.solve_coarsely(case, self.workspace)?;
-        self.centres(&self.model.grid, centres);
+        contact::centres(&self.model.grid, &self.workspace.scratch.poses, &self.watched, centres);
         Ok(())
     }
 }

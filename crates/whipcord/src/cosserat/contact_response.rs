@@ -12,7 +12,7 @@ use super::model::{Cosserat, Workspace};
 use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
 use crate::case::Case;
-use crate::contact::{PushedRod, RodResponse};
+use crate::contact::{PushedRod, Refinement, RodResponse};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StepGap};
 use crate::error::SolveError;
 use crate::robot::Robot;
@@ -25,14 +25,11 @@ use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::Failure;
 use crate::statics::outcome::Found;
-use crate::statics::refinement::{Coarse, ERROR_RATIO};
 use crate::statics::scales::Scales;
 use crate::stations::Stations;
 
 /// No cross-section turns by more in one step, in rad.
 const LONGEST: f64 = 0.5;
-/// How often the steps are halved to meet a tolerance.
-const MAX_HALVINGS: usize = 5;
 
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
@@ -46,10 +43,7 @@ pub(super) struct ContactResponse {
     /// What is left of its equations.
     pub gap: f64,
     linear: Option<RodResponse>,
-    /// How often the steps are halved.
-    halvings: usize,
-    coarse: Option<(Coarse, Vec<f64>)>,
-    error: Option<f64>,
+    refinement: Refinement,
 }
 
 /// What it is to be kept for, to go back to.
@@ -89,7 +83,7 @@ impl PushedRod for ContactResponse {
         warm: Option<&Solution>,
     ) -> Result<(), SolveError> {
         self.linear = None;
-        let halvings = self.halvings;
+        let halvings = self.refinement.halvings;
         let stands = |contact_grid: &ContactGrid| {
             contact_grid.halvings == halvings
                 && contact_grid.pushes == pushes
@@ -117,8 +111,8 @@ impl PushedRod for ContactResponse {
         match before {
             None => {}
             Some(Some(before)) => {
-                let arcs = before.arc_lengths();
-                self.chain.state = carried(&self.chain.state, &arcs, &contact_grid.arc_lengths());
+                let arcs = before.grid.ends();
+                self.chain.state = carried(&self.chain.state, &arcs, &contact_grid.grid.ends());
                 let behind = |k: usize| {
                     let middle = grid.steps[k].start + 0.5 * grid.steps[k].length;
                     arcs.partition_point(|&s| s <= middle).clamp(1, before.grid.len()) - 1
@@ -335,21 +329,8 @@ impl PushedRod for ContactResponse {
         };
         let ContactGrid { grid, pushes, model, .. } = contact_grid;
         let tolerance = tolerance * model.robot.backbone().length;
-        if let Some((coarse, _)) = self.coarse.as_ref().filter(|(_, there)| there == pushes) {
-            let error = coarse.change(grid, &self.poses, &self.trajectory.lengths) / ERROR_RATIO;
-            if error <= tolerance {
-                self.error = Some(error);
-                return Ok(false);
-            }
-            if self.halvings == MAX_HALVINGS {
-                return Err(SolveError::StepsTooCoarse { error, tolerance, steps: grid.len() });
-            }
-        }
-        let mut coarse = Coarse::default();
-        coarse.keep(grid, &self.poses, &self.trajectory.lengths);
-        self.coarse = Some((coarse, pushes.clone()));
-        self.halvings += 1;
-        Ok(true)
+        let answer = (grid, &self.poses[..], &self.trajectory.lengths[..]);
+        self.refinement.refine(tolerance, answer, pushes)
     }
 
     /// The answer at stations of the model, where it stands.
@@ -363,7 +344,7 @@ impl PushedRod for ContactResponse {
         scratch.base_wrench =
             Wrench { force: scratch.applied.base_force() + base.force, moment: base.moment };
         let found = Found { iterations: 0, residual: self.gap, lost_at: None };
-        model.solution(grid, case, &mut self.workspace, found, self.error).map(Some)
+        model.solution(grid, case, &mut self.workspace, found, self.refinement.error).map(Some)
     }
 }
 
@@ -371,7 +352,7 @@ impl Kept {
     /// The frame of a cross-section, between two nodes on the line that joins them.
     pub fn pose(&self, arc_length: f64) -> Pose {
         let Some(contact_grid) = &self.contact_grid else { return Pose::IDENTITY };
-        let arcs = contact_grid.arc_lengths();
+        let arcs = contact_grid.grid.ends();
         let after = arcs.partition_point(|&s| s < arc_length).clamp(1, arcs.len() - 1);
         let (a, b) = (self.poses[after - 1], self.poses[after]);
         let part = (arc_length - arcs[after - 1]) / (arcs[after] - arcs[after - 1]);
@@ -412,13 +393,6 @@ impl ContactGrid {
             _ => Grid::refined(robot, &model.layout, steps, halvings)?,
         };
         Ok(Self { model, grid, halvings, stations: stations.to_vec(), pushes: pushes.to_vec() })
-    }
-
-    /// Of its nodes, from base to tip.
-    fn arc_lengths(&self) -> Vec<f64> {
-        let steps = &self.grid.steps;
-        let end = steps.last().map(|step| step.start + step.length);
-        steps.iter().map(|step| step.start).chain(end).collect()
     }
 
     /// The node of a station or a push.

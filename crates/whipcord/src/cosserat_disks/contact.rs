@@ -3,14 +3,13 @@
 use whipcord_numerics::Vec3;
 
 use super::contact_response::ContactResponse;
-use super::layout::Mesh;
 use super::model::{CosseratDisks, Workspace};
 use crate::case::Case;
 use crate::contact::{self, RodAdapter, Unobstructed};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
-use crate::shape::{Shape, Solution};
+use crate::shape::Solution;
 
 impl CosseratDisks {
     /// The shape among the obstacles of a case: without them where the robot keeps clear of them.
@@ -48,17 +47,6 @@ struct FreeRod<'a> {
     watched: Vec<f64>,
 }
 
-impl FreeRod<'_> {
-    /// The centres of the watched cross-sections of the rod whose steps the workspace holds.
-    fn centres(&self, mesh: &Mesh, centres: &mut Vec<Vec3>) {
-        let end = self.model.robot().backbone().length;
-        let arc_length = mesh.grid.steps.iter().map(|step| step.start).chain([end]).collect();
-        let nodes = Shape { arc_length, poses: self.workspace.poses().to_vec() };
-        centres.clear();
-        centres.extend(self.watched.iter().map(|&s| nodes.at(s).position));
-    }
-}
-
 impl Unobstructed for FreeRod<'_> {
     fn watched(&self) -> &[f64] {
         &self.watched
@@ -76,14 +64,14 @@ impl Unobstructed for FreeRod<'_> {
     ) -> Result<Solution, SolveError> {
         let (solution, level) = self.model.solve_keeping_level(case, from, self.workspace)?;
         let mesh = self.model.mesh(level)?;
-        self.centres(&mesh, centres);
+        contact::centres(&mesh.grid, self.workspace.poses(), &self.watched, centres);
         Ok(solution)
     }
 
     fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
         self.model.solve_coarsely(case, self.workspace)?;
         let mesh = self.model.mesh(0)?;
-        self.centres(&mesh, centres);
+        contact::centres(&mesh.grid, self.workspace.poses(), &self.watched, centres);
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 //! which [`crate::contact`] changes the forces along with the shape. Disks stay where they are when the places of contact,
 //! at which steps end, come and go.
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{Pose, Vec3};
 
 use super::chain::{Chain, Node, Task};
 use super::layout::Mesh;
@@ -10,7 +10,7 @@ use super::loaded_span::Gap;
 use super::model::{CosseratDisks, Workspace};
 use super::unloaded::From;
 use crate::case::Case;
-use crate::contact::{PushedRod, RodResponse};
+use crate::contact::{PushedRod, Refinement, RodResponse};
 use crate::derivatives::{
     Cables, Derivatives, Motion, NoDerivatives, NodeChange, Solved, StepGap, StraightCables,
 };
@@ -19,16 +19,12 @@ use crate::robot::Robot;
 use crate::section::{BodyWrench, Fault};
 use crate::shape::{Shape, Solution, Wrench};
 use crate::statics::command::Command;
-use crate::statics::elimination::Change;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
-use crate::statics::refinement::{Coarse, ERROR_RATIO};
 use crate::stations::Stations;
 
 /// No disk turns by more in one step, in rad.
 const LONGEST: f64 = 0.5;
-/// How often the steps are halved to meet a tolerance.
-const MAX_HALVINGS: usize = 5;
 
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
@@ -41,10 +37,7 @@ pub(super) struct ContactResponse {
     /// What is left of its equations.
     gap: f64,
     linear: Option<RodResponse>,
-    /// How often the steps are halved.
-    halvings: usize,
-    coarse: Option<(Coarse, Vec<f64>)>,
-    error: Option<f64>,
+    refinement: Refinement,
 }
 
 /// What it is to be kept for, to go back to.
@@ -104,13 +97,6 @@ impl ContactMesh {
         let stations = self.model.stations();
         let place = stations.partition_point(|&s| s < arc_length).min(stations.len() - 1);
         self.mesh.grid.stations[place]
-    }
-
-    /// Arc lengths of its nodes, from base to tip.
-    fn arc_lengths(&self) -> Vec<f64> {
-        let steps = &self.mesh.grid.steps;
-        let end = steps.last().map(|step| step.start + step.length);
-        steps.iter().map(|step| step.start).chain(end).collect()
     }
 
     /// The equations of the chain.
@@ -244,7 +230,10 @@ impl ContactResponse {
         let derivatives =
             Derivatives::of(&solved, &[]).map_err(|_: NoDerivatives| SolveError::NoDerivatives)?;
         let ends = chain.gaps.iter().zip(chain.nodes.windows(2));
-        let gaps: Vec<StepGap> = ends.map(|(gap, nodes)| step_gap(gap, &nodes[1])).collect();
+        let gap = |(gap, nodes): (&Gap, &[Node])| {
+            StepGap::new(gap.change, nodes[1].rotation, nodes[1].moment)
+        };
+        let gaps: Vec<StepGap> = ends.map(gap).collect();
         let lacks = chain.gaps.iter().zip(&chain.nodes).map(|(gap, node)| {
             let BodyWrench { linear, angular } = gap.residual;
             let to_base = |x: Vec3| node.rotation.rotate(x);
@@ -258,17 +247,6 @@ impl ContactResponse {
         let unbalanced: Vec<Wrench> = lacks.collect();
         let closing = derivatives.closing(&gaps, &unbalanced, tensions, &taut, &slackness);
         Ok(RodResponse::new(derivatives, closing))
-    }
-}
-
-/// How a span ends beyond the next disk, in the base frame.
-fn step_gap(gap: &Gap, next: &Node) -> StepGap {
-    let Change { turn, moment, force } = gap.change;
-    let end = next.rotation * UnitQuaternion::exp(turn);
-    StepGap {
-        turn: next.rotation.rotate(turn),
-        moment: end.rotate(moment + next.moment) - next.rotation.rotate(next.moment),
-        force,
     }
 }
 
@@ -291,11 +269,15 @@ impl PushedRod for ContactResponse {
         let before = self.contact_mesh.take();
         let is_new = before.is_none();
         let stands = |there: &ContactMesh| {
-            there.halvings == self.halvings && there.pushes == pushes && there.stations == stations
+            there.halvings == self.refinement.halvings
+                && there.pushes == pushes
+                && there.stations == stations
         };
         let contact_mesh = match before.filter(stands) {
             Some(contact_mesh) => contact_mesh,
-            None => ContactMesh::new(robot, options, case, self.halvings, stations, pushes)?,
+            None => {
+                ContactMesh::new(robot, options, case, self.refinement.halvings, stations, pushes)?
+            }
         };
         contact_mesh.model.accept(case, &contact_mesh.mesh, &mut self.workspace)?;
         let looked = self.looked(&contact_mesh, is_new, warm);
@@ -318,7 +300,7 @@ impl PushedRod for ContactResponse {
 
     fn pose_before(kept: &Kept, arc_length: f64) -> Pose {
         let Some(contact_mesh) = &kept.contact_mesh else { return Pose::IDENTITY };
-        let shape = Shape { arc_length: contact_mesh.arc_lengths(), poses: kept.poses.clone() };
+        let shape = Shape { arc_length: contact_mesh.mesh.grid.ends(), poses: kept.poses.clone() };
         shape.at(arc_length)
     }
 
@@ -403,22 +385,8 @@ impl PushedRod for ContactResponse {
         };
         let ContactMesh { mesh, pushes, model, .. } = contact_mesh;
         let tolerance = tolerance * model.robot().backbone().length;
-        if let Some((coarse, _)) = self.coarse.as_ref().filter(|(_, there)| there == pushes) {
-            let error = coarse.change(&mesh.grid, &self.poses, &self.chain.lengths) / ERROR_RATIO;
-            if error <= tolerance {
-                self.error = Some(error);
-                return Ok(false);
-            }
-            if self.halvings == MAX_HALVINGS {
-                let steps = mesh.grid.len();
-                return Err(SolveError::StepsTooCoarse { error, tolerance, steps });
-            }
-        }
-        let mut coarse = Coarse::default();
-        coarse.keep(&mesh.grid, &self.poses, &self.chain.lengths);
-        self.coarse = Some((coarse, pushes.clone()));
-        self.halvings += 1;
-        Ok(true)
+        let answer = (&mesh.grid, &self.poses[..], &self.chain.lengths[..]);
+        self.refinement.refine(tolerance, answer, pushes)
     }
 
     fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
@@ -431,7 +399,7 @@ impl PushedRod for ContactResponse {
         let found = Found { iterations: 0, residual: self.gap, lost_at: None };
         let ContactMesh { model, mesh, .. } = contact_mesh;
         let cases = core::slice::from_ref(case);
-        Ok(Some(model.solution(mesh, cases, &mut self.workspace, found, self.error)))
+        Ok(Some(model.solution(mesh, cases, &mut self.workspace, found, self.refinement.error)))
     }
 
     fn solve_free(

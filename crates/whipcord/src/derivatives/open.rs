@@ -3,7 +3,7 @@
 //! Newton's step closes the gaps of eq. (d3) and brings the cables to their lengths by eq. (d4); so do the
 //! motions with the wrenches that change at the same time.
 
-use whipcord_numerics::Vec3;
+use whipcord_numerics::{UnitQuaternion, Vec3};
 
 use super::Derivatives;
 use super::columns::Raw;
@@ -11,6 +11,7 @@ use super::elimination::NodeChange;
 use super::forward::Effect;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
+use crate::statics::elimination::Change;
 use crate::statics::hold::Hold;
 
 /// How a step ends beyond the node that it should meet, base frame.
@@ -19,6 +20,20 @@ pub(crate) struct StepGap {
     pub turn: Vec3,
     pub moment: Vec3,
     pub force: Vec3,
+}
+
+impl StepGap {
+    /// Of a step that ends so beyond a node, both turned and moved in the frame of the node, of this rotation and with this
+    /// moment in it.
+    pub fn new(gap: Change, rotation: UnitQuaternion, at_node: Vec3) -> Self {
+        let Change { turn, moment, force } = gap;
+        let end = rotation * UnitQuaternion::exp(turn);
+        Self {
+            turn: rotation.rotate(turn),
+            moment: end.rotate(moment + at_node) - rotation.rotate(at_node),
+            force,
+        }
+    }
 }
 
 /// How all nodes and the tensions move, the latter by grid places.

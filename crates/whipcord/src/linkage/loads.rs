@@ -7,11 +7,8 @@ use whipcord_numerics::{GAUSS_3, GAUSS_5, UnitQuaternion, Vec3};
 
 use super::division::Division;
 use crate::case::{Loads, Piece};
-use crate::error::SolveError;
-use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::shape::Wrench;
-use crate::statics::loads::check;
 
 /// What is applied to the robot.
 #[derive(Clone, Debug, Default)]
@@ -38,37 +35,13 @@ pub(super) struct InnerLoad {
     pub follower: Wrench,
 }
 
-/// Refuses loads that act between disks, and gravity on a backbone of unknown mass.
-pub(super) fn refuse(robot: &Robot, model: ModelKind, loads: &Loads) -> Result<(), SolveError> {
-    check(robot, loads).map_err(|error| error.of(model))?;
-    let between = |path: String, what| SolveError::Unsupported {
-        model,
-        path,
-        what,
-        advice: "loads act on its disks: put a disk there, or use cosserat-disks",
-    };
-    for (i, point) in loads.points.iter().enumerate() {
-        let acts = point.force != Vec3::ZERO || point.moment != Vec3::ZERO;
-        if acts && disk_at(robot, point.at).is_none() {
-            return Err(between(format!("loads.point[{i}].at"), "a load between two disks"));
-        }
-    }
-    for (i, mass) in loads.masses.iter().enumerate() {
-        let weighs = mass.mass > 0.0 && loads.gravity.is_some_and(|g| g != Vec3::ZERO);
-        if weighs && disk_at(robot, mass.at).is_none() {
-            return Err(between(format!("loads.mass[{i}].at"), "a mass between two disks"));
-        }
-    }
-    Ok(())
-}
-
 fn disk_at(robot: &Robot, arc_length: f64) -> Option<usize> {
     let near = 1e-9 * robot.backbone().length;
     robot.disks().arc_lengths.iter().position(|s| (s - arc_length).abs() <= near)
 }
 
 impl AppliedLoads {
-    /// Gathers loads that have not been refused; `base` is how the base is turned in their frame.
+    /// Gathers the loads; `base` is how the base is turned in their frame.
     pub fn gather(
         &mut self,
         robot: &Robot,
@@ -124,7 +97,7 @@ impl AppliedLoads {
     }
 
     /// The backbone's weight and the distributed loads, by a Gauss rule between each two places at which they or
-    /// the curve are not smooth.
+    /// the curve are not smooth; and what acts at single places between the disks.
     fn spread(&mut self, robot: &Robot, division: &Division, loads: &Loads, turn: UnitQuaternion) {
         let Self { inner, first, places, .. } = self;
         let gravity = loads.gravity.unwrap_or_default();
@@ -173,6 +146,34 @@ impl AppliedLoads {
                 } else {
                     GAUSS_3.nodes.into_iter().zip(GAUSS_3.weights).for_each(|(t, w)| at(t, w));
                 }
+            }
+            let is_inside = |s: f64| pair[0] < s && s < pair[1] && disk_at(robot, s).is_none();
+            let mut concentrated = |s: f64, wrench: Wrench, follower: bool| {
+                if !is_inside(s) || wrench == Wrench::default() {
+                    return;
+                }
+                let mut load = InnerLoad {
+                    at: (s - near) / length,
+                    dead: Wrench::default(),
+                    follower: Wrench::default(),
+                };
+                if follower {
+                    load.follower = wrench;
+                } else {
+                    load.dead = Wrench {
+                        force: turn.rotate(wrench.force),
+                        moment: turn.rotate(wrench.moment),
+                    };
+                }
+                inner.push(load);
+            };
+            for point in &loads.points {
+                let wrench = Wrench { force: point.force, moment: point.moment };
+                concentrated(point.at, wrench, point.follower);
+            }
+            for mass in &loads.masses {
+                let weight = Wrench { force: gravity * mass.mass, moment: Vec3::ZERO };
+                concentrated(mass.at, weight, false);
             }
             first[k + 1] = inner.len();
         }

@@ -26,6 +26,7 @@ use crate::robot::Robot;
 use crate::shape::{Diagnostics, NoStability, Shape, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::lengths::{self, Given, LengthScratch};
+use crate::statics::loads::check as check_loads;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::Failure;
 use crate::stations::Stations;
@@ -135,7 +136,7 @@ impl Linkage {
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] for loads and masses between two disks, [`SolveError::Missing`] for a
+    /// [`SolveError::Unsupported`] among obstacles, [`SolveError::Missing`] for a
     /// command or a mass that is not given, [`SolveError::NotConverged`] with the part of the load
     /// up to which there was an equilibrium, and what the rods say of cable lengths that cannot be had.
     pub fn solve(
@@ -146,7 +147,7 @@ impl Linkage {
     ) -> Result<Solution, SolveError> {
         case.check(&self.robot)?;
         refusal::obstacles(self.kind, case)?;
-        loads::refuse(&self.robot, self.kind, &case.loads)?;
+        check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
         let Workspace { scratch, loads, commands, tensions, .. } = &mut *workspace;
         loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
         commands.clear();

@@ -192,6 +192,12 @@ impl Grid {
         })
     }
 
+    /// Arc lengths in m of the ends of its steps, the base first.
+    pub fn ends(&self) -> Vec<f64> {
+        let end = self.steps.last().map(|step| step.start + step.length);
+        self.steps.iter().map(|step| step.start).chain(end).collect()
+    }
+
     /// Number of steps.
     pub fn len(&self) -> usize {
         self.steps.len()

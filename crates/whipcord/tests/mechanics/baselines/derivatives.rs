@@ -154,10 +154,8 @@ fn commands_move_a_place_as_differences_say() {
 fn a_place_yields_as_differences_say() {
     let robot = robot();
     for kind in KINDS {
-        // Points loads of these models act at disks.
-        for (disk, follower) in [(9, false), (5, true)] {
+        for (at, follower) in [(0.18, false), (0.1, true), (0.087, false)] {
             let mut case = loaded(follower);
-            let at = robot.disks().arc_lengths[disk];
             case.loads.points.push(PointLoad { at, ..PointLoad::default() });
             let (solution, local) = local(kind, &robot, &case, at);
             let held = locked(kind, &robot, &case);
@@ -185,7 +183,7 @@ fn a_place_yields_as_differences_say() {
                         angular: Vec3::new(column(3), column(4), column(5)),
                     };
                     let apart = off(exact, moved);
-                    assert!(apart < 1e-6, "{kind} {disk} {component}: {apart:.1e}");
+                    assert!(apart < 1e-6, "{kind} {at} {component}: {apart:.1e}");
                 }
             }
         }
