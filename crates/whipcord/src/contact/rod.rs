@@ -13,6 +13,9 @@ use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
 
+/// Shapes that are no farther apart than this, as a part of the length, are one.
+const SAME_SHAPE: f64 = 1e-4;
+
 /// A rod that stands where it is, in equilibrium or not, under loads and wrenches on places of it. Under the wrenches of its
 /// contacts alone a robot may buckle though the contacts hold it, so that an equilibrium under given wrenches cannot be asked
 /// for: it takes one step of Newton's method at a time, and [`crate::contact`] changes the wrenches along with the shape.
@@ -255,15 +258,20 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
         let mut solution = self.found.solution(&self.case)?.ok_or(SolveError::NoDerivatives)?;
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
-        if !touching {
-            return R::solve_free(self.robot, self.options, case, &solution);
+        if !touching && let Ok(free) = R::solve_free(self.robot, self.options, case, &solution) {
+            // Of several equilibria a solve without obstacles may find another, which nothing has kept clear.
+            let apart = free.disks.distances(&solution.disks).fold(0.0, f64::max);
+            if apart <= SAME_SHAPE * self.robot.backbone().length {
+                return Ok(free);
+            }
         }
         let asked = self.options.stations.arc_lengths(self.robot);
         let shape = &mut solution.shape;
         let at = |&s: &f64| shape.poses[shape.arc_length.partition_point(|&there| there < s)];
         (shape.poses, shape.arc_length) = (asked.iter().map(at).collect(), asked);
         if self.options.stability != StabilityAnalysis::Off {
-            solution.diagnostics.stability_absent = Some(NoStability::Touching);
+            let absent = if touching { NoStability::Touching } else { NoStability::Undetermined };
+            solution.diagnostics.stability_absent = Some(absent);
         }
         Ok(solution)
     }

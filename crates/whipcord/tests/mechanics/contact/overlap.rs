@@ -4,11 +4,11 @@
 #![allow(clippy::print_stdout, reason = "a study tells what it found")]
 
 use proptest::prelude::*;
-use whipcord::cosserat::{Cosserat, Options as RodOptions, Workspace as RodWorkspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective, Options, Workspace};
 use whipcord::{
-    Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, Part, Pose, Robot,
-    Routing, Section, Shortening, Solution, SolveError, Stations, UnitQuaternion, Vec3,
+    Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Model, ModelKind, Obstacle,
+    Part, Pose, Robot, Routing, Section, Shortening, Solution, SolveError, Stations,
+    UnitQuaternion, Vec3,
 };
 
 use crate::common::{ball, bending_stiffness, samples};
@@ -99,22 +99,35 @@ type Solve = fn(&Robot, &Case) -> Result<Solution, SolveError>;
 /// For the rod they lie at sixths of the intervals between the watched places.
 const STATIONS: usize = 97;
 
-fn rod(actuation: Actuation, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-    let options =
-        RodOptions { actuation, stations: Stations::Equal(STATIONS), ..RodOptions::default() };
-    Cosserat::new(robot, &Loads::default(), &options)?.solve(
-        case,
-        None,
-        &mut RodWorkspace::default(),
-    )
+fn rod(
+    kind: ModelKind,
+    actuation: Actuation,
+    robot: &Robot,
+    case: &Case,
+) -> Result<Solution, SolveError> {
+    let model = Model::new(kind, Stations::Equal(STATIONS), actuation);
+    model.prepare(robot, &Loads::default())?.solve(case, None)
 }
 
 fn by_length(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-    rod(Actuation::Shortening, robot, case)
+    rod(ModelKind::Cosserat, Actuation::Shortening, robot, case)
+}
+
+fn disks_by_length(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    rod(ModelKind::CosseratDisks, Actuation::Shortening, robot, case)
 }
 
 /// Pulled with tensions in proportion to the shortenings, and not at all where a cable is let out.
 fn by_tension(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    rod(ModelKind::Cosserat, Actuation::Tension, robot, &pulled(robot, case))
+}
+
+fn disks_by_tension(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    rod(ModelKind::CosseratDisks, Actuation::Tension, robot, &pulled(robot, case))
+}
+
+/// The case with tensions instead.
+fn pulled(robot: &Robot, case: &Case) -> Case {
     let stiffness = bending_stiffness(robot);
     let mut case = case.clone();
     for (cable, command) in robot.cables().iter().zip(&mut case.commands) {
@@ -125,7 +138,7 @@ fn by_tension(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
             command.tension = Some(part.max(0.0) * stiffness / (radius * radius));
         }
     }
-    rod(Actuation::Tension, robot, &case)
+    case
 }
 
 fn four_bar(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
@@ -307,6 +320,12 @@ fn rods_under_tensions_do_not_enter_obstacles() {
 }
 
 #[test]
+fn rods_with_cables_from_hole_to_hole_do_not_enter_obstacles() {
+    assert_clear(&sweep(disks_by_length, &|number| [3, 4, 6, 7].contains(&number), 8, false));
+    assert_clear(&sweep(disks_by_tension, &|number| [3, 4, 6, 7].contains(&number), 8, false));
+}
+
+#[test]
 fn four_bar_sections_do_not_enter_obstacles() {
     assert_clear(&sweep(four_bar, &|number| [3, 6, 7, 11].contains(&number), 15, false));
 }
@@ -328,6 +347,13 @@ fn study_of_lengths() {
 #[ignore = "a study, which takes minutes"]
 fn study_of_tensions() {
     study(by_tension);
+}
+
+#[test]
+#[ignore = "a study, which takes minutes"]
+fn study_of_cables_from_hole_to_hole() {
+    study(disks_by_tension);
+    study(disks_by_length);
 }
 
 #[test]
