@@ -338,10 +338,13 @@ test.describe("among obstacles", () => {
 
   test("the robot touches them, and what knows no contact says so", async ({ page, viewer }) => {
     void viewer;
-    await expect(page.getByLabel("cosserat-disks")).toBeDisabled();
-    await expect(page.locator("#why-cosserat-disks")).toContainText("it knows no contact");
+    await expect(page.getByLabel("pseudo-rigid-body")).toBeDisabled();
+    await expect(page.locator("#why-pseudo-rigid-body")).toContainText("it knows no contact");
+    await page.getByLabel("cosserat-disks").check();
     await page.getByLabel("Colour by").selectOption("contact");
-    await expect(page.locator('.answer[data-model="cosserat"] dl')).toContainText("touches");
+    for (const model of ["cosserat", "cosserat-disks"]) {
+      await expect(page.locator(`.answer[data-model="${model}"] dl`)).toContainText("touches");
+    }
     await expect(page.locator("#legend")).toContainText("touches nothing");
     await page.screenshot({ path: `${ARTEFACTS}/obstacles.png` });
   });
