@@ -1,10 +1,10 @@
 //! The ways to an answer and what lies beside it: iterations and branches of the Cosserat model.
 
-use whipcord::cosserat::{
-    BranchOptions, Branches, Cosserat, CriticalKind, Equilibrium, TraceEvent, Workspace,
-};
+use whipcord::cosserat::{Cosserat, TraceEvent, Workspace};
 use whipcord::cosserat_disks::{self, CosseratDisks};
-use whipcord::{Case, Diagnostics, Model, SolveError};
+use whipcord::{
+    BranchOptions, Branches, Case, CriticalKind, Diagnostics, Equilibrium, Model, SolveError,
+};
 use whipcord_io::CaseFile;
 
 use whipcord_study::failure::Failure;

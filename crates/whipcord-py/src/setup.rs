@@ -7,12 +7,12 @@ use std::time::Instant;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use whipcord::cosserat::{BranchOptions, Cosserat, CriticalKind, Workspace};
+use whipcord::cosserat::{Cosserat, Workspace};
 use whipcord::kinematics::{Compliance, DerivativeMethod, DrivenBy};
 use whipcord::warning::{of_answer, of_case, of_spacing};
 use whipcord::{
-    Actuation, CableCommand, Case, Differentiable, ModelKind, Parameter, Prepared, Robot,
-    Shortening, SolveError, Statics, Warning,
+    Actuation, BranchOptions, CableCommand, Case, CriticalKind, Differentiable, ModelKind,
+    Parameter, Prepared, Robot, Shortening, SolveError, Statics, Warning,
 };
 use whipcord_io::CaseFile;
 

@@ -60,6 +60,9 @@ pub use shape::{
 };
 pub use statics::Statics;
 pub use statics::options::StabilityAnalysis;
+pub use statics::path::branches::{
+    BranchOptions, Branches, CriticalKind, CriticalPoint, Equilibrium,
+};
 pub use stations::Stations;
 pub use warning::Warning;
 pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3, equally_spaced};

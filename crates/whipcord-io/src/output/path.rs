@@ -1,8 +1,8 @@
 //! Steps, branches and iterations as JSON.
 
 use serde_json::{Value, json};
-use whipcord::cosserat::{Branches, CriticalKind, CriticalPoint, TraceEvent};
-use whipcord::{Obstacle, Solution};
+use whipcord::cosserat::TraceEvent;
+use whipcord::{Branches, CriticalKind, CriticalPoint, Obstacle, Solution};
 
 use super::NonFinite;
 use super::json::{number, numbers, solution_json, vector};

@@ -4,14 +4,13 @@
 //! under strong loads none hits the tip. Here every step is shot from its own start, and Newton's
 //! method closes the gaps between them, eq. (10) of [`crate::statics::elimination`], together with the
 //! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
-//! the step is then at right angles to a given direction ([`super::arc_length`]).
+//! the step is then at right angles to a given direction ([`crate::statics::path`]).
 
 use whipcord_numerics::{Pose, Vec3};
 
 use super::loaded::{Target, Trajectory};
 use super::sensitivity::{Column, Sensitivity, Unknowns};
-use super::shared_unknowns::Shared;
-use super::state::{Direction, State};
+use super::state::{Direction, State, weight};
 use super::statics::Problem;
 use crate::cancel::Cancel;
 use crate::derivatives::StepGap;
@@ -21,7 +20,10 @@ use crate::statics::elimination::{Change, Elimination, Size};
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Open;
+use crate::statics::path::state::PartChange as _;
+use crate::statics::path::{self, pattern};
 use crate::statics::scales::Scales;
+use crate::statics::shared_unknowns::{Cables, SharedUnknowns};
 use crate::statics::trace::Trace;
 
 /// The rod as a chain of steps, each with its own start.
@@ -38,7 +40,7 @@ pub(super) struct Chain {
     step: Direction,
     elimination: Elimination,
     sensitivity: Sensitivity,
-    shared: Shared,
+    shared: SharedUnknowns,
 }
 
 /// How a step ends short of the next node.
@@ -63,18 +65,7 @@ pub(super) struct Task<'a> {
     pub cancel: &'a Cancel,
 }
 
-/// What is asked of a linear step.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Step<'a> {
-    /// Close the gaps at this load.
-    Close,
-    /// Close the gaps at right angles to a direction; the load is free.
-    Across(&'a Direction),
-    /// The tangent of the path that goes along with a direction.
-    Along(&'a Direction),
-    /// What gaps of this pattern do at this load: near a singular point, the null vector.
-    Probe(&'a [Vec3]),
-}
+type Step<'a> = path::Step<'a, Change>;
 
 impl<'a> Task<'a> {
     /// The chain of a problem whose loads are gathered.
@@ -87,12 +78,6 @@ impl<'a> Task<'a> {
             tolerance: problem.tolerance,
             cancel: problem.cancel,
         }
-    }
-}
-
-impl Step<'_> {
-    pub const fn frees_load(&self) -> bool {
-        matches!(self, Self::Across(_) | Self::Along(_))
     }
 }
 
@@ -151,7 +136,7 @@ impl Chain {
         Err(failed(MAX_ITERATIONS, gap, None))
     }
 
-    /// The linear step of a closed chain that [`Step::Along`] or [`Step::Probe`] ask for; `None` where
+    /// The linear step of a closed chain that [`path::Step::Along`] or [`path::Step::Probe`] ask for; `None` where
     /// the system is singular.
     pub fn direction(
         &mut self,
@@ -172,7 +157,7 @@ impl Chain {
     ) -> Option<bool> {
         self.shoot(task, trajectory).ok()?;
         self.solve_step(task, Step::Close, trajectory)
-            .then_some(self.elimination.is_negative() != self.shared.negative)
+            .then_some(self.elimination.is_negative() != self.shared.is_negative())
     }
 
     /// How the steps end beyond the nodes that they should meet, in the base frame.
@@ -284,17 +269,22 @@ impl Chain {
             let gap = match by {
                 Step::Close | Step::Across(_) => gap.change,
                 Step::Along(_) => Change::default(),
-                Step::Probe(pattern) => {
-                    Change { moment: scales.moment * pattern[k], ..Change::default() }
-                }
+                Step::Probe => Change { moment: scales.moment * pattern(k), ..Change::default() },
             };
             if !elimination.push(&columns[k * unknowns..(k + 1) * unknowns], &gap) {
                 return false;
             }
         }
         elimination.answer();
-        shared.lengths_by(size.shared, unknowns, length_rows, elimination, steps);
-        if !shared.solve(task, by, state, trajectory, &scales, elimination) {
+        shared.cables.clear();
+        shared.cables.extend(0..size.shared - usize::from(by.frees_load()));
+        lengths_by(*size, length_rows, elimination, steps, &mut shared.lengths);
+        if let Step::Across(direction) | Step::Along(direction) = by {
+            along(direction, task.grid, &scales, elimination, *size, &mut shared.along);
+        }
+        let (tensions, lengths) = (&state.tensions, &trajectory.lengths);
+        let cables = Cables { commands: task.commands, tensions, lengths };
+        if !shared.solve(by, &cables, &scales) {
             return false;
         }
         step.nodes.clear();
@@ -317,4 +307,61 @@ impl Chain {
             && step.nodes.iter().all(Change::is_finite)
             && step.tensions.iter().all(|t| t.is_finite())
     }
+}
+
+/// The change of each cable's length with `(θ, 1)`, from those of the steps with what they depend on.
+fn lengths_by(
+    size: Size,
+    rows: &[f64],
+    elimination: &Elimination,
+    steps: usize,
+    lengths: &mut Vec<f64>,
+) {
+    let Size { cut, shared } = size;
+    let (unknowns, wide) = (3 + cut + shared, shared + 1);
+    let cables = rows.len() / (steps * unknowns).max(1);
+    lengths.clear();
+    lengths.resize(cables * wide, 0.0);
+    for k in 0..steps {
+        for j in 0..wide {
+            let change = elimination.change(k, j);
+            for i in 0..cables {
+                let row = &rows[(k * cables + i) * unknowns..][..unknowns];
+                let vector = |i: usize| Vec3::new(row[i], row[i + 1], row[i + 2]);
+                let mut sum = vector(0).dot(change.turn) + vector(3).dot(change.moment);
+                if cut == 6 {
+                    sum += vector(6).dot(change.force);
+                }
+                if j < shared {
+                    sum += row[3 + cut + j];
+                }
+                lengths[i * wide + j] += sum;
+            }
+        }
+    }
+}
+
+/// The product of a direction with what `(θ, 1)` does.
+fn along(
+    direction: &Direction,
+    grid: &Grid,
+    scales: &Scales,
+    elimination: &Elimination,
+    size: Size,
+    products: &mut Vec<f64>,
+) {
+    let shares = |j: usize| match j {
+        0 => direction.load,
+        _ if j < size.shared => direction.tensions[j - 1] / (scales.force * scales.force),
+        _ => 0.0,
+    };
+    let nodes = |j: usize| -> f64 {
+        let nodes = direction.nodes.iter().enumerate();
+        let product = |(k, node): (usize, &Change)| {
+            weight(grid, k) * node.product(&elimination.change(k, j), scales)
+        };
+        nodes.map(product).sum()
+    };
+    products.clear();
+    products.extend((0..=size.shared).map(|j| nodes(j) + shares(j)));
 }

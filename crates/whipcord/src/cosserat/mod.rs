@@ -10,10 +10,10 @@
 //! | `statics` | equilibrium on one grid: the order of the strategies below |
 //! | `guess`, `without_load` | initial guesses: the loaded rod after one step; the rod without load |
 //! | `shooting`, `newton` | single shooting on eq. (7), and its Newton step |
-//! | `chain`, `shared_unknowns` | multiple shooting, and the tensions and load factor that its steps share |
+//! | `chain` | multiple shooting |
 //! | `redundant_cables` | antagonistic cables under load |
 //! | `continuation` | load continuation by multiple shooting |
-//! | `arc_length`, `active_set_change`, `state` | continuation by arc length past limit points and past cables that go slack or taut |
+//! | `path`, `state` | the rod as an equilibrium path, and its states |
 //! | `branches` | all equilibria that are connected to the unloaded shape |
 //! | `search` | equilibria from many base moments |
 //! | `stability` | stability under dead loads, eqs. (8) and (11) |
@@ -23,8 +23,6 @@
 //! | `lanes` | many unloaded rods at once |
 //! | `trace` | solves with a record of the iterations |
 
-mod active_set_change;
-mod arc_length;
 mod branches;
 mod chain;
 mod contact;
@@ -35,11 +33,11 @@ mod lanes;
 mod loaded;
 mod model;
 mod newton;
+mod path;
 mod redundant_cables;
 mod refinement;
 mod search;
 mod sensitivity;
-mod shared_unknowns;
 mod shooting;
 mod stability;
 mod state;
@@ -50,6 +48,5 @@ mod without_load;
 
 pub use crate::statics::options::{Accuracy, Options};
 pub use crate::statics::trace::{Stage, TraceEvent};
-pub use branches::{BranchOptions, Branches, CriticalKind, CriticalPoint, Equilibrium};
 pub(crate) use lanes::UnloadedLanes;
 pub use model::{Cosserat, Workspace};

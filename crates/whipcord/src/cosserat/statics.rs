@@ -9,16 +9,16 @@
 //! ```
 //!
 //! from the shape without load, or from a neighbouring answer; where that fails the load is raised
-//! by multiple shooting, and past the points where it cannot be, by [`super::arc_length`].
+//! by multiple shooting, and past the points where it cannot be, by [`crate::statics::path`].
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{Pose, UnitQuaternion};
 
-use super::arc_length::next_stable;
-use super::chain::{Chain, Task};
+use super::chain::Chain;
 use super::continuation::{Ended, newton, raise_load, raise_load_at_tensions, refine_chain};
 use super::guess::{Guess, guess};
 use super::loaded::Trajectory;
 use super::newton::{Newton, Point};
+use super::path::RodPath;
 use super::redundant_cables;
 use super::search;
 use super::shooting::{finish, finish_chain, sample, shoot};
@@ -35,6 +35,7 @@ use crate::statics::lengths::{self, Effort, LengthScratch};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};
+use crate::statics::path::next_stable::next_stable;
 use crate::statics::quadratic_form::Sample;
 use crate::statics::scales::Scales;
 use crate::statics::trace::{Stage, Trace};
@@ -246,19 +247,6 @@ pub(super) fn start_of_path(
     Ok(scratch.applied.any().then_some(state))
 }
 
-/// Where the tip is at a point of the path.
-pub(super) fn tip_of(problem: &Problem<'_>, scratch: &mut Scratch, state: &State) -> Vec3 {
-    scratch.chain.state.clone_from(state);
-    let tolerance = f64::MAX;
-    let Scratch { chain, trajectory, applied, trace, poses, .. } = scratch;
-    // One shot of every step, which lays the poses end to end.
-    let task = Task { tolerance, ..Task::of(problem, applied) };
-    if chain.newton(&task, None, trajectory, trace).is_ok() {
-        chain.poses(poses);
-    }
-    poses.last().map_or(Vec3::ZERO, |pose| pose.position)
-}
-
 /// All of the load at a point near equilibrium; the answer is left in `scratch`.
 pub(super) fn converge(
     problem: &Problem<'_>,
@@ -323,12 +311,18 @@ fn from_no_load(
     };
     let Ended { failure, state, iterations } = ended;
     let Some(state) = state.filter(|_| problem.follow) else { return Err(failure) };
-    let beyond = next_stable(problem, scratch, &state, iterations);
+    let stays_on_path = scratch.stays_on_path;
+    let mut path = RodPath::new(problem, scratch);
+    let beyond = next_stable(&mut path, &state, stays_on_path, iterations);
     let lost_at = beyond.lost_at;
-    if let Some(found) = beyond.found
-        && scratch.stable
-    {
-        return Ok(found);
+    scratch.stable = beyond.stable.is_some();
+    if let Some(state) = beyond.stable {
+        scratch.chain.state = state;
+        scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
+        if let Ok((taken, residual)) = newton(problem, scratch) {
+            let effort = Effort { iterations: beyond.iterations + taken, residual };
+            return Ok(Found { lost_at, ..finish_chain(problem, scratch, effort) });
+        }
     }
     if problem.commands.iter().any(|c| matches!(c, Command::Length { .. }))
         && let Some(found) = raise_load_at_tensions(problem, scratch, beyond.iterations)

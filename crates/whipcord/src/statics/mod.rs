@@ -14,7 +14,9 @@
 //! | `runge_kutta` | state and stages of the integration of a rod under loads |
 //! | `scales` | units of residuals |
 //! | `elimination` | the linear system of multiple shooting, eq. (10) |
+//! | `shared_unknowns` | tensions and load factor that all parts share, eq. (8) |
 //! | `continuation` | step sizes of load continuation |
+//! | `path` | equilibrium paths by arc length, limit points and branches |
 //! | `quadratic_form`, `eigenvalue` | the second variation of the energy, and its least eigenvalue |
 //! | `passages` | cables straight between disks |
 //! | `hold` | tensions that keep cables at their lengths, eq. (d4) |
@@ -36,12 +38,14 @@ pub(crate) mod local;
 pub(crate) mod options;
 pub(crate) mod outcome;
 pub(crate) mod passages;
+pub(crate) mod path;
 pub(crate) mod quadratic_form;
 pub(crate) mod rank;
 pub(crate) mod refinement;
 pub(crate) mod runge_kutta;
 pub(crate) mod scales;
 pub(crate) mod self_stress;
+pub(crate) mod shared_unknowns;
 pub(crate) mod strength;
 pub(crate) mod trace;
 

@@ -3,8 +3,9 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
+use whipcord::BranchOptions;
 use whipcord::batch::{BatchError, BatchOptions, Rows, solve_batch};
-use whipcord::cosserat::{BranchOptions, Cosserat, Options, Workspace};
+use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::differences::by_parameter;
 use whipcord::{
     Actuation, Backbone, Cable, Cancel, Case, Differentiable as _, Disks, Form, Loads, Material,

@@ -3,12 +3,11 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use crate::common::round;
-use whipcord::cosserat::{
-    BranchOptions, Branches, Cosserat, CriticalKind, Equilibrium, Options, Workspace,
-};
+use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Loads, Material, RestCurvature, Robot, Routing,
-    Section, Shortening, Solution, SolveError, Vec3,
+    Backbone, BranchOptions, Branches, Cable, CableCommand, Case, CriticalKind, Disks, Equilibrium,
+    Loads, Material, RestCurvature, Robot, Routing, Section, Shortening, Solution, SolveError,
+    Vec3,
 };
 
 fn branches(robot: &Robot, case: &Case) -> Branches {
