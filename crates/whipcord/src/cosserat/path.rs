@@ -56,8 +56,8 @@ impl EquilibriumPath for RodPath<'_> {
         Scales::of(self.problem.grid, self.problem.length)
     }
 
-    fn state(&self) -> &State {
-        &self.scratch.chain.state
+    fn state(&self) -> State {
+        self.scratch.chain.state.clone()
     }
 
     fn set_state(&mut self, state: State) {

@@ -45,7 +45,7 @@ impl State {
 impl state::Part for Node {
     type Change = Change;
 
-    fn moved(&self, fraction: f64, change: &Change) -> Self {
+    fn stepped(&self, fraction: f64, change: &Change) -> Self {
         let turned = self.rotation * UnitQuaternion::exp(fraction * change.turn);
         Self {
             rotation: turned.renormalized(),

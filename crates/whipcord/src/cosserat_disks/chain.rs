@@ -16,7 +16,6 @@ use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::layout::{Frame, Mesh, Span};
-use super::length_constraints::{self, LengthConstraints};
 use super::loaded_span::{Gap, Link, Push, Taut};
 use super::rod::{self, InSpan, Sample};
 use super::span::{self, Chord, Vanished};
@@ -29,6 +28,10 @@ use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Elimination, Size};
 use crate::statics::loads::AppliedLoads;
+use crate::statics::path::state::{Part, PartChange};
+use crate::statics::path::{self, pattern};
+use crate::statics::scales::Scales;
+use crate::statics::shared_unknowns::{Cables, SharedUnknowns};
 use crate::statics::trace::Trace;
 
 /// A disk of the chain.
@@ -41,8 +44,45 @@ pub(super) struct Node {
     pub force: Vec3,
     /// Wrench in the rod beyond it, in its frame.
     pub wrench: BodyWrench,
-    /// Of a step: the change of the rotation, in the body frame.
-    turn: Vec3,
+}
+
+/// Change of a disk.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NodeStep {
+    pub change: Change,
+    /// Of the wrench in the rod beyond it, in its frame.
+    pub wrench: BodyWrench,
+}
+
+/// The disks, the tensions of the groups and the load.
+pub(super) type State = path::state::State<Node>;
+/// Change of the chain.
+pub(super) type Direction = path::state::Direction<NodeStep>;
+
+impl PartChange for NodeStep {
+    fn plus(self, f: f64, other: Self) -> Self {
+        let wrench = self.wrench + other.wrench * f;
+        Self { change: self.change.plus(f, other.change), wrench }
+    }
+
+    /// The wrench in the rod follows from the rest.
+    fn product(&self, other: &Self, scales: &Scales) -> f64 {
+        self.change.product(&other.change, scales)
+    }
+}
+
+impl Part for Node {
+    type Change = NodeStep;
+
+    fn stepped(&self, fraction: f64, step: &NodeStep) -> Self {
+        let Change { turn, moment, force } = step.change;
+        Self {
+            rotation: (self.rotation * UnitQuaternion::exp(fraction * turn)).renormalized(),
+            moment: self.moment + fraction * moment,
+            force: self.force + fraction * force,
+            wrench: self.wrench + step.wrench * fraction,
+        }
+    }
 }
 
 /// What acts in the rod just beyond the disks, in the base frame and beyond the dead loads, at the steps that begin there;
@@ -87,7 +127,6 @@ impl Node {
                 linear: linear + turned(linear, rod.force),
                 angular: angular + turned(angular, rod.moment),
             },
-            turn: Vec3::ZERO,
         }
     }
 }
@@ -98,8 +137,10 @@ pub(super) struct Task<'a> {
     pub frame: &'a Frame,
     pub mesh: &'a Mesh,
     pub loads: &'a AppliedLoads,
-    /// Factor on all loads.
+    /// Factor on all loads; where Newton's method starts, if it is free.
     pub load: f64,
+    /// What the linear steps are for.
+    pub step: path::Step<'a, NodeStep>,
     /// Which of the tensions each passage has.
     pub groups: &'a [usize],
     /// What drives each of them, where any is driven by its length; else empty.
@@ -117,6 +158,8 @@ pub(super) struct Chain {
     pub nodes: Vec<Node>,
     /// By group.
     pub tensions: Vec<f64>,
+    /// Factor on all loads that Newton's method ended at.
+    pub load: f64,
     /// By group, in m.
     pub lengths: Vec<f64>,
     /// Poses at the ends of all steps, relative to the disk before.
@@ -131,15 +174,28 @@ pub(super) struct Chain {
     /// How the spans ended short of the next disk, and as what they were last linearised.
     pub(super) gaps: Vec<Gap>,
     pub(super) links: Vec<Link>,
-    /// Changes of the chords by what [`Link::by`] counts, span after span.
+    /// Changes of the chords by what [`Link::by`] counts and by the load, span after span.
     pub(super) rows: Vec<f64>,
     pub(super) kept: Vec<Node>,
     pub(super) kept_tensions: Vec<f64>,
-    step: Vec<Node>,
+    pub(super) kept_load: f64,
+    step: Direction,
     columns: Vec<Change>,
     elimination: Elimination,
-    held: LengthConstraints,
+    shared: SharedUnknowns,
+    shared_columns: Vec<Column>,
 }
+
+/// A column of what all spans share, or the answer to what is left of the equations.
+#[derive(Clone, Copy, Debug)]
+enum Column {
+    Load,
+    Tension(usize),
+    Closing,
+}
+
+/// Rows of [`Chain::rows`] for each passage.
+const ROWS: usize = 10;
 
 /// [`Chain::measure`] with the instructions that the processor has, to the same bits.
 struct Measure<'a> {
@@ -290,11 +346,13 @@ impl Chain {
             greatest = greatest.max(gap.size(&scales, &node, &next));
             self.gaps[k] = gap;
         }
-        let lack =
-            length_constraints::greatest_residual(task, &self.tensions, &self.lengths, &scales);
-        let greatest = greatest.max(lack);
-        // A NaN must not pass for a closed gap.
-        Ok(if lack.is_finite() { greatest } else { f64::INFINITY })
+        for (i, command) in task.commands.iter().enumerate() {
+            let Self { tensions, lengths, .. } = &*self;
+            let left = command.complementarity_residual(i, tensions, lengths, scales.of_cables());
+            // A NaN must not pass for a closed gap.
+            greatest = if left.is_finite() { greatest.max(left) } else { f64::INFINITY };
+        }
+        Ok(greatest)
     }
 
     /// Linearises all spans where they were last measured; `false` where one is singular.
@@ -306,7 +364,7 @@ impl Chain {
     fn linearise_with(&mut self, task: &Task<'_>) -> bool {
         let frame = task.frame;
         self.links.resize(frame.spans.len(), Link::default());
-        self.rows.resize(9 * frame.passages, 0.0);
+        self.rows.resize(ROWS * frame.passages, 0.0);
         for (k, span) in frame.spans.iter().enumerate() {
             let steps = &task.mesh.spans[k];
             let passages = span.first..span.first + span.passages.len();
@@ -316,7 +374,7 @@ impl Chain {
                 chords: &self.chords[passages.clone()],
                 tensions: &self.pulled[passages.clone()],
             };
-            let rows = &mut self.rows[9 * passages.start..9 * passages.end];
+            let rows = &mut self.rows[ROWS * passages.start..ROWS * passages.end];
             match Link::new(task, k, self.nodes[k].rotation, &self.gaps[k], &taut, rows) {
                 Some(link) => self.links[k] = link,
                 None => {
@@ -328,15 +386,45 @@ impl Chain {
         true
     }
 
-    /// Eliminates the chain with these shared tensions, by group.
-    fn eliminate(&mut self, task: &Task<'_>, shared: &[usize]) -> bool {
+    /// What a column changes at a span, beside its start.
+    fn push(&self, task: &Task<'_>, k: usize, column: Column) -> Push {
+        let link = &self.links[k];
+        let mut push = Push::default();
+        match column {
+            Column::Load => push.residual = link.by_load.unwrap_or_default().0,
+            Column::Tension(group) => {
+                push.perturb(task, k, &self.chords, link, |of| f64::from(u8::from(of == group)));
+            }
+            Column::Closing if task.step.closes() => push.residual = self.gaps[k].residual,
+            Column::Closing => {}
+        }
+        push
+    }
+
+    /// How a span ends short of the next disk by a column, at the same start.
+    fn end(&self, task: &Task<'_>, k: usize, column: Column) -> Change {
+        let link = &self.links[k];
+        let passed = link.pass(&self.push(task, k, column)).1;
+        match (column, task.step) {
+            (Column::Tension(_), _) | (Column::Closing, path::Step::Along(_)) => passed,
+            (Column::Load, _) => link.by_load.unwrap_or_default().1.plus(1.0, passed),
+            (Column::Closing, path::Step::Probe) => {
+                let moment = task.frame.scales(task.mesh).moment * pattern(k);
+                Change { moment, ..passed }
+            }
+            (Column::Closing, _) => self.gaps[k].change.plus(1.0, passed),
+        }
+    }
+
+    /// Eliminates the chain with these shared columns.
+    fn eliminate(&mut self, task: &Task<'_>, shared: &[Column]) -> bool {
         let cut = if task.loads.any_follower_force() { 6 } else { 3 };
         let scales = task.frame.scales(task.mesh);
         let size = Size { cut, shared: shared.len() };
         self.elimination.start(size, scales.moment, scales.force);
         let axes = [Vec3::X, Vec3::Y, Vec3::Z];
         let mut columns = core::mem::take(&mut self.columns);
-        for k in 0..task.frame.spans.len() {
+        let pushed = (0..task.frame.spans.len()).all(|k| {
             let link = &self.links[k];
             columns.clear();
             let mut pass = |push: &Push| columns.push(link.pass(push).1);
@@ -351,20 +439,14 @@ impl Chain {
                     pass(&Push { force, ..Push::default() });
                 }
             }
-            for &group in shared {
-                let mut perturb = Push::default();
-                perturb.perturb(task, k, &self.chords, link, |of| f64::from(u8::from(of == group)));
-                pass(&perturb);
-            }
-            let residual = self.gaps[k].residual;
-            let closing = link.pass(&Push { residual, ..Push::default() }).1;
-            let gap = self.gaps[k].change.plus(1.0, closing);
-            if !self.elimination.push(&columns, &gap) {
-                self.columns = columns;
-                return false;
-            }
-        }
+            columns.extend(shared.iter().map(|&column| self.end(task, k, column)));
+            let gap = self.end(task, k, Column::Closing);
+            self.elimination.push(&columns, &gap)
+        });
         self.columns = columns;
+        if !pushed {
+            return false;
+        }
         self.elimination.answer();
         (0..=task.frame.spans.len()).all(|k| self.elimination.change(k, shared.len()).is_finite())
     }
@@ -382,86 +464,123 @@ impl Chain {
             return None;
         }
         let of_spans = self.links.iter().filter(|link| link.is_negative()).count();
-        let negative = self.elimination.is_negative() ^ self.held.is_negative();
+        let negative = self.elimination.is_negative() ^ self.shared.is_negative();
         Some(negative ^ (of_spans % 2 == 1))
     }
 
-    /// The Newton step from where the chain was last measured, with the links as they are; `false`
+    /// The linear step of the task from where the chain was last measured, with the links as they are; `false`
     /// where there is none.
     pub(super) fn direct(&mut self, task: &Task<'_>) -> bool {
-        let mut held = core::mem::take(&mut self.held);
-        held.find(task.commands);
-        let mut solved = self.eliminate(task, &held.cables);
-        let shared = held.cables.len();
-        if solved && shared > 0 {
-            self.lengthen(task, &held.cables, true, &mut held.lengths);
-            solved = held.solve(task, &self.tensions, &self.lengths);
+        let mut shared = core::mem::take(&mut self.shared);
+        shared.find(task.commands);
+        let load = task.step.frees_load().then_some(Column::Load);
+        let mut columns = core::mem::take(&mut self.shared_columns);
+        columns.clear();
+        columns.extend(load);
+        columns.extend(shared.cables.iter().map(|&group| Column::Tension(group)));
+        let mut solved = self.eliminate(task, &columns);
+        if solved && !columns.is_empty() {
+            self.lengthen(task, &shared.cables, &columns, true, &mut shared.lengths);
+            self.along(task, &columns, &mut shared.along);
+            let Self { tensions, lengths, .. } = &*self;
+            let cables = Cables { commands: task.commands, tensions, lengths };
+            solved = shared.solve(task.step, &cables, &task.frame.scales(task.mesh));
         }
         if solved {
-            self.step.clear();
+            self.step.load = if load.is_some() { shared.theta[0] } else { 0.0 };
+            self.step.tensions.clear();
+            let changes = (0..self.tensions.len()).map(|group| shared.change_of(group));
+            self.step.tensions.extend(changes);
+            self.step.nodes.clear();
             for k in 0..self.nodes.len() {
-                let mut change = self.elimination.change(k, shared);
-                for (j, &theta) in held.change.iter().enumerate() {
+                let mut change = self.elimination.change(k, columns.len());
+                for (j, &theta) in shared.theta.iter().enumerate() {
                     change = change.plus(theta, self.elimination.change(k, j));
                 }
-                let Change { turn, moment, force } = change;
-                let mut node = Node { moment, force, turn, ..Node::default() };
-                if let Some(link) = self.links.get(k) {
-                    let residual = self.gaps[k].residual;
-                    let mut push = Push { turn, moment, force, residual, ..Push::default() };
-                    push.perturb(task, k, &self.chords, link, |group| held.change_of(group));
+                let mut node = NodeStep { change, ..NodeStep::default() };
+                if k < self.links.len() {
+                    let Change { turn, moment, force } = change;
+                    let mut push = self.push(task, k, Column::Closing);
+                    (push.turn, push.moment, push.force) = (turn, moment, force);
+                    let link = &self.links[k];
+                    push.perturb(task, k, &self.chords, link, |group| shared.change_of(group));
+                    let (by_load, _) = link.by_load.unwrap_or_default();
+                    push.residual = push.residual + by_load * self.step.load;
                     node.wrench = link.pass(&push).0;
                 }
                 solved &= change.is_finite() && node.wrench.linear.is_finite();
-                self.step.push(node);
+                self.step.nodes.push(node);
             }
         }
-        self.held = held;
+        (self.shared, self.shared_columns) = (shared, columns);
         solved
     }
 
-    /// Goes a fraction of the Newton step from where the nodes were kept.
-    pub(super) fn go(&mut self, task: &Task<'_>, fraction: f64) {
-        for ((node, kept), step) in self.nodes.iter_mut().zip(&self.kept).zip(&self.step) {
-            let turned = UnitQuaternion::exp(fraction * step.turn);
-            *node = Node {
-                rotation: (kept.rotation * turned).renormalized(),
-                moment: kept.moment + fraction * step.moment,
-                force: kept.force + fraction * step.force,
-                wrench: kept.wrench + step.wrench * fraction,
-                turn: Vec3::ZERO,
+    /// The product of each column with the direction of the step.
+    fn along(&self, task: &Task<'_>, columns: &[Column], products: &mut Vec<f64>) {
+        let (path::Step::Across(direction) | path::Step::Along(direction)) = task.step else {
+            return;
+        };
+        let scales = task.frame.scales(task.mesh);
+        let own = |column: Column| match column {
+            Column::Load => direction.load,
+            Column::Tension(group) => direction.tensions[group] / (scales.force * scales.force),
+            Column::Closing => 0.0,
+        };
+        let nodes = |j: usize| -> f64 {
+            let nodes = direction.nodes.iter().enumerate();
+            let product = |(k, node): (usize, &NodeStep)| {
+                task.frame.weight(k) * node.change.product(&self.elimination.change(k, j), &scales)
             };
+            nodes.map(product).sum()
+        };
+        let columns = columns.iter().copied().chain([Column::Closing]);
+        products.clear();
+        products.extend(columns.enumerate().map(|(j, column)| nodes(j) + own(column)));
+    }
+
+    /// The linear step that the task is for, at an equilibrium; `None` where the system is singular.
+    pub fn direction(&mut self, task: &Task<'_>) -> Option<Direction> {
+        self.measure(task).ok()?;
+        (self.linearise(task) && self.direct(task)).then(|| self.step.clone())
+    }
+
+    /// Goes a fraction of the step from where the nodes were kept.
+    pub(super) fn go(&mut self, task: &mut Task<'_>, fraction: f64) {
+        for ((node, kept), step) in self.nodes.iter_mut().zip(&self.kept).zip(&self.step.nodes) {
+            *node = kept.stepped(fraction, step);
         }
-        if !self.held.cables.is_empty() {
-            for (&group, &change) in self.held.cables.iter().zip(&self.held.change) {
-                self.tensions[group] = (self.kept_tensions[group] + fraction * change).max(0.0);
+        task.load = self.kept_load + fraction * self.step.load;
+        if !self.shared.cables.is_empty() {
+            for &group in &self.shared.cables {
+                let change = fraction * self.step.tensions[group];
+                self.tensions[group] = (self.kept_tensions[group] + change).max(0.0);
             }
             self.expand(task.groups);
         }
     }
 
-    /// Changes of the lengths of these groups, by rows, with the tension of each and, where asked,
-    /// as the gaps are closed at these tensions.
-    fn lengthen(&self, task: &Task<'_>, groups: &[usize], closing: bool, out: &mut Vec<f64>) {
-        let shared = groups.len();
-        let wide = shared + usize::from(closing);
+    /// What each column does to the lengths of these groups, by rows; where asked, what closing the gaps does behind them.
+    fn lengthen(
+        &self,
+        task: &Task<'_>,
+        groups: &[usize],
+        columns: &[Column],
+        closing: bool,
+        out: &mut Vec<f64>,
+    ) {
+        let wide = columns.len() + usize::from(closing);
         out.clear();
-        out.resize(shared * wide, 0.0);
+        out.resize(groups.len() * wide, 0.0);
         let row_of = |group: usize| groups.iter().position(|&of| of == group);
         for (k, span) in task.frame.spans.iter().enumerate() {
-            let link = &self.links[k];
             let cables = span.passages.len();
-            let rows = &self.rows[9 * span.first..9 * (span.first + cables)];
+            let rows = &self.rows[ROWS * span.first..ROWS * (span.first + cables)];
             for j in 0..wide {
+                let column = columns.get(j).copied().unwrap_or(Column::Closing);
                 let Change { turn, moment, force } = self.elimination.change(k, j);
-                let mut push = Push { turn, moment, force, ..Push::default() };
-                if j < shared {
-                    let pulled = |of| f64::from(u8::from(of == groups[j]));
-                    push.perturb(task, k, &self.chords, link, pulled);
-                } else {
-                    push.residual = self.gaps[k].residual;
-                }
-                let change = link.pass(&push).0;
+                let push = Push { turn, moment, force, ..self.push(task, k, column) };
+                let change = self.links[k].pass(&push).0;
                 for i in 0..cables {
                     let Some(row) = row_of(task.groups[span.first + i]) else { continue };
                     let by = |c: usize| rows[c * cables + i];
@@ -472,7 +591,8 @@ impl Chain {
                                 + by(6 + c) * turn[c]
                         })
                         .sum();
-                    out[row * wide + j] += along;
+                    let own = if matches!(column, Column::Load) { by(9) } else { 0.0 };
+                    out[row * wide + j] += along + own;
                 }
             }
         }
@@ -481,11 +601,12 @@ impl Chain {
     /// `∂ℓ/∂τ` of all groups, from a closed chain that is linearised where it stands.
     pub(super) fn differentiate(&mut self, task: &Task<'_>) -> bool {
         let all: Vec<usize> = (0..self.tensions.len()).collect();
-        if !self.eliminate(task, &all) {
+        let columns: Vec<Column> = all.iter().map(|&group| Column::Tension(group)).collect();
+        if !self.eliminate(task, &columns) {
             return false;
         }
         let mut out = core::mem::take(&mut self.length_by_tension);
-        self.lengthen(task, &all, false, &mut out);
+        self.lengthen(task, &all, &columns, false, &mut out);
         self.length_by_tension = out;
         true
     }

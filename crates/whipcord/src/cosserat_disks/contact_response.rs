@@ -21,6 +21,7 @@ use crate::shape::{Shape, Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
+use crate::statics::path::Step;
 use crate::stations::Stations;
 
 /// No disk turns by more in one step, in rad.
@@ -109,6 +110,7 @@ impl ContactMesh {
             mesh: &self.mesh,
             loads: workspace.loads(),
             load: 1.0,
+            step: Step::Close,
             groups: &self.groups,
             commands: if by_length { commands } else { &[] },
             derivatives: false,

@@ -86,6 +86,14 @@ impl Frame {
         Ok(Mesh { grid, spans, repeated_spans })
     }
 
+    /// Share of the robot that lies beyond disk `k`, before the next.
+    pub fn weight(&self, k: usize) -> f64 {
+        let length = self.rod.backbone().length;
+        let Some(span) = self.spans.get(k) else { return 0.0 };
+        let end = self.spans.get(k + 1).map_or(length, |next| next.start);
+        (end - span.start) / length
+    }
+
     /// Scales of the rod.
     pub fn scales(&self, mesh: &Mesh) -> Scales {
         Scales::of(&mesh.grid, self.rod.backbone().length)

@@ -18,6 +18,7 @@ use crate::statics::continuation::{FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS, 
 use crate::statics::lengths::Effort;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found, Open};
+use crate::statics::path;
 use crate::statics::trace::Stage;
 
 /// Shapes that are tried where the load leads to none that is stable: bent by so much in all, in rad,
@@ -126,7 +127,10 @@ pub(super) fn solve(
 
 /// The chain at the equilibrium without load; where there is none, with the cables slack that are
 /// driven by their length.
-fn start_without_load(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(), Failure> {
+pub(super) fn start_without_load(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+) -> Result<(), Failure> {
     let mut tensions = scratch.tensions.clone();
     let mut converged = Rod::without_load(problem, scratch).converge(&mut tensions);
     if converged.is_err() {
@@ -178,7 +182,8 @@ pub(super) fn tensions_lost_at(problem: &Problem<'_>, scratch: &mut Scratch) -> 
     (low > 0.0).then_some(low)
 }
 
-fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
+/// Copies the answer out of the closed chain.
+pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
     scratch.tensions.clone_from(&scratch.chain.tensions);
     scratch.lengths.clone_from(&scratch.chain.lengths);
     scratch.pulled.clone_from(&scratch.chain.pulled);
@@ -195,7 +200,8 @@ impl Raise<'_> {
     ) -> Task<'a> {
         let Problem { frame, mesh, tolerance, cancel, .. } = *self.problem;
         let Self { commands, derivatives, .. } = *self;
-        Task { frame, mesh, loads, load, groups, commands, derivatives, tolerance, cancel }
+        let step = path::Step::Close;
+        Task { frame, mesh, loads, load, step, groups, commands, derivatives, tolerance, cancel }
     }
 
     /// Closes the chain from where it stands, at a fraction of the load.

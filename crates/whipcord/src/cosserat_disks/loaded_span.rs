@@ -48,6 +48,8 @@ pub(super) struct Link {
     followers: Vec3,
     applied: Vec3,
     follower: Vec3,
+    /// What the factor on all loads does, where it is free: to eq. (3) and to eqs. (4), at the same wrench `w`.
+    pub by_load: Option<(BodyWrench, Change)>,
 }
 
 /// What a span is asked: changes at its start.
@@ -139,7 +141,8 @@ impl Gap {
 }
 
 impl Link {
-    /// Linearises span `k`; `rows` takes the changes of the chords. `None` where eq. (3) is singular.
+    /// Linearises span `k`; `rows` takes the changes of the chords, the last of them by the load where that is free.
+    /// `None` where eq. (3) is singular.
     #[inline(always)]
     pub fn new(
         task: &Task<'_>,
@@ -154,7 +157,51 @@ impl Link {
         let by = answers(task, k, taut, &inside, rows);
         let Gap { total_force, followers, applied, follower, .. } = *gap;
         let (factors, turn) = (Factors::new(&by)?, taut.pose.rotation);
-        Some(Self { by, factors, rotation, turn, total_force, followers, applied, follower })
+        let by_load = None;
+        let mut link = Self {
+            by,
+            factors,
+            rotation,
+            turn,
+            total_force,
+            followers,
+            applied,
+            follower,
+            by_load,
+        };
+        if task.step.frees_load() {
+            let rows = &mut rows[9 * taut.chords.len()..];
+            link.by_load = Some(link.loaded(task, k, taut, &inside, rows));
+        }
+        Some(link)
+    }
+
+    /// What the factor on all loads does.
+    fn loaded(
+        &self,
+        task: &Task<'_>,
+        k: usize,
+        taut: &Taut<'_>,
+        inside: &InSpan<'_>,
+        row: &mut [f64],
+    ) -> (BodyWrench, Change) {
+        let Taut { samples, ref pose, chords, tensions } = *taut;
+        let (grid, steps) = (&task.mesh.grid, task.mesh.spans[k].clone());
+        let place = steps.end;
+        let variation = rod::linearise(grid, steps, samples, inside, By::Load);
+        let answer = span::answer(&task.frame.spans[k], pose, chords, tensions, &variation, row);
+        let to_start = self.rotation.conjugate();
+        let mut residual = answer.pull;
+        residual.linear -= to_start.rotate(inside.at_start);
+        let end = self.rotation * self.turn;
+        let follower = task.loads.follower(place);
+        let dead = end.conjugate().rotate(task.loads.moment(place));
+        let turn = answer.turn;
+        let moment = answer.moment - dead - follower.moment - self.applied.cross(turn);
+        let force = self.rotation.rotate(answer.force)
+            - end.rotate(follower.force)
+            - end.rotate(turn.cross(end.conjugate().rotate(self.follower)));
+        (residual, Change { turn, moment, force })
     }
 
     /// Whether the determinant of what is eliminated is negative.

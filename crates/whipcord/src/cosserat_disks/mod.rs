@@ -11,22 +11,23 @@
 //! | `span`, `loaded_span` | one span with its cables; one span of the loaded chain |
 //! | `unloaded` | robots without loads, span by span |
 //! | `chain`, `newton` | the loaded robot as a chain of spans, and Newton's method on it |
-//! | `length_constraints` | cables with prescribed lengths under load |
+//! | `path`, `branches` | the chain as an equilibrium path, and all equilibria that are connected to the unloaded shape |
 //! | `statics`, `load_continuation` | equilibrium on one mesh, and continuation of the load |
 //! | `friction` | friction at the holes |
 //! | `stability`, `stability_check` | the second variation of the energy, and the decision |
 //! | `local` | compliance and Jacobians at a place, by differences |
 
+mod branches;
 mod chain;
 mod contact;
 mod contact_response;
 mod friction;
 pub(crate) mod layout;
-mod length_constraints;
 mod load_continuation;
 mod loaded_span;
 mod model;
 mod newton;
+mod path;
 mod repeated_spans;
 mod rod;
 mod span;

@@ -30,9 +30,9 @@ use crate::statics::trace::TraceEvent;
 /// Finer meshes that are kept once they were needed.
 const FINER_MESHES: usize = 5;
 /// Of them the finest on which stability is computed where it has steps enough.
-const STABILITY_LEVEL: usize = 2;
+pub(super) const STABILITY_LEVEL: usize = 2;
 /// How often the steps may be halved.
-const MAX_REFINEMENTS: usize = 8;
+pub(super) const MAX_REFINEMENTS: usize = 8;
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 4;
 /// What an unstable equilibrium could be left for is looked for with steps halved this often.
@@ -92,8 +92,8 @@ pub struct CosseratDisks {
 /// memory itself.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
-    scratch: Scratch,
-    commands: Vec<Command>,
+    pub(super) scratch: Scratch,
+    pub(super) commands: Vec<Command>,
     coarse: Coarse,
     coarse_tensions: Vec<f64>,
     histories: Vec<StepHistory>,
@@ -146,14 +146,14 @@ impl Workspace {
     }
 
     /// Keeps what the answer on a coarse mesh is compared by.
-    fn keep(&mut self, mesh: &Mesh) {
+    pub(super) fn keep(&mut self, mesh: &Mesh) {
         self.coarse.keep(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
         self.coarse_tensions.clone_from(&self.scratch.tensions);
     }
 
     /// Largest change of a position or a cable's length since then, in m. Where lengths are given
     /// it is the tensions that change, which counts as a fraction of the length.
-    fn change(&self, mesh: &Mesh, length: f64) -> f64 {
+    pub(super) fn change(&self, mesh: &Mesh, length: f64) -> f64 {
         let moved = self.coarse.change(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
         let tensions = self.scratch.tensions.iter().zip(&self.coarse_tensions);
         let relative = |(fine, coarse): (&f64, &f64)| {
@@ -537,7 +537,7 @@ impl CosseratDisks {
 
     /// How often the steps of the first mesh are halved before anything is tried: until they see the layer in which
     /// the greatest force of the cases bends the rod.
-    fn first_level(&self, cases: &[Case], workspace: &mut Workspace) -> usize {
+    pub(super) fn first_level(&self, cases: &[Case], workspace: &mut Workspace) -> usize {
         let grid = &self.mesh.grid;
         let applied = &mut workspace.scratch.applied;
         let mut of_case = |case: &Case| {
@@ -580,7 +580,7 @@ impl CosseratDisks {
         Ok(found)
     }
 
-    fn problem<'a>(
+    pub(super) fn problem<'a>(
         &'a self,
         mesh: &'a Mesh,
         commands: &'a [Command],

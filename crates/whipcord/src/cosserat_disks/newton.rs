@@ -26,6 +26,7 @@ impl Chain {
     /// that are kept are those of a coarser mesh, near enough to begin with.
     pub fn newton(&mut self, task: &Task<'_>, linearised: bool) -> Result<(usize, f64), Open> {
         let failed = |iterations, gap, fault| Open { iterations, gap, fault };
+        let task = &mut Task { ..*task };
         let mut gap = self.measure(task).map_err(|f| failed(0, f64::INFINITY, Some(f)))?;
         let mut linearised = linearised && self.links.len() == task.frame.spans.len();
         let mut iteration = 0;
@@ -48,6 +49,7 @@ impl Chain {
             iteration += 1;
             self.kept.clone_from(&self.nodes);
             self.kept_tensions.clone_from(&self.tensions);
+            self.kept_load = task.load;
             let mut fraction = 1.0;
             loop {
                 self.go(task, fraction);
@@ -125,6 +127,7 @@ impl Chain {
         iterations: usize,
         gap: f64,
     ) -> Result<(usize, f64), Open> {
+        self.load = task.load;
         if task.derivatives && !(self.linearise(task) && self.differentiate(task)) {
             return Err(Open { iterations, gap, fault: None });
         }

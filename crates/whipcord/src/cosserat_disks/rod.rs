@@ -202,8 +202,12 @@ impl<'a> InSpan<'a> {
     /// Dead load between the start of the span and a node, in the frame of the disk, negative: what
     /// it adds to the force at the node.
     fn dead(&self, k: usize, node: usize) -> Vec3 {
-        let there = self.applied.force(k, node);
-        self.to_disk.rotate(self.load * (there - self.at_start))
+        self.load * self.unit_dead(k, node)
+    }
+
+    /// The same of all of the load.
+    fn unit_dead(&self, k: usize, node: usize) -> Vec3 {
+        self.to_disk.rotate(self.applied.force(k, node) - self.at_start)
     }
 }
 
@@ -214,6 +218,8 @@ pub(super) enum By {
     Wrench(BodyWrench),
     /// The direction of the dead loads, as when the disk turns about this axis under them.
     Turn(Vec3),
+    /// The factor on all loads.
+    Load,
 }
 
 /// Eqs. (2) over a span: the variation at its end.
@@ -230,7 +236,9 @@ pub(super) fn linearise(
     let (axis, start) = match by {
         By::Turn(axis) => (axis, BodyWrench::default()),
         By::Wrench(wrench) => (Vec3::ZERO, wrench),
+        By::Load => (Vec3::ZERO, BodyWrench::default()),
     };
+    let by_load = matches!(by, By::Load);
     let (force, moment) = (start.linear, start.angular);
     let mut at = Variation { force, moment, ..Variation::default() };
     let (first, last) = (steps.start, steps.end);
@@ -247,7 +255,13 @@ pub(super) fn linearise(
             let Sample { strain, wrench, rotation, dead, .. } = *sample;
             let Twist { linear: v, angular: u } = strain;
             let (n, m) = (wrench.linear, wrench.angular);
-            let turned = if axis == Vec3::ZERO { Vec3::ZERO } else { dead.cross(axis) };
+            let turned = if by_load {
+                span.unit_dead(k, 2 * q)
+            } else if axis == Vec3::ZERO {
+                Vec3::ZERO
+            } else {
+                dead.cross(axis)
+            };
             let push = n.cross(stage.turn) + rotation.conjugate().rotate(stage.force + turned);
             let change = node.section.yielding(BodyWrench { linear: push, angular: stage.moment });
             let (dv, du) = (change.linear, change.angular);
@@ -264,6 +278,11 @@ pub(super) fn linearise(
                 let to_body = rotation.conjugate();
                 slope.moment -= to_body.rotate(dead).cross(stage.turn);
                 slope.moment -= to_body.rotate(dead.cross(axis));
+                if by_load {
+                    slope.force -= rotation.rotate(line.follower_force(reach));
+                    let moment = span.to_disk.rotate(line.moment(reach));
+                    slope.moment -= to_body.rotate(moment) + line.follower_moment(reach);
+                }
             }
             at = at.plus(weight * h, &slope);
         }
@@ -274,6 +293,12 @@ pub(super) fn linearise(
             at.moment -= to_body.rotate(dead).cross(at.turn) + to_body.rotate(dead.cross(axis));
             let follower = span.load * span.applied.follower(k + 1).force;
             at.force -= rotation.rotate(at.turn.cross(follower));
+            if by_load {
+                let follower = span.applied.follower(k + 1);
+                let moment = span.to_disk.rotate(span.applied.moment(k + 1));
+                at.moment -= to_body.rotate(moment) + follower.moment;
+                at.force -= rotation.rotate(follower.force);
+            }
         }
     }
     at

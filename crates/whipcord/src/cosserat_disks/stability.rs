@@ -178,8 +178,13 @@ impl Stability {
 
     /// Whether no eigenvalue is less than a bound.
     pub fn is_above(&mut self, bound: f64, at: &Equilibrium<'_>, locked: Locked) -> Option<bool> {
+        Some(self.below(bound, at, locked)? == 0)
+    }
+
+    /// The number of eigenvalues less than a bound.
+    pub fn below(&mut self, bound: f64, at: &Equilibrium<'_>, locked: Locked) -> Option<usize> {
         self.assemble(at, locked)?;
-        Some(self.negative_directions(&at.mesh.spans, bound) == 0)
+        Some(self.negative_directions(&at.mesh.spans, bound))
     }
 
     /// Whether no eigenvalue is less than [`Diagnostics::NEAR_CRITICAL`], whatever the skew part of dead moments does.

@@ -127,6 +127,28 @@ fn is_above(problem: &Problem<'_>, bound: f64, load: f64, scratch: &mut Scratch)
     stability.is_above(bound, &at, locked)
 }
 
+/// The number of directions in which the equilibrium is unstable that the chain holds under this part of its dead loads
+/// and without friction; always on steps as fine as these, so that it does not change with them along a path.
+pub(super) fn unstable_directions(
+    problem: &Problem<'_>,
+    load: f64,
+    scratch: &mut Scratch,
+) -> Option<usize> {
+    let Problem { frame, mesh, .. } = *problem;
+    let scale = compliance_scale(problem);
+    let fine = problem.sampled.fine;
+    let locked = held_lengths(problem, &scratch.chain.tensions, &scratch.chain.lengths);
+    let own_is_fine = mesh.grid.len() >= fine.grid.len();
+    if !own_is_fine {
+        sample(problem, fine, load, true, scratch);
+    }
+    let Scratch { chain, stability, samples, .. } = scratch;
+    let (mesh, samples) = if own_is_fine { (mesh, &chain.samples) } else { (fine, &*samples) };
+    let (chords, tensions) = (&chain.chords[..], &chain.pulled[..]);
+    let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments: None };
+    stability.below(-Diagnostics::NEUTRAL, &at, locked)
+}
+
 /// Whether the equilibrium without load that was found last is stable, as far as its spans may buckle
 /// under their cables: whether no eigenvalue is less than a bound.
 pub(super) fn is_above_without_load(

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Pose;
 
-use super::chain::{self, Chain};
+use super::chain::{self, Chain, State};
 use super::friction::{self, History, Holes};
 use super::layout::{Frame, Mesh};
 use super::load_continuation::{self, Raise};
@@ -128,19 +128,13 @@ pub(super) fn solve(
         scratch.tensions.clear();
         scratch.tensions.resize(cables, 0.0);
     }
-    scratch.groups.clear();
-    let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);
-    scratch.groups.extend(passages.map(|passage| passage.cable));
+    group(problem, scratch);
     if let Start::From { tensions, .. } = start {
         for (tension, &given) in scratch.tensions.iter_mut().zip(tensions) {
             *tension = given.max(0.0);
         }
     }
-    for (tension, command) in scratch.tensions.iter_mut().zip(problem.commands) {
-        if let Command::Tension(given) = *command {
-            *tension = given;
-        }
-    }
+    set_tensions(problem, scratch);
     if scratch.applied.any() {
         return load_continuation::solve(problem, start, scratch);
     }
@@ -155,6 +149,39 @@ pub(super) fn solve(
         return Ok(found);
     }
     Ok(Found { lost_at: load_continuation::tensions_lost_at(problem, scratch), ..found })
+}
+
+/// Each passage has the tension of its cable.
+fn group(problem: &Problem<'_>, scratch: &mut Scratch) {
+    scratch.groups.clear();
+    let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);
+    scratch.groups.extend(passages.map(|passage| passage.cable));
+}
+
+/// Puts the given tensions in their place.
+fn set_tensions(problem: &Problem<'_>, scratch: &mut Scratch) {
+    for (tension, command) in scratch.tensions.iter_mut().zip(problem.commands) {
+        if let Command::Tension(given) = *command {
+            *tension = given;
+        }
+    }
+}
+
+/// The robot without load as the start of a path under the loads that `scratch.applied` has gathered; `None` where
+/// there is no load. Without friction.
+pub(super) fn start_of_path(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+) -> Result<Option<State>, Failure> {
+    scratch.unstable = false;
+    scratch.tensions.clear();
+    scratch.tensions.resize(problem.commands.len(), 0.0);
+    group(problem, scratch);
+    set_tensions(problem, scratch);
+    load_continuation::start_without_load(problem, scratch)?;
+    let Chain { nodes, tensions, .. } = &scratch.chain;
+    let state = State { nodes: nodes.clone(), tensions: tensions.clone(), load: 0.0 };
+    Ok(scratch.applied.any().then_some(state))
 }
 
 /// One step of actuation on from what the holes remember.

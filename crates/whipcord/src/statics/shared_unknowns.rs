@@ -158,8 +158,7 @@ impl SharedUnknowns {
         }
         self.negative = lu.is_determinant_negative() != (taut.len() % 2 == 1);
         lu.solve(right);
-        let solved: Vec<usize> = unknowns().collect();
-        for (&j, &x) in solved.iter().zip(&*right) {
+        for (j, &x) in unknowns().zip(&*right) {
             theta[j] = x * unit(j);
         }
         theta.iter().all(|x| x.is_finite())

@@ -226,5 +226,5 @@ pub(super) fn path_point<P: EquilibriumPath>(
         return None;
     }
     let unstable = path.unstable_directions()?;
-    Some(PathPoint { state: path.state().clone(), tangent, unstable })
+    Some(PathPoint { state: path.state(), tangent, unstable })
 }

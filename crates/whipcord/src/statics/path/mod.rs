@@ -83,7 +83,7 @@ pub(crate) trait EquilibriumPath {
     fn scales(&self) -> Scales;
 
     /// The state.
-    fn state(&self) -> &StateOf<Self>;
+    fn state(&self) -> StateOf<Self>;
 
     /// Goes to a state, of which nothing is known yet.
     fn set_state(&mut self, state: StateOf<Self>);

@@ -10,8 +10,8 @@ pub(crate) trait Part: Copy + Debug {
     /// Its change.
     type Change: PartChange;
 
-    /// This part moved by a fraction of a change.
-    fn moved(&self, fraction: f64, change: &Self::Change) -> Self;
+    /// This part a fraction of a change on.
+    fn stepped(&self, fraction: f64, change: &Self::Change) -> Self;
 }
 
 /// Change of a part of a state.
@@ -47,7 +47,7 @@ impl<N: Part> State<N> {
     pub fn step_from(&mut self, from: &Self, fraction: f64, direction: &Direction<N::Change>) {
         self.nodes.clear();
         let nodes = from.nodes.iter().zip(&direction.nodes);
-        self.nodes.extend(nodes.map(|(node, change)| node.moved(fraction, change)));
+        self.nodes.extend(nodes.map(|(node, change)| node.stepped(fraction, change)));
         self.tensions.clear();
         let moved = |(t, d): (&f64, &f64)| (t + fraction * d).max(0.0);
         self.tensions.extend(from.tensions.iter().zip(&direction.tensions).map(moved));

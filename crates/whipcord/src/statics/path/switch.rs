@@ -65,7 +65,7 @@ fn aside<P: EquilibriumPath>(
 ) -> Option<State<P::Part>> {
     path.step_from(&at.state, reach, direction);
     path.converge(Some(direction), 0.0)?;
-    Some(path.state().clone())
+    Some(path.state())
 }
 
 /// The equilibrium under all of the load on a branch that parts at a point and passes that load within
