@@ -370,16 +370,22 @@ def test_lengths_follow_the_commands(segment: whipcord.Case) -> None:
     assert rate.shape == (3, 3) and np.allclose(rate.sum(axis=1), -1, atol=1e-6)
 
 
-def test_a_buckled_column_has_three_equilibria() -> None:
+@pytest.mark.parametrize("model", ["cosserat", "piecewise-constant-curvature", "pseudo-rigid-body"])
+def test_a_buckled_column_has_three_equilibria(model: str) -> None:
     rod = Backbone(length=0.18, diameter=0.003, young_modulus=1.1e9, poisson_ratio=0.3)
     column = Case(Robot(backbone=rod, disks=Disks(count=10)), loads=Loads(tip_force=[0, 0, -0.5]))
-    found = column.branches()
+    found = column.branches(model=model)
     assert [equilibrium.stable for equilibrium in found.equilibria] == [False, True, True]
     assert found.complete
     # Euler's load of a cantilever.
     euler = np.pi**2 * 1.1e9 * (np.pi * 0.003**4 / 64) / (4 * 0.18**2)
     loads = [p.load * 0.5 for p in found.critical_points if p.kind == "bifurcation"]
     assert any(abs(load / euler - 1) < 0.01 for load in loads)
+
+
+def test_a_model_without_loads_has_no_branches(case: whipcord.Case) -> None:
+    with pytest.raises(errors.ModelError, match="use cosserat"):
+        case.branches(model="constant-curvature", shortening=[0.001] * len(case.robot.cables))
 
 
 def test_models_are_compared(case: whipcord.Case) -> None:

@@ -390,17 +390,21 @@ class Case(Description):
         *,
         tension: Commands | None = None,
         shortening: Commands | None = None,
+        model: ModelLike = "cosserat",
+        actuation: str | None = None,
         timeout: float | None = None,
     ) -> Branches:
         """All equilibria under the load that lie on the path from no load and on the branches off it.
 
         Parameters
         ----------
-        tension, shortening
+        tension, shortening, actuation
             As for :meth:`solve`.
+        model
+            Any model of an equilibrium under loads: not four-bar, nor constant-curvature.
         timeout
             Seconds after which the search is ended; by default as long as it takes.
         """
-        chosen = models.core("cosserat", timeout=timeout)
+        chosen = models.core(model, None, actuation, timeout)
         given = commanded(tension, shortening, chosen, self.robot.cables)
         return Branches._of(self, chosen, self._setup.branches(chosen, *given))

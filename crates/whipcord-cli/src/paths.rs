@@ -1,4 +1,4 @@
-//! The ways to an answer and what lies beside it: iterations and branches of the Cosserat model.
+//! The ways to an answer and what lies beside it: iterations and branches.
 
 use whipcord::cosserat::{Cosserat, TraceEvent, Workspace};
 use whipcord::cosserat_disks::{self, CosseratDisks};
@@ -56,22 +56,10 @@ pub fn trace(model: &Model, file: &CaseFile) -> Result<Vec<TraceEvent>, Failure>
 /// # Errors
 /// [`Failure`] where the model knows of no branches, or finds no shape.
 pub fn branches(model: &Model, file: &CaseFile) -> Result<Branches, Failure> {
-    let model = cosserat(model, file, "--branches")?;
-    model
-        .branches(&file.case, &BranchOptions::default(), &mut Workspace::default())
-        .map_err(|error| Failure::from_solve(file, &error))
-}
-
-fn cosserat(model: &Model, file: &CaseFile, flag: &str) -> Result<Cosserat, Failure> {
-    let Model::Cosserat(options) = model else {
-        let kind = model.kind();
-        return Err(Failure::Input(format!(
-            "error: {flag} is for the model cosserat; {kind} does not have it: leave out {flag}, or \
-             choose --model cosserat"
-        )));
-    };
-    let built: Result<Cosserat, SolveError> = Cosserat::new(&file.robot, &file.case.loads, options);
-    built.map_err(|error| Failure::from_solve(file, &error))
+    let found = model
+        .prepare(&file.robot, &file.case.loads)
+        .and_then(|mut prepared| prepared.branches(&file.case, &BranchOptions::default()));
+    found.map_err(|error| Failure::from_solve(file, &error))
 }
 
 /// The iterations for people, one to a line.

@@ -7,7 +7,6 @@ use std::time::Instant;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use whipcord::cosserat::{Cosserat, Workspace};
 use whipcord::kinematics::{Compliance, DerivativeMethod, DrivenBy};
 use whipcord::warning::{of_answer, of_case, of_spacing};
 use whipcord::{
@@ -102,22 +101,6 @@ impl Setup {
     pub fn station_list(&self, py: Python<'_>, model: &Model) -> PyResult<Vec<f64>> {
         let stations = self.with(&model.inner, |prepared| Ok(prepared.stations().to_vec()));
         stations.map_err(|error| errors::solve(py, &error))
-    }
-
-    /// The Cosserat model, for what only it knows.
-    pub fn cosserat(
-        &self,
-        py: Python<'_>,
-        model: &whipcord::Model,
-        what: &str,
-    ) -> PyResult<Cosserat> {
-        let whipcord::Model::Cosserat(options) = model else {
-            let message =
-                format!("{what} are known to the model cosserat, not to {}", model.kind());
-            return Err(errors::input(py, "model", message));
-        };
-        let built = Cosserat::new(&self.robot, &self.case.loads, options);
-        built.map_err(|error| errors::solve(py, &error))
     }
 }
 
@@ -435,8 +418,7 @@ impl Setup {
     #[pyo3(signature = (model, tension = None, shortening = None))]
     #[expect(clippy::type_complexity, reason = "rows of a table")]
     fn branches(
-        &self,
-        py: Python<'_>,
+        slf: &Bound<'_, Self>,
         model: &Model,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
@@ -445,14 +427,11 @@ impl Setup {
         Vec<(usize, f64, &'static str, [f64; 3])>,
         bool,
     )> {
-        let case = self.commanded(tension, shortening)?;
-        let (flagged, limit) = model.begin();
-        let model = self.cosserat(py, &flagged, "branches")?;
+        let case = slf.get().commanded(tension, shortening)?;
         let of = Arc::clone(&case);
-        let found = within(py, &limit, move || {
-            model.branches(&of, &BranchOptions::default(), &mut Workspace::default())
+        let found = Self::watched(slf, model, move |prepared| {
+            prepared.branches(&of, &BranchOptions::default())
         })?;
-        let found = found.map_err(|error| errors::solve(py, &error))?;
         let equilibria = found.equilibria.into_iter().map(|equilibrium| {
             (equilibrium.branch, equilibrium.stable, Solution::new(equilibrium.solution, &case))
         });

@@ -7,10 +7,12 @@ use crate::case::{Actuation, Case, Loads};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::kinematics::Local;
+use crate::refusal;
 use crate::robot::{Robot, check_on_backbone};
 use crate::shape::Solution;
 use crate::statics::Statics;
 use crate::statics::options::StabilityAnalysis;
+use crate::statics::path::branches::{BranchOptions, Branches};
 use crate::stations::Stations;
 use crate::{
     constant_curvature, cosserat, cosserat_disks, four_bar, linkage, piecewise_constant_curvature,
@@ -274,6 +276,58 @@ impl Prepared {
             Self::FourBar(model, workspace) => model.solve(case, warm_start, workspace),
             Self::ConstantCurvature(model, workspace) => model.solve(case, workspace),
             Self::Linkage(model, workspace) => model.solve(case, warm_start, workspace),
+        }
+    }
+
+    /// All equilibria under the load of a case that lie on the path from no load, past its limit
+    /// points, and on the branches off it: by every model of an equilibrium under loads. Cables keep their commands on
+    /// the way. Of a case in several steps they are those of the last.
+    ///
+    /// ```
+    /// use whipcord::{
+    ///     Actuation, Backbone, BranchOptions, Case, Disks, Loads, Material, Model, ModelKind, Robot,
+    ///     Section, Stations, Vec3,
+    /// };
+    ///
+    /// let backbone = Backbone {
+    ///     section: Some(Section::circle(0.003)),
+    ///     material: Material {
+    ///         young_modulus: Some(1.1e9),
+    ///         poisson_ratio: Some(0.3),
+    ///         ..Default::default()
+    ///     },
+    ///     ..Backbone::new(0.18)
+    /// };
+    /// let rod = Robot::new(backbone, Disks::equally_spaced(0.18, 10, 0.008), vec![])?;
+    /// // Half as much again as what buckles the rod.
+    /// let loads = Loads { tip_force: Vec3::new(0.0, 0.0, -0.5), ..Loads::default() };
+    /// let case = Case { loads, ..Case::default() };
+    /// for kind in [ModelKind::Cosserat, ModelKind::PiecewiseConstantCurvature] {
+    ///     let model = Model::new(kind, Stations::Disks, Actuation::Natural);
+    ///     let found =
+    ///         model.prepare(&rod, &case.loads)?.branches(&case, &BranchOptions::default())?;
+    ///     let stable: Vec<_> = found.equilibria.iter().map(|e| e.stable).collect();
+    ///     // Straight, and bent to either side.
+    ///     assert_eq!(stable, [Some(false), Some(true), Some(true)]);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SolveError::Unsupported`] for a model without loads, with hole friction and among obstacles. Else
+    /// [`SolveError`] when there is no shape without load to start from, or when an equilibrium is
+    /// lost on finer steps.
+    pub fn branches(
+        &mut self,
+        case: &Case,
+        options: &BranchOptions,
+    ) -> Result<Branches, SolveError> {
+        match self {
+            Self::Cosserat(model, workspace) => model.branches(case, options, workspace),
+            Self::CosseratDisks(model, workspace) => model.branches(case, options, workspace),
+            Self::Linkage(model, workspace) => model.branches(case, options, workspace),
+            Self::FourBar(..) => Err(refusal::branches(ModelKind::FourBar)),
+            Self::ConstantCurvature(..) => Err(refusal::branches(ModelKind::ConstantCurvature)),
         }
     }
 

@@ -48,6 +48,16 @@ pub(crate) fn obstacles(model: ModelKind, case: &Case) -> Result<(), SolveError>
     })
 }
 
+/// Refuses to follow equilibria under a growing load, on behalf of a model that takes no loads.
+pub(crate) fn branches(model: ModelKind) -> SolveError {
+    SolveError::Unsupported {
+        model,
+        path: "a request for branches".to_owned(),
+        what: "it takes no loads, and its shapes are no equilibria under forces",
+        advice: "use cosserat, cosserat-disks, piecewise-constant-curvature or pseudo-rigid-body",
+    }
+}
+
 /// Refuses a case with obstacles where something other than its shape is asked for.
 pub(crate) fn among_obstacles(what: &str, model: ModelKind, case: &Case) -> Result<(), SolveError> {
     if case.obstacles.is_empty() {

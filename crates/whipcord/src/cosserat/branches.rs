@@ -18,33 +18,6 @@ impl Cosserat {
     /// All equilibria under the load of a case that lie on the path from no load, past its limit
     /// points, and on the branches off it. Cables keep their commands on the way.
     ///
-    /// ```
-    /// use whipcord::cosserat::{Cosserat, Options, Workspace};
-    /// use whipcord::{
-    ///     Backbone, BranchOptions, Case, Disks, Loads, Material, Robot, Section, Vec3,
-    /// };
-    ///
-    /// let backbone = Backbone {
-    ///     section: Some(Section::circle(0.003)),
-    ///     material: Material {
-    ///         young_modulus: Some(1.1e9),
-    ///         poisson_ratio: Some(0.3),
-    ///         ..Default::default()
-    ///     },
-    ///     ..Backbone::new(0.18)
-    /// };
-    /// let rod = Robot::new(backbone, Disks::equally_spaced(0.18, 10, 0.008), vec![])?;
-    /// // Half as much again as what buckles the rod.
-    /// let loads = Loads { tip_force: Vec3::new(0.0, 0.0, -0.5), ..Loads::default() };
-    /// let case = Case { loads, ..Case::default() };
-    /// let model = Cosserat::new(&rod, &case.loads, &Options::default())?;
-    /// let found = model.branches(&case, &BranchOptions::default(), &mut Workspace::default())?;
-    /// let stable: Vec<_> = found.equilibria.iter().map(|e| e.stable).collect();
-    /// // Straight, and bent to either side.
-    /// assert_eq!(stable, [Some(false), Some(true), Some(true)]);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
     /// # Errors
     /// [`SolveError`] when there is no shape without load to start from, or when an equilibrium is
     /// lost on finer steps.

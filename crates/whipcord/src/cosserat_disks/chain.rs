@@ -278,7 +278,6 @@ impl Chain {
                 moment: total.angular,
                 force: share,
                 wrench: total - pulled,
-                ..Node::default()
             });
             let middle = 0.5 * (dead(steps.start, 0) + dead(steps.end - 1, 4)) + share;
             moment -= (far.position - near.position).cross(middle);

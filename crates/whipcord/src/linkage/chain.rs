@@ -15,9 +15,11 @@ pub(super) struct Task<'a> {
     pub division: &'a Division,
     pub sections: &'a [Section],
     pub loads: &'a AppliedLoads,
-    /// Fraction of loads and tensions that acts.
-    pub fraction: f64,
-    /// By cable in N, at fraction 1.
+    /// Factor on all loads.
+    pub load: f64,
+    /// Factor on all tensions.
+    pub pull: f64,
+    /// By cable in N.
     pub tensions: &'a [f64],
     pub cancel: &'a Cancel,
 }
@@ -31,7 +33,7 @@ pub(super) struct Elimination {
     pub asked: Asked,
 }
 
-/// What is asked of a linear system.
+/// What is asked of a linear system, beside the responses to what is given with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Asked {
     /// The signs of its eigenvalues.
@@ -40,6 +42,19 @@ pub(super) enum Asked {
     Step,
     /// The step, and the response to each cable's tension.
     Responses,
+}
+
+/// A right-hand side of a linear system.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Right<'a> {
+    /// What takes the residual away.
+    Closing,
+    /// The tension of a cable, in N.
+    Tension(usize),
+    /// A dead wrench.
+    Push(&'a Pushed),
+    /// One of its own for each section.
+    Given(&'a [Coordinates]),
 }
 
 /// A dead wrench on a cross-section of a section, in the frame of the disk at the section's start.
@@ -149,7 +164,7 @@ impl Chain {
                 folded |= length <= FOLDED * section.length || !length.is_finite();
                 let along = way / length;
                 lengths[passage.cable] += length;
-                let tension = task.fraction * task.tensions[passage.cable];
+                let tension = task.pull * task.tensions[passage.cable];
                 let arm = motion.rotation * passage.far;
                 let mut pull = [0.0; MOST];
                 for a in 0..count {
@@ -171,7 +186,7 @@ impl Chain {
             let axes: [Vec3; 3] = core::array::from_fn(|j| rotations.column(j));
             for load in task.loads.inside(k) {
                 let motion = Motion::up_to(division, section.length, q, load.at);
-                inner.push(Inner::new(motion, load, &axes, task.fraction));
+                inner.push(Inner::new(motion, load, &axes, task.load));
             }
             // The frame of the disk at its end, by rows of its transpose.
             rotations = rotations * link.motion.rotation;
@@ -222,7 +237,7 @@ impl Chain {
             let (mut force, mut moment) = (wrench.force, wrench.moment);
             *tangent = Default::default();
             for (passage, pull) in section.passages.iter().zip(&mut pulls) {
-                let tension = task.fraction * task.tensions[passage.cable];
+                let tension = task.pull * task.tensions[passage.cable];
                 if tension == 0.0 {
                     continue;
                 }
@@ -266,22 +281,26 @@ impl Chain {
     /// The number of negative pivots, which is that of negative eigenvalues where the tangent is symmetric; `None`
     /// where it is singular.
     pub fn eliminate(&mut self, task: &Task<'_>, how: Elimination) -> Option<usize> {
-        self.eliminate_with(task, how, &[])
+        let cables = (0..task.tensions.len()).map(Right::Tension);
+        match how.asked {
+            Asked::Signs => self.eliminate_with(task, how.shift, &[]),
+            Asked::Step => self.eliminate_with(task, how.shift, &[Right::Closing]),
+            Asked::Responses => {
+                let rights: Vec<_> = core::iter::once(Right::Closing).chain(cables).collect();
+                self.eliminate_with(task, how.shift, &rights)
+            }
+        }
     }
 
-    /// The same, with the responses to these wrenches behind those to the tensions, eq. (11).
+    /// The same at a shift of the tangent, with these right-hand sides, eq. (11).
     pub fn eliminate_with(
         &mut self,
         task: &Task<'_>,
-        how: Elimination,
-        pushes: &[Pushed],
+        shift: f64,
+        rights: &[Right<'_>],
     ) -> Option<usize> {
         let (count, n) = (task.division.coordinates(), task.sections.len());
-        let sides = match how.asked {
-            Asked::Signs => 0,
-            Asked::Step => 1,
-            Asked::Responses => 1 + task.tensions.len() + pushes.len(),
-        };
+        let sides = rights.len();
         self.steps.clear();
         self.steps.resize(sides * n, [0.0; MOST]);
         self.beyond.clear();
@@ -301,8 +320,8 @@ impl Chain {
             let link = &mut self.links[k];
             let turn = link.motion.rotation;
             let back = turn.transpose();
-            force_by = turn * (force_by - Mat3::skew(own.force * task.fraction)) * back;
-            moment_by = turn * (moment_by - Mat3::skew(own.moment * task.fraction)) * back;
+            force_by = turn * (force_by - Mat3::skew(own.force * task.load)) * back;
+            moment_by = turn * (moment_by - Mat3::skew(own.moment * task.load)) * back;
             let Link { motion, wrench, residual, tangent, by_turn } = link;
             self.matrix.clear();
             for a in 0..count {
@@ -311,7 +330,7 @@ impl Chain {
                     force_by.transpose_mul(motion.shift[a]),
                 );
                 for b in 0..count {
-                    let own = if a == b { how.shift * section.stiffness[a] } else { 0.0 };
+                    let own = if a == b { shift * section.stiffness[a] } else { 0.0 };
                     let beyond = (by_moment + by_force).dot(motion.turn[b]);
                     self.matrix.push(tangent[a][b] - own - beyond);
                 }
@@ -357,24 +376,30 @@ impl Chain {
                 moment_by += -Mat3::skew(follower.moment) * turned - Mat3::skew(load.force) * moved
                     + Mat3::skew(motion.end) * by_force;
             }
-            for side in 0..sides {
+            for (side, right) in rights.iter().enumerate() {
                 let beyond = self.beyond[side].map(|v| turn * v);
                 self.column.clear();
                 for a in 0..count {
                     let through = motion.shift[a].dot(beyond[0]) + motion.turn[a].dot(beyond[1]);
-                    let own = if side == 0 { -residual[a] } else { 0.0 };
+                    let own = match right {
+                        Right::Closing => -residual[a],
+                        Right::Given(given) => given[k][a],
+                        Right::Tension(_) | Right::Push(_) => 0.0,
+                    };
                     self.column.push(own + through);
                 }
-                if side > 0 {
+                if let Right::Tension(cable) = right {
                     let passing = section.passages.iter().zip(&self.pulls[first..]);
-                    for (_, pull) in passing.filter(|(passage, _)| passage.cable == side - 1) {
+                    for (_, pull) in passing.filter(|(passage, _)| passage.cable == *cable) {
                         for (x, pull) in self.column.iter_mut().zip(pull) {
                             *x -= pull;
                         }
                     }
                 }
-                let push = side.checked_sub(1 + task.tensions.len()).and_then(|i| pushes.get(i));
-                let push = push.filter(|push| push.section == k);
+                let push = match right {
+                    Right::Push(push) if push.section == k => Some(*push),
+                    _ => None,
+                };
                 if let Some(Pushed { motion, wrench, .. }) = push {
                     for (a, x) in self.column.iter_mut().enumerate() {
                         *x += wrench.moment.dot(motion.turn[a]) + wrench.force.dot(motion.shift[a]);
@@ -432,6 +457,11 @@ impl Chain {
         }
     }
 
+    /// What was left of eq. (3) where it was evaluated last.
+    pub fn residuals(&self) -> Vec<Coordinates> {
+        self.links.iter().map(|link| link.residual).collect()
+    }
+
     /// How a section moves where it was evaluated last.
     pub fn motion(&self, section: usize) -> &Motion {
         &self.links[section].motion
@@ -472,9 +502,9 @@ impl Chain {
 
 impl Inner {
     /// Of a load on the cross-section that moves like this, behind a disk whose axes, in the base frame, are these.
-    fn new(motion: Motion, load: &InnerLoad, axes: &[Vec3; 3], fraction: f64) -> Self {
-        let seen = |v: Vec3| Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v)) * fraction;
-        let turned = |v: Vec3| motion.rotation * v * fraction;
+    fn new(motion: Motion, load: &InnerLoad, axes: &[Vec3; 3], factor: f64) -> Self {
+        let seen = |v: Vec3| Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v)) * factor;
+        let turned = |v: Vec3| motion.rotation * v * factor;
         let follower =
             Wrench { force: turned(load.follower.force), moment: turned(load.follower.moment) };
         let load = Wrench {
@@ -490,8 +520,8 @@ fn applied(task: &Task<'_>, disk: usize, axes: &[Vec3]) -> Wrench {
     let (dead, own) = (&task.loads.dead[disk], &task.loads.followers[disk]);
     let seen = |v: Vec3| Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v));
     Wrench {
-        force: (seen(dead.force) + own.force) * task.fraction,
-        moment: (seen(dead.moment) + own.moment) * task.fraction,
+        force: (seen(dead.force) + own.force) * task.load,
+        moment: (seen(dead.moment) + own.moment) * task.load,
     }
 }
 

@@ -10,7 +10,7 @@
 
 use whipcord_numerics::{Pose, Twist, Vec3};
 
-use super::chain::{Asked, Elimination, Pushed};
+use super::chain::{Pushed, Right};
 use super::motion::{self, Motion};
 use super::{Linkage, Workspace};
 use crate::case::Case;
@@ -63,8 +63,12 @@ impl Linkage {
         let chain = &mut scratch.chain;
         chain.evaluate(&task);
         chain.linearise(&task);
-        let how = Elimination { shift: 0.0, asked: Asked::Responses };
-        chain.eliminate_with(&task, how, &pushes).ok_or(SolveError::NoDerivatives)?;
+        let cables = (0..tensions.len()).map(Right::Tension);
+        let rights: Vec<_> = core::iter::once(Right::Closing)
+            .chain(cables)
+            .chain(pushes.iter().map(Right::Push))
+            .collect();
+        chain.eliminate_with(&task, 0.0, &rights).ok_or(SolveError::NoDerivatives)?;
         let at = disks[place] * Pose { position: motion.end, ..Pose::IDENTITY };
         let cables = tensions.len();
         let column = |side: usize| {

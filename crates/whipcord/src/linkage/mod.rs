@@ -12,6 +12,7 @@ mod layout;
 mod loads;
 mod local;
 mod motion;
+mod path;
 mod statics;
 mod swing;
 
@@ -86,7 +87,6 @@ pub struct Workspace {
     commands: Vec<Command>,
     tensions: Vec<f64>,
     search: LengthScratch,
-    held: Vec<(usize, f64)>,
 }
 
 impl Linkage {
@@ -145,10 +145,26 @@ impl Linkage {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        self.accept(case, workspace)?;
+        let Workspace { scratch, tensions, .. } = &mut *workspace;
+        if let Some(solution) = warm_start {
+            self.start_from(solution, scratch);
+            for (tension, cable) in tensions.iter_mut().zip(&solution.cables) {
+                *tension = cable.tension.unwrap_or(0.0).max(0.0);
+            }
+        }
+        let converged = self.converge(1.0, warm_start.is_some(), workspace);
+        let converged = converged.map_err(|failure| self.explain(failure, workspace));
+        let effort = self.options.cancel.checked(converged)?;
+        Ok(self.solution(case, effort, workspace))
+    }
+
+    /// Checks a case, and gathers its commands and loads.
+    fn accept(&self, case: &Case, workspace: &mut Workspace) -> Result<(), SolveError> {
         case.check(&self.robot)?;
         refusal::obstacles(self.kind, case)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
-        let Workspace { scratch, loads, commands, tensions, .. } = &mut *workspace;
+        let Workspace { loads, commands, tensions, .. } = workspace;
         loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
         commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {
@@ -157,18 +173,12 @@ impl Linkage {
         }
         tensions.clear();
         tensions.resize(commands.len(), 0.0);
-        if let Some(solution) = warm_start {
-            self.start_from(solution, scratch);
-            for (tension, cable) in tensions.iter_mut().zip(&solution.cables) {
-                *tension = cable.tension.unwrap_or(0.0).max(0.0);
-            }
-        }
-        let converged = self.converge(warm_start.is_some(), workspace).map_err(|failure| {
-            let name = |i: usize| self.robot.cables()[i].name.clone();
-            failure.explain(&workspace.commands, &self.rest_lengths, name)
-        });
-        let effort = self.options.cancel.checked(converged)?;
-        Ok(self.solution(case, effort, workspace))
+        Ok(())
+    }
+
+    fn explain(&self, failure: Failure, workspace: &Workspace) -> SolveError {
+        let name = |i: usize| self.robot.cables()[i].name.clone();
+        failure.explain(&workspace.commands, &self.rest_lengths, name)
     }
 
     /// The coordinates nearest to a neighbouring answer's.
@@ -188,14 +198,20 @@ impl Linkage {
             division: &self.division,
             sections: &self.sections,
             loads,
-            fraction: 1.0,
+            load: 1.0,
+            pull: 1.0,
             tensions,
             cancel: &self.options.cancel,
         }
     }
 
-    /// Equilibrium under the commands.
-    fn converge(&self, is_warm: bool, workspace: &mut Workspace) -> Result<Effort, Failure> {
+    /// Equilibrium under the commands and this part of the loads.
+    fn converge(
+        &self,
+        load: f64,
+        is_warm: bool,
+        workspace: &mut Workspace,
+    ) -> Result<Effort, Failure> {
         let Workspace { scratch, loads, commands, tensions, search, .. } = workspace;
         let tolerance = self.options.residual;
         for (tension, command) in tensions.iter_mut().zip(&*commands) {
@@ -204,7 +220,7 @@ impl Linkage {
             }
         }
         if !commands.iter().any(Command::is_length) {
-            let task = self.task(loads, tensions);
+            let task = Task { load, ..self.task(loads, tensions) };
             return if is_warm {
                 scratch.settle_near(&task, tolerance, true)
             } else {
@@ -217,7 +233,7 @@ impl Linkage {
             bracket: true,
             cancel: &self.options.cancel,
         };
-        let mut rod = Responder::new(self.task(loads, &[]), tolerance, scratch);
+        let mut rod = Responder::new(Task { load, ..self.task(loads, &[]) }, tolerance, scratch);
         let solved = lengths::solve(&given, tensions, &mut rod, search);
         let Responder { effort, failure, .. } = rod;
         solved.map_err(|fault| {
@@ -283,17 +299,20 @@ impl Linkage {
         if case.loads.has_follower() {
             return Err(NoStability::Followers);
         }
-        let Workspace { scratch, loads, commands, tensions, held, .. } = workspace;
-        held.clear();
-        for (i, command) in commands.iter().enumerate() {
-            if let Command::Length { compliance, .. } = command
-                && tensions[i] > 0.0
-            {
-                held.push((i, *compliance));
-            }
-        }
+        let Workspace { scratch, loads, commands, tensions, .. } = workspace;
+        let held = held(commands, tensions);
         let task = self.task(loads, tensions);
-        let least = scratch.least_eigenvalue(&task, held).ok_or(NoStability::Undetermined)?;
+        let least = scratch.least_eigenvalue(&task, &held).ok_or(NoStability::Undetermined)?;
         Ok(Verdict::of_eigenvalue(least))
     }
+}
+
+/// The cables that are held at their lengths, and how far each of them gives in m/N.
+fn held(commands: &[Command], tensions: &[f64]) -> Vec<(usize, f64)> {
+    let cables = commands.iter().zip(tensions).enumerate();
+    let held = cables.filter_map(|(i, (command, &tension))| match *command {
+        Command::Length { compliance, .. } if tension > 0.0 => Some((i, compliance)),
+        _ => None,
+    });
+    held.collect()
 }

@@ -215,7 +215,7 @@ impl Scratch {
         let (mut at, mut step) = (0.0, 0.25);
         while at < 1.0 {
             let fraction = f64::min(at + step, 1.0);
-            let part = Task { fraction, ..*task };
+            let part = Task { load: fraction * task.load, pull: fraction * task.pull, ..*task };
             if self.newton(&part, tolerance, strict, &mut effort) && (strict || self.is_near()) {
                 at = fraction;
                 step *= 1.5;
@@ -267,21 +267,7 @@ impl Scratch {
     pub fn least_eigenvalue(&mut self, task: &Task<'_>, held: &[(usize, f64)]) -> Option<f64> {
         const FARTHEST: f64 = 1e6;
         const BISECTIONS: usize = 22;
-        let below = |scratch: &mut Self, value: f64| -> Option<usize> {
-            let asked = if held.is_empty() { Asked::Signs } else { Asked::Responses };
-            let how = Elimination { shift: value, asked };
-            let negative = scratch.chain.eliminate(task, how)?;
-            if held.is_empty() {
-                return Some(negative);
-            }
-            // Held cables make rows of the tangent's own: of `[H C; Cᵀ −c]` as many eigenvalues are
-            // negative as there are below, and one for each cable.
-            let Self { chain, length_by_tension, .. } = scratch;
-            chain.length_by_tension(task, length_by_tension);
-            let cables = task.tensions.len();
-            let positive = positive_pivots(held, |i, j| -length_by_tension[i * cables + j])?;
-            Some((negative + positive).saturating_sub(held.len()))
-        };
+        let below = |scratch: &mut Self, value| scratch.eigenvalues_below(task, held, value);
         self.chain.evaluate(task);
         self.chain.linearise(task);
         let (mut low, mut high) = (0.5, 1.4);
@@ -305,6 +291,28 @@ impl Scratch {
             if count > 0 { high = middle } else { low = middle }
         }
         Some(0.5 * (low + high))
+    }
+
+    /// The number of eigenvalues of the tangent that was linearised last, relative to the sections' own stiffness, below
+    /// a value; `held` as in [`Self::least_eigenvalue`].
+    pub fn eigenvalues_below(
+        &mut self,
+        task: &Task<'_>,
+        held: &[(usize, f64)],
+        value: f64,
+    ) -> Option<usize> {
+        let asked = if held.is_empty() { Asked::Signs } else { Asked::Responses };
+        let negative = self.chain.eliminate(task, Elimination { shift: value, asked })?;
+        if held.is_empty() {
+            return Some(negative);
+        }
+        // Held cables make rows of the tangent's own: of `[H C; Cᵀ −c]` as many eigenvalues are
+        // negative as there are below, and one for each cable.
+        let Self { chain, length_by_tension, .. } = self;
+        chain.length_by_tension(task, length_by_tension);
+        let cables = task.tensions.len();
+        let positive = positive_pivots(held, |i, j| -length_by_tension[i * cables + j])?;
+        Some((negative + positive).saturating_sub(held.len()))
     }
 }
 

@@ -54,6 +54,12 @@ impl<N: Part> PathPoint<N> {
         let tensions = self.state.tensions.iter().zip(&other.state.tensions);
         tensions.into_iter().any(|(&a, &b)| (a > 0.0) != (b > 0.0))
     }
+
+    /// Whether the point is a corner where a cable goes slack, and its tangent still that of the taut cable.
+    fn is_before_corner(&self) -> bool {
+        let tensions = self.state.tensions.iter().zip(&self.tangent.tensions);
+        tensions.into_iter().any(|(&tension, &rate)| tension == 0.0 && rate < 0.0)
+    }
 }
 
 impl<N: Part> PathTracker<N> {
@@ -79,7 +85,9 @@ impl<N: Part> PathTracker<N> {
                 return None;
             }
             let taken = self.step;
-            if let Some((mut next, iterations)) = step(path, &self.here, taken) {
+            if let Some((mut next, iterations)) = step(path, &self.here, taken)
+                && !next.is_before_corner()
+            {
                 self.iterations += iterations;
                 corner::face_on(path, &self.here, &mut next);
                 let cosine = path.dot(&next.tangent, &self.here.tangent);

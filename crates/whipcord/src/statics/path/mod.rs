@@ -13,12 +13,14 @@
 //! | `arc_length` | steps along a path, and the limit points and bifurcations between them |
 //! | `corner` | corners of a path, where a cable goes slack or taut |
 //! | `switch` | the other branch at a bifurcation |
+//! | `newton` | Newton's method, for models that have none of their own |
 //! | `next_stable` | the next stable equilibrium past a limit point |
 //! | `branches` | all equilibria that are connected to the unloaded shape |
 
 pub(crate) mod arc_length;
 pub(crate) mod branches;
 mod corner;
+pub(crate) mod newton;
 pub(crate) mod next_stable;
 pub(crate) mod state;
 mod switch;
