@@ -10,7 +10,7 @@
 //! | `rod`, `unloaded_span` | the rod of one span as an initial value problem; without loads inside the span |
 //! | `span`, `loaded_span` | one span with its cables; one span of the loaded chain |
 //! | `unloaded` | robots without loads, span by span |
-//! | `chain`, `newton` | the loaded robot as a chain of spans, and Newton's method on it |
+//! | `chain`, `linear_step`, `newton` | the loaded robot as a chain of spans, its linear step, and Newton's method |
 //! | `path`, `branches` | the chain as an equilibrium path, and all equilibria that are connected to the unloaded shape |
 //! | `statics`, `load_continuation` | equilibrium on one mesh, and continuation of the load |
 //! | `friction` | friction at the holes |
@@ -23,6 +23,7 @@ mod contact;
 mod contact_response;
 mod friction;
 pub(crate) mod layout;
+mod linear_step;
 mod load_continuation;
 mod loaded_span;
 mod model;

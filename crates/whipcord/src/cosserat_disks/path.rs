@@ -130,3 +130,96 @@ impl EquilibriumPath for ChainPath<'_> {
         ends.fold(Pose::IDENTITY, |disk, end| disk * end).position
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::{CableCommand, Case, DistributedLoad, Loads, PointLoad, Shortening};
+    use crate::cosserat_disks::statics::start_of_path;
+    use crate::cosserat_disks::{CosseratDisks, Options, Workspace};
+    use crate::robot::{Backbone, Cable, Disks, Robot, Routing, Stiffness};
+    use crate::statics::path::state::PartChange as _;
+
+    /// Loads of all kinds, within spans and at disks, and a cable that is driven by its length.
+    fn loaded() -> (Robot, Case) {
+        let stiffness = Stiffness::Diagonal {
+            shear: None,
+            axial: None,
+            bending: [2.0, 1.0].into(),
+            torsion: 0.8.into(),
+        };
+        let backbone = Backbone {
+            stiffness: Some(stiffness),
+            extensible: false,
+            shearable: false,
+            ..Backbone::new(1.0)
+        };
+        let cable = Cable::new("cable", Routing::Straight { angle: 3.4, radius: 0.05 });
+        let robot = Robot::new(backbone, Disks::equally_spaced(1.0, 4, 0.06), vec![cable]).unwrap();
+        let spread = |force: Vec3, follower| DistributedLoad {
+            follower,
+            ..DistributedLoad::uniform(1.0, force)
+        };
+        let point = |at: f64, follower| PointLoad {
+            at,
+            force: Vec3::new(0.3, 0.2, -0.4),
+            moment: Vec3::new(0.1, -0.2, 0.3),
+            follower,
+        };
+        let loads = Loads {
+            tip_force: Vec3::new(0.5, 1.0, -1.0),
+            tip_moment: Vec3::new(0.1, 0.3, -0.2),
+            points: vec![point(0.5, false), point(0.8, true)],
+            distributed: vec![
+                spread(Vec3::new(1.0, 0.0, -2.0), false),
+                spread(Vec3::new(-1.0, 0.5, 0.0), true),
+            ],
+            ..Loads::default()
+        };
+        let shortening = Some(Shortening::Length(0.005));
+        let commands = vec![CableCommand { tension: None, shortening }];
+        (robot, Case { commands, loads, ..Case::default() })
+    }
+
+    /// The tangent of the path is the derivative of its equilibria by the load, by central differences.
+    #[test]
+    fn tangents_are_derivatives_by_the_load() {
+        const STEP: f64 = 1e-4;
+        let (robot, case) = loaded();
+        let model = CosseratDisks::new(&robot, &case.loads, &Options::default()).unwrap();
+        let mesh = model.mesh(4).unwrap();
+        let mut workspace = Workspace::default();
+        model.accept(&case, &mesh, &mut workspace).unwrap();
+        let Workspace { scratch, commands, .. } = &mut workspace;
+        let problem = model.problem(&mesh, commands, &case).unwrap();
+        let start = start_of_path(&problem, scratch).unwrap().unwrap();
+        let mut path = ChainPath::new(&problem, scratch);
+        let mut at = |from: &State, load: f64| {
+            path.set_state(State { load, ..from.clone() });
+            path.converge(None, 0.0).unwrap();
+            let here = path.state();
+            let tangent = path.direction(Step::Along(&here.along_load())).unwrap();
+            (here, tangent)
+        };
+        let (near, _) = at(&start, 0.3);
+        let (here, tangent) = at(&near, 0.6);
+        let (ahead, _) = at(&here, 0.6 + STEP);
+        let (behind, _) = at(&here, 0.6 - STEP);
+        let rate = tangent.load / (2.0 * STEP);
+        let turns = ahead.nodes.iter().zip(&behind.nodes).zip(&tangent.nodes);
+        let mut greatest: f64 = 0.0;
+        for ((ahead, behind), step) in turns {
+            let turned = (behind.rotation.conjugate() * ahead.rotation).log() * rate;
+            let moment = (ahead.moment - behind.moment) * rate;
+            greatest = greatest.max(turned.norm()).max(moment.norm());
+            let own = NodeStep::default().plus(1.0, *step).change;
+            assert!((turned - own.turn).norm() < 1e-4, "{turned:?} {:?}", own.turn);
+            assert!((moment - own.moment).norm() < 1e-4, "{moment:?} {:?}", own.moment);
+        }
+        assert!(greatest > 0.1, "{greatest}");
+        let tension = (ahead.tensions[0] - behind.tensions[0]) * rate;
+        assert!(here.tensions[0] > 0.1, "{}", here.tensions[0]);
+        let off = tension - tangent.tensions[0];
+        assert!(off.abs() < 1e-3 * (1.0 + tension.abs()), "{tension} {}", tangent.tensions[0]);
+    }
+}

@@ -44,7 +44,7 @@ pub(crate) enum Step<'a, C> {
     Across(&'a Direction<C>),
     /// The tangent of the path that goes along with a direction.
     Along(&'a Direction<C>),
-    /// What residuals without pattern ([`pattern`]) do at this load: near a singular point, the null vector.
+    /// The response to generic residuals ([`pattern`]) at this load: near a singular point, the null vector.
     Probe,
 }
 
@@ -59,7 +59,7 @@ impl<C> Step<'_, C> {
     }
 }
 
-/// A residual of part `k` that is aligned with nothing.
+/// A residual of part `k` whose direction is generic: it excites every mode of buckling.
 pub(crate) fn pattern(k: usize) -> Vec3 {
     Vec3::new(1.0 + 0.1 * k as f64, 0.3 - 0.05 * k as f64, 0.01)
 }
