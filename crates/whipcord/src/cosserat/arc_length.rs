@@ -98,7 +98,7 @@ impl PathTracker {
     ) -> Option<(PathPoint, f64)> {
         let scales = Scales::of(problem.grid, problem.length);
         loop {
-            if problem.cancel.is_cancelled() {
+            if problem.meter.has_ended() {
                 return None;
             }
             let taken = self.step;

@@ -7,6 +7,7 @@ use super::model::{Cosserat, Workspace};
 use super::refinement::{FOLLOW_LEVEL, MAX_REFINEMENTS};
 use super::state::{Direction, State};
 use super::statics;
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -129,7 +130,8 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
         refusal::among_obstacles("branches", ModelKind::Cosserat, case)?;
-        self.options.cancel.checked(self.follow_branches(case, options, workspace))
+        let found = self.follow_branches(case, options, workspace);
+        self.options.cancel.checked(found)
     }
 
     fn follow_branches(
@@ -145,6 +147,7 @@ impl Cosserat {
         };
         self.accept(case, workspace)?;
         // The options say how far to go.
+        workspace.meter.start(&self.options.cancel, Budget::UNLIMITED);
         workspace.scratch.trajectory.steps_left = usize::MAX;
         let level = match self.options.accuracy {
             Accuracy::Steps(_) => 0,
@@ -153,7 +156,7 @@ impl Cosserat {
         let grid = self.grid(level)?;
         let mut found =
             Branches { equilibria: Vec::new(), critical_points: Vec::new(), complete: true };
-        let problem = self.problem(&grid, case, &workspace.commands);
+        let problem = self.problem(&grid, case, (&workspace.commands, &workspace.meter));
         let scratch = &mut workspace.scratch;
         let start = statics::start_of_path(&problem, scratch)
             .map_err(|failure| self.explain(failure, &workspace.commands))?;
@@ -247,7 +250,7 @@ impl Cosserat {
         let (mut error, mut steps) = (f64::INFINITY, 0);
         for level in level..=MAX_REFINEMENTS {
             let grid = self.grid(level)?;
-            let problem = self.problem(&grid, case, &workspace.commands);
+            let problem = self.problem(&grid, case, (&workspace.commands, &workspace.meter));
             let mut found = statics::converge(&problem, &mut workspace.scratch, near)
                 .map_err(|failure| self.explain(failure, &workspace.commands))?;
             match (accuracy, coarser) {

@@ -13,7 +13,7 @@ use super::sensitivity::{Column, Sensitivity, Unknowns};
 use super::shared_unknowns::Shared;
 use super::state::{Direction, State};
 use super::statics::Problem;
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::derivatives::StepGap;
 use crate::section::Fault;
 use crate::statics::command::Command;
@@ -60,7 +60,7 @@ pub(super) struct Task<'a> {
     /// Greatest gap that counts as closed, relative to 1 rad and the scales of moment, force and
     /// length.
     pub tolerance: f64,
-    pub cancel: &'a Cancel,
+    pub meter: &'a Meter,
 }
 
 /// What is asked of a linear step.
@@ -85,7 +85,7 @@ impl<'a> Task<'a> {
             commands: problem.commands,
             length: problem.length,
             tolerance: problem.tolerance,
-            cancel: problem.cancel,
+            meter: problem.meter,
         }
     }
 }
@@ -119,9 +119,10 @@ impl Chain {
             if gap <= task.tolerance {
                 return Ok((iteration, gap));
             }
-            if trajectory.steps_left == 0 || task.cancel.is_cancelled() {
+            if trajectory.steps_left == 0 || task.meter.has_ended() {
                 break;
             }
+            task.meter.iterate();
             if !self.solve_step(task, by, trajectory) {
                 return Err(failed(iteration, gap, None));
             }
@@ -200,6 +201,7 @@ impl Chain {
     /// Shoots every step from its node; the greatest gap.
     pub fn shoot(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Result<f64, Fault> {
         let scales = Scales::of(task.grid, task.length);
+        task.meter.integrate(task.grid.len());
         trajectory.samples.clear();
         self.gaps.clear();
         let mut greatest: f64 = 0.0;

@@ -7,6 +7,7 @@ use super::model::{Cosserat, Workspace};
 use crate::case::Case;
 use crate::contact::{self, RodAdapter, Unobstructed};
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::shape::Solution;
 
 impl Cosserat {
@@ -72,8 +73,10 @@ impl Unobstructed for FreeRod<'_> {
         from: Option<&Solution>,
         centres: &mut Vec<Vec3>,
     ) -> Result<Solution, SolveError> {
-        let solved = self.model.solve_keeping_grid(case, from, self.workspace);
-        let (solution, grid) = self.model.options.cancel.checked(solved)?;
+        let mut solution = Solution::empty(ModelKind::Cosserat);
+        let from = from.into();
+        let solved = self.model.solve_keeping_grid(case, from, self.workspace, &mut solution);
+        let grid = self.workspace.meter.checked(solved)?;
         contact::centres(&grid, &self.workspace.scratch.poses, &self.watched, centres);
         Ok(solution)
     }

@@ -11,6 +11,7 @@ use super::loaded::{Target, Trajectory};
 use super::model::{Cosserat, Workspace};
 use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::contact::{PushedRod, Refinement, RodResponse};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StepGap};
@@ -102,7 +103,8 @@ impl PushedRod for ContactResponse {
         };
         let Some(contact_grid) = &self.contact_grid else { return Ok(()) };
         contact_grid.model.accept(case, &mut self.workspace)?;
-        let Workspace { scratch, commands, .. } = &mut self.workspace;
+        self.workspace.meter.start(&options.cancel, Budget::UNLIMITED);
+        let Workspace { scratch, commands, meter, .. } = &mut self.workspace;
         let grid = &contact_grid.grid;
         scratch.applied.gather(grid, &case.loads, case.base.rotation);
         let fault = |tensions: &[f64], fault: Fault| {
@@ -142,7 +144,7 @@ impl PushedRod for ContactResponse {
             commands,
             length: robot.backbone().length,
             tolerance: options.greatest_residual(),
-            cancel: &options.cancel,
+            meter,
         };
         for (tension, command) in self.chain.state.tensions.iter_mut().zip(&*commands) {
             if let Command::Tension(given) = command {
@@ -299,7 +301,7 @@ impl PushedRod for ContactResponse {
             commands,
             length: contact_grid.model.robot.backbone().length,
             tolerance: contact_grid.model.options.greatest_residual(),
-            cancel: &contact_grid.model.options.cancel,
+            meter: &self.workspace.meter,
         };
         let negative = self.chain.is_determinant_negative(&task, &mut self.trajectory);
         !negative.unwrap_or(false)

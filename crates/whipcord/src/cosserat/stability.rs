@@ -346,8 +346,8 @@ impl Stability {
     fn negative_directions(&mut self, shift: f64) -> usize {
         let negative = self.eliminate(shift);
         let p = self.locked.len();
-        let of_locks = symmetric_eigenvalues(p, &mut self.schur);
-        (negative + of_locks.iter().filter(|&&x| x < 0.0).count()).saturating_sub(p)
+        let of_locks = symmetric_eigenvalues(p, &mut self.schur).filter(|&x| x < 0.0).count();
+        (negative + of_locks).saturating_sub(p)
     }
 
     /// The elimination of [`Self::negative_directions`]: how many pivots are negative; the Schur complement

@@ -20,7 +20,7 @@ use super::length_constraints::{self, LengthConstraints};
 use super::loaded_span::{Gap, Link, Push, Taut};
 use super::rod::{self, InSpan, Sample};
 use super::span::{self, Chord, Vanished};
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::derivatives::NodeChange;
 use crate::section::BodyWrench;
 use crate::section::Fault;
@@ -108,7 +108,7 @@ pub(super) struct Task<'a> {
     pub derivatives: bool,
     /// Greatest gap that counts as closed.
     pub tolerance: f64,
-    pub cancel: &'a Cancel,
+    pub meter: &'a Meter,
 }
 
 /// The chain, and memory.
@@ -139,6 +139,8 @@ pub(super) struct Chain {
     columns: Vec<Change>,
     elimination: Elimination,
     held: LengthConstraints,
+    /// The numbers of all groups.
+    all: Vec<usize>,
 }
 
 /// [`Chain::measure`] with the instructions that the processor has, to the same bits.
@@ -199,7 +201,8 @@ impl Chain {
     /// Starts from disks that stand at these poses and what the base exerts on the robot there.
     pub fn start_from(&mut self, task: &Task<'_>, disks: &[Pose], base: Wrench) {
         let frame = task.frame;
-        let mut chords = vec![Chord::default(); frame.passages];
+        let mut chords = core::mem::take(&mut self.chords);
+        chords.resize(frame.passages, Chord::default());
         let mut moment = base.moment;
         let mut share = task.loads.follower_share(base.force);
         self.nodes.clear();
@@ -238,6 +241,7 @@ impl Chain {
                 share -= far.rotation.rotate(follower.force);
             }
         }
+        self.chords = chords;
         let rotation = disks.last().map_or(UnitQuaternion::IDENTITY, |pose| pose.rotation);
         self.nodes.push(Node { rotation, ..Node::default() });
     }
@@ -262,6 +266,7 @@ impl Chain {
     #[inline(always)]
     fn measure_with(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
         let Task { frame, mesh, loads, load, .. } = *task;
+        task.meter.integrate(mesh.grid.len());
         let scales = frame.scales(mesh);
         let count = frame.spans.len();
         self.gaps.resize(count, Gap::default());
@@ -480,14 +485,17 @@ impl Chain {
 
     /// `∂ℓ/∂τ` of all groups, from a closed chain that is linearised where it stands.
     pub(super) fn differentiate(&mut self, task: &Task<'_>) -> bool {
-        let all: Vec<usize> = (0..self.tensions.len()).collect();
-        if !self.eliminate(task, &all) {
-            return false;
+        let mut all = core::mem::take(&mut self.all);
+        all.clear();
+        all.extend(0..self.tensions.len());
+        let eliminated = self.eliminate(task, &all);
+        if eliminated {
+            let mut out = core::mem::take(&mut self.length_by_tension);
+            self.lengthen(task, &all, false, &mut out);
+            self.length_by_tension = out;
         }
-        let mut out = core::mem::take(&mut self.length_by_tension);
-        self.lengthen(task, &all, false, &mut out);
-        self.length_by_tension = out;
-        true
+        self.all = all;
+        eliminated
     }
 }
 

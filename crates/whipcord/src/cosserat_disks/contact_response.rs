@@ -9,6 +9,7 @@ use super::layout::Mesh;
 use super::loaded_span::Gap;
 use super::model::{CosseratDisks, Workspace};
 use super::unloaded::From;
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::contact::{PushedRod, Refinement, RodResponse};
 use crate::derivatives::{
@@ -113,7 +114,7 @@ impl ContactMesh {
             commands: if by_length { commands } else { &[] },
             derivatives: false,
             tolerance: options.greatest_residual(),
-            cancel: &options.cancel,
+            meter: workspace.meter(),
         }
     }
 }
@@ -266,6 +267,7 @@ impl PushedRod for ContactResponse {
         warm: Option<&Solution>,
     ) -> Result<(), SolveError> {
         self.linear = None;
+        self.workspace.meter_mut().start(&options.cancel, Budget::UNLIMITED);
         let before = self.contact_mesh.take();
         let is_new = before.is_none();
         let stands = |there: &ContactMesh| {

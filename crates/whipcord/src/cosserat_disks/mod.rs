@@ -14,8 +14,9 @@
 //! | `length_constraints` | cables with prescribed lengths under load |
 //! | `statics`, `load_continuation` | equilibrium on one mesh, and continuation of the load |
 //! | `friction` | friction at the holes |
+//! | `refinement` | halving of the steps to a tolerance |
 //! | `stability`, `stability_check` | the second variation of the energy, and the decision |
-//! | `local` | compliance and Jacobians at a place, by differences |
+//! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 
 mod chain;
 mod contact;
@@ -27,6 +28,7 @@ mod load_continuation;
 mod loaded_span;
 mod model;
 mod newton;
+mod refinement;
 mod repeated_spans;
 mod rod;
 mod span;

@@ -6,7 +6,7 @@ use super::division::Division;
 use super::layout::Section;
 use super::loads::{AppliedLoads, InnerLoad};
 use super::motion::{Coordinates, MOST, Motion};
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::shape::Wrench;
 
 /// What does not change from one iteration to the next.
@@ -19,7 +19,7 @@ pub(super) struct Task<'a> {
     pub fraction: f64,
     /// By cable in N, at fraction 1.
     pub tensions: &'a [f64],
-    pub cancel: &'a Cancel,
+    pub meter: &'a Meter,
 }
 
 /// How a linear system is taken apart.
@@ -446,15 +446,18 @@ impl Chain {
     /// How the lengths of the cables change with that, in m.
     pub fn lengths_by(&self, task: &Task<'_>, side: usize) -> Vec<f64> {
         let mut lengths = vec![0.0; task.tensions.len()];
+        self.add_lengths(task, side, |cable, change| lengths[cable] += change);
+        lengths
+    }
+
+    fn add_lengths(&self, task: &Task<'_>, side: usize, mut add: impl FnMut(usize, f64)) {
         let mut pulls = self.pulls.iter();
         for (k, section) in task.sections.iter().enumerate() {
             let response = self.response(task, side, k);
             for (passage, pull) in section.passages.iter().zip(&mut pulls) {
-                lengths[passage.cable] +=
-                    pull.iter().zip(response).map(|(p, r)| p * r).sum::<f64>();
+                add(passage.cable, pull.iter().zip(response).map(|(p, r)| p * r).sum());
             }
         }
-        lengths
     }
 
     /// `∂ℓᵢ/∂τⱼ` by rows in m/N, from the responses of the last elimination.
@@ -463,9 +466,7 @@ impl Chain {
         into.clear();
         into.resize(cables * cables, 0.0);
         for j in 0..cables {
-            for (i, change) in self.lengths_by(task, 1 + j).into_iter().enumerate() {
-                into[i * cables + j] = change;
-            }
+            self.add_lengths(task, 1 + j, |i, change| into[i * cables + j] += change);
         }
     }
 }

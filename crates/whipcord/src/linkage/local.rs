@@ -37,7 +37,7 @@ impl Linkage {
     }
 
     fn local(&self, arc_length: f64, workspace: &mut Workspace) -> Result<Local, SolveError> {
-        let Workspace { scratch, loads, commands, tensions, .. } = workspace;
+        let Workspace { scratch, loads, commands, tensions, meter, .. } = workspace;
         let (place, t) = match self.robot.disks().locate(arc_length) {
             // A disk is the end of the section before it.
             (k, 0.0) if k > 0 => (k - 1, 1.0),
@@ -59,7 +59,7 @@ impl Linkage {
             };
             Pushed { section: place, motion, wrench }
         });
-        let task = self.task(loads, tensions);
+        let task = self.task(loads, tensions, meter);
         let chain = &mut scratch.chain;
         chain.evaluate(&task);
         chain.linearise(&task);

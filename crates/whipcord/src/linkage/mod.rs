@@ -17,19 +17,21 @@ mod swing;
 
 use whipcord_numerics::Pose;
 
+use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
 use crate::robot::Robot;
-use crate::shape::{Diagnostics, NoStability, Shape, Solution, Verdict};
+use crate::shape::{CableState, Diagnostics, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::lengths::{self, Given, LengthScratch};
 use crate::statics::loads::check as check_loads;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::Failure;
 use crate::stations::Stations;
+use crate::warm_start::{Status, WarmStart};
 
 use chain::Task;
 use division::Division;
@@ -48,6 +50,8 @@ pub struct Options {
     pub stability: StabilityAnalysis,
     /// Residual at which equilibrium counts as met, relative to EI/L and the moments in play.
     pub residual: f64,
+    /// What a solve may spend.
+    pub budget: Budget,
     /// Ends a solve from outside.
     pub cancel: Cancel,
 }
@@ -59,6 +63,7 @@ impl Default for Options {
             actuation: Actuation::default(),
             stability: StabilityAnalysis::default(),
             residual: 1e-11,
+            budget: Budget::default(),
             cancel: Cancel::default(),
         }
     }
@@ -87,6 +92,7 @@ pub struct Workspace {
     tensions: Vec<f64>,
     search: LengthScratch,
     held: Vec<(usize, f64)>,
+    meter: Meter,
 }
 
 impl Linkage {
@@ -123,6 +129,10 @@ impl Linkage {
         &self.robot
     }
 
+    pub(crate) const fn set_budget(&mut self, budget: Budget) {
+        self.options.budget = budget;
+    }
+
     pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
         &mut self.options.cancel
     }
@@ -145,6 +155,23 @@ impl Linkage {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        let mut solution = Solution::empty(self.kind);
+        let status = self.solve_into(case, warm_start.into(), workspace, &mut solution)?;
+        workspace.meter.answered((status, solution))
+    }
+
+    /// [`Self::solve`] into memory that is at hand: after the first call nothing is allocated where tensions drive the cables.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_into(
+        &self,
+        case: &Case,
+        from: WarmStart<'_>,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<Status, SolveError> {
+        workspace.meter.start(&self.options.cancel, self.options.budget);
         case.check(&self.robot)?;
         refusal::obstacles(self.kind, case)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
@@ -157,18 +184,32 @@ impl Linkage {
         }
         tensions.clear();
         tensions.resize(commands.len(), 0.0);
-        if let Some(solution) = warm_start {
+        let near = from.given(solution);
+        if let Some(solution) = near {
             self.start_from(solution, scratch);
             for (tension, cable) in tensions.iter_mut().zip(&solution.cables) {
                 *tension = cable.tension.unwrap_or(0.0).max(0.0);
             }
         }
-        let converged = self.converge(warm_start.is_some(), workspace).map_err(|failure| {
+        scratch.open = None;
+        let converged = self.converge(near.is_some(), workspace).map_err(|failure| {
             let name = |i: usize| self.robot.cables()[i].name.clone();
             failure.explain(&workspace.commands, &self.rest_lengths, name)
         });
-        let effort = self.options.cancel.checked(converged)?;
-        Ok(self.solution(case, effort, workspace))
+        match workspace.meter.checked(converged) {
+            Ok(effort) => {
+                let verdict = self.stability(case, workspace);
+                self.write(case, effort, verdict, workspace, solution);
+                Ok(Status::Converged)
+            }
+            Err(error @ SolveError::BudgetSpent { .. }) => {
+                let Some(effort) = workspace.scratch.restore_open() else { return Err(error) };
+                let verdict = Err(NoStability::NotAsked);
+                self.write(case, effort, verdict, workspace, solution);
+                Ok(Status::BudgetSpent)
+            }
+            Err(error) => Err(error),
+        }
     }
 
     /// The coordinates nearest to a neighbouring answer's.
@@ -183,20 +224,25 @@ impl Linkage {
         }
     }
 
-    fn task<'a>(&'a self, loads: &'a AppliedLoads, tensions: &'a [f64]) -> Task<'a> {
+    fn task<'a>(
+        &'a self,
+        loads: &'a AppliedLoads,
+        tensions: &'a [f64],
+        meter: &'a Meter,
+    ) -> Task<'a> {
         Task {
             division: &self.division,
             sections: &self.sections,
             loads,
             fraction: 1.0,
             tensions,
-            cancel: &self.options.cancel,
+            meter,
         }
     }
 
     /// Equilibrium under the commands.
     fn converge(&self, is_warm: bool, workspace: &mut Workspace) -> Result<Effort, Failure> {
-        let Workspace { scratch, loads, commands, tensions, search, .. } = workspace;
+        let Workspace { scratch, loads, commands, tensions, search, meter, .. } = workspace;
         let tolerance = self.options.residual;
         for (tension, command) in tensions.iter_mut().zip(&*commands) {
             if let Command::Tension(given) = command {
@@ -204,20 +250,15 @@ impl Linkage {
             }
         }
         if !commands.iter().any(Command::is_length) {
-            let task = self.task(loads, tensions);
+            let task = self.task(loads, tensions, meter);
             return if is_warm {
                 scratch.settle_near(&task, tolerance, true)
             } else {
                 scratch.converge(&task, tolerance)
             };
         }
-        let given = Given {
-            length: self.robot.backbone().length,
-            commands,
-            bracket: true,
-            cancel: &self.options.cancel,
-        };
-        let mut rod = Responder::new(self.task(loads, &[]), tolerance, scratch);
+        let given = Given { length: self.robot.backbone().length, commands, bracket: true, meter };
+        let mut rod = Responder::new(self.task(loads, &[], meter), tolerance, scratch);
         let solved = lengths::solve(&given, tensions, &mut rod, search);
         let Responder { effort, failure, .. } = rod;
         solved.map_err(|fault| {
@@ -227,52 +268,55 @@ impl Linkage {
         Ok(effort)
     }
 
-    fn solution(&self, case: &Case, effort: Effort, workspace: &mut Workspace) -> Solution {
-        let verdict = self.stability(case, workspace);
-        let Workspace { scratch, commands, tensions, .. } = &*workspace;
+    /// Writes what the workspace holds.
+    fn write(
+        &self,
+        case: &Case,
+        effort: Effort,
+        verdict: Result<Verdict, NoStability>,
+        workspace: &Workspace,
+        solution: &mut Solution,
+    ) {
+        let Workspace { scratch, commands, tensions, .. } = workspace;
         let chain = &scratch.chain;
         let at = &self.robot.disks().arc_lengths;
-        let mut poses = Vec::with_capacity(at.len());
         let mut pose = Pose::IDENTITY;
-        poses.push(pose);
-        for (section, q) in self.sections.iter().zip(&chain.q) {
+        let ends = self.sections.iter().zip(&chain.q).map(|(section, q)| {
             pose = pose * motion::pose_at(&self.division, section.length, q, 1.0);
-            poses.push(pose);
-        }
+            pose
+        });
+        // Relative to the base until the stations between them are known.
+        solution.disks.set(at, core::iter::once(Pose::IDENTITY).chain(ends), Pose::IDENTITY);
+        let disks = &solution.disks.poses;
         let between = |&s: &f64| {
             let (k, t) = self.robot.disks().locate(s);
             let (section, q) = (&self.sections[k], &chain.q[k]);
-            poses[k] * motion::pose_at(&self.division, section.length, q, t)
+            disks[k] * motion::pose_at(&self.division, section.length, q, t)
         };
-        let shape = match self.options.stations {
-            Stations::Disks => Shape { arc_length: at.clone(), poses: poses.clone() },
-            Stations::Equal(_) | Stations::At(_) => Shape {
-                arc_length: self.stations.clone(),
-                poses: self.stations.iter().map(between).collect(),
-            },
-        };
-        let whole = self.robot.backbone().length;
-        let cables = commands.iter().enumerate().map(|(i, command)| {
-            let (name, initial) = (&self.robot.cables()[i].name, self.rest_lengths[i]);
-            command.answer(name, tensions[i], chain.lengths[i], initial, whole)
-        });
-        Solution {
-            model: self.kind,
-            shape: shape.moved(case.base),
-            disks: Shape { arc_length: at.clone(), poses }.moved(case.base),
-            cables: cables.collect(),
-            contacts: Vec::new(),
-            base_wrench: Some(chain.base),
-            diagnostics: Diagnostics {
-                iterations: effort.iterations,
-                residual: effort.residual,
-                discretization_error: None,
-                steps: self.sections.len(),
-                stability_lost_at: effort.lost_at,
-                ..Diagnostics::default()
+        match self.options.stations {
+            Stations::Disks => solution.shape.set(at, disks.iter().copied(), case.base),
+            Stations::Equal(_) | Stations::At(_) => {
+                solution.shape.set(&self.stations, self.stations.iter().map(between), case.base);
             }
-            .with_stability(verdict),
         }
+        solution.disks.turn(case.base);
+        let cables = self.robot.cables();
+        solution.cables.resize_with(cables.len(), CableState::default);
+        for (i, state) in solution.cables.iter_mut().enumerate() {
+            let (name, length) = (&cables[i].name, [chain.lengths[i], self.rest_lengths[i]]);
+            commands[i].answer(name, tensions[i], length, self.robot.backbone().length, state);
+        }
+        solution.model = self.kind;
+        solution.contacts.clear();
+        solution.base_wrench = Some(chain.base);
+        solution.diagnostics = Diagnostics {
+            iterations: effort.iterations,
+            residual: effort.residual,
+            steps: self.sections.len(),
+            stability_lost_at: effort.lost_at,
+            ..Diagnostics::default()
+        }
+        .with_stability(verdict);
     }
 
     /// Stability by the least eigenvalue of the tangent, or why it is not known.
@@ -283,7 +327,7 @@ impl Linkage {
         if case.loads.has_follower() {
             return Err(NoStability::Followers);
         }
-        let Workspace { scratch, loads, commands, tensions, held, .. } = workspace;
+        let Workspace { scratch, loads, commands, tensions, held, meter, .. } = workspace;
         held.clear();
         for (i, command) in commands.iter().enumerate() {
             if let Command::Length { compliance, .. } = command
@@ -292,7 +336,7 @@ impl Linkage {
                 held.push((i, *compliance));
             }
         }
-        let task = self.task(loads, tensions);
+        let task = self.task(loads, tensions, meter);
         let least = scratch.least_eigenvalue(&task, held).ok_or(NoStability::Undetermined)?;
         Ok(Verdict::of_eigenvalue(least))
     }
