@@ -19,7 +19,7 @@
 //! counted by eq. (11) of that model with `D = 0`, since a chord knows the tension only through the
 //! shape.
 
-use whipcord_numerics::{BoundedQuadratic, Mat3, UnitQuaternion, Vec3, symmetric_eigenvalues};
+use whipcord_numerics::{Mat3, UnitQuaternion, Vec3, symmetric_eigenvalues};
 
 use super::layout::{Frame, Mesh};
 use super::rod::Sample;
@@ -34,7 +34,7 @@ use crate::statics::quadratic_form::Sample as Section;
 use crate::statics::quadratic_form::{
     Element, SLOPES, WEIGHTS, across, element, negative_eigenvalues, pivot, symmetric,
 };
-use crate::statics::self_stress::implied;
+use crate::statics::self_stress::SelfStress;
 
 /// Quadratic forms of the steps and spans, and memory.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +45,7 @@ pub(super) struct Stability {
     locked: Locked,
     schur: Vec<f64>,
     carried: Vec<Vec3>,
-    quadratic: BoundedQuadratic,
+    self_stress: SelfStress,
 }
 
 /// What is asked whether it is stable.
@@ -254,21 +254,14 @@ impl Stability {
             shift *= 4.0;
         }
         self.eliminate(spans, shift, true);
-        let Self { schur, locked, quadratic, .. } = self;
-        let held = implied(schur, &locked.idle, quadratic);
+        let Self { schur, locked, self_stress, .. } = self;
+        let held = self_stress.held(schur, locked.idle.iter().copied());
         if held.iter().all(|&held| held) {
             return Some(());
         }
-        let mut count = 0;
-        let numbers: Vec<Option<usize>> = held
-            .iter()
-            .map(|&held| {
-                count += usize::from(held);
-                held.then(|| count - 1)
-            })
-            .collect();
+        let before = |lock: usize| held[..lock].iter().filter(|&&held| held).count();
         for lock in &mut locked.of_passage {
-            *lock = lock.and_then(|lock| numbers[lock]);
+            *lock = lock.filter(|&lock| held[lock]).map(before);
         }
         let mut keep = held.iter();
         locked.compliances.retain(|_| keep.next() == Some(&true));
