@@ -4,14 +4,18 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
-//! the linear system of a step, `statics` finds it, `local` differentiates it.
+//! the linear system of a step, `statics` finds it, `local` differentiates it, `places` are cross-sections that wrenches act on,
+//! `contact` is the chain among obstacles.
 
 mod chain;
+mod contact;
+mod contact_response;
 pub(crate) mod division;
 mod layout;
 mod loads;
 mod local;
 mod motion;
+mod places;
 mod statics;
 mod swing;
 
@@ -21,7 +25,6 @@ use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::{Diagnostics, NoStability, Shape, Solution, Verdict};
 use crate::statics::command::Command;
@@ -35,6 +38,7 @@ use chain::Task;
 use division::Division;
 use layout::Section;
 use loads::AppliedLoads;
+use motion::Coordinates;
 use statics::{Effort, Responder, Scratch};
 
 /// How a model is driven, and what it computes.
@@ -136,9 +140,10 @@ impl Linkage {
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] among obstacles, [`SolveError::Missing`] for a
+    /// [`SolveError::Missing`] for a
     /// command or a mass that is not given, [`SolveError::NotConverged`] with the part of the load
-    /// up to which there was an equilibrium, and what the rods say of cable lengths that cannot be had.
+    /// up to which there was an equilibrium, what the rods say of cable lengths that cannot be had, and
+    /// [`SolveError::ObstacleInTheWay`] and [`SolveError::Obstructed`] among obstacles.
     pub fn solve(
         &self,
         case: &Case,
@@ -146,15 +151,36 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
         case.check(&self.robot)?;
-        refusal::obstacles(self.kind, case)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
-        let Workspace { scratch, loads, commands, tensions, .. } = &mut *workspace;
-        loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
-        commands.clear();
-        for (i, &initial) in self.rest_lengths.iter().enumerate() {
-            let actuation = self.options.actuation;
-            commands.push(Command::of(self.kind, &self.robot, i, case, actuation, initial)?);
-        }
+        let outcome = if case.obstacles.is_empty() {
+            self.solve_alone(case, warm_start, workspace)
+        } else {
+            self.solve_among_obstacles(case, warm_start, workspace)
+        };
+        self.options.cancel.checked(outcome)
+    }
+
+    /// The shape under a checked case without obstacles.
+    fn solve_alone(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let effort = self.find(case, warm_start, workspace)?;
+        let verdict = self.stability(case, workspace);
+        Ok(self.solution(case, effort, verdict, workspace))
+    }
+
+    /// The equilibrium under a checked case without obstacles; it is left in the workspace.
+    fn find(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Effort, SolveError> {
+        self.accept(case, workspace)?;
+        let Workspace { scratch, commands, tensions, .. } = &mut *workspace;
         tensions.clear();
         tensions.resize(commands.len(), 0.0);
         if let Some(solution) = warm_start {
@@ -163,12 +189,54 @@ impl Linkage {
                 *tension = cable.tension.unwrap_or(0.0).max(0.0);
             }
         }
-        let converged = self.converge(warm_start.is_some(), workspace).map_err(|failure| {
-            let name = |i: usize| self.robot.cables()[i].name.clone();
-            failure.explain(&workspace.commands, &self.rest_lengths, name)
-        });
-        let effort = self.options.cancel.checked(converged)?;
-        Ok(self.solution(case, effort, workspace))
+        self.converge(warm_start.is_some(), workspace)
+            .map_err(|failure| self.explain(failure, &workspace.commands))
+    }
+
+    /// Gathers the loads and commands of a checked case.
+    fn accept(&self, case: &Case, workspace: &mut Workspace) -> Result<(), SolveError> {
+        let Workspace { loads, commands, .. } = workspace;
+        loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
+        commands.clear();
+        for (i, &initial) in self.rest_lengths.iter().enumerate() {
+            let actuation = self.options.actuation;
+            commands.push(Command::of(self.kind, &self.robot, i, case, actuation, initial)?);
+        }
+        Ok(())
+    }
+
+    fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
+        let name = |i: usize| self.robot.cables()[i].name.clone();
+        failure.explain(commands, &self.rest_lengths, name)
+    }
+
+    /// The section of an arc length and the fraction of it that lies behind: a disk is the end of the section before it.
+    fn locate(&self, arc_length: f64) -> (usize, f64) {
+        match self.robot.disks().locate(arc_length) {
+            (k, 0.0) if k > 0 => (k - 1, 1.0),
+            at => at,
+        }
+    }
+
+    /// The disks of a chain with these coordinates, in the frame of the base.
+    fn disks(&self, q: &[Coordinates]) -> Vec<Pose> {
+        let mut disks = Vec::with_capacity(q.len() + 1);
+        let mut pose = Pose::IDENTITY;
+        disks.push(pose);
+        for (section, q) in self.sections.iter().zip(q) {
+            pose = pose * motion::pose_at(&self.division, section.length, q, 1.0);
+            disks.push(pose);
+        }
+        disks
+    }
+
+    /// The cross-section at an arc length of a chain with these coordinates and disks, in the frame of the base.
+    fn pose_at(&self, q: &[Coordinates], disks: &[Pose], arc_length: f64) -> Pose {
+        let (k, t) = self.locate(arc_length);
+        if t == 1.0 {
+            return disks[k + 1];
+        }
+        disks[k] * motion::pose_at(&self.division, self.sections[k].length, &q[k], t)
     }
 
     /// The coordinates nearest to a neighbouring answer's.
@@ -227,28 +295,23 @@ impl Linkage {
         Ok(effort)
     }
 
-    fn solution(&self, case: &Case, effort: Effort, workspace: &mut Workspace) -> Solution {
-        let verdict = self.stability(case, workspace);
-        let Workspace { scratch, commands, tensions, .. } = &*workspace;
+    /// The answer that the workspace is at.
+    fn solution(
+        &self,
+        case: &Case,
+        effort: Effort,
+        verdict: Result<Verdict, NoStability>,
+        workspace: &Workspace,
+    ) -> Solution {
+        let Workspace { scratch, commands, tensions, .. } = workspace;
         let chain = &scratch.chain;
         let at = &self.robot.disks().arc_lengths;
-        let mut poses = Vec::with_capacity(at.len());
-        let mut pose = Pose::IDENTITY;
-        poses.push(pose);
-        for (section, q) in self.sections.iter().zip(&chain.q) {
-            pose = pose * motion::pose_at(&self.division, section.length, q, 1.0);
-            poses.push(pose);
-        }
-        let between = |&s: &f64| {
-            let (k, t) = self.robot.disks().locate(s);
-            let (section, q) = (&self.sections[k], &chain.q[k]);
-            poses[k] * motion::pose_at(&self.division, section.length, q, t)
-        };
+        let poses = self.disks(&chain.q);
         let shape = match self.options.stations {
             Stations::Disks => Shape { arc_length: at.clone(), poses: poses.clone() },
             Stations::Equal(_) | Stations::At(_) => Shape {
                 arc_length: self.stations.clone(),
-                poses: self.stations.iter().map(between).collect(),
+                poses: self.stations.iter().map(|&s| self.pose_at(&chain.q, &poses, s)).collect(),
             },
         };
         let whole = self.robot.backbone().length;
