@@ -5,6 +5,7 @@
 //! | module | content |
 //! |---|---|
 //! | `model` | the interface to a model |
+//! | `pushed_places` | the cross-sections that are pushed, and their compliance |
 //! | `rod`, `rod_response`, `refinement` | what both Cosserat rods have of it |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
@@ -22,6 +23,7 @@ mod homotopy;
 pub(crate) mod model;
 mod pairs;
 mod path;
+mod pushed_places;
 mod refinement;
 mod rod;
 mod rod_response;
@@ -29,7 +31,9 @@ mod scene;
 mod step;
 
 pub(crate) use free_path::{Unobstructed, solve_free};
+pub(crate) use model::{is_same_shape, with_pushes};
 pub(crate) use path::solve;
+pub(crate) use pushed_places::PushedPlaces;
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{PushedRod, RodAdapter, watched};
 pub(crate) use rod_response::RodResponse;

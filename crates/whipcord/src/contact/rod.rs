@@ -2,9 +2,9 @@
 
 use whipcord_numerics::{Pose, equally_spaced};
 
-use super::model::{Compliant, Push};
+use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use crate::cancel::Cancel;
-use crate::case::{Case, PointLoad};
+use crate::case::Case;
 use crate::error::SolveError;
 use crate::robot::Robot;
 use crate::shape::{NoStability, Solution};
@@ -12,9 +12,6 @@ use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
-
-/// Shapes that are no farther apart than this, as a part of the length, are one.
-const SAME_SHAPE: f64 = 1e-4;
 
 /// A rod that stands where it is, in equilibrium or not, under loads and wrenches on places of it. Under the wrenches of its
 /// contacts alone a robot may buckle though the contacts hold it, so that an equilibrium under given wrenches cannot be asked
@@ -154,19 +151,6 @@ fn sorted(places: &mut Vec<f64>, apart: f64) {
     }
 }
 
-/// The case with the pushes as point loads.
-fn with_pushes(case: &Case, pushes: &[Push]) -> Case {
-    let mut case = case.clone();
-    let turn = case.loads.to_base(case.base.rotation).conjugate();
-    case.loads.points.extend(pushes.iter().map(|push| PointLoad {
-        at: push.arc_length,
-        force: turn.rotate(push.wrench.force),
-        moment: turn.rotate(push.wrench.moment),
-        follower: false,
-    }));
-    case
-}
-
 impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     fn watched(&self) -> &[f64] {
         &self.watched
@@ -258,12 +242,11 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
         let mut solution = self.found.solution(&self.case)?.ok_or(SolveError::NoDerivatives)?;
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
-        if !touching && let Ok(free) = R::solve_free(self.robot, self.options, case, &solution) {
-            // Of several equilibria a solve without obstacles may find another, which nothing has kept clear.
-            let apart = free.disks.distances(&solution.disks).fold(0.0, f64::max);
-            if apart <= SAME_SHAPE * self.robot.backbone().length {
-                return Ok(free);
-            }
+        if !touching
+            && let Ok(free) = R::solve_free(self.robot, self.options, case, &solution)
+            && is_same_shape(&free, &solution)
+        {
+            return Ok(free);
         }
         let asked = self.options.stations.arc_lengths(self.robot);
         let shape = &mut solution.shape;

@@ -6,6 +6,7 @@ use super::division::Division;
 use super::layout::Section;
 use super::loads::{AppliedLoads, InnerLoad};
 use super::motion::{Coordinates, MOST, Motion};
+use super::places::Pushed;
 use crate::budget::Meter;
 use crate::shape::Wrench;
 
@@ -40,15 +41,6 @@ pub(super) enum Asked {
     Step,
     /// The step, and the response to each cable's tension.
     Responses,
-}
-
-/// A dead wrench on a cross-section of a section, in the frame of the disk at the section's start.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pushed {
-    pub section: usize,
-    /// Of the cross-section.
-    pub motion: Motion,
-    pub wrench: Wrench,
 }
 
 /// A matrix row of each coordinate.
@@ -102,6 +94,9 @@ pub(super) struct Chain {
     beyond: Vec<[Vec3; 2]>,
     turns: Vec<Vec3>,
 }
+
+/// A step among obstacles changes no coordinate by more than this in rad.
+const LONGEST: f64 = 0.3;
 
 /// Cables shorter than this fraction of their section have folded it.
 const FOLDED: f64 = 1e-6;
@@ -358,6 +353,12 @@ impl Chain {
                     + Mat3::skew(motion.end) * by_force;
             }
             for side in 0..sides {
+                let push = side.checked_sub(1 + task.tensions.len()).and_then(|i| pushes.get(i));
+                if push.is_some_and(|push| push.section < k) {
+                    // What acts nearer to the base bends nothing here by itself.
+                    continue;
+                }
+                let push = push.filter(|push| push.section == k);
                 let beyond = self.beyond[side].map(|v| turn * v);
                 self.column.clear();
                 for a in 0..count {
@@ -373,12 +374,8 @@ impl Chain {
                         }
                     }
                 }
-                let push = side.checked_sub(1 + task.tensions.len()).and_then(|i| pushes.get(i));
-                let push = push.filter(|push| push.section == k);
-                if let Some(Pushed { motion, wrench, .. }) = push {
-                    for (a, x) in self.column.iter_mut().enumerate() {
-                        *x += wrench.moment.dot(motion.turn[a]) + wrench.force.dot(motion.shift[a]);
-                    }
+                if let Some(Pushed { work, .. }) = push {
+                    self.column.iter_mut().zip(work).for_each(|(x, work)| *x += work);
                 }
                 self.lu.solve(&mut self.column);
                 let step = &mut self.steps[side * n + k];
@@ -405,9 +402,9 @@ impl Chain {
                         + moved.cross(load.force)
                         + motion.end.cross(change);
                 }
-                if let Some(Pushed { motion, wrench, .. }) = push {
-                    force += wrench.force;
-                    moment += wrench.moment + motion.end.cross(wrench.force);
+                if let Some(Pushed { about_start, .. }) = push {
+                    force += about_start.force;
+                    moment += about_start.moment;
                 }
                 self.beyond[side] = [force, moment];
             }
@@ -435,6 +432,24 @@ impl Chain {
     /// How a section moves where it was evaluated last.
     pub fn motion(&self, section: usize) -> &Motion {
         &self.links[section].motion
+    }
+
+    /// Takes a part of a step: of the responses of the last elimination, each times its weight. A coordinate changes by no
+    /// more than [`LONGEST`].
+    pub fn advance(&mut self, weights: &[f64], part: f64) {
+        let n = self.q.len();
+        let (step, responses) = self.steps.split_at_mut(n);
+        step.iter_mut().flatten().for_each(|x| *x *= weights[0]);
+        for (weight, response) in weights[1..].iter().zip(responses.chunks(n)) {
+            for (x, response) in step.iter_mut().flatten().zip(response.iter().flatten()) {
+                *x += weight * response;
+            }
+        }
+        let longest = step.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let part = if part * longest > LONGEST { LONGEST / longest } else { part };
+        for (q, step) in self.q.iter_mut().flatten().zip(step.iter().flatten()) {
+            *q += part * step;
+        }
     }
 
     /// How the coordinates of a section change, of the last elimination.

@@ -4,14 +4,18 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
-//! the linear system of a step, `statics` finds it, `local` differentiates it.
+//! the linear system of a step, `statics` finds it, `local` differentiates it, `places` are cross-sections that wrenches act on,
+//! `contact` is the chain among obstacles.
 
 mod chain;
+mod contact;
+mod contact_response;
 pub(crate) mod division;
 mod layout;
 mod loads;
 mod local;
 mod motion;
+mod places;
 mod statics;
 mod swing;
 
@@ -22,7 +26,6 @@ use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::{CableState, Diagnostics, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
@@ -37,6 +40,7 @@ use chain::Task;
 use division::Division;
 use layout::Section;
 use loads::AppliedLoads;
+use motion::Coordinates;
 use statics::{Effort, Responder, Scratch};
 
 /// How a model is driven, and what it computes.
@@ -146,9 +150,10 @@ impl Linkage {
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] among obstacles, [`SolveError::Missing`] for a
+    /// [`SolveError::Missing`] for a
     /// command or a mass that is not given, [`SolveError::NotConverged`] with the part of the load
-    /// up to which there was an equilibrium, and what the rods say of cable lengths that cannot be had.
+    /// up to which there was an equilibrium, what the rods say of cable lengths that cannot be had, and
+    /// [`SolveError::ObstacleInTheWay`] and [`SolveError::Obstructed`] among obstacles.
     pub fn solve(
         &self,
         case: &Case,
@@ -173,30 +178,14 @@ impl Linkage {
     ) -> Result<Status, SolveError> {
         workspace.meter.start(&self.options.cancel, self.options.budget);
         case.check(&self.robot)?;
-        refusal::obstacles(self.kind, case)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
-        let Workspace { scratch, loads, commands, tensions, .. } = &mut *workspace;
-        loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
-        commands.clear();
-        for (i, &initial) in self.rest_lengths.iter().enumerate() {
-            let actuation = self.options.actuation;
-            commands.push(Command::of(self.kind, &self.robot, i, case, actuation, initial)?);
+        if !case.obstacles.is_empty() {
+            let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
+            *solution = workspace.meter.checked(outcome)?;
+            return Ok(Status::Converged);
         }
-        tensions.clear();
-        tensions.resize(commands.len(), 0.0);
-        let near = from.given(solution);
-        if let Some(solution) = near {
-            self.start_from(solution, scratch);
-            for (tension, cable) in tensions.iter_mut().zip(&solution.cables) {
-                *tension = cable.tension.unwrap_or(0.0).max(0.0);
-            }
-        }
-        scratch.open = None;
-        let converged = self.converge(near.is_some(), workspace).map_err(|failure| {
-            let name = |i: usize| self.robot.cables()[i].name.clone();
-            failure.explain(&workspace.commands, &self.rest_lengths, name)
-        });
-        match workspace.meter.checked(converged) {
+        let found = self.find(case, from.given(solution), workspace);
+        match workspace.meter.checked(found) {
             Ok(effort) => {
                 let verdict = self.stability(case, workspace);
                 self.write(case, effort, verdict, workspace, solution);
@@ -210,6 +199,84 @@ impl Linkage {
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// The shape under a checked case without obstacles.
+    fn solve_alone(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let effort = self.find(case, warm_start, workspace)?;
+        let verdict = self.stability(case, workspace);
+        Ok(self.solution(case, effort, verdict, workspace))
+    }
+
+    /// The equilibrium under a checked case without obstacles; it is left in the workspace.
+    fn find(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Effort, SolveError> {
+        self.accept(case, workspace)?;
+        let Workspace { scratch, commands, tensions, .. } = &mut *workspace;
+        scratch.open = None;
+        tensions.clear();
+        tensions.resize(commands.len(), 0.0);
+        if let Some(solution) = warm_start {
+            self.start_from(solution, scratch);
+            for (tension, cable) in tensions.iter_mut().zip(&solution.cables) {
+                *tension = cable.tension.unwrap_or(0.0).max(0.0);
+            }
+        }
+        self.converge(warm_start.is_some(), workspace)
+            .map_err(|failure| self.explain(failure, &workspace.commands))
+    }
+
+    /// Gathers the loads and commands of a checked case.
+    fn accept(&self, case: &Case, workspace: &mut Workspace) -> Result<(), SolveError> {
+        let Workspace { loads, commands, .. } = workspace;
+        loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
+        commands.clear();
+        for (i, &initial) in self.rest_lengths.iter().enumerate() {
+            let actuation = self.options.actuation;
+            commands.push(Command::of(self.kind, &self.robot, i, case, actuation, initial)?);
+        }
+        Ok(())
+    }
+
+    fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
+        let name = |i: usize| self.robot.cables()[i].name.clone();
+        failure.explain(commands, &self.rest_lengths, name)
+    }
+
+    /// The section of an arc length and the fraction of it that lies behind: a disk is the end of the section before it.
+    fn locate(&self, arc_length: f64) -> (usize, f64) {
+        match self.robot.disks().locate(arc_length) {
+            (k, 0.0) if k > 0 => (k - 1, 1.0),
+            at => at,
+        }
+    }
+
+    /// The disks of a chain with these coordinates, in the frame of the base.
+    fn disks(&self, q: &[Coordinates]) -> impl Iterator<Item = Pose> {
+        let mut pose = Pose::IDENTITY;
+        let ends = self.sections.iter().zip(q).map(move |(section, q)| {
+            pose = pose * motion::pose_at(&self.division, section.length, q, 1.0);
+            pose
+        });
+        core::iter::once(Pose::IDENTITY).chain(ends)
+    }
+
+    /// The cross-section at an arc length of a chain with these coordinates and disks, in the frame of the base.
+    fn pose_at(&self, q: &[Coordinates], disks: &[Pose], arc_length: f64) -> Pose {
+        let (k, t) = self.locate(arc_length);
+        if t == 1.0 {
+            return disks[k + 1];
+        }
+        disks[k] * motion::pose_at(&self.division, self.sections[k].length, &q[k], t)
     }
 
     /// The coordinates nearest to a neighbouring answer's.
@@ -268,6 +335,19 @@ impl Linkage {
         Ok(effort)
     }
 
+    /// The answer that the workspace is at.
+    fn solution(
+        &self,
+        case: &Case,
+        effort: Effort,
+        verdict: Result<Verdict, NoStability>,
+        workspace: &Workspace,
+    ) -> Solution {
+        let mut solution = Solution::empty(self.kind);
+        self.write(case, effort, verdict, workspace, &mut solution);
+        solution
+    }
+
     /// Writes what the workspace holds.
     fn write(
         &self,
@@ -280,19 +360,10 @@ impl Linkage {
         let Workspace { scratch, commands, tensions, .. } = workspace;
         let chain = &scratch.chain;
         let at = &self.robot.disks().arc_lengths;
-        let mut pose = Pose::IDENTITY;
-        let ends = self.sections.iter().zip(&chain.q).map(|(section, q)| {
-            pose = pose * motion::pose_at(&self.division, section.length, q, 1.0);
-            pose
-        });
         // Relative to the base until the stations between them are known.
-        solution.disks.set(at, core::iter::once(Pose::IDENTITY).chain(ends), Pose::IDENTITY);
+        solution.disks.set(at, self.disks(&chain.q), Pose::IDENTITY);
         let disks = &solution.disks.poses;
-        let between = |&s: &f64| {
-            let (k, t) = self.robot.disks().locate(s);
-            let (section, q) = (&self.sections[k], &chain.q[k]);
-            disks[k] * motion::pose_at(&self.division, section.length, q, t)
-        };
+        let between = |&s: &f64| self.pose_at(&chain.q, disks, s);
         match self.options.stations {
             Stations::Disks => solution.shape.set(at, disks.iter().copied(), case.base),
             Stations::Equal(_) | Stations::At(_) => {

@@ -12,7 +12,7 @@ use crate::statics::outcome::Failure;
 /// Newton iterations at most.
 const MAX_ITERATIONS: usize = 40;
 /// The same from a neighbouring equilibrium in a search for lengths, which takes a shorter step otherwise.
-const FEW_ITERATIONS: usize = 12;
+pub(super) const FEW_ITERATIONS: usize = 12;
 /// How many steps of that search in a row may end before a fold.
 const PATIENCE: usize = 8;
 /// A coordinate changes by no more than this in one step, in rad.
@@ -103,7 +103,7 @@ impl Scratch {
     }
 
     /// The same in so many iterations.
-    fn close_within(
+    pub fn close_within(
         &mut self,
         iterations: usize,
         task: &Task<'_>,
@@ -283,7 +283,7 @@ impl Scratch {
     }
 
     /// Why the load cannot be raised beyond a fraction, at which the chain is.
-    fn failure(&self, task: &Task<'_>, reached: f64, effort: Effort) -> Failure {
+    pub fn failure(&self, task: &Task<'_>, reached: f64, effort: Effort) -> Failure {
         let mut start = 0.0;
         for (section, q) in task.sections.iter().zip(&self.chain.q) {
             let pulling = section.passages.iter().map(|passage| passage.cable);
@@ -352,7 +352,7 @@ impl Scratch {
 }
 
 /// Of the matrix `c + CᵀH⁻¹C` of the held cables, by elimination.
-fn positive_pivots(
+pub(super) fn positive_pivots(
     held: &[(usize, f64)],
     entry: impl Fn(usize, usize) -> f64,
     pivots: &mut Vec<f64>,

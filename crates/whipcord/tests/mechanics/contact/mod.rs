@@ -9,6 +9,7 @@ mod grasp;
 mod limits;
 mod overlap;
 mod pipe;
+mod sections;
 
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Model, ModelKind, Obstacle,
