@@ -15,15 +15,14 @@ impl Model {
     #[must_use]
     pub fn has_derivatives(&self, robot: &Robot, case: &Case) -> bool {
         let slides = || !robot.cables().iter().any(Cable::has_friction);
-        case.obstacles.is_empty()
-            && match self {
-                Self::Cosserat(_) => true,
-                Self::CosseratDisks(_) => slides(),
-                Self::FourBar(_)
-                | Self::ConstantCurvature(_)
-                | Self::PiecewiseConstantCurvature(_)
-                | Self::PseudoRigidBody(_) => false,
-            }
+        match self {
+            Self::Cosserat(_) => true,
+            Self::CosseratDisks(_) => slides(),
+            Self::FourBar(_)
+            | Self::ConstantCurvature(_)
+            | Self::PiecewiseConstantCurvature(_)
+            | Self::PseudoRigidBody(_) => false,
+        }
     }
 }
 

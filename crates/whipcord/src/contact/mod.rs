@@ -12,6 +12,7 @@
 //! | `friction` | stick and slip of a contact |
 //! | `complementarity` | which contacts touch and which stick |
 //! | `step` | Newton's method on the conditions of contact |
+//! | `holding` | the contacts of an answer, linearised |
 //! | `free_path` | robots that keep clear of all obstacles |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
@@ -19,6 +20,7 @@ mod body;
 mod complementarity;
 mod free_path;
 mod friction;
+mod holding;
 mod homotopy;
 pub(crate) mod model;
 mod pairs;
@@ -31,8 +33,9 @@ mod scene;
 mod step;
 
 pub(crate) use free_path::{Unobstructed, solve_free};
+pub(crate) use holding::Holding;
 pub(crate) use model::{is_same_shape, with_pushes};
-pub(crate) use path::solve;
+pub(crate) use path::{solve, solve_holding};
 pub(crate) use pushed_places::PushedPlaces;
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{PushedRod, RodAdapter, watched};

@@ -321,8 +321,13 @@ impl Pairs {
         let force = touch.force.unwrap_or(0.0);
         let coefficient = scene.get(touch.obstacle).friction;
         let grip = (coefficient > 0.0).then(|| {
+            let from = match touch.part {
+                Part::Disk(k) => answer.disks.poses.get(k).copied(),
+                Part::Backbone => None,
+            };
+            let from = *to_base * from.unwrap_or_else(|| answer.shape.at(touch.arc_length));
             let traction = to_base.rotation.rotate(touch.friction.unwrap_or_default());
-            Grip { traction, sticks: touch.sticks, ..Grip::new(coefficient, *to_base) }
+            Grip { traction, sticks: touch.sticks, ..Grip::new(coefficient, from) }
         });
         let mut pair = Pair { force, grip, ..Pair::new(touch.obstacle, member, nearest) };
         pair.given = pair.push();

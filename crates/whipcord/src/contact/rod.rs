@@ -2,10 +2,13 @@
 
 use whipcord_numerics::{Pose, equally_spaced};
 
+use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use crate::cancel::Cancel;
 use crate::case::Case;
+use crate::derivatives::Derivatives;
 use crate::error::SolveError;
+use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::{NoStability, Solution};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
@@ -57,6 +60,17 @@ pub(crate) trait PushedRod: Default {
         compliance: &mut Vec<f64>,
         drift: &mut Vec<f64>,
     );
+
+    /// The node of a station or place of a push.
+    fn node(&self, arc_length: f64) -> usize;
+
+    /// The derivatives where it stands, under these pushes, by these parameters too.
+    fn differentiate(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, SolveError>;
 
     /// Takes a part of Newton's step, with what changes of the pushes do.
     fn advance(&mut self, changes: &[[f64; 6]], part: f64);
@@ -129,6 +143,24 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
             found: R::default(),
             kept: R::Kept::default(),
         }
+    }
+}
+
+impl<R: PushedRod> RodAdapter<'_, R> {
+    /// The derivatives of the answer that it stands at, with the contacts that hold it.
+    pub fn differentiate(
+        &self,
+        holding: &Holding,
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, SolveError> {
+        let alone = self.found.differentiate(self.robot, &self.case, parameters)?;
+        let node = |&s: &f64| self.found.node(s);
+        let stations = self.options.stations.arc_lengths(self.robot).iter().map(node).collect();
+        let places = holding.places.iter().map(node).collect();
+        alone
+            .at_stations(stations)
+            .touching(places, |compliance| holding.gain(compliance), holding.is_about_to_change)
+            .map_err(|_| SolveError::NoDerivatives)
     }
 }
 

@@ -227,8 +227,11 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        refusal::among_obstacles("derivatives", ModelKind::Cosserat, case)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
+        if !case.obstacles.is_empty() {
+            let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
+            return workspace.meter.checked(found);
+        }
         let mut solution = Solution::empty(ModelKind::Cosserat);
         let solved = self.solve_keeping_grid(case, warm_start.into(), workspace, &mut solution);
         let grid = workspace.meter.checked(solved)?;

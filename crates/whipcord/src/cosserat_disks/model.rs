@@ -396,8 +396,11 @@ impl CosseratDisks {
             "friction at the holes, for compliance and derivatives",
             "with friction the compliance differs between pulling and releasing a cable: set the friction to 0",
         )?;
-        refusal::among_obstacles("derivatives", ModelKind::CosseratDisks, case)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
+        if !case.obstacles.is_empty() {
+            let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
+            return workspace.meter.checked(found);
+        }
         let (solution, level) = self.solve_keeping_level(case, warm_start, workspace)?;
         let mesh = self.mesh(level)?;
         let Workspace { scratch, commands, .. } = workspace;
