@@ -12,7 +12,6 @@ use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::refusal as shared_refusal;
 use crate::robot::{Cable, Robot};
 use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution, Wrench};
 use crate::statics::command::Command;
@@ -145,7 +144,7 @@ impl ConstantCurvature {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Arc), SolveError> {
         case.check(&self.robot)?;
-        shared_refusal::obstacles(ModelKind::ConstantCurvature, case)?;
+        refusal::obstacles(case)?;
         refusal::loads(case)?;
         workspace.commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {
