@@ -224,6 +224,25 @@ fn a_warm_start_keeps_the_contacts() {
     }
 }
 
+/// Solved once more from its answer a case has the same answer, with the same friction: it is known where the robot was,
+/// also where its disks alone do not tell.
+#[test]
+fn the_answer_to_the_same_case_stays() {
+    let robot = finger(4);
+    for kind in KINDS {
+        for friction in [0.0, 0.3, 3.0] {
+            let case = among(Case::with_tensions(&[2.5]), vec![rubbing(wall(0.05), friction)]);
+            let answer = solve(kind, &robot, &case);
+            let again = solve_from(kind, &robot, &case, Some(&answer)).unwrap();
+            let [a, b] = [&answer, &again].map(only);
+            assert!((a.friction.unwrap() - b.friction.unwrap()).norm() < 1e-6 * a.force.unwrap());
+            assert!((a.point - b.point).norm() < 1e-8 * LENGTH, "{kind} {friction} {a:?} {b:?}");
+            let apart = again.disks.distances(&answer.disks).fold(0.0, f64::max);
+            assert!(apart < 1e-8 * LENGTH, "{kind} {friction}: {apart:e}");
+        }
+    }
+}
+
 /// Pressed against the middle of a ball the finger slips off sideways.
 #[test]
 fn a_finger_slips_off_the_middle_of_a_ball() {
