@@ -214,11 +214,11 @@ impl<'a> ContactAdapter<'a> {
         let task = self.model.task(loads, tensions);
         let tolerance = self.model.options.residual;
         let effort = &mut Effort::default();
-        let settled = scratch.close_within(FEW_ITERATIONS, &task, tolerance, false, effort);
+        let converged = scratch.close_within(FEW_ITERATIONS, &task, tolerance, false, effort);
         let near = FOUND_AGAIN * self.model.robot.backbone().length;
         let disks = self.model.disks(&scratch.chain.q);
         let mut pairs = disks.iter().zip(known);
-        let is_found = settled
+        let is_found = converged
             && disks.len() == known.len()
             && pairs.all(|(a, b)| (a.position - b.position).norm() <= near);
         if !is_found {

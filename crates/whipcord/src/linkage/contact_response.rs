@@ -3,9 +3,10 @@
 use whipcord_numerics::{Pose, Twist};
 
 use super::Linkage;
-use super::chain::{Asked, Chain, Elimination, Task};
+use super::chain::Chain;
+use super::pivots::positive_pivots;
 use super::places::Places;
-use super::statics::positive_pivots;
+use super::task::{Asked, Elimination, Task};
 use crate::contact::PushedPlaces;
 use crate::error::SolveError;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
