@@ -35,19 +35,6 @@ pub(crate) fn hole_friction(
     }
 }
 
-/// Refuses a case with obstacles on behalf of a model that knows no contact.
-pub(crate) fn obstacles(model: ModelKind, case: &Case) -> Result<(), SolveError> {
-    if case.obstacles.is_empty() {
-        return Ok(());
-    }
-    Err(SolveError::Unsupported {
-        model,
-        path: "obstacles".to_owned(),
-        what: "it knows no contact",
-        advice: "use cosserat or cosserat-disks, or four-bar with the strain-energy objective",
-    })
-}
-
 /// Refuses a case with obstacles where something other than its shape is asked for.
 pub(crate) fn among_obstacles(what: &str, model: ModelKind, case: &Case) -> Result<(), SolveError> {
     if case.obstacles.is_empty() {

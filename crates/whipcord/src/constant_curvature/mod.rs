@@ -13,7 +13,6 @@ use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::refusal as shared_refusal;
 use crate::robot::{Cable, Robot};
 use crate::shape::{CableState, Diagnostics, NoStability, Solution, Wrench};
 use crate::statics::command::Command;
@@ -173,7 +172,7 @@ impl ConstantCurvature {
     ) -> Result<(Arc, Effort), SolveError> {
         workspace.meter.start(&self.cancel, self.budget);
         case.check(&self.robot)?;
-        shared_refusal::obstacles(ModelKind::ConstantCurvature, case)?;
+        refusal::obstacles(case)?;
         refusal::loads(case)?;
         workspace.commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {

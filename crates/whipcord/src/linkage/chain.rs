@@ -2,46 +2,13 @@
 
 use whipcord_numerics::{DenseLu, Mat3, Vec3};
 
-use super::division::Division;
 use super::layout::Section;
-use super::loads::{AppliedLoads, InnerLoad};
+use super::loads::InnerLoad;
 use super::motion::{Coordinates, MOST, Motion};
+use super::pivots::negative_pivots;
 use super::places::Pushed;
-use crate::budget::Meter;
+use super::task::{Asked, Elimination, Task};
 use crate::shape::Wrench;
-
-/// What does not change from one iteration to the next.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Task<'a> {
-    pub division: &'a Division,
-    pub sections: &'a [Section],
-    pub loads: &'a AppliedLoads,
-    /// Fraction of loads and tensions that acts.
-    pub fraction: f64,
-    /// By cable in N, at fraction 1.
-    pub tensions: &'a [f64],
-    pub meter: &'a Meter,
-}
-
-/// How a linear system is taken apart.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Elimination {
-    /// So much of the sections' own stiffness is taken off the tangent.
-    pub shift: f64,
-    /// What for.
-    pub asked: Asked,
-}
-
-/// What is asked of a linear system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Asked {
-    /// The signs of its eigenvalues.
-    Signs,
-    /// The Newton step.
-    Step,
-    /// The step, and the response to each cable's tension.
-    Responses,
-}
 
 /// A matrix row of each coordinate.
 type Rows<T> = [T; MOST];
@@ -509,25 +476,4 @@ fn applied(task: &Task<'_>, disk: usize, axes: &[Vec3]) -> Wrench {
         force: (seen(dead.force) + own.force) * task.fraction,
         moment: (seen(dead.moment) + own.moment) * task.fraction,
     }
-}
-
-/// Of a matrix, taken for symmetric, by elimination without exchanges; `None` where a pivot vanishes.
-pub(super) fn negative_pivots(n: usize, matrix: &[f64], work: &mut Vec<f64>) -> Option<usize> {
-    work.clear();
-    work.extend_from_slice(matrix);
-    let mut negative = 0;
-    for k in 0..n {
-        let pivot = work[k * n + k];
-        if pivot == 0.0 || !pivot.is_finite() {
-            return None;
-        }
-        negative += usize::from(pivot < 0.0);
-        for i in k + 1..n {
-            let factor = work[i * n + k] / pivot;
-            for j in k + 1..n {
-                work[i * n + j] -= factor * work[k * n + j];
-            }
-        }
-    }
-    Some(negative)
 }

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
-use super::contact_response::{CableState, ContactResponse};
+use super::contact_response::{ContactResponse, DrivenCables};
 use super::motion::Coordinates;
 use super::statics::{Effort, FEW_ITERATIONS};
 use super::{Linkage, Workspace};
@@ -18,7 +18,7 @@ use crate::statics::options::StabilityAnalysis;
 /// The backbone is watched at this many places or more from base to tip.
 const WATCHED: usize = 80;
 /// A known answer counts as found again where no disk is farther from it than this part of the length.
-const SAME_SHAPE: f64 = 1e-6;
+const FOUND_AGAIN: f64 = 1e-6;
 
 /// Where the backbone is watched for obstacles.
 #[derive(Clone, Debug)]
@@ -215,12 +215,14 @@ impl<'a> ContactAdapter<'a> {
         let task = self.model.task(loads, tensions, meter);
         let tolerance = self.model.options.residual;
         let effort = &mut Effort::default();
-        let settled = scratch.close_within(FEW_ITERATIONS, &task, tolerance, false, effort);
-        let near = SAME_SHAPE * self.model.robot.backbone().length;
+        let converged = scratch.close_within(FEW_ITERATIONS, &task, tolerance, false, effort);
+        let near = FOUND_AGAIN * self.model.robot.backbone().length;
         let mut pairs = self.model.disks(&scratch.chain.q).zip(known);
-        let is_found = pairs.all(|(a, b)| (a.position - b.position).norm() <= near);
+        let is_found = converged
+            && scratch.chain.q.len() + 1 == known.len()
+            && pairs.all(|(a, b)| (a.position - b.position).norm() <= near);
         drop(pairs);
-        if !settled || !is_found {
+        if !is_found {
             scratch.chain.q = read_off;
         }
     }
@@ -233,7 +235,7 @@ impl<'a> ContactAdapter<'a> {
             |(i, command): (usize, &Command)| command.is_active(i, tensions, lengths, units);
         let is_active: Vec<bool> = commands.iter().enumerate().map(of_cable).collect();
         let task = self.model.task(loads, tensions, meter);
-        let cables = CableState { commands, is_active: &is_active };
+        let cables = DrivenCables { commands, is_active: &is_active };
         let at = (&task, &mut scratch.chain);
         self.found.linearise(self.model, at, cables, &self.disks, pushes)?;
         self.is_linear = true;

@@ -3,9 +3,10 @@
 use whipcord_numerics::{Pose, Twist};
 
 use super::Linkage;
-use super::chain::{Asked, Chain, Elimination, Task};
+use super::chain::Chain;
+use super::pivots::positive_pivots;
 use super::places::Places;
-use super::statics::positive_pivots;
+use super::task::{Asked, Elimination, Task};
 use crate::contact::PushedPlaces;
 use crate::error::SolveError;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
@@ -28,7 +29,7 @@ pub(super) struct ContactResponse {
 
 /// How the cables are driven, and the cables that are held at their lengths.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CableState<'a> {
+pub(super) struct DrivenCables<'a> {
     pub commands: &'a [Command],
     pub is_active: &'a [bool],
 }
@@ -39,7 +40,7 @@ impl ContactResponse {
         &mut self,
         model: &Linkage,
         (task, chain): (&Task<'_>, &mut Chain),
-        cables: CableState<'_>,
+        cables: DrivenCables<'_>,
         disks: &[Pose],
         pushes: &[f64],
     ) -> Result<(), SolveError> {
@@ -53,7 +54,7 @@ impl ContactResponse {
         chain.length_by_tension(task, length_by_tension);
         let count = task.tensions.len();
         let by_tension = |i: usize, j: usize| length_by_tension[i * count + j];
-        let CableState { commands, is_active } = cables;
+        let DrivenCables { commands, is_active } = cables;
         let compliance = |i: usize| match commands[i] {
             Command::Length { compliance, .. } => compliance,
             Command::Tension(_) => 0.0,
@@ -61,7 +62,7 @@ impl ContactResponse {
         let held =
             HeldCables::new(count, by_tension, compliance, |i| is_active[i], |i| is_active[i])
                 .map_err(|_| SolveError::NoDerivatives)?;
-        // Of `[H C; Cᵀ −c]`: the signs of H, and those of the held cables, eq. (8).
+        // The signs of H, and those of the held cables, eq. (14).
         let greatest = (0..count).map(|i| by_tension(i, i).abs()).fold(0.0, f64::max);
         let of_cable = |i: usize| (i, compliance(i) + LENGTH_REGULARISATION * greatest);
         let bordered: Vec<(usize, f64)> =

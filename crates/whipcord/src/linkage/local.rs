@@ -8,8 +8,8 @@
 //!
 //! for the tension of a cable, `Cᵢ = ∂ℓᵢ/∂q`, and a dead wrench W on a place that moves by `J δq`.
 
-use super::chain::{Asked, Elimination};
 use super::places::Places;
+use super::task::{Asked, Elimination};
 use super::{Linkage, Workspace};
 use whipcord_numerics::Pose;
 

@@ -4,8 +4,8 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
-//! the linear system of a step, `statics` finds it, `local` differentiates it, `places` are cross-sections that wrenches act on,
-//! `contact` is the chain among obstacles.
+//! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `local` differentiates it;
+//! `places` are cross-sections that wrenches act on, `contact` is the chain among obstacles.
 
 mod chain;
 mod contact;
@@ -15,9 +15,11 @@ mod layout;
 mod loads;
 mod local;
 mod motion;
+mod pivots;
 mod places;
 mod statics;
 mod swing;
+mod task;
 
 use whipcord_numerics::Pose;
 
@@ -36,12 +38,12 @@ use crate::statics::outcome::Failure;
 use crate::stations::Stations;
 use crate::warm_start::{Status, WarmStart};
 
-use chain::Task;
 use division::Division;
 use layout::Section;
 use loads::AppliedLoads;
 use motion::Coordinates;
 use statics::{Effort, Responder, Scratch};
+use task::Task;
 
 /// How a model is driven, and what it computes.
 #[derive(Clone, Debug, PartialEq)]

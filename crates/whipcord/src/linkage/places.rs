@@ -3,8 +3,9 @@
 use whipcord_numerics::{Pose, Twist, Vec3};
 
 use super::Linkage;
-use super::chain::{Chain, Task};
+use super::chain::Chain;
 use super::motion::{Coordinates, Motion};
+use super::task::Task;
 use crate::derivatives::unit_wrench;
 use crate::shape::Wrench;
 

@@ -1,8 +1,10 @@
 //! Equilibrium under tensions and loads by Newton's method, and along the load where that does not get there.
 
-use super::chain::{Asked, Chain, Elimination, Task, bend};
+use super::chain::{Chain, bend};
 use super::layout::Section;
 use super::motion::Coordinates;
+use super::pivots::positive_pivots;
+use super::task::{Asked, Elimination, Task};
 use crate::section::Fault;
 use crate::section::SectionFault;
 use crate::shape::Wrench;
@@ -349,23 +351,6 @@ impl Scratch {
         }
         Some(0.5 * (low + high))
     }
-}
-
-/// Of the matrix `c + CᵀH⁻¹C` of the held cables, by elimination.
-pub(super) fn positive_pivots(
-    held: &[(usize, f64)],
-    entry: impl Fn(usize, usize) -> f64,
-    pivots: &mut Vec<f64>,
-    work: &mut Vec<f64>,
-) -> Option<usize> {
-    let n = held.len();
-    pivots.clear();
-    for (i, &(cable, gives)) in held.iter().enumerate() {
-        for (j, &(other, _)) in held.iter().enumerate() {
-            pivots.push(entry(cable, other) + if i == j { gives } else { 0.0 });
-        }
-    }
-    super::chain::negative_pivots(n, pivots, work).map(|negative| n - negative)
 }
 
 /// The chain as what answers tensions with lengths.

@@ -2,6 +2,7 @@
 
 mod cosserat;
 mod cosserat_disks;
+mod energy;
 mod four_bar;
 mod free_path;
 mod friction;

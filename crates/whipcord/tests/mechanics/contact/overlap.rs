@@ -292,7 +292,15 @@ fn sweep(solve: Solve, take: &dyn Fn(usize) -> bool, count: usize, tell: bool) -
     let numbered = samples(scenario(), count).enumerate();
     for (number, scenario) in numbered.filter(|(number, _)| take(*number)) {
         let Some(case) = placed(solve, &scenario) else { continue };
-        let Ok(solution) = solve(&scenario.robot, &case) else { continue };
+        let solution = match solve(&scenario.robot, &case) {
+            Ok(solution) => solution,
+            Err(error) => {
+                if tell {
+                    println!("{number} {}: {error}", scenario.form.name());
+                }
+                continue;
+            }
+        };
         let length = scenario.robot.backbone().length;
         let contacts = &solution.contacts;
         let gap = contacts.iter().map(|t| t.gap.abs() / length).fold(0.0, f64::max);

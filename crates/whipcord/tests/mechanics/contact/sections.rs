@@ -4,8 +4,8 @@ use super::{
     LENGTH, STIFFNESS, among, assert_clear, assert_forces_hold, finger, moved, sphere, wall,
 };
 use whipcord::{
-    Actuation, Cable, Case, Contact, LoadFrame, Loads, Model, ModelKind, Obstacle, Part, PointLoad,
-    Pose, Robot, Routing, Shortening, Solution, SolveError, StabilityAnalysis, Stations,
+    Actuation, Backbone, Cable, Case, Contact, LoadFrame, Loads, Model, ModelKind, Obstacle, Part,
+    PointLoad, Pose, Robot, Routing, Shortening, Solution, SolveError, StabilityAnalysis, Stations,
     UnitQuaternion, Vec3,
 };
 
@@ -224,6 +224,25 @@ fn a_warm_start_keeps_the_contacts() {
     }
 }
 
+/// Solved once more from its answer a case has the same answer, with the same friction: it is known where the robot was,
+/// also where its disks alone do not tell.
+#[test]
+fn the_answer_to_the_same_case_stays() {
+    let robot = finger(4);
+    for kind in KINDS {
+        for friction in [0.0, 0.3, 3.0] {
+            let case = among(Case::with_tensions(&[2.5]), vec![rubbing(wall(0.05), friction)]);
+            let answer = solve(kind, &robot, &case);
+            let again = solve_from(kind, &robot, &case, Some(&answer)).unwrap();
+            let [a, b] = [&answer, &again].map(only);
+            assert!((a.friction.unwrap() - b.friction.unwrap()).norm() < 1e-6 * a.force.unwrap());
+            assert!((a.point - b.point).norm() < 1e-8 * LENGTH, "{kind} {friction} {a:?} {b:?}");
+            let apart = again.disks.distances(&answer.disks).fold(0.0, f64::max);
+            assert!(apart < 1e-8 * LENGTH, "{kind} {friction}: {apart:e}");
+        }
+    }
+}
+
 /// Pressed against the middle of a ball the finger slips off sideways.
 #[test]
 fn a_finger_slips_off_the_middle_of_a_ball() {
@@ -311,5 +330,42 @@ fn pulling_and_letting_go_differ() {
         let [there, here] = [&more, &little].map(only);
         let slid = (here.point - there.point).norm();
         assert!(here.sticks && slid < 2e-4 * LENGTH, "{kind}: {slid} {here:?}");
+    }
+}
+
+/// The finger of so many sections that neither stretches nor shears.
+fn stiff_finger(sections: usize) -> Robot {
+    let bare = finger(sections);
+    let backbone = Backbone { extensible: false, shearable: false, ..bare.backbone().clone() };
+    Robot::new(backbone, bare.disks().clone(), bare.cables().to_vec()).unwrap()
+}
+
+/// The difference of arcs from the rod with the same disks and cables falls with the square of the length of the sections,
+/// in shape and force. Rigid bodies stay as far away as their coefficients are off.
+#[test]
+fn arcs_come_to_the_rod_in_contact_too() {
+    for obstacle in [wall(0.05), ball(), rubbing(wall(0.05), 0.3)] {
+        let difference = |kind: ModelKind, sections: usize| {
+            let robot = stiff_finger(sections);
+            let case = among(Case::with_tensions(&[3.0]), vec![obstacle.clone()]);
+            let rod = solve(ModelKind::CosseratDisks, &robot, &case);
+            let ours = solve(kind, &robot, &case);
+            let total = |solution: &Solution| {
+                let forces = solution.contacts.iter();
+                forces.map(|t| t.normal * t.force.unwrap()).fold(Vec3::ZERO, |sum, f| sum + f)
+            };
+            let (force, expected) = (total(&ours), total(&rod));
+            let apart = ours.disks.distances(&rod.disks).fold(0.0, f64::max);
+            [apart / LENGTH, (force - expected).norm() / expected.norm()]
+        };
+        let [coarse, fine] = [9, 18].map(|sections| difference(PCC, sections));
+        // What is the same in both would not fall.
+        assert!(coarse[0] > 1e-4 && coarse[1] > 2e-3, "{coarse:?}");
+        assert!((3.5..4.5).contains(&(coarse[0] / fine[0])), "{coarse:?} {fine:?}");
+        assert!(coarse[1] / fine[1] > 3.5, "{coarse:?} {fine:?}");
+        for sections in [9, 18] {
+            let bodies = difference(PRB, sections);
+            assert!(bodies[0] < 0.015 && bodies[1] < 0.04, "{bodies:?}");
+        }
     }
 }
