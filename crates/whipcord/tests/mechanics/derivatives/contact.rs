@@ -155,7 +155,7 @@ fn compare(
         Parameter::YoungModulus.moved(&robot, case, modulus * x).unwrap()
     });
     let change = derivatives.parameter(0, Hold::Commands);
-    let found: Vec<f64> = rates(&solution, &change).iter().map(|rate| modulus * rate).collect();
+    let found: Vec<f64> = rates(solution, &change).iter().map(|rate| modulus * rate).collect();
     assert_close(&found, &by_modulus, tolerance);
 }
 
