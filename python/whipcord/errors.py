@@ -26,6 +26,7 @@ from typing import Any
 __all__ = [
     "AmbiguousBaseError",
     "BuckledError",
+    "BudgetSpentError",
     "CablesConflictError",
     "CalibrationError",
     "ContradictoryLengthsError",
@@ -301,6 +302,17 @@ class NotConvergedError(SolveError):
     """Fraction of the given load up to which there was an answer, from 0 to 1."""
     advice: str
     """What to do."""
+
+
+class BudgetSpentError(SolveError):
+    """The model's ``max_iterations``, or the budget that every solve has, were spent before there was an answer."""
+
+    iterations: int
+    """Newton iterations spent."""
+    integration_steps: int
+    """Integration steps of all shapes that were tried."""
+    last_load: float | None
+    """Fraction of what was given up to which there was an answer, from 0 to 1; None where that is not known."""
 
 
 class ObstacleInTheWayError(SolveError):

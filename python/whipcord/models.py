@@ -43,6 +43,9 @@ class _Rod:
     """Whether it is computed if the answer is stable. ``"eigenvalue"``: its least eigenvalue too, which takes longer."""
     residual: float | None = None
     """Residual at which equilibrium under load counts as met, relative to the scales of the problem."""
+    max_iterations: int | None = None
+    """Newton iterations that a solve may take, with those at parts of the load; then it ends with
+    :class:`whipcord.errors.BudgetSpentError`. By default there are enough for about two seconds."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,8 @@ class FourBar:
     """How the backbone runs from disk to disk."""
     length_rule: Literal["proportional", "equal", "free"] = "proportional"
     """How a cable's shortening is shared out between the sections."""
+    max_iterations: int | None = None
+    """Newton iterations that a solve may take, as for :class:`Cosserat`."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +88,8 @@ class PiecewiseConstantCurvature:
     """Whether it is computed if the answer is stable. ``"eigenvalue"``: its least eigenvalue too, which takes longer."""
     residual: float | None = None
     """Residual at which equilibrium counts as met, relative to the scales of the problem."""
+    max_iterations: int | None = None
+    """Newton iterations that a solve may take, as for :class:`Cosserat`."""
 
 
 @dataclass(frozen=True)

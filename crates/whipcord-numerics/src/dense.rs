@@ -151,12 +151,12 @@ fn less(mut lanes: [f64; LANES], factors: &[f64], rows: &[[f64; LANES]]) -> [f64
 ///
 /// ```
 /// use whipcord_numerics::symmetric_eigenvalues;
-/// let mut values = symmetric_eigenvalues(2, &mut [2.0, 1.0, 1.0, 2.0]);
+/// let mut matrix = [2.0, 1.0, 1.0, 2.0];
+/// let mut values: Vec<f64> = symmetric_eigenvalues(2, &mut matrix).collect();
 /// values.sort_by(f64::total_cmp);
 /// assert!((values[0] - 1.0).abs() < 1e-15 && (values[1] - 3.0).abs() < 1e-15);
 /// ```
-#[must_use]
-pub fn symmetric_eigenvalues(n: usize, a: &mut [f64]) -> Vec<f64> {
+pub fn symmetric_eigenvalues(n: usize, a: &mut [f64]) -> impl ExactSizeIterator<Item = f64> + '_ {
     const SWEEPS: usize = 30;
     debug_assert_eq!(a.len(), n * n);
     for _ in 0..SWEEPS {
@@ -174,7 +174,8 @@ pub fn symmetric_eigenvalues(n: usize, a: &mut [f64]) -> Vec<f64> {
             }
         }
     }
-    (0..n).map(|i| a[i * n + i]).collect()
+    let a = &*a;
+    (0..n).map(move |i| a[i * n + i])
 }
 
 /// Cosine and sine of Jacobi's rotation that makes the symmetric block of `xx`, `yy` and `xy` diagonal.
@@ -269,7 +270,7 @@ mod tests {
                 a[(i + 1) * n + i] = -1.0;
             }
         }
-        let mut values = symmetric_eigenvalues(n, &mut a);
+        let mut values: Vec<f64> = symmetric_eigenvalues(n, &mut a).collect();
         values.sort_by(f64::total_cmp);
         for (k, value) in values.iter().enumerate() {
             let angle = (k + 1) as f64 * core::f64::consts::PI / (n + 1) as f64;

@@ -322,6 +322,13 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
                 dict.set_item("touching", touching)
             })
         }
+        SolveError::BudgetSpent { iterations, integration_steps, last_load } => {
+            exception(py, "BudgetSpentError", message, |dict| {
+                dict.set_item("iterations", iterations)?;
+                dict.set_item("integration_steps", integration_steps)?;
+                dict.set_item("last_load", last_load)
+            })
+        }
         SolveError::Cancelled { last_load } => timed_out(py, message, *last_load),
         SolveError::TensionsNotFound => raise("TensionsNotFoundError", &[]),
         SolveError::NoDerivatives => raise("NoDerivativesError", &[]),

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::cosserat::{self, Accuracy};
 use whipcord::{
-    Actuation, ModelKind, StabilityAnalysis, Stations, four_bar, linkage, pseudo_rigid_body,
+    Actuation, Budget, ModelKind, StabilityAnalysis, Stations, four_bar, linkage, pseudo_rigid_body,
 };
 
 use crate::errors;
@@ -28,8 +28,8 @@ impl Model {
     #[new]
     #[pyo3(signature = (
         kind, *, stations = None, actuation = None, tolerance = None, steps = None, stability = None,
-        residual = None, objective = None, chord = None, length_rule = None, coefficients = None,
-        timeout = None
+        residual = None, max_iterations = None, objective = None, chord = None, length_rule = None,
+        coefficients = None, timeout = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
@@ -41,6 +41,7 @@ impl Model {
         steps: Option<usize>,
         stability: Option<&Bound<'_, PyAny>>,
         residual: Option<f64>,
+        max_iterations: Option<usize>,
         objective: Option<&str>,
         chord: Option<&str>,
         length_rule: Option<&str>,
@@ -55,6 +56,7 @@ impl Model {
         arguments.set_item("steps", steps)?;
         arguments.set_item("stability", stability)?;
         arguments.set_item("residual", residual)?;
+        arguments.set_item("max_iterations", max_iterations)?;
         arguments.set_item("objective", objective)?;
         arguments.set_item("chord", chord)?;
         arguments.set_item("length_rule", length_rule)?;
@@ -143,6 +145,16 @@ impl Model {
                     options.coefficients = named(py, "coefficients", name)?;
                 }
                 whipcord::Model::PseudoRigidBody(options)
+            }
+        };
+        let inner = match max_iterations {
+            None => inner,
+            Some(iterations) if iterations > 0 => {
+                inner.with_budget(Budget { iterations, ..Budget::default() })
+            }
+            Some(_) => {
+                let message = "max_iterations must be greater than zero".to_owned();
+                return Err(errors::input(py, "max_iterations", message));
             }
         };
         let timeout = timeout.map(|seconds| self::timeout(py, seconds)).transpose()?;

@@ -6,9 +6,10 @@
 use divan::Bencher;
 use whipcord::cosserat::{self, Cosserat};
 use whipcord::four_bar::{self, FourBar, LengthRule, Objective};
+use whipcord::linkage::{Linkage, Workspace};
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, Pose, Robot, Routing,
-    Section, Shortening, UnitQuaternion, Vec3,
+    Section, Shortening, UnitQuaternion, Vec3, piecewise_constant_curvature, pseudo_rigid_body,
 };
 
 fn main() {
@@ -96,4 +97,39 @@ fn cosserat_warm(bencher: Bencher) {
     let mut workspace = cosserat::Workspace::default();
     let start = model.solve(&before, None, &mut workspace).unwrap();
     bencher.bench_local(|| model.solve(&case, Some(&start), &mut workspace).unwrap());
+}
+
+/// Arcs, then rigid bodies.
+fn sections(robot: &Robot) -> [Linkage; 2] {
+    let actuation = Actuation::Shortening;
+    let arcs = piecewise_constant_curvature::Options { actuation, ..Default::default() };
+    let bodies = pseudo_rigid_body::Options { actuation, ..Default::default() };
+    [
+        piecewise_constant_curvature::build(robot, &arcs).unwrap(),
+        pseudo_rigid_body::build(robot, &bodies).unwrap(),
+    ]
+}
+
+#[divan::bench(args = [0, 1])]
+fn sections_cold(bencher: Bencher, model: usize) {
+    let (model, case) = (&sections(&finger())[model], case(0.004));
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+#[divan::bench(args = [0, 1])]
+fn sections_warm(bencher: Bencher, model: usize) {
+    let (model, before, case) = (&sections(&finger())[model], case(0.00396), case(0.004));
+    let mut workspace = Workspace::default();
+    let start = model.solve(&before, None, &mut workspace).unwrap();
+    bencher.bench_local(|| model.solve(&case, Some(&start), &mut workspace).unwrap());
+}
+
+/// The ball on the other side: nothing touches.
+#[divan::bench(args = [0, 1])]
+fn sections_clear(bencher: Bencher, model: usize) {
+    let (model, mut case) = (&sections(&finger())[model], case(0.004));
+    case.obstacles[0].pose.position = Vec3::new(-0.05, 0.005, 0.12);
+    let mut workspace = Workspace::default();
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
 }

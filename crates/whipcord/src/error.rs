@@ -212,6 +212,20 @@ pub enum SolveError {
         axis: Option<Vec3>,
     },
 
+    /// The budget of the solve is spent ([`crate::Budget`]).
+    #[error(
+        "the budget of the solve is spent after {iterations} iterations and {integration_steps} integration steps; {}; give it more, a coarser tolerance, or a start nearby",
+        how_far(*last_load)
+    )]
+    BudgetSpent {
+        /// Newton iterations.
+        iterations: usize,
+        /// Integration steps of all shapes that were tried.
+        integration_steps: usize,
+        /// Part of the load or of the step up to which equilibrium was found, from 0 to 1, where it is known.
+        last_load: Option<f64>,
+    },
+
     /// A robot that its obstacles let get only a part of the way.
     #[error(
         "{}an equilibrium was found only up to {} of the change of actuation and loads: {why}",
@@ -331,7 +345,7 @@ impl SolveError {
     /// Fraction of what was given up to which equilibrium was found, from 0 to 1, where it is known.
     pub(crate) const fn last_load(&self) -> Option<f64> {
         match *self {
-            Self::Cancelled { last_load } => last_load,
+            Self::Cancelled { last_load } | Self::BudgetSpent { last_load, .. } => last_load,
             Self::NotConverged { last_load, .. } | Self::SectionFolds { last_load, .. } => {
                 Some(last_load)
             }

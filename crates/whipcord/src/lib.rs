@@ -11,6 +11,7 @@
 //! only for a [`batch`].
 
 pub mod batch;
+mod budget;
 mod cancel;
 pub mod case;
 pub mod constant_curvature;
@@ -38,8 +39,10 @@ pub mod section;
 pub mod shape;
 mod statics;
 pub mod stations;
+mod warm_start;
 pub mod warning;
 
+pub use budget::Budget;
 pub use cancel::Cancel;
 pub use case::{
     Actuation, CableCommand, Case, DistributedLoad, LoadFrame, Loads, PointLoad, PointMass,
@@ -64,6 +67,7 @@ pub use statics::path::branches::{
     BranchOptions, Branches, CriticalKind, CriticalPoint, Equilibrium,
 };
 pub use stations::Stations;
+pub use warm_start::{Status, WarmStart};
 pub use warning::Warning;
 pub use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3, equally_spaced};
 

@@ -10,20 +10,19 @@ use crate::robot::{Cable, Robot};
 use crate::shape::Solution;
 
 impl Model {
-    /// Whether it differentiates the answer to a case exactly by commands, loads and parameters
+    /// Whether it differentiates its answers exactly by commands, loads and parameters
     /// ([`Prepared::solve_with_derivatives`]).
     #[must_use]
-    pub fn has_derivatives(&self, robot: &Robot, case: &Case) -> bool {
+    pub fn has_derivatives(&self, robot: &Robot) -> bool {
         let slides = || !robot.cables().iter().any(Cable::has_friction);
-        case.obstacles.is_empty()
-            && match self {
-                Self::Cosserat(_) => true,
-                Self::CosseratDisks(_) => slides(),
-                Self::FourBar(_)
-                | Self::ConstantCurvature(_)
-                | Self::PiecewiseConstantCurvature(_)
-                | Self::PseudoRigidBody(_) => false,
-            }
+        match self {
+            Self::Cosserat(_) => true,
+            Self::CosseratDisks(_) => slides(),
+            Self::FourBar(_)
+            | Self::ConstantCurvature(_)
+            | Self::PiecewiseConstantCurvature(_)
+            | Self::PseudoRigidBody(_) => false,
+        }
     }
 }
 

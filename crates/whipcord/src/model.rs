@@ -2,6 +2,7 @@
 
 use whipcord_numerics::Pose;
 
+use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
 use crate::error::SolveError;
@@ -14,6 +15,7 @@ use crate::statics::Statics;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::path::branches::{BranchOptions, Branches};
 use crate::stations::Stations;
+use crate::warm_start::{Status, WarmStart};
 use crate::{
     constant_curvature, cosserat, cosserat_disks, four_bar, linkage, piecewise_constant_curvature,
     pseudo_rigid_body,
@@ -99,6 +101,19 @@ impl Model {
         };
         flag.clone_from(cancel);
         model
+    }
+
+    /// The same model, whose solves may spend this much each.
+    #[must_use]
+    pub const fn with_budget(mut self, budget: Budget) -> Self {
+        *match &mut self {
+            Self::Cosserat(options) | Self::CosseratDisks(options) => &mut options.budget,
+            Self::FourBar(options) => &mut options.budget,
+            Self::ConstantCurvature(options) => &mut options.budget,
+            Self::PiecewiseConstantCurvature(options) => &mut options.budget,
+            Self::PseudoRigidBody(options) => &mut options.budget,
+        } = budget;
+        self
     }
 
     /// The same model, with this analysis of the stability of its answers; models without an energy have none.
@@ -251,6 +266,17 @@ impl Prepared {
         flag.clone_from(cancel);
     }
 
+    /// Lets the next solves spend this much each, instead of what the options of the model say.
+    pub fn set_budget(&mut self, budget: Budget) {
+        match self {
+            Self::Cosserat(model, _) => model.set_budget(budget),
+            Self::CosseratDisks(model, _) => model.set_budget(budget),
+            Self::FourBar(model, _) => model.set_budget(budget),
+            Self::ConstantCurvature(model, _) => model.set_budget(budget),
+            Self::Linkage(model, _) => model.set_budget(budget),
+        }
+    }
+
     /// Whether it can take loads at the places of these.
     #[must_use]
     pub fn takes_places_of(&self, loads: &Loads) -> bool {
@@ -276,6 +302,55 @@ impl Prepared {
             Self::FourBar(model, workspace) => model.solve(case, warm_start, workspace),
             Self::ConstantCurvature(model, workspace) => model.solve(case, workspace),
             Self::Linkage(model, workspace) => model.solve(case, warm_start, workspace),
+        }
+    }
+
+    /// [`Self::solve`] for a controller: into a solution that is at hand, from the answer of the cycle before
+    /// ([`WarmStart::Output`]), and within a budget ([`Self::set_budget`]) with the best shape so far where that is spent. After the
+    /// first call nothing is allocated by a solve without obstacles and hole friction that needs no search for tensions or
+    /// continuation; what is, the pages of the models say. Cables are in the order of the robot.
+    ///
+    /// ```
+    /// # use whipcord::{Backbone, Cable, Case, Disks, Material, Robot, Routing, Section};
+    /// use whipcord::{Actuation, Model, ModelKind, Solution, Stations, Status, WarmStart};
+    ///
+    /// # let material = Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Default::default() };
+    /// # let backbone = Backbone { section: Some(Section::circle(0.003)), material, ..Backbone::new(0.18) };
+    /// # let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+    /// # let robot = Robot::new(backbone, Disks::equally_spaced(0.18, 10, 0.008), vec![cable])?;
+    /// let mut case = Case::with_tensions(&[3.0]);
+    /// case.loads.tip_force.x = 0.1;
+    /// let model = Model::new(ModelKind::Cosserat, Stations::default(), Actuation::Natural);
+    /// let mut model = model.prepare(&robot, &case.loads)?;
+    /// let mut solution = Solution::empty(ModelKind::Cosserat);
+    /// for cycle in 0..100 {
+    ///     case.commands[0].tension = Some(3.0 + 0.01 * f64::from(cycle));
+    ///     let from = if cycle == 0 { WarmStart::None } else { WarmStart::Output };
+    ///     let status = model.solve_into(&case, from, &mut solution)?;
+    ///     assert_eq!(status, Status::Converged);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`SolveError::BudgetSpent`] where the budget is spent before there is a shape. The solution then
+    /// holds what it held, or a part of an answer.
+    pub fn solve_into(
+        &mut self,
+        case: &Case,
+        from: WarmStart<'_>,
+        solution: &mut Solution,
+    ) -> Result<Status, SolveError> {
+        match self {
+            Self::Cosserat(model, workspace) => model.solve_into(case, from, workspace, solution),
+            Self::CosseratDisks(model, workspace) => {
+                model.solve_into(case, from, workspace, solution)
+            }
+            Self::FourBar(model, workspace) => model.solve_into(case, from, workspace, solution),
+            Self::ConstantCurvature(model, workspace) => {
+                model.solve_into(case, workspace, solution)
+            }
+            Self::Linkage(model, workspace) => model.solve_into(case, from, workspace, solution),
         }
     }
 

@@ -35,19 +35,6 @@ pub(crate) fn hole_friction(
     }
 }
 
-/// Refuses a case with obstacles on behalf of a model that knows no contact.
-pub(crate) fn obstacles(model: ModelKind, case: &Case) -> Result<(), SolveError> {
-    if case.obstacles.is_empty() {
-        return Ok(());
-    }
-    Err(SolveError::Unsupported {
-        model,
-        path: "obstacles".to_owned(),
-        what: "it knows no contact",
-        advice: "use cosserat or cosserat-disks, or four-bar with the strain-energy objective",
-    })
-}
-
 /// Refuses to follow equilibria under a growing load, on behalf of a model that takes no loads.
 pub(crate) fn branches(model: ModelKind) -> SolveError {
     SolveError::Unsupported {

@@ -16,7 +16,7 @@ pub struct Shape {
 }
 
 /// What became of one cable.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CableState {
     /// Name of the cable.
     pub name: String,
@@ -278,7 +278,54 @@ impl SlipState {
     }
 }
 
+impl Solution {
+    /// An empty one, for [`crate::Prepared::solve_into`] to write to.
+    #[must_use]
+    pub fn empty(model: ModelKind) -> Self {
+        Self {
+            model,
+            shape: Shape::default(),
+            disks: Shape::default(),
+            cables: Vec::new(),
+            base_wrench: None,
+            contacts: Vec::new(),
+            diagnostics: Diagnostics::default(),
+        }
+    }
+}
+
+impl CableState {
+    /// Writes the name of a cable, in the memory of the last one.
+    pub(crate) fn rename(&mut self, name: &str) {
+        if self.name != name {
+            name.clone_into(&mut self.name);
+        }
+    }
+}
+
 impl Shape {
+    /// Takes frames relative to a base, which has this pose, at these arc lengths; in the memory that it has.
+    pub(crate) fn set(
+        &mut self,
+        arc_lengths: &[f64],
+        poses: impl Iterator<Item = Pose>,
+        base: Pose,
+    ) {
+        self.arc_length.clear();
+        self.arc_length.extend_from_slice(arc_lengths);
+        self.poses.clear();
+        self.poses.extend(poses);
+        self.turn(base);
+    }
+
+    /// Puts it on a base of this pose, when it is now given in the frame of its base.
+    pub(crate) fn turn(&mut self, base: Pose) {
+        // No rounding where there is nothing to do.
+        if base != Pose::IDENTITY {
+            self.poses.iter_mut().for_each(|pose| *pose = base * *pose);
+        }
+    }
+
     /// A straight backbone along z, unstretched and untwisted, at these arc lengths.
     #[must_use]
     pub fn straight(arc_lengths: &[f64]) -> Self {
@@ -289,10 +336,7 @@ impl Shape {
     /// The same shape on a base of this pose, when it is now given in the frame of its base.
     #[must_use]
     pub fn moved(mut self, base: Pose) -> Self {
-        // No rounding where there is nothing to do.
-        if base != Pose::IDENTITY {
-            self.poses.iter_mut().for_each(|pose| *pose = base * *pose);
-        }
+        self.turn(base);
         self
     }
 

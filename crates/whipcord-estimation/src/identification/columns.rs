@@ -41,7 +41,7 @@ impl DerivativeMethod {
     ) -> Self {
         let loads = &experiment.case.loads;
         let rubs = unknowns.iter().any(|u| matches!(u.quantity, Quantity::Friction { .. }));
-        let is_exact = !rubs && model.has_derivatives(robot, &experiment.case);
+        let is_exact = !rubs && model.has_derivatives(robot);
         let by_factor = unknowns.iter().any(|other| {
             matches!(other.quantity, Quantity::Parameter(Parameter::StiffnessScale(_)))
         });

@@ -336,13 +336,14 @@ test("several models are moved together, each as the library says", async ({ pag
 test.describe("among obstacles", () => {
   test.use({ example: "contact/among-bodies.toml" });
 
-  test("the robot touches them, and what knows no contact says so", async ({ page, viewer }) => {
+  test("the robot touches them, and a model that takes no forces says so", async ({ page, viewer }) => {
     void viewer;
-    await expect(page.getByLabel("pseudo-rigid-body")).toBeDisabled();
-    await expect(page.locator("#why-pseudo-rigid-body")).toContainText("it knows no contact");
+    await expect(page.getByLabel("constant-curvature", { exact: true })).toBeDisabled();
+    await expect(page.locator("#why-constant-curvature")).toContainText("contact forces would bend the arc unevenly");
     await page.getByLabel("cosserat-disks").check();
+    await page.getByLabel("pseudo-rigid-body").check();
     await page.getByLabel("Colour by").selectOption("contact");
-    for (const model of ["cosserat", "cosserat-disks"]) {
+    for (const model of ["cosserat", "cosserat-disks", "pseudo-rigid-body"]) {
       await expect(page.locator(`.answer[data-model="${model}"] dl`)).toContainText("touches");
     }
     await expect(page.locator("#legend")).toContainText("touches nothing");

@@ -6,6 +6,7 @@ use super::arc::{Arc, Elasticity};
 use super::{ConstantCurvature, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::kinematics::{ComplianceUnknown, Local};
 use crate::shape::Solution;
 use crate::statics::local::{Column, local_of};
@@ -25,7 +26,9 @@ impl ConstantCurvature {
         arc_length: f64,
         workspace: &mut Workspace,
     ) -> Result<(Solution, Local), SolveError> {
-        let (solution, arc) = self.solve_arc(case, workspace)?;
+        let (arc, effort) = self.solve_arc(case, workspace)?;
+        let mut solution = Solution::empty(ModelKind::ConstantCurvature);
+        self.write(case.base, &arc, effort, workspace, &mut solution);
         let Elasticity { bending, axial } = self.elasticity_or_unit();
         let columns = self.offsets.iter().enumerate().map(|(cable, [x, y])| {
             let strain = Twist {

@@ -8,17 +8,18 @@ mod refusal;
 
 use whipcord_numerics::Pose;
 
+use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::refusal as shared_refusal;
 use crate::robot::{Cable, Robot};
-use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution, Wrench};
+use crate::shape::{CableState, Diagnostics, NoStability, Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::lengths::{self, Effort, Given, LengthScratch, TensionResponse as _};
 use crate::statics::outcome::Failure;
 use crate::stations::Stations;
+use crate::warm_start::Status;
 
 use arc::{Arc, Elasticity};
 
@@ -29,6 +30,8 @@ pub struct Options {
     pub stations: Stations,
     /// Which command of each cable counts; by nature the shortening.
     pub actuation: Actuation,
+    /// What a solve may spend.
+    pub budget: Budget,
     /// Ends a solve from outside.
     pub cancel: Cancel,
 }
@@ -56,6 +59,7 @@ pub struct Options {
 pub struct ConstantCurvature {
     robot: Robot,
     actuation: Actuation,
+    budget: Budget,
     cancel: Cancel,
     /// Offsets of the cables from the backbone's axis, `(x, y)` in m.
     offsets: Vec<[f64; 2]>,
@@ -76,6 +80,7 @@ pub struct Workspace {
     lengths: Vec<f64>,
     length_by_tension: Vec<f64>,
     search: LengthScratch,
+    meter: Meter,
 }
 
 impl ConstantCurvature {
@@ -100,6 +105,7 @@ impl ConstantCurvature {
         Ok(Self {
             robot: robot.clone(),
             actuation,
+            budget: options.budget,
             cancel: options.cancel.clone(),
             offsets,
             elasticity,
@@ -113,6 +119,10 @@ impl ConstantCurvature {
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    pub(crate) const fn set_budget(&mut self, budget: Budget) {
+        self.budget = budget;
     }
 
     pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
@@ -135,17 +145,34 @@ impl ConstantCurvature {
     /// for lengths that no arc has; [`SolveError::SectionFolds`] for tensions that leave a cable no length;
     /// [`SolveError::Invalid`] for a case that does not fit the robot.
     pub fn solve(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
-        self.solve_arc(case, workspace).map(|(solution, _)| solution)
+        let mut solution = Solution::empty(ModelKind::ConstantCurvature);
+        self.solve_into(case, workspace, &mut solution).map(|_| solution)
     }
 
-    /// The shape and its arc.
+    /// [`Self::solve`] into memory that is at hand: after the first call nothing is allocated where tensions drive the cables.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_into(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<Status, SolveError> {
+        let (arc, effort) = self.solve_arc(case, workspace)?;
+        self.write(case.base, &arc, effort, workspace, solution);
+        Ok(Status::Converged)
+    }
+
+    /// The arc.
     fn solve_arc(
         &self,
         case: &Case,
         workspace: &mut Workspace,
-    ) -> Result<(Solution, Arc), SolveError> {
+    ) -> Result<(Arc, Effort), SolveError> {
+        workspace.meter.start(&self.cancel, self.budget);
         case.check(&self.robot)?;
-        shared_refusal::obstacles(ModelKind::ConstantCurvature, case)?;
+        refusal::obstacles(case)?;
         refusal::loads(case)?;
         workspace.commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {
@@ -164,8 +191,7 @@ impl ConstantCurvature {
             let name = |i: usize| self.robot.cables()[i].name.clone();
             failure.explain(&workspace.commands, &self.rest_lengths, name)
         });
-        let (arc, effort) = self.cancel.checked(bent)?;
-        Ok((self.solution(case.base, &arc, effort, workspace), arc))
+        workspace.meter.checked(bent)
     }
 
     /// That of the robot, or where it is not known one that gives the same shapes for the same lengths.
@@ -176,7 +202,7 @@ impl ConstantCurvature {
 
     /// The arc under the commands.
     fn bend(&self, workspace: &mut Workspace) -> Result<(Arc, Effort), Failure> {
-        let Workspace { commands, tensions, lengths, length_by_tension, search } = workspace;
+        let Workspace { commands, tensions, lengths, length_by_tension, search, meter } = workspace;
         tensions.clear();
         tensions.extend(commands.iter().map(|command| match command {
             Command::Tension(tension) => *tension,
@@ -194,7 +220,7 @@ impl ConstantCurvature {
         };
         let by_length = commands.iter().any(Command::is_length);
         let effort = if by_length {
-            let given = Given { length, commands, bracket: true, cancel: &self.cancel };
+            let given = Given { length, commands, bracket: true, meter };
             let solved = lengths::solve(&given, tensions, &mut rod, search);
             solved
                 .map_err(|fault| fault.failure(|fault| Failure::of_section(fault, tensions, 0.0)))?
@@ -206,37 +232,38 @@ impl ConstantCurvature {
         Ok((rod.arc, effort))
     }
 
-    fn solution(&self, base: Pose, arc: &Arc, effort: Effort, workspace: &Workspace) -> Solution {
-        let shape = |arc_lengths: &[f64]| {
-            let poses = arc_lengths.iter().map(|&s| arc.pose(s)).collect();
-            Shape { arc_length: arc_lengths.to_vec(), poses }.moved(base)
-        };
+    fn write(
+        &self,
+        base: Pose,
+        arc: &Arc,
+        effort: Effort,
+        workspace: &Workspace,
+        solution: &mut Solution,
+    ) {
+        let at = |&s: &f64| arc.pose(s);
+        let disks = &self.robot.disks().arc_lengths;
+        solution.shape.set(&self.stations, self.stations.iter().map(at), base);
+        solution.disks.set(disks, disks.iter().map(at), base);
         // With hole friction, prescribed lengths leave their tensions open.
         let knows_forces =
             self.elasticity.is_ok() && !self.robot.cables().iter().any(Cable::has_friction);
         let Workspace { commands, tensions, lengths, .. } = workspace;
-        let cable = |(i, command): (usize, &Command)| {
-            let (name, initial) = (&self.robot.cables()[i].name, self.rest_lengths[i]);
-            let state = command.answer(name, tensions[i], lengths[i], initial, self.rest.length);
-            CableState { tension: state.tension.filter(|_| knows_forces), ..state }
-        };
-        Solution {
-            model: ModelKind::ConstantCurvature,
-            shape: shape(&self.stations),
-            disks: shape(&self.robot.disks().arc_lengths),
-            cables: commands.iter().enumerate().map(cable).collect(),
-            contacts: Vec::new(),
-            base_wrench: knows_forces.then(Wrench::default),
-            diagnostics: Diagnostics {
-                iterations: effort.iterations,
-                residual: effort.residual,
-                stable: None,
-                stability: None,
-                stability_absent: Some(NoStability::NoEnergy),
-                discretization_error: None,
-                steps: 1,
-                stability_lost_at: None,
-            },
+        let cables = self.robot.cables();
+        solution.cables.resize_with(cables.len(), CableState::default);
+        for (i, state) in solution.cables.iter_mut().enumerate() {
+            let (name, length) = (&cables[i].name, [lengths[i], self.rest_lengths[i]]);
+            commands[i].answer(name, tensions[i], length, self.rest.length, state);
+            state.tension = state.tension.filter(|_| knows_forces);
         }
+        solution.model = ModelKind::ConstantCurvature;
+        solution.contacts.clear();
+        solution.base_wrench = knows_forces.then(Wrench::default);
+        solution.diagnostics = Diagnostics {
+            iterations: effort.iterations,
+            residual: effort.residual,
+            stability_absent: Some(NoStability::NoEnergy),
+            steps: 1,
+            ..Diagnostics::default()
+        };
     }
 }

@@ -42,6 +42,18 @@ pub(super) fn offsets(robot: &Robot) -> Result<Vec<[f64; 2]>, SolveError> {
     Ok(offsets)
 }
 
+/// Refuses a case with obstacles.
+pub(super) fn obstacles(case: &Case) -> Result<(), SolveError> {
+    if case.obstacles.is_empty() {
+        return Ok(());
+    }
+    Err(unsupported(
+        "obstacles",
+        "contact forces would bend the arc unevenly",
+        "use piecewise-constant-curvature, pseudo-rigid-body, cosserat or cosserat-disks, or four-bar with the strain-energy objective",
+    ))
+}
+
 /// Where the course of a cable leaves the parallel to the backbone, in the terms of the robot file.
 fn leaves_parallel(robot: &Robot, cable: usize) -> Option<String> {
     let tiny = PARALLEL * robot.backbone().length;

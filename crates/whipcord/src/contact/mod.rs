@@ -5,12 +5,14 @@
 //! | module | content |
 //! |---|---|
 //! | `model` | the interface to a model |
+//! | `pushed_places` | the cross-sections that are pushed, and their compliance |
 //! | `rod`, `rod_response`, `refinement` | what both Cosserat rods have of it |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
 //! | `friction` | stick and slip of a contact |
 //! | `complementarity` | which contacts touch and which stick |
 //! | `step` | Newton's method on the conditions of contact |
+//! | `holding` | the contacts of an answer, linearised |
 //! | `free_path` | robots that keep clear of all obstacles |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
@@ -18,10 +20,12 @@ mod body;
 mod complementarity;
 mod free_path;
 mod friction;
+mod holding;
 mod homotopy;
 pub(crate) mod model;
 mod pairs;
 mod path;
+mod pushed_places;
 mod refinement;
 mod rod;
 mod rod_response;
@@ -29,7 +33,9 @@ mod scene;
 mod step;
 
 pub(crate) use free_path::{Unobstructed, solve_free};
-pub(crate) use path::solve;
+pub(crate) use model::{is_same_shape, with_pushes};
+pub(crate) use path::{solve, solve_holding};
+pub(crate) use pushed_places::PushedPlaces;
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{PushedRod, RodAdapter, watched};
 pub(crate) use rod_response::RodResponse;

@@ -1,9 +1,9 @@
 //! What a model must do for contact to be solved with it.
 
-use whipcord_numerics::Pose;
+use whipcord_numerics::{Pose, Vec3};
 
 use crate::cancel::Cancel;
-use crate::case::Case;
+use crate::case::{Case, PointLoad};
 use crate::error::SolveError;
 use crate::shape::{Solution, Wrench};
 
@@ -21,6 +21,12 @@ pub(crate) trait Compliant {
     /// Arc lengths in m at which the backbone is watched for obstacles: increasing, from base to tip,
     /// those of the disks among them.
     fn watched(&self) -> &[f64];
+
+    /// Tangents of the backbone before and behind the watched place of this number, where it may have a corner there;
+    /// such a place lies between two others.
+    fn corner(&self, _place: usize) -> Option<[Vec3; 2]> {
+        None
+    }
 
     /// Length of each cable before actuation in m.
     fn initial_lengths(&self) -> &[f64];
@@ -86,4 +92,26 @@ pub(crate) trait Compliant {
 
     /// The last equilibrium as an answer, without its contacts.
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError>;
+}
+
+/// The case with the pushes as point loads.
+pub(crate) fn with_pushes(case: &Case, pushes: &[Push]) -> Case {
+    let mut case = case.clone();
+    let turn = case.loads.to_base(case.base.rotation).conjugate();
+    case.loads.points.extend(pushes.iter().map(|push| PointLoad {
+        at: push.arc_length,
+        force: turn.rotate(push.wrench.force),
+        moment: turn.rotate(push.wrench.moment),
+        follower: false,
+    }));
+    case
+}
+
+/// Shapes that are no farther apart than this, as a part of the length, are one.
+const SAME_SHAPE: f64 = 1e-4;
+
+/// Whether an answer without obstacles is the one that was kept clear of them: of several equilibria it may be another.
+pub(crate) fn is_same_shape(free: &Solution, kept_clear: &Solution) -> bool {
+    let length = kept_clear.disks.arc_length.last().copied().unwrap_or(0.0);
+    free.disks.distances(&kept_clear.disks).fold(0.0, f64::max) <= SAME_SHAPE * length
 }

@@ -189,7 +189,9 @@ impl Pairs {
             if here > within || here > before || here >= after {
                 continue;
             }
-            let (arc_length, least) = if i < last && before.is_finite() {
+            // At a corner the gap may be least without being flat there.
+            let is_smooth = i < last && before.is_finite() && model.corner(i).is_none();
+            let (arc_length, least) = if is_smooth {
                 vertex([watched[i - 1], watched[i], watched[i + 1]], gaps)
             } else {
                 (watched[i], here)
@@ -231,9 +233,14 @@ impl Pairs {
         (number, obstacle): (usize, &Obstacle),
         added: &mut Vec<(f64, f64)>,
     ) {
-        let slope = |s: f64| {
+        let slope = |s: f64, tangent: Option<Vec3>| {
             let pose = model.pose(s);
-            obstacle.surface(pose.position).normal.dot(pose.rotation.rotate(Vec3::Z))
+            let tangent = tangent.unwrap_or_else(|| pose.rotation.rotate(Vec3::Z));
+            obstacle.surface(pose.position).normal.dot(tangent)
+        };
+        // At a watched place, on one side of it.
+        let slope_at = |k: usize, side: usize| {
+            slope(self.watched[k], model.corner(k).map(|tangents| tangents[side]))
         };
         for pair in &self.near {
             let Pair { member, force, obstacle: at, .. } = pair;
@@ -244,28 +251,39 @@ impl Pairs {
             let gap = if *force > 0.0 { 0.0 } else { pair.nearest.gap.max(0.0) };
             let s = member.arc_length;
             let k = self.watched.partition_point(|&there| there < s).max(1);
-            let Some(&after) = self.watched.get(k) else { continue };
-            let before = self.watched[k - 1];
-            let here = slope(s);
-            let bend = (slope(after) - slope(before)) / (after - before);
-            let aside = -here / bend;
-            let overlap = 0.5 * here * here / bend - gap;
-            let there = s + aside;
-            if overlap.is_nan()
-                || overlap <= OVERLAP * self.length
-                || !(before..=after).contains(&there)
-            {
-                continue;
-            }
-            let near =
-                |other: f64| (other - there).abs() < (0.5 * aside.abs()).max(APART * self.length);
-            let known = self.near.iter().any(|pair| {
-                pair.obstacle == number
-                    && pair.member.part == Part::Backbone
-                    && near(pair.member.arc_length)
-            });
-            if !known && !added.iter().any(|&(other, _)| near(other)) {
-                added.push((there, self.radius(there)));
+            let is_watched = self.watched.get(k) == Some(&s);
+            for k in k..=k + usize::from(is_watched) {
+                let Some(&after) = self.watched.get(k) else { continue };
+                let before = self.watched[k - 1];
+                let slopes = [slope_at(k - 1, 1), slope_at(k, 0)];
+                let here = if s == before {
+                    slopes[0]
+                } else if s == after {
+                    slopes[1]
+                } else {
+                    slope(s, None)
+                };
+                let bend = (slopes[1] - slopes[0]) / (after - before);
+                let aside = -here / bend;
+                let overlap = 0.5 * here * here / bend - gap;
+                let there = s + aside;
+                if overlap.is_nan()
+                    || overlap <= OVERLAP * self.length
+                    || !(before..=after).contains(&there)
+                {
+                    continue;
+                }
+                let near = |other: f64| {
+                    (other - there).abs() < (0.5 * aside.abs()).max(APART * self.length)
+                };
+                let known = self.near.iter().any(|pair| {
+                    pair.obstacle == number
+                        && pair.member.part == Part::Backbone
+                        && near(pair.member.arc_length)
+                });
+                if !known && !added.iter().any(|&(other, _)| near(other)) {
+                    added.push((there, self.radius(there)));
+                }
             }
         }
     }
@@ -303,8 +321,13 @@ impl Pairs {
         let force = touch.force.unwrap_or(0.0);
         let coefficient = scene.get(touch.obstacle).friction;
         let grip = (coefficient > 0.0).then(|| {
+            let from = match touch.part {
+                Part::Disk(k) => answer.disks.poses.get(k).copied(),
+                Part::Backbone => None,
+            };
+            let from = *to_base * from.unwrap_or_else(|| answer.shape.at(touch.arc_length));
             let traction = to_base.rotation.rotate(touch.friction.unwrap_or_default());
-            Grip { traction, sticks: touch.sticks, ..Grip::new(coefficient, *to_base) }
+            Grip { traction, sticks: touch.sticks, ..Grip::new(coefficient, from) }
         });
         let mut pair = Pair { force, grip, ..Pair::new(touch.obstacle, member, nearest) };
         pair.given = pair.push();

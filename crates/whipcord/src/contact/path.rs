@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
+use super::holding::Holding;
 use super::homotopy::Homotopy;
 use super::model::{Compliant, Push};
 use super::pairs::{OVERLAP, Pair, Pairs};
@@ -27,6 +28,8 @@ const STRIDE: f64 = 0.25;
 const LEAST_REACH: f64 = 0.005;
 /// A nudge, relative to the force scale.
 const NUDGE: f64 = 2e-2;
+/// A known answer is where the model stands if no disk is farther from it than this part of the length.
+const FOUND_AGAIN: f64 = 1e-9;
 /// How far the base is drawn back to insert the robot, as a part of its length.
 const INSERTED: f64 = 1.02;
 /// The longest step on the way of a robot that touches: eq. (6) misses two directions that turn unstable in one.
@@ -69,6 +72,9 @@ struct PathTracker<'a, M> {
     nudge: Option<Push>,
     /// Where on the way the robot slipped off.
     slipped_at: Option<f64>,
+    /// Whether the way begins at a known answer that the model, under other loads, does not quite stand at: what its contacts
+    /// have slid counts from there.
+    is_off_answer: bool,
 }
 
 /// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
@@ -78,14 +84,25 @@ pub(crate) fn solve(
     case: &Case,
     warm_start: Option<&Solution>,
 ) -> Result<Solution, SolveError> {
+    solve_holding(model, robot, case, warm_start).map(|(solution, _)| solution)
+}
+
+/// [`solve`], with the contacts of the answer, linearised.
+pub(crate) fn solve_holding(
+    model: &mut impl Compliant,
+    robot: &Robot,
+    case: &Case,
+    warm_start: Option<&Solution>,
+) -> Result<(Solution, Holding), SolveError> {
     if warm_start.is_none()
         && !case.before.is_empty()
         && case.obstacles.iter().any(Obstacle::has_friction)
     {
         // Friction remembers the steps before the last.
-        let mut last = None;
+        let mut last: Option<(Solution, Holding)> = None;
         for step in case.single_steps() {
-            last = Some(solve(model, robot, &step, last.as_ref())?);
+            let before = last.as_ref().map(|(solution, _)| solution);
+            last = Some(solve_holding(model, robot, &step, before)?);
         }
         return last.ok_or(SolveError::NoDerivatives);
     }
@@ -109,6 +126,7 @@ pub(crate) fn solve(
         odd: None,
         nudge: None,
         slipped_at: None,
+        is_off_answer: false,
     };
     let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
     let at = |way: f64| homotopy.at(way, &initial);
@@ -138,13 +156,15 @@ pub(crate) fn solve(
     if let Some((.., depth)) = tracker.pairs.deepest(tracker.model, &tracker.scene) {
         return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
     }
+    let length = tracker.length;
+    let holding = Holding::new(&tracker.pairs, tracker.model, &tracker.scene, length);
     let mut solution = tracker.model.solution(&at(1.0), &tracker.pushes)?;
     let forces = tracker.model.knows_forces();
     solution.contacts = tracker.pairs.contacts(tracker.model, &case.base, forces);
     solution.diagnostics.iterations = tracker.iterations;
     solution.diagnostics.stability_lost_at = tracker.slipped_at;
     solution.diagnostics.residual = solution.diagnostics.residual.max(tracker.residual);
-    Ok(solution)
+    Ok((solution, holding))
 }
 
 impl<M: Compliant> PathTracker<'_, M> {
@@ -170,7 +190,13 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.pairs.resume(contact, answer, to_base, &self.scene);
         }
         self.pairs.pushes(&mut self.pushes);
-        self.model.consider(case, &self.pushes)
+        self.model.consider(case, &self.pushes)?;
+        let disks = answer.disks.arc_length.iter().zip(&answer.disks.poses);
+        let moved = |(&s, pose): (&f64, &Pose)| {
+            (self.model.pose(s).position - to_base.transform(pose.position)).norm()
+        };
+        self.is_off_answer = disks.map(moved).fold(0.0, f64::max) > FOUND_AGAIN * self.length;
+        Ok(())
     }
 
     /// Inserts the robot at rest into the pipes: from where its base is drawn back by its length, forward.
@@ -225,7 +251,9 @@ impl<M: Compliant> PathTracker<'_, M> {
             let kept_back = self.scene.drawn_back();
             self.scene.begin_step();
             self.scene.draw_back(drawn_back(next));
-            self.pairs.begin_step(self.model, &self.scene);
+            if way > 0.0 || !self.is_off_answer {
+                self.pairs.begin_step(self.model, &self.scene);
+            }
             // Where they were, as the base sees it from where it will be.
             before.extend(watched.iter().map(|&s| self.scene.carried(self.model.pose(s)).position));
             let stop = match self.touch(&at(next), &watched, &before) {

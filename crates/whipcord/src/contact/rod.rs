@@ -2,19 +2,19 @@
 
 use whipcord_numerics::{Pose, equally_spaced};
 
-use super::model::{Compliant, Push};
+use super::holding::Holding;
+use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use crate::cancel::Cancel;
-use crate::case::{Case, PointLoad};
+use crate::case::Case;
+use crate::derivatives::Derivatives;
 use crate::error::SolveError;
+use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::{NoStability, Solution};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
-
-/// Shapes that are no farther apart than this, as a part of the length, are one.
-const SAME_SHAPE: f64 = 1e-4;
 
 /// A rod that stands where it is, in equilibrium or not, under loads and wrenches on places of it. Under the wrenches of its
 /// contacts alone a robot may buckle though the contacts hold it, so that an equilibrium under given wrenches cannot be asked
@@ -60,6 +60,17 @@ pub(crate) trait PushedRod: Default {
         compliance: &mut Vec<f64>,
         drift: &mut Vec<f64>,
     );
+
+    /// The node of a station or place of a push.
+    fn node(&self, arc_length: f64) -> usize;
+
+    /// The derivatives where it stands, under these pushes, by these parameters too.
+    fn differentiate(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, SolveError>;
 
     /// Takes a part of Newton's step, with what changes of the pushes do.
     fn advance(&mut self, changes: &[[f64; 6]], part: f64);
@@ -135,6 +146,24 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
     }
 }
 
+impl<R: PushedRod> RodAdapter<'_, R> {
+    /// The derivatives of the answer that it stands at, with the contacts that hold it.
+    pub fn differentiate(
+        &self,
+        holding: &Holding,
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, SolveError> {
+        let alone = self.found.differentiate(self.robot, &self.case, parameters)?;
+        let node = |&s: &f64| self.found.node(s);
+        let stations = self.options.stations.arc_lengths(self.robot).iter().map(node).collect();
+        let places = holding.places.iter().map(node).collect();
+        alone
+            .at_stations(stations)
+            .touching(places, |compliance| holding.gain(compliance), holding.is_about_to_change)
+            .map_err(|_| SolveError::NoDerivatives)
+    }
+}
+
 /// The arc lengths at which the backbone is watched: those of the disks and some between.
 pub(crate) fn watched(robot: &Robot) -> Vec<f64> {
     let length = robot.backbone().length;
@@ -152,19 +181,6 @@ fn sorted(places: &mut Vec<f64>, apart: f64) {
     if let (Some(end), Some(last)) = (places.last_mut(), last) {
         *end = last;
     }
-}
-
-/// The case with the pushes as point loads.
-fn with_pushes(case: &Case, pushes: &[Push]) -> Case {
-    let mut case = case.clone();
-    let turn = case.loads.to_base(case.base.rotation).conjugate();
-    case.loads.points.extend(pushes.iter().map(|push| PointLoad {
-        at: push.arc_length,
-        force: turn.rotate(push.wrench.force),
-        moment: turn.rotate(push.wrench.moment),
-        follower: false,
-    }));
-    case
 }
 
 impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
@@ -258,12 +274,11 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
         let mut solution = self.found.solution(&self.case)?.ok_or(SolveError::NoDerivatives)?;
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
-        if !touching && let Ok(free) = R::solve_free(self.robot, self.options, case, &solution) {
-            // Of several equilibria a solve without obstacles may find another, which nothing has kept clear.
-            let apart = free.disks.distances(&solution.disks).fold(0.0, f64::max);
-            if apart <= SAME_SHAPE * self.robot.backbone().length {
-                return Ok(free);
-            }
+        if !touching
+            && let Ok(free) = R::solve_free(self.robot, self.options, case, &solution)
+            && is_same_shape(&free, &solution)
+        {
+            return Ok(free);
         }
         let asked = self.options.stations.arc_lengths(self.robot);
         let shape = &mut solution.shape;

@@ -250,7 +250,7 @@ fn geometric(pair: &Pair, model: &impl Compliant, scene: &Scene) -> [[f64; 6]; 6
 
 /// Central differences by the first so many motions of a cross-section, of something that is smooth and quick and does
 /// not change with the others.
-fn differences<const N: usize>(
+pub(super) fn differences<const N: usize>(
     motions: usize,
     pose: &Pose,
     reach: f64,

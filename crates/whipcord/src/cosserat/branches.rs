@@ -5,6 +5,7 @@ use super::path::RodPath;
 use super::refinement::{FOLLOW_LEVEL, MAX_REFINEMENTS};
 use super::state::State;
 use super::statics;
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -28,7 +29,8 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
         refusal::among_obstacles("branches", ModelKind::Cosserat, case)?;
-        self.options.cancel.checked(self.follow_branches(case, options, workspace))
+        let found = self.follow_branches(case, options, workspace);
+        self.options.cancel.checked(found)
     }
 
     fn follow_branches(
@@ -44,13 +46,14 @@ impl Cosserat {
         };
         self.accept(case, workspace)?;
         // The options say how far to go.
+        workspace.meter.start(&self.options.cancel, Budget::UNLIMITED);
         workspace.scratch.trajectory.steps_left = usize::MAX;
         let level = match self.options.accuracy {
             Accuracy::Steps(_) => 0,
             Accuracy::Tolerance(_) => FOLLOW_LEVEL,
         };
         let grid = self.grid(level)?;
-        let problem = self.problem(&grid, case, &workspace.commands);
+        let problem = self.problem(&grid, case, (&workspace.commands, &workspace.meter));
         let scratch = &mut workspace.scratch;
         let start = statics::start_of_path(&problem, scratch)
             .map_err(|failure| self.explain(failure, &workspace.commands))?;
@@ -75,7 +78,7 @@ impl Cosserat {
         let (mut error, mut steps) = (f64::INFINITY, 0);
         for level in level..=MAX_REFINEMENTS {
             let grid = self.grid(level)?;
-            let problem = self.problem(&grid, case, &workspace.commands);
+            let problem = self.problem(&grid, case, (&workspace.commands, &workspace.meter));
             let mut found = statics::converge(&problem, &mut workspace.scratch, near)
                 .map_err(|failure| self.explain(failure, &workspace.commands))?;
             match (accuracy, coarser) {

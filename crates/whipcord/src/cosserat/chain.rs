@@ -12,7 +12,7 @@ use super::loaded::{Target, Trajectory};
 use super::sensitivity::{Column, Sensitivity, Unknowns};
 use super::state::{Direction, State, weight};
 use super::statics::Problem;
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::derivatives::StepGap;
 use crate::section::Fault;
 use crate::statics::command::Command;
@@ -62,7 +62,7 @@ pub(super) struct Task<'a> {
     /// Greatest gap that counts as closed, relative to 1 rad and the scales of moment, force and
     /// length.
     pub tolerance: f64,
-    pub cancel: &'a Cancel,
+    pub meter: &'a Meter,
 }
 
 type Step<'a> = path::Step<'a, Change>;
@@ -76,7 +76,7 @@ impl<'a> Task<'a> {
             commands: problem.commands,
             length: problem.length,
             tolerance: problem.tolerance,
-            cancel: problem.cancel,
+            meter: problem.meter,
         }
     }
 }
@@ -104,9 +104,10 @@ impl Chain {
             if gap <= task.tolerance {
                 return Ok((iteration, gap));
             }
-            if trajectory.steps_left == 0 || task.cancel.is_cancelled() {
+            if trajectory.steps_left == 0 || task.meter.has_ended() {
                 break;
             }
+            task.meter.iterate();
             if !self.solve_step(task, by, trajectory) {
                 return Err(failed(iteration, gap, None));
             }
@@ -185,6 +186,7 @@ impl Chain {
     /// Shoots every step from its node; the greatest gap.
     pub fn shoot(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Result<f64, Fault> {
         let scales = Scales::of(task.grid, task.length);
+        task.meter.integrate(task.grid.len());
         trajectory.samples.clear();
         self.gaps.clear();
         let mut greatest: f64 = 0.0;

@@ -6,7 +6,10 @@ use super::contact_response::ContactResponse;
 use super::model::{Cosserat, Workspace};
 use crate::case::Case;
 use crate::contact::{self, RodAdapter, Unobstructed};
+use crate::derivatives::Derivatives;
 use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::parameter::Parameter;
 use crate::shape::Solution;
 
 impl Cosserat {
@@ -17,14 +20,42 @@ impl Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
+            return Ok(solution);
+        }
+        contact::solve(&mut self.adapter(), &self.robot, case, warm_start)
+    }
+
+    /// The same, with the derivatives of the answer and the contacts that hold it.
+    pub(super) fn differentiate_among_obstacles(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Derivatives), SolveError> {
+        if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
+            let alone = Case { obstacles: Vec::new(), ..case.clone() };
+            return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
+        }
+        let mut adapter = self.adapter();
+        let (solution, holding) =
+            contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
+        Ok((solution, adapter.differentiate(&holding, parameters)?))
+    }
+
+    /// The shape of a robot that keeps clear of the obstacles; `None` where it might not.
+    fn solve_clear(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Option<Solution>, SolveError> {
         case.check(&self.robot)?;
         let watched = contact::watched(&self.robot);
         let initial_lengths = self.initial_lengths();
         let mut free = FreeRod { model: self, workspace, watched, initial_lengths };
-        match contact::solve_free(&mut free, &self.robot, case, warm_start)? {
-            Some(solution) => Ok(solution),
-            None => self.solve_in_contact(case, warm_start),
-        }
+        contact::solve_free(&mut free, &self.robot, case, warm_start)
     }
 
     /// Lengths of the cables before actuation in m.
@@ -36,16 +67,10 @@ impl Cosserat {
         initial_lengths
     }
 
-    fn solve_in_contact(
-        &self,
-        case: &Case,
-        warm_start: Option<&Solution>,
-    ) -> Result<Solution, SolveError> {
+    fn adapter(&self) -> RodAdapter<'_, ContactResponse> {
         let at_base = self.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let stiffness = at_base.column(0).x;
-        let mut adapter: RodAdapter<'_, ContactResponse> =
-            RodAdapter::new(&self.robot, &self.options, self.initial_lengths(), stiffness);
-        contact::solve(&mut adapter, &self.robot, case, warm_start)
+        RodAdapter::new(&self.robot, &self.options, self.initial_lengths(), stiffness)
     }
 }
 
@@ -72,8 +97,10 @@ impl Unobstructed for FreeRod<'_> {
         from: Option<&Solution>,
         centres: &mut Vec<Vec3>,
     ) -> Result<Solution, SolveError> {
-        let solved = self.model.solve_keeping_grid(case, from, self.workspace);
-        let (solution, grid) = self.model.options.cancel.checked(solved)?;
+        let mut solution = Solution::empty(ModelKind::Cosserat);
+        let from = from.into();
+        let solved = self.model.solve_keeping_grid(case, from, self.workspace, &mut solution);
+        let grid = self.workspace.meter.checked(solved)?;
         contact::centres(&grid, &self.workspace.scratch.poses, &self.watched, centres);
         Ok(solution)
     }

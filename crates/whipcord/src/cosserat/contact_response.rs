@@ -11,10 +11,12 @@ use super::loaded::{Target, Trajectory};
 use super::model::{Cosserat, Workspace};
 use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::contact::{PushedRod, Refinement, RodResponse};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StepGap};
 use crate::error::SolveError;
+use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::section::Fault;
 use crate::shape::{Solution, Wrench};
@@ -65,6 +67,60 @@ struct ContactGrid {
     pushes: Vec<f64>,
 }
 
+impl ContactResponse {
+    /// Which cables are taut, in the order of the grid.
+    fn taut(&self, contact_grid: &ContactGrid) -> Vec<bool> {
+        let tensions = &self.chain.state.tensions;
+        let length = contact_grid.model.robot.backbone().length;
+        let units = Scales::of(&contact_grid.grid, length).of_cables();
+        let is_taut = |(i, command): (usize, &Command)| match command.is_length() {
+            true => command.is_active(i, tensions, &self.trajectory.lengths, units),
+            false => tensions[i] > 0.0,
+        };
+        self.workspace.commands.iter().enumerate().map(is_taut).collect()
+    }
+
+    /// The derivatives where it stands.
+    fn derivatives(
+        &self,
+        contact_grid: &ContactGrid,
+        (robot, case): (&Robot, &Case),
+        taut: &[bool],
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, SolveError> {
+        let ContactGrid { model, grid, .. } = contact_grid;
+        let Workspace { scratch, commands, .. } = &self.workspace;
+        let State { nodes, tensions, .. } = &self.chain.state;
+        let start =
+            |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
+        let starts: Vec<Wrench> = nodes.iter().map(start).collect();
+        let known: Vec<Option<Wrench>> = starts.iter().copied().map(Some).collect();
+        let base_force = scratch.applied.base_force() + starts[0].force;
+        let solved = Solved {
+            robot,
+            case,
+            cables: Cables::of(&model.layout),
+            grid,
+            loads: &scratch.applied,
+            commands,
+            tensions,
+            taut,
+            poses: &self.poses,
+            base_wrench: Wrench { force: base_force, ..starts[0] },
+            starts: &known,
+            strains: self.trajectory.strains(),
+            nodes: &grid.stations,
+        };
+        Derivatives::of(&solved, parameters).map_err(|error| match error {
+            NoDerivatives::Fault(fault) => {
+                model.explain(Failure::of_section(fault, tensions, 1.0), commands)
+            }
+            NoDerivatives::Parameter(error) => error.into(),
+            NoDerivatives::Critical => SolveError::NoDerivatives,
+        })
+    }
+}
+
 impl PushedRod for ContactResponse {
     type Kept = Kept;
 
@@ -102,7 +158,8 @@ impl PushedRod for ContactResponse {
         };
         let Some(contact_grid) = &self.contact_grid else { return Ok(()) };
         contact_grid.model.accept(case, &mut self.workspace)?;
-        let Workspace { scratch, commands, .. } = &mut self.workspace;
+        self.workspace.meter.start(&options.cancel, Budget::UNLIMITED);
+        let Workspace { scratch, commands, meter, .. } = &mut self.workspace;
         let grid = &contact_grid.grid;
         scratch.applied.gather(grid, &case.loads, case.base.rotation);
         let fault = |tensions: &[f64], fault: Fault| {
@@ -142,7 +199,7 @@ impl PushedRod for ContactResponse {
             commands,
             length: robot.backbone().length,
             tolerance: options.greatest_residual(),
-            cancel: &options.cancel,
+            meter,
         };
         for (tension, command) in self.chain.state.tensions.iter_mut().zip(&*commands) {
             if let Command::Tension(given) = command {
@@ -191,58 +248,32 @@ impl PushedRod for ContactResponse {
             return Ok(());
         }
         let Some(contact_grid) = &self.contact_grid else { return Ok(()) };
-        let ContactGrid { model, grid, .. } = contact_grid;
-        let Workspace { scratch, commands, .. } = &self.workspace;
-        let State { nodes, tensions, .. } = &self.chain.state;
-        let start =
-            |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
-        let starts: Vec<Wrench> = nodes.iter().map(start).collect();
-        let units = Scales::of(grid, robot.backbone().length).of_cables();
-        let lengths = &self.trajectory.lengths;
-        let taut: Vec<bool> = commands
-            .iter()
-            .enumerate()
-            .map(|(i, command)| {
-                if command.is_length() {
-                    command.is_active(i, tensions, lengths, units)
-                } else {
-                    tensions[i] > 0.0
-                }
-            })
-            .collect();
-        let known: Vec<Option<Wrench>> = starts.iter().copied().map(Some).collect();
-        let base_force = scratch.applied.base_force() + starts[0].force;
-        let solved = Solved {
-            robot,
-            case,
-            cables: Cables::of(&model.layout),
-            grid,
-            loads: &scratch.applied,
-            commands,
-            tensions,
-            taut: &taut,
-            poses: &self.poses,
-            base_wrench: Wrench { force: base_force, ..starts[0] },
-            starts: &known,
-            strains: self.trajectory.strains(),
-            nodes: &grid.stations,
-        };
-        let derivatives = Derivatives::of(&solved, &[]).map_err(|error| match error {
-            NoDerivatives::Fault(fault) => {
-                model.explain(Failure::of_section(fault, tensions, 1.0), commands)
-            }
-            NoDerivatives::Parameter(error) => error.into(),
-            NoDerivatives::Critical => SolveError::NoDerivatives,
-        })?;
+        let taut = self.taut(contact_grid);
+        let derivatives = self.derivatives(contact_grid, (robot, case), &taut, &[])?;
+        let tensions = &self.chain.state.tensions;
         let gaps: Vec<StepGap> = self.chain.gaps().collect();
+        let commands = self.workspace.commands.iter().enumerate();
         let slackness: Vec<f64> = commands
-            .iter()
-            .enumerate()
-            .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
+            .map(|(i, command)| command.slackness(tensions[i], self.trajectory.lengths[i]))
             .collect();
         let closing = derivatives.closing(&gaps, &[], tensions, &taut, &slackness);
         self.linear = Some(RodResponse::new(derivatives, closing));
         Ok(())
+    }
+
+    fn node(&self, arc_length: f64) -> usize {
+        self.contact_grid.as_ref().map_or(0, |contact_grid| contact_grid.node(arc_length))
+    }
+
+    fn differentiate(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, SolveError> {
+        let contact_grid = self.contact_grid.as_ref().ok_or(SolveError::NoDerivatives)?;
+        let taut = self.taut(contact_grid);
+        self.derivatives(contact_grid, (robot, case), &taut, parameters)
     }
 
     /// How the places of pushes move with each component of each of them, by rows, and how with the step that is
@@ -299,7 +330,7 @@ impl PushedRod for ContactResponse {
             commands,
             length: contact_grid.model.robot.backbone().length,
             tolerance: contact_grid.model.options.greatest_residual(),
-            cancel: &contact_grid.model.options.cancel,
+            meter: &self.workspace.meter,
         };
         let negative = self.chain.is_determinant_negative(&task, &mut self.trajectory);
         !negative.unwrap_or(false)

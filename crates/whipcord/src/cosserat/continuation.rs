@@ -64,7 +64,7 @@ pub(super) fn raise_load(
             }
         };
         step *= 0.5;
-        let ends = scratch.trajectory.steps_left == 0 || problem.cancel.is_cancelled();
+        let ends = scratch.trajectory.steps_left == 0 || problem.meter.has_ended();
         if step < LEAST_OF_FIRST * first || ends {
             let failure = match fault {
                 Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
@@ -125,7 +125,7 @@ pub(super) fn raise_load_at_tensions(
             Err(open) => {
                 iterations += open.iterations;
                 step *= 0.5;
-                let ends = scratch.trajectory.steps_left == 0 || problem.cancel.is_cancelled();
+                let ends = scratch.trajectory.steps_left == 0 || problem.meter.has_ended();
                 if step < LEAST_LOAD_STEP || ends {
                     return None;
                 }

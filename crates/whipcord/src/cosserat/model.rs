@@ -5,6 +5,7 @@ use super::lanes::{Setting, UnloadedLanes};
 use super::redundant_cables;
 use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, Refined};
 use super::statics::{self, Scratch, StabilityCheck, Start};
+use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved};
@@ -13,7 +14,7 @@ use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Problem, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, Shape, Solution};
+use crate::shape::{CableState, Diagnostics, NoStability, Solution};
 use crate::statics::command::Command;
 use crate::statics::grid::steps_for_twist;
 use crate::statics::grid::{Grid, Layout};
@@ -22,6 +23,7 @@ use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::refinement::Coarse;
 use crate::statics::strength::Strength;
+use crate::warm_start::{Status, WarmStart};
 
 /// The Cosserat model of one robot: all that does not change from case to case.
 ///
@@ -71,11 +73,26 @@ pub struct Cosserat {
 pub struct Workspace {
     pub(super) scratch: Scratch,
     pub(super) commands: Vec<Command>,
+    pub(super) meter: Meter,
+    /// Where the solve starts, and the answer on the coarser grid as the start on a finer one.
+    start: Start,
+    pub(super) from_coarser: Start,
+    /// How far the solve came: the best shape where its budget is spent.
+    pub(super) progress: Progress,
     /// What the answer on the coarser grid was.
     pub(super) coarse: Coarse,
     /// The coarser grid at the tensions that the finer one found.
     pub(super) at_tensions: Scratch,
     pub(super) tensions: Vec<Command>,
+}
+
+/// What a solve has found so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Progress {
+    /// How often the steps of the grid are halved that it is on.
+    pub level: usize,
+    /// Whether there is an answer on coarser steps, in [`Workspace::coarse`] and [`Workspace::from_coarser`].
+    pub coarser: Option<Found>,
 }
 
 impl Cosserat {
@@ -116,6 +133,10 @@ impl Cosserat {
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    pub(crate) const fn set_budget(&mut self, budget: Budget) {
+        self.options.budget = budget;
     }
 
     pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
@@ -160,12 +181,37 @@ impl Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
-        let outcome = if case.obstacles.is_empty() {
-            self.solve_keeping_grid(case, warm_start, workspace).map(|(solution, _)| solution)
-        } else {
-            self.solve_among_obstacles(case, warm_start, workspace)
-        };
-        self.options.cancel.checked(outcome)
+        let mut solution = Solution::empty(ModelKind::Cosserat);
+        let status = self.solve_into(case, warm_start.into(), workspace, &mut solution)?;
+        workspace.meter.answered((status, solution))
+    }
+
+    /// [`Self::solve`] into memory that is at hand: without obstacles and after the first call nothing is allocated.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`SolveError::BudgetSpent`] where there is no shape yet.
+    pub fn solve_into(
+        &self,
+        case: &Case,
+        from: WarmStart<'_>,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<Status, SolveError> {
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        if !case.obstacles.is_empty() {
+            let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
+            *solution = workspace.meter.checked(outcome)?;
+            return Ok(Status::Converged);
+        }
+        let outcome = self.solve_keeping_grid(case, from, workspace, solution);
+        match workspace.meter.checked(outcome.map(|_| ())) {
+            Ok(()) => Ok(Status::Converged),
+            Err(error @ SolveError::BudgetSpent { .. }) => {
+                let written = self.write_best(case, workspace, solution)?;
+                if written { Ok(Status::BudgetSpent) } else { Err(error) }
+            }
+            Err(error) => Err(error),
+        }
     }
 
     /// [`Self::solve`], with the derivatives of the answer: by tensions or lengths, by loads at any
@@ -181,9 +227,14 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        refusal::among_obstacles("derivatives", ModelKind::Cosserat, case)?;
-        let solved = self.solve_keeping_grid(case, warm_start, workspace);
-        let (solution, grid) = self.options.cancel.checked(solved)?;
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        if !case.obstacles.is_empty() {
+            let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
+            return workspace.meter.checked(found);
+        }
+        let mut solution = Solution::empty(ModelKind::Cosserat);
+        let solved = self.solve_keeping_grid(case, warm_start.into(), workspace, &mut solution);
+        let grid = workspace.meter.checked(solved)?;
         let Workspace { scratch, commands, .. } = workspace;
         let starts = scratch.chain_starts();
         let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
@@ -222,35 +273,51 @@ impl Cosserat {
     pub(super) fn solve_keeping_grid(
         &self,
         case: &Case,
-        warm_start: Option<&Solution>,
+        from: WarmStart<'_>,
         workspace: &mut Workspace,
-    ) -> Result<(Solution, Cow<'_, Grid>), SolveError> {
+        solution: &mut Solution,
+    ) -> Result<Cow<'_, Grid>, SolveError> {
         self.accept(case, workspace)?;
-        let start = match warm_start {
-            Some(solution) => self.start_from(solution),
-            None => Start::Cold,
-        };
+        workspace.progress = Progress::default();
+        workspace.scratch.open = None;
+        let mut start = core::mem::take(&mut workspace.start);
+        start.forget();
+        if let Some(answer) = from.given(solution) {
+            self.start_from(answer, &mut start);
+        }
+        let solved = self.solve_from(&start, case, workspace, solution);
+        workspace.start = start;
+        solved
+    }
+
+    fn solve_from(
+        &self,
+        start: &Start,
+        case: &Case,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<Cow<'_, Grid>, SolveError> {
         match self.options.accuracy {
             Accuracy::Steps(_) => {
                 let grid = &self.grid;
-                self.solve_checked(case, workspace, |check, workspace| {
+                self.solve_checked(case, workspace, solution, |check, workspace| {
                     let allowance = Strength::default().allowance(grid);
                     workspace.scratch.trajectory.steps_left = allowance;
                     let level = (FOLD_LEVEL, check);
-                    let found = self.solve_on(grid, case, &start, level, workspace)?;
+                    let found = self.solve_on(grid, case, start, level, workspace)?;
                     Ok(Refined { found, grid: Cow::Borrowed(grid), error: None })
                 })
             }
             Accuracy::Tolerance(tolerance) => {
                 workspace.scratch.stays_on_path = false;
                 let refine = |check, workspace: &mut Workspace| {
-                    self.halve_steps(tolerance, case, &start, check, workspace)
+                    self.halve_steps(tolerance, case, start, check, workspace)
                 };
-                match self.solve_checked(case, workspace, refine) {
+                match self.solve_checked(case, workspace, solution, refine) {
                     // Close above a critical load the shape on a branch hangs on rounding: that on the path does not.
                     Err(SolveError::StepsTooCoarse { .. }) if !case.loads.is_none() => {
                         workspace.scratch.stays_on_path = true;
-                        let on_path = self.solve_checked(case, workspace, refine);
+                        let on_path = self.solve_checked(case, workspace, solution, refine);
                         workspace.scratch.stays_on_path = false;
                         on_path
                     }
@@ -275,7 +342,7 @@ impl Cosserat {
         &'a self,
         grid: &'a Grid,
         case: &'a Case,
-        commands: &'a [Command],
+        (commands, meter): (&'a [Command], &'a Meter),
     ) -> statics::Problem<'a> {
         statics::Problem {
             grid,
@@ -292,7 +359,7 @@ impl Cosserat {
             bracket: true,
             redundant_cables: self.redundant_cables,
             tolerance: self.options.greatest_residual(),
-            cancel: &self.options.cancel,
+            meter,
         }
     }
 
@@ -307,17 +374,14 @@ impl Cosserat {
         Ok(())
     }
 
-    fn start_from(&self, solution: &Solution) -> Start {
+    fn start_from(&self, solution: &Solution, start: &mut Start) {
         let tension = |&i: &usize| solution.cables.get(i).and_then(|c| c.tension).unwrap_or(0.0);
-        Start::From {
-            tensions: self.layout.order.iter().map(tension).collect(),
-            base_wrench: solution.base_wrench,
-            stable: !solution.diagnostics.is_unstable(),
-            chain: None,
-            slackened: Vec::new(),
-        }
+        start.tensions.extend(self.layout.order.iter().map(tension));
+        start.base_wrench = solution.base_wrench;
+        start.stable = !solution.diagnostics.is_unstable();
     }
 
+    /// The answer that the workspace holds.
     pub(super) fn solution(
         &self,
         grid: &Grid,
@@ -326,40 +390,101 @@ impl Cosserat {
         found: Found,
         discretization_error: Option<f64>,
     ) -> Result<Solution, SolveError> {
-        let problem = self.problem(grid, case, &workspace.commands);
+        let mut solution = Solution::empty(ModelKind::Cosserat);
+        self.write(grid, case, workspace, (found, discretization_error), &mut solution)?;
+        Ok(solution)
+    }
+
+    /// Writes the answer that the workspace holds.
+    pub(super) fn write(
+        &self,
+        grid: &Grid,
+        case: &Case,
+        workspace: &mut Workspace,
+        (found, discretization_error): (Found, Option<f64>),
+        solution: &mut Solution,
+    ) -> Result<(), SolveError> {
+        let problem = self.problem(grid, case, (&workspace.commands, &workspace.meter));
         let verdict = statics::stability(&problem, self.options.stability, &mut workspace.scratch)
             .map_err(|failure| self.explain(failure, &workspace.commands))?;
         let scratch = &workspace.scratch;
-        let shape = |arc_lengths: &[f64], places: &[usize]| {
-            let poses = places.iter().map(|&k| scratch.poses[k]).collect();
-            Shape { arc_length: arc_lengths.to_vec(), poses }.moved(case.base)
-        };
-        let backbone = self.robot.backbone().length;
-        let mut cables: Vec<CableState> = Vec::with_capacity(self.layout.order.len());
-        for (i, cable) in self.robot.cables().iter().enumerate() {
-            // Every cable has its place in the order of the grid.
-            let place = self.layout.order.iter().position(|&c| c == i).unwrap_or(i);
-            let (tension, length) = (scratch.tensions[place], scratch.lengths[place]);
-            let (command, initial) = (workspace.commands[place], self.layout.rest_lengths[place]);
-            cables.push(command.answer(&cable.name, tension, length, initial, backbone));
+        let at = |k: &usize| scratch.poses[*k];
+        solution.shape.set(self.layout.stations(), grid.stations.iter().map(at), case.base);
+        let disks = &self.robot.disks().arc_lengths;
+        solution.disks.set(disks, grid.disks.iter().map(at), case.base);
+        let Scratch { tensions, lengths, base_wrench, .. } = scratch;
+        self.write_cables(&workspace.commands, tensions, lengths, solution);
+        solution.base_wrench = Some(*base_wrench);
+        solution.diagnostics = Diagnostics {
+            iterations: found.iterations,
+            residual: found.residual,
+            discretization_error,
+            steps: grid.len(),
+            stability_lost_at: found.lost_at,
+            ..Diagnostics::default()
         }
-        Ok(Solution {
-            model: ModelKind::Cosserat,
-            shape: shape(self.layout.stations(), &grid.stations),
-            disks: shape(&self.robot.disks().arc_lengths, &grid.disks),
-            cables,
-            base_wrench: Some(scratch.base_wrench),
-            contacts: Vec::new(),
-            diagnostics: Diagnostics {
-                iterations: found.iterations,
-                residual: found.residual,
-                discretization_error,
-                steps: grid.len(),
-                stability_lost_at: found.lost_at,
-                ..Diagnostics::default()
-            }
-            .with_stability(verdict),
-        })
+        .with_stability(verdict);
+        Ok(())
+    }
+
+    /// Writes what became of the cables, from tensions and lengths in the order of the grid; and that nothing touches.
+    fn write_cables(
+        &self,
+        commands: &[Command],
+        tensions: &[f64],
+        lengths: &[f64],
+        solution: &mut Solution,
+    ) {
+        solution.model = ModelKind::Cosserat;
+        solution.contacts.clear();
+        let cables = self.robot.cables();
+        solution.cables.resize_with(cables.len(), CableState::default);
+        for (place, &cable) in self.layout.order.iter().enumerate() {
+            let length = [lengths[place], self.layout.rest_lengths[place]];
+            let (name, backbone) = (&cables[cable].name, self.robot.backbone().length);
+            let state = &mut solution.cables[cable];
+            commands[place].answer(name, tensions[place], length, backbone, state);
+        }
+    }
+
+    /// Writes the best shape that a solve has found whose budget is spent: the answer on coarser steps, or the last iterate; `false`
+    /// where there is none.
+    fn write_best(
+        &self,
+        case: &Case,
+        workspace: &Workspace,
+        solution: &mut Solution,
+    ) -> Result<bool, SolveError> {
+        let Workspace { scratch, commands, coarse, from_coarser, progress, .. } = workspace;
+        let (stations, disks) = (self.layout.stations(), &self.robot.disks().arc_lengths);
+        let (found, steps) = if let Some(found) = progress.coarser {
+            let poses = coarse.poses();
+            let (at_disks, at_stations) = poses.split_at(disks.len());
+            solution.shape.set(stations, at_stations.iter().copied(), case.base);
+            solution.disks.set(disks, at_disks.iter().copied(), case.base);
+            self.write_cables(commands, &from_coarser.tensions, coarse.lengths(), solution);
+            solution.base_wrench = from_coarser.base_wrench;
+            (found, self.grid(progress.level.saturating_sub(1))?.len())
+        } else if let Some(effort) = scratch.open {
+            let grid = self.grid(progress.level)?;
+            let at = |k: &usize| scratch.poses[*k];
+            solution.shape.set(stations, grid.stations.iter().map(at), case.base);
+            solution.disks.set(disks, grid.disks.iter().map(at), case.base);
+            self.write_cables(commands, &scratch.tensions, &scratch.lengths, solution);
+            solution.base_wrench = Some(scratch.base_wrench);
+            (Found::with(effort), grid.len())
+        } else {
+            return Ok(false);
+        };
+        solution.diagnostics = Diagnostics {
+            iterations: found.iterations,
+            residual: found.residual,
+            steps,
+            stability_lost_at: found.lost_at,
+            ..Diagnostics::default()
+        }
+        .with_stability(Err(NoStability::NotAsked));
+        Ok(true)
     }
 
     pub(super) fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {

@@ -44,8 +44,8 @@ impl EquilibriumPath for RodPath<'_> {
         self.commands.extend_from_slice(commands);
     }
 
-    fn is_cancelled(&self) -> bool {
-        self.problem.cancel.is_cancelled()
+    fn has_ended(&self) -> bool {
+        self.problem.meter.has_ended()
     }
 
     fn weight(&self, k: usize) -> f64 {

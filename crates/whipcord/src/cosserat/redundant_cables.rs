@@ -54,9 +54,8 @@ pub(super) fn solve(
     start: &Start,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
-    if let Start::From { slackened, .. } = start
-        && !slackened.is_empty()
-        && let Ok(found) = without(problem, slackened, start, scratch)
+    if !start.slackened.is_empty()
+        && let Ok(found) = without(problem, &start.slackened, start, scratch)
     {
         return Ok(found);
     }
@@ -89,7 +88,8 @@ pub(super) fn solve(
         |i, j| effect[i * cables + j],
     );
     let slackened: Vec<usize> = all.into_iter().filter(|i| !touching.contains(i)).collect();
-    let from = scratch.as_start();
+    let mut from = Start::default();
+    scratch.keep_start(&mut from);
     without(problem, &slackened, &from, scratch).map(|found| found.after(&first))
 }
 

@@ -78,8 +78,9 @@ impl Cosserat {
         &'a self,
         case: &Case,
         workspace: &mut Workspace,
+        solution: &mut Solution,
         attempt: impl Fn(StabilityCheck, &mut Workspace) -> Result<Refined<'a>, SolveError>,
-    ) -> Result<(Solution, Cow<'a, Grid>), SolveError> {
+    ) -> Result<Cow<'a, Grid>, SolveError> {
         let mut check = match self.options.stability {
             StabilityAnalysis::Off => StabilityCheck::Off,
             _ => StabilityCheck::AtAnswer,
@@ -88,15 +89,15 @@ impl Cosserat {
             workspace.scratch.unverified = false;
             let refined = attempt(check, workspace);
             let is_open = check == StabilityCheck::AtAnswer && workspace.scratch.unverified;
-            if !is_open || self.options.cancel.is_cancelled() {
+            if !is_open || workspace.meter.has_ended() {
                 let Refined { found, grid, error } = refined?;
-                let solution = self.solution(&grid, case, workspace, found, error)?;
-                return Ok((solution, grid));
+                self.write(&grid, case, workspace, (found, error), solution)?;
+                return Ok(grid);
             }
             if let Ok(Refined { found, grid, error }) = refined {
-                let solution = self.solution(&grid, case, workspace, found, error)?;
+                self.write(&grid, case, workspace, (found, error), solution)?;
                 if !solution.diagnostics.is_unstable() && self.is_kept(&grid, case, workspace) {
-                    return Ok((solution, grid));
+                    return Ok(grid);
                 }
             }
             check = StabilityCheck::EveryGrid;
@@ -106,7 +107,7 @@ impl Cosserat {
     /// Whether the answer, which is not known to be unstable, is kept: under dead moments, whose verdict may be open, where
     /// the symmetric part of the tangent has no negative direction.
     fn is_kept(&self, grid: &Grid, case: &Case, workspace: &mut Workspace) -> bool {
-        let problem = self.problem(grid, case, &workspace.commands);
+        let problem = self.problem(grid, case, (&workspace.commands, &workspace.meter));
         let scratch = &mut workspace.scratch;
         !scratch.applied.any_dead_moment() || statics::is_stable(&problem, scratch)
     }
@@ -121,7 +122,6 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<Refined<'_>, SolveError> {
         let tolerance = tolerance * self.robot.backbone().length;
-        let (cold, mut start) = (start, start.clone());
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
         let strength = self.strength(case, workspace);
@@ -129,29 +129,34 @@ impl Cosserat {
         let first = strength.first_level().max(twist_level);
         workspace.scratch.trajectory.steps_left = strength.allowance(self.grid(first)?.as_ref());
         for level in first..=MAX_REFINEMENTS {
-            if self.options.cancel.is_cancelled() {
-                return Err(SolveError::Cancelled { last_load: None });
+            if workspace.meter.has_ended() {
+                return Err(workspace.meter.end());
             }
             let grid = self.grid(level)?;
-            let mut found = match self.solve_on(&grid, case, &start, (level, check), workspace) {
+            workspace.progress.level = level;
+            let from_coarser = core::mem::take(&mut workspace.from_coarser);
+            let from = if coarser.is_some() { &from_coarser } else { start };
+            let solved = self.solve_on(&grid, case, from, (level, check), workspace);
+            workspace.from_coarser = from_coarser;
+            let mut found = match solved {
                 // Steps that are too coarse for a strong bend can keep Newton's method away, and near a
                 // buckling load one grid may lose the stability that a coarser one still had.
                 Err(SolveError::NotConverged { .. } | SolveError::Buckled { .. })
                     if level < GIVE_UP_LEVEL
                         && workspace.scratch.trajectory.steps_left > 0
-                        && !self.options.cancel.is_cancelled() =>
+                        && !workspace.meter.has_ended() =>
                 {
                     coarser = None;
-                    start = cold.clone();
+                    workspace.progress.coarser = None;
                     continue;
                 }
                 // A section folds between the nodes of a coarse grid before it does at them: only
                 // with fine steps is it known how far a cable goes.
                 Err(SolveError::UnreachableLength { .. })
-                    if level < FOLD_LEVEL && !self.options.cancel.is_cancelled() =>
+                    if level < FOLD_LEVEL && !workspace.meter.has_ended() =>
                 {
                     coarser = None;
-                    start = cold.clone();
+                    workspace.progress.coarser = None;
                     continue;
                 }
                 other => other?,
@@ -174,9 +179,10 @@ impl Cosserat {
                 }
             }
             workspace.keep_coarse(&grid);
-            start = workspace.scratch.as_start();
+            workspace.scratch.keep_start(&mut workspace.from_coarser);
             workspace.scratch.trajectory.steps_left = strength.allowance(&grid);
             steps = grid.len();
+            workspace.progress.coarser = Some(found);
             coarser = Some((found, grid));
         }
         Err(SolveError::StepsTooCoarse { error, tolerance, steps })
@@ -196,10 +202,10 @@ impl Cosserat {
             follow: false,
             bracket: false,
             tolerance: COARSE_RESIDUAL,
-            ..self.problem(grid, case, &workspace.commands)
+            ..self.problem(grid, case, (&workspace.commands, &workspace.meter))
         };
         workspace.scratch.trajectory.steps_left = allowance;
-        let found = statics::solve(&problem, &Start::Cold, &mut workspace.scratch);
+        let found = statics::solve(&problem, &Start::default(), &mut workspace.scratch);
         found.map(|_| ()).map_err(|failure| self.explain(failure, &workspace.commands))
     }
 
@@ -228,11 +234,11 @@ impl Cosserat {
         let problem = statics::Problem {
             // What is stable at given lengths need not be so at given tensions.
             stability: StabilityCheck::Off,
-            ..self.problem(coarse, case, &workspace.tensions)
+            ..self.problem(coarse, case, (&workspace.tensions, &workspace.meter))
         };
-        let start = workspace.scratch.as_start();
+        workspace.scratch.keep_start(&mut workspace.from_coarser);
         workspace.at_tensions.trajectory.steps_left = workspace.scratch.trajectory.steps_left;
-        statics::solve(&problem, &start, &mut workspace.at_tensions).ok()?;
+        statics::solve(&problem, &workspace.from_coarser, &mut workspace.at_tensions).ok()?;
         let Workspace { at_tensions, coarse: kept, .. } = &mut *workspace;
         kept.keep(coarse, &at_tensions.poses, &at_tensions.lengths);
         Some(workspace.error(grid))
@@ -250,7 +256,7 @@ impl Cosserat {
             follow: level >= FOLLOW_LEVEL,
             bracket: level >= FOLD_LEVEL,
             stability,
-            ..self.problem(grid, case, &workspace.commands)
+            ..self.problem(grid, case, (&workspace.commands, &workspace.meter))
         };
         statics::solve(&problem, start, &mut workspace.scratch).map_err(|failure| {
             let Scratch { trajectory, applied, .. } = &workspace.scratch;

@@ -33,7 +33,7 @@ pub(super) fn stable_equilibrium(problem: &Problem<'_>, scratch: &mut Scratch) -
         return None;
     }
     for n in 1..=STARTS {
-        if problem.cancel.is_cancelled() {
+        if problem.meter.has_ended() {
             return None;
         }
         let along = |i: usize| 2.0 * (f64::from(n) * SPREAD[i]).fract() - 1.0;

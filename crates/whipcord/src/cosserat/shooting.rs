@@ -39,6 +39,7 @@ pub(super) fn shoot(
     let Scratch { trajectory, applied, newton, trace, .. } = scratch;
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
     let shoot = |trajectory: &mut Trajectory, point: &Point, sample| -> Result<(), Fault> {
+        problem.meter.integrate(problem.grid.len());
         let Point { base_moment, follower_force, ref tensions } = *point;
         let target = Target { tensions, base_moment, follower_force, load, sample };
         trajectory.shoot(problem.grid, applied, &target)?;
@@ -56,10 +57,18 @@ pub(super) fn shoot(
         if effort.residual <= problem.tolerance {
             return Ok(effort);
         }
-        if trajectory.steps_left == 0 || problem.cancel.is_cancelled() {
+        if trajectory.steps_left == 0 {
             break;
         }
+        if problem.meter.has_ended() {
+            if load == 1.0 && scratch.open.is_none() {
+                finish(problem, scratch, effort);
+                scratch.open = Some(effort);
+            }
+            return Err(Failed { effort });
+        }
         effort.iterations += 1;
+        problem.meter.iterate();
         if fresh {
             newton.sensitivity.compute(
                 problem.grid,

@@ -26,13 +26,13 @@
 //!
 //! A cable at its commanded length without tension is *idle*. It admits only fields that do not make it
 //! longer. Where the cables that are taut or idle have a state of self-stress in which every tension of
-//! an idle cable is positive, such a field cannot make it shorter either ([`implied`]): that idle cable is
+//! an idle cable is positive, such a field cannot make it shorter either ([`SelfStress`]): that idle cable is
 //! held like a taut one. Any other idle cable is taken as slack.
 //!
 //! A dead moment `m` has no potential: its tangent has the skew part `½ m·(η₁ × η₂)`, which (8) leaves out.
 //! Bounded by `±½|m||η|²` across `m`, it decides whether there is a verdict ([`Stability::verdict`]).
 
-use whipcord_numerics::{BoundedQuadratic, Mat3, Vec3, symmetric_eigenvalues};
+use whipcord_numerics::{Mat3, Vec3, symmetric_eigenvalues};
 
 use super::loaded::SAMPLED_NODES;
 use super::sensitivity::work;
@@ -47,7 +47,7 @@ use crate::statics::options::StabilityAnalysis;
 use crate::statics::quadratic_form::{
     Element, SLOPES, Sample, WEIGHTS, across, element, pivot, symmetric,
 };
-use crate::statics::self_stress::{implied, is_idle};
+use crate::statics::self_stress::{SelfStress, is_idle};
 
 /// Memory of the eigenvalue computation.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +59,7 @@ pub(super) struct Stability {
     /// `D − C` by rows.
     corner: Vec<f64>,
     schur: Vec<f64>,
-    quadratic: BoundedQuadratic,
+    self_stress: SelfStress,
     beyond: Vec<Vec3>,
     next: Vec<Vec3>,
 }
@@ -225,12 +225,11 @@ impl Stability {
             shift *= 4.0;
         }
         self.eliminate(shift);
-        let Self { locked, schur, quadratic, .. } = self;
-        let idle: Vec<bool> = locked.iter().map(|locked| locked.idle).collect();
-        let held = implied(schur, &idle, quadratic);
+        let Self { locked, schur, self_stress, .. } = self;
+        let held = self_stress.held(schur, locked.iter().map(|locked| locked.idle));
         if !held.iter().all(|&held| held) {
-            let mut held = held.into_iter();
-            locked.retain(|_| held.next().unwrap_or(false));
+            let mut held = held.iter();
+            locked.retain(|_| held.next() == Some(&true));
             self.border(at);
         }
     }
@@ -346,8 +345,8 @@ impl Stability {
     fn negative_directions(&mut self, shift: f64) -> usize {
         let negative = self.eliminate(shift);
         let p = self.locked.len();
-        let of_locks = symmetric_eigenvalues(p, &mut self.schur);
-        (negative + of_locks.iter().filter(|&&x| x < 0.0).count()).saturating_sub(p)
+        let of_locks = symmetric_eigenvalues(p, &mut self.schur).filter(|&x| x < 0.0).count();
+        (negative + of_locks).saturating_sub(p)
     }
 
     /// The elimination of [`Self::negative_directions`]: how many pivots are negative; the Schur complement

@@ -22,6 +22,13 @@ pub(super) struct Node {
 }
 
 impl State {
+    /// Takes another for its own, in the memory that it has.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.nodes.clone_from(&other.nodes);
+        self.tensions.clone_from(&other.tensions);
+        self.load = other.load;
+    }
+
     /// A shape that carries no load.
     pub fn unloaded(poses: &[Pose], tensions: &[f64]) -> Self {
         let node = |pose: &Pose| Node { rotation: pose.rotation, ..Node::default() };

@@ -21,12 +21,12 @@ use super::newton::{Newton, Point};
 use super::path::RodPath;
 use super::redundant_cables;
 use super::search;
-use super::shooting::{finish, finish_chain, sample, shoot};
+use super::shooting::{Failed, finish, finish_chain, sample, shoot};
 use super::stability::{Equilibrium, Stability};
 use super::state::{Node, State};
 use super::unloaded::Unloaded;
 use super::without_load::{set_tensions, start_without_load, without_load};
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::case::Loads;
 use crate::shape::{NoStability, Verdict, Wrench};
 use crate::statics::command::Command;
@@ -75,7 +75,7 @@ pub(super) struct Problem<'a> {
     pub redundant_cables: bool,
     /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
     pub tolerance: f64,
-    pub cancel: &'a Cancel,
+    pub meter: &'a Meter,
 }
 
 impl<'a> Problem<'a> {
@@ -99,22 +99,30 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Where the iteration starts.
-#[derive(Clone, Debug)]
-pub(super) enum Start {
-    /// From the robot without load.
-    Cold,
-    /// From a neighbouring answer: tensions in the order of the grid, and the wrench at the base.
-    From {
-        tensions: Vec<f64>,
-        base_wrench: Option<Wrench>,
-        /// Whether that answer was stable, so that this one is held to be.
-        stable: bool,
-        /// The nodes of an answer that took multiple shooting, on a grid with half as many steps.
-        chain: Option<State>,
-        /// Cables that were let go, see [`super::redundant_cables`].
-        slackened: Vec<usize>,
-    },
+/// Where the iteration starts: from the robot without load, or from a neighbouring answer.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Start {
+    /// In N, in the order of the grid; none from the robot without load.
+    pub tensions: Vec<f64>,
+    /// Wrench at the base of a neighbouring answer.
+    pub base_wrench: Option<Wrench>,
+    /// Whether that answer was stable, so that this one is held to be.
+    pub stable: bool,
+    /// Whether it took multiple shooting.
+    pub on_chain: bool,
+    /// Its nodes then, on a grid with half as many steps.
+    pub chain: State,
+    /// Cables that were let go, see [`super::redundant_cables`].
+    pub slackened: Vec<usize>,
+}
+
+impl Start {
+    /// From the robot without load, in the memory that it has.
+    pub fn forget(&mut self) {
+        self.tensions.clear();
+        self.slackened.clear();
+        (self.base_wrench, self.stable, self.on_chain) = (None, false, false);
+    }
 }
 
 /// Memory of a solve, and the answer it ends with.
@@ -147,6 +155,8 @@ pub(super) struct Scratch {
     pub(super) unverified: bool,
     /// Whether branches off the path are left alone.
     pub(super) stays_on_path: bool,
+    /// What the iterate leaves open at which the budget was spent; it is then in the place of the answer.
+    pub(super) open: Option<Effort>,
 }
 
 impl Scratch {
@@ -159,15 +169,15 @@ impl Scratch {
         nodes.map(|node| Some(start(node))).collect()
     }
 
-    /// The answer as the start of another solve.
-    pub fn as_start(&self) -> Start {
-        Start::From {
-            tensions: self.tensions.clone(),
-            base_wrench: Some(self.base_wrench),
-            stable: self.stable,
-            chain: self.on_chain.then(|| self.chain.state.clone()),
-            slackened: self.slackened.clone(),
+    /// Keeps the answer as the start of another solve.
+    pub fn keep_start(&self, start: &mut Start) {
+        start.tensions.clone_from(&self.tensions);
+        (start.base_wrench, start.stable) = (Some(self.base_wrench), self.stable);
+        start.on_chain = self.on_chain;
+        if self.on_chain {
+            start.chain.copy_from(&self.chain.state);
         }
+        start.slackened.clone_from(&self.slackened);
     }
 }
 
@@ -196,19 +206,17 @@ pub(super) fn solve_independent(
     (scratch.on_chain, scratch.sampled, scratch.stable) = (false, false, true);
     scratch.tensions.clear();
     scratch.tensions.resize(problem.commands.len(), 0.0);
-    if let Start::From { tensions, .. } = start {
-        for (tension, &given) in scratch.tensions.iter_mut().zip(tensions) {
-            *tension = given.max(0.0);
-        }
+    for (tension, &given) in scratch.tensions.iter_mut().zip(&start.tensions) {
+        *tension = given.max(0.0);
     }
     if !scratch.applied.any() {
         return without_load(problem, scratch);
     }
-    let Start::From { base_wrench: Some(wrench), stable, chain, .. } = start else {
+    let Start { base_wrench: Some(wrench), stable, on_chain, chain, .. } = start else {
         return from_no_load(problem, scratch, None);
     };
-    if let Some(coarse) = chain
-        && let Some(found) = refine_chain(problem, scratch, coarse)
+    if *on_chain
+        && let Some(found) = refine_chain(problem, scratch, chain)
         && (!stable || is_accepted(problem, scratch))
     {
         scratch.stable = *stable;
@@ -221,13 +229,21 @@ pub(super) fn solve_independent(
     scratch.newton.point.tensions.clone_from(&scratch.tensions);
     scratch.trajectory.forget();
     let mut near = None;
-    if let Ok(effort) = shoot(problem, scratch, 1.0) {
-        let found = finish(problem, scratch, effort);
-        scratch.stable = *stable;
-        if !stable || is_accepted(problem, scratch) {
-            return Ok(found);
+    match shoot(problem, scratch, 1.0) {
+        Ok(effort) => {
+            let found = finish(problem, scratch, effort);
+            scratch.stable = *stable;
+            if !stable || is_accepted(problem, scratch) {
+                return Ok(found);
+            }
+            near = Some(scratch.newton.point.clone());
         }
-        near = Some(scratch.newton.point.clone());
+        Err(Failed { effort }) if problem.meter.has_ended() => {
+            let Effort { iterations, residual } = effort;
+            let advice = "the solve was ended";
+            return Err(Failure::NotConverged { iterations, residual, last_load: 0.0, advice });
+        }
+        Err(_) => {}
     }
     from_no_load(problem, scratch, near)
 }

@@ -41,12 +41,8 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
         return Err(Failure::of_section(fault, &scratch.tensions, borne));
     }
     let Scratch { unloaded, tensions, length_scratch, trace, .. } = &mut *scratch;
-    let given = Given {
-        length: problem.length,
-        commands,
-        bracket: problem.bracket,
-        cancel: problem.cancel,
-    };
+    let given =
+        Given { length: problem.length, commands, bracket: problem.bracket, meter: problem.meter };
     let mut rod = Sections { grid: problem.grid, unloaded, trace };
     lengths::solve(&given, tensions, &mut rod, length_scratch)
         .map_err(|fault| fault.failure(|fault| Failure::of_section(fault, &scratch.tensions, 0.0)))

@@ -1,9 +1,11 @@
 //! All equilibria of the robot under a load that lie on the path from no load and on the branches off it.
 
 use super::chain::State;
-use super::model::{CosseratDisks, MAX_REFINEMENTS, STABILITY_LEVEL, Workspace};
+use super::model::{CosseratDisks, Workspace};
 use super::path::ChainPath;
+use super::refinement::{MAX_REFINEMENTS, STABILITY_LEVEL};
 use super::statics;
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -35,7 +37,8 @@ impl CosseratDisks {
             "friction at the holes, for branches",
             "with friction the equilibria depend on all earlier commands and form no branches: set the friction to 0",
         )?;
-        self.options().cancel.checked(self.follow_branches(case, options, workspace))
+        let found = self.follow_branches(case, options, workspace);
+        self.options.cancel.checked(found)
     }
 
     fn follow_branches(
@@ -57,8 +60,10 @@ impl CosseratDisks {
         };
         let mesh = self.mesh(level)?;
         self.accept(case, &mesh, workspace)?;
-        let Workspace { scratch, commands, .. } = workspace;
-        let problem = self.problem(&mesh, commands, case)?;
+        // The options say how far to go.
+        workspace.meter.start(&self.options.cancel, Budget::UNLIMITED);
+        let Workspace { scratch, commands, meter, .. } = workspace;
+        let problem = self.problem(&mesh, (commands, meter), case)?;
         let start = statics::start_of_path(&problem, scratch)
             .map_err(|failure| self.explain(failure, commands))?;
         let Some(start) = start else { return Ok(Branches::only(answer)) };
@@ -87,8 +92,8 @@ impl CosseratDisks {
         for level in level..=MAX_REFINEMENTS {
             let mesh = self.mesh(level)?;
             self.accept(case, &mesh, workspace)?;
-            let Workspace { scratch, commands, .. } = &mut *workspace;
-            let problem = self.problem(&mesh, commands, case)?;
+            let Workspace { scratch, commands, meter, .. } = &mut *workspace;
+            let problem = self.problem(&mesh, (commands, meter), case)?;
             let mut path = ChainPath::new(&problem, scratch);
             path.set_state(State { load: 1.0, ..near.clone() });
             let mut found = path.finish().map_err(|open| {

@@ -20,7 +20,7 @@ use super::linear_step::Column;
 use super::loaded_span::{Gap, Link, Taut};
 use super::rod::{self, InSpan, Sample};
 use super::span::{self, Chord, Vanished};
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::derivatives::NodeChange;
 use crate::section::BodyWrench;
 use crate::section::Fault;
@@ -150,7 +150,7 @@ pub(super) struct Task<'a> {
     pub derivatives: bool,
     /// Greatest gap that counts as closed.
     pub tolerance: f64,
-    pub cancel: &'a Cancel,
+    pub meter: &'a Meter,
 }
 
 /// The chain, and memory.
@@ -185,6 +185,8 @@ pub(super) struct Chain {
     pub(super) elimination: Elimination,
     pub(super) shared: SharedUnknowns,
     pub(super) shared_columns: Vec<Column>,
+    /// The numbers of all groups.
+    pub(super) all: Vec<usize>,
 }
 
 /// Rows of [`Chain::rows`] for each passage.
@@ -248,7 +250,8 @@ impl Chain {
     /// Starts from disks that stand at these poses and what the base exerts on the robot there.
     pub fn start_from(&mut self, task: &Task<'_>, disks: &[Pose], base: Wrench) {
         let frame = task.frame;
-        let mut chords = vec![Chord::default(); frame.passages];
+        let mut chords = core::mem::take(&mut self.chords);
+        chords.resize(frame.passages, Chord::default());
         let mut moment = base.moment;
         let mut share = task.loads.follower_share(base.force);
         self.nodes.clear();
@@ -286,6 +289,7 @@ impl Chain {
                 share -= far.rotation.rotate(follower.force);
             }
         }
+        self.chords = chords;
         let rotation = disks.last().map_or(UnitQuaternion::IDENTITY, |pose| pose.rotation);
         self.nodes.push(Node { rotation, ..Node::default() });
     }
@@ -310,6 +314,7 @@ impl Chain {
     #[inline(always)]
     fn measure_with(&mut self, task: &Task<'_>) -> Result<f64, Fault> {
         let Task { frame, mesh, loads, load, .. } = *task;
+        task.meter.integrate(mesh.grid.len());
         let scales = frame.scales(mesh);
         let count = frame.spans.len();
         self.gaps.resize(count, Gap::default());

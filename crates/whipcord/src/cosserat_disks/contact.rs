@@ -6,8 +6,10 @@ use super::contact_response::ContactResponse;
 use super::model::{CosseratDisks, Workspace};
 use crate::case::Case;
 use crate::contact::{self, RodAdapter, Unobstructed};
+use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::parameter::Parameter;
 use crate::refusal;
 use crate::shape::Solution;
 
@@ -19,6 +21,37 @@ impl CosseratDisks {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
+            return Ok(solution);
+        }
+        contact::solve(&mut self.adapter()?, self.robot(), case, warm_start)
+    }
+
+    /// The same, with the derivatives of the answer and the contacts that hold it.
+    pub(super) fn differentiate_among_obstacles(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Derivatives), SolveError> {
+        if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
+            let alone = Case { obstacles: Vec::new(), ..case.clone() };
+            return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
+        }
+        let mut adapter = self.adapter()?;
+        let (solution, holding) =
+            contact::solve_holding(&mut adapter, self.robot(), case, warm_start)?;
+        Ok((solution, adapter.differentiate(&holding, parameters)?))
+    }
+
+    /// The shape of a robot that keeps clear of the obstacles; `None` where it might not.
+    fn solve_clear(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Option<Solution>, SolveError> {
         case.check(self.robot())?;
         refusal::hole_friction(
             ModelKind::CosseratDisks,
@@ -28,15 +61,13 @@ impl CosseratDisks {
         )?;
         let watched = contact::watched(self.robot());
         let mut free = FreeRod { model: self, workspace, watched };
-        if let Some(solution) = contact::solve_free(&mut free, self.robot(), case, warm_start)? {
-            return Ok(solution);
-        }
+        contact::solve_free(&mut free, self.robot(), case, warm_start)
+    }
+
+    fn adapter(&self) -> Result<RodAdapter<'_, ContactResponse>, SolveError> {
         let at_base = self.mesh(0)?.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let initial = self.frame().rest_lengths.clone();
-        let stiffness = at_base.column(0).x;
-        let mut adapter: RodAdapter<'_, ContactResponse> =
-            RodAdapter::new(self.robot(), self.options(), initial, stiffness);
-        contact::solve(&mut adapter, self.robot(), case, warm_start)
+        Ok(RodAdapter::new(self.robot(), self.options(), initial, at_base.column(0).x))
     }
 }
 

@@ -9,12 +9,14 @@ use super::layout::Mesh;
 use super::loaded_span::Gap;
 use super::model::{CosseratDisks, Workspace};
 use super::unloaded::From;
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::contact::{PushedRod, Refinement, RodResponse};
 use crate::derivatives::{
     Cables, Derivatives, Motion, NoDerivatives, NodeChange, Solved, StepGap, StraightCables,
 };
 use crate::error::SolveError;
+use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::section::{BodyWrench, Fault};
 use crate::shape::{Shape, Solution, Wrench};
@@ -115,7 +117,7 @@ impl ContactMesh {
             commands: if by_length { commands } else { &[] },
             derivatives: false,
             tolerance: options.greatest_residual(),
-            cancel: &options.cancel,
+            meter: workspace.meter(),
         }
     }
 }
@@ -187,28 +189,38 @@ impl ContactResponse {
         Ok(())
     }
 
-    fn linearised(
-        &self,
-        contact_mesh: &ContactMesh,
-        robot: &Robot,
-        case: &Case,
-    ) -> Result<RodResponse, SolveError> {
-        let ContactMesh { model, mesh, .. } = contact_mesh;
-        let (frame, chain) = (model.frame(), &self.chain);
-        let (commands, loads) = (self.workspace.commands(), self.workspace.loads());
-        let units = [frame.scales(mesh).force, robot.backbone().length];
-        let (tensions, lengths) = (&chain.tensions, &chain.lengths);
+    /// Which cables are taut.
+    fn taut(&self, contact_mesh: &ContactMesh) -> Vec<bool> {
+        let frame = contact_mesh.model.frame();
+        let units = [frame.scales(&contact_mesh.mesh).force, frame.rod.backbone().length];
+        let (tensions, lengths) = (&self.chain.tensions, &self.chain.lengths);
         let is_taut = |(i, command): (usize, &Command)| match command.is_length() {
             true => command.is_active(i, tensions, lengths, units),
             false => tensions[i] > 0.0,
         };
-        let taut: Vec<bool> = commands.iter().enumerate().map(is_taut).collect();
-        let order: Vec<usize> = (0..tensions.len()).collect();
+        self.workspace.commands().iter().enumerate().map(is_taut).collect()
+    }
+
+    /// The derivatives where it stands, at these nodes and at the disks.
+    fn derivatives(
+        &self,
+        contact_mesh: &ContactMesh,
+        (robot, case): (&Robot, &Case),
+        (taut, nodes): (&[bool], &[usize]),
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, SolveError> {
+        let ContactMesh { model, mesh, .. } = contact_mesh;
+        let (frame, chain) = (model.frame(), &self.chain);
+        let (commands, loads) = (self.workspace.commands(), self.workspace.loads());
+        let order: Vec<usize> = (0..taut.len()).collect();
+        // Lengths before actuation hang on parameters alone.
+        let rest = (!parameters.is_empty()).then(|| frame.rest_mesh()).transpose()?;
+        let rest = rest.as_ref().map(|mesh| (&mesh.grid, frame.straight_spans(mesh)));
         let spans = frame.straight_spans(mesh);
-        let mut nodes: Vec<usize> =
-            contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let straight = StraightCables {
+            spans: &spans,
+            rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
+        };
         let base = chain.nodes[0];
         let solved = Solved {
             robot,
@@ -216,21 +228,41 @@ impl ContactResponse {
             cables: Cables {
                 order: &order,
                 rest_lengths: &frame.rest_lengths,
-                straight: Some(StraightCables { spans: &spans, rest: None }),
+                straight: Some(straight),
             },
             grid: &mesh.grid,
             loads,
             commands,
-            tensions,
-            taut: &taut,
+            tensions: &chain.tensions,
+            taut,
             poses: &self.poses,
             base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
             starts: &chain.starts(mesh, loads),
             strains: &[],
-            nodes: &nodes,
+            nodes,
         };
-        let derivatives =
-            Derivatives::of(&solved, &[]).map_err(|_: NoDerivatives| SolveError::NoDerivatives)?;
+        Derivatives::of(&solved, parameters).map_err(|error| match error {
+            NoDerivatives::Parameter(error) => error.into(),
+            // The sections of a rod without cables have no equilibrium to miss.
+            NoDerivatives::Critical | NoDerivatives::Fault(_) => SolveError::NoDerivatives,
+        })
+    }
+
+    fn linearised(
+        &self,
+        contact_mesh: &ContactMesh,
+        robot: &Robot,
+        case: &Case,
+    ) -> Result<RodResponse, SolveError> {
+        let chain = &self.chain;
+        let (tensions, lengths) = (&chain.tensions, &chain.lengths);
+        let commands = self.workspace.commands();
+        let taut = self.taut(contact_mesh);
+        let mut nodes: Vec<usize> =
+            contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let derivatives = self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[])?;
         let ends = chain.gaps.iter().zip(chain.nodes.windows(2));
         let gap = |(gap, nodes): (&Gap, &[Node])| {
             StepGap::new(gap.change, nodes[1].rotation, nodes[1].moment)
@@ -268,6 +300,7 @@ impl PushedRod for ContactResponse {
         warm: Option<&Solution>,
     ) -> Result<(), SolveError> {
         self.linear = None;
+        self.workspace.meter_mut().start(&options.cancel, Budget::UNLIMITED);
         let before = self.contact_mesh.take();
         let is_new = before.is_none();
         let stands = |there: &ContactMesh| {
@@ -313,6 +346,21 @@ impl PushedRod for ContactResponse {
             self.linear = Some(self.linearised(contact_mesh, robot, case)?);
         }
         Ok(())
+    }
+
+    fn node(&self, arc_length: f64) -> usize {
+        self.contact_mesh.as_ref().map_or(0, |contact_mesh| contact_mesh.node(arc_length))
+    }
+
+    fn differentiate(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, SolveError> {
+        let contact_mesh = self.contact_mesh.as_ref().ok_or(SolveError::NoDerivatives)?;
+        let (taut, nodes) = (self.taut(contact_mesh), &contact_mesh.mesh.grid.stations);
+        self.derivatives(contact_mesh, (robot, case), (&taut, nodes), parameters)
     }
 
     fn compliance(

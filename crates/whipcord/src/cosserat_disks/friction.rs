@@ -136,7 +136,7 @@ pub(super) fn step(
             Ok(Found { iterations: found.iterations + next.iterations, ..next })
         });
         match gone {
-            Err(_) if parts < MOST_PARTS && !rod.is_cancelled() => parts *= 4,
+            Err(_) if parts < MOST_PARTS && !rod.has_ended() => parts *= 4,
             Ok(found) => {
                 history.compare(&before, SLIDES * rod.length());
                 return Ok(found);
@@ -189,12 +189,16 @@ fn newton(
     let (mut kept, mut change) = (tensions.clone(), vec![0.0; n]);
     let (mut fraction, mut size) = (1.0, f64::INFINITY);
     for iteration in 0..MAX_ITERATIONS {
+        if rod.has_ended() {
+            break;
+        }
+        rod.iterate();
         if let Err(fault) = rod.respond(&tensions, true) {
             // An iterate that the robot does not bear says nothing of the answer: back towards the last
             // one that it did. Under loads each attempt costs a path of loads, and smaller steps of
             // actuation cost less.
             fraction *= 0.5;
-            if iteration == 0 || fraction < LEAST_STEP || rod.is_loaded() || rod.is_cancelled() {
+            if iteration == 0 || fraction < LEAST_STEP || rod.is_loaded() || rod.has_ended() {
                 return Err(rod.failure(fault, &tensions));
             }
             advance(&mut tensions, &kept, &change, fraction);

@@ -212,14 +212,19 @@ impl Chain {
 
     /// `∂ℓ/∂τ` of all groups, from a closed chain that is linearised where it stands.
     pub(super) fn differentiate(&mut self, task: &Task<'_>) -> bool {
-        let all: Vec<usize> = (0..self.tensions.len()).collect();
-        let columns: Vec<Column> = all.iter().map(|&group| Column::Tension(group)).collect();
-        if !self.eliminate(task, &columns) {
-            return false;
+        let mut all = core::mem::take(&mut self.all);
+        all.clear();
+        all.extend(0..self.tensions.len());
+        let mut columns = core::mem::take(&mut self.shared_columns);
+        columns.clear();
+        columns.extend(all.iter().map(|&group| Column::Tension(group)));
+        let eliminated = self.eliminate(task, &columns);
+        if eliminated {
+            let mut out = core::mem::take(&mut self.length_by_tension);
+            self.lengthen(task, &all, &columns, false, &mut out);
+            self.length_by_tension = out;
         }
-        let mut out = core::mem::take(&mut self.length_by_tension);
-        self.lengthen(task, &all, &columns, false, &mut out);
-        self.length_by_tension = out;
-        true
+        (self.all, self.shared_columns) = (all, columns);
+        eliminated
     }
 }

@@ -8,7 +8,7 @@
 use whipcord_numerics::Vec3;
 
 use super::chain::{Chain, Node, Task};
-use super::statics::{Problem, Rod, Scratch, Start, copy_out};
+use super::statics::{Neighbour, Problem, Rod, Scratch, Start, copy_out};
 use super::{stability_check, unloaded};
 use crate::section::Fault;
 use crate::section::SectionFault;
@@ -58,18 +58,20 @@ pub(super) struct Ended {
 /// `scratch`.
 pub(super) fn solve(
     problem: &Problem<'_>,
-    start: &Start,
+    start: Start<'_>,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     let commands = if problem.by_length() { problem.commands } else { &[] };
     let raise = Raise { problem, commands, derivatives: false };
     let near = match start {
         Start::Coarser => Some((true, false)),
-        Start::From { disks, base: Some(base), stable, .. } if disks.len() == problem.disks() => {
+        Start::Near(&Neighbour { ref disks, base: Some(base), stable, .. })
+            if disks.len() == problem.disks() =>
+        {
             let Scratch { chain, groups, tensions, applied, .. } = &mut *scratch;
             chain.pull(groups, tensions);
-            chain.start_from(&raise.task(groups, applied, 1.0), disks, *base);
-            Some((false, *stable && problem.stability != StabilityAnalysis::Off))
+            chain.start_from(&raise.task(groups, applied, 1.0), disks, base);
+            Some((false, stable && problem.stability != StabilityAnalysis::Off))
         }
         _ => None,
     };
@@ -198,10 +200,10 @@ impl Raise<'_> {
         loads: &'a crate::statics::loads::AppliedLoads,
         load: f64,
     ) -> Task<'a> {
-        let Problem { frame, mesh, tolerance, cancel, .. } = *self.problem;
+        let Problem { frame, mesh, tolerance, meter, .. } = *self.problem;
         let Self { commands, derivatives, .. } = *self;
         let step = path::Step::Close;
-        Task { frame, mesh, loads, load, step, groups, commands, derivatives, tolerance, cancel }
+        Task { frame, mesh, loads, load, step, groups, commands, derivatives, tolerance, meter }
     }
 
     /// Closes the chain from where it stands, at a fraction of the load.
@@ -214,7 +216,18 @@ impl Raise<'_> {
         let Scratch { chain, groups, applied, .. } = &mut *scratch;
         chain.trace.steps = self.problem.mesh.grid.len();
         let task = self.task(groups, applied, load);
-        let (iterations, residual) = chain.newton(&task, linearised)?;
+        let closed = chain.newton(&task, linearised);
+        if let Err(Open { iterations, gap: residual, .. }) = closed
+            && load == 1.0
+            && self.problem.meter.has_ended()
+            && scratch.open.is_none()
+            && residual.is_finite()
+        {
+            let effort = Effort { iterations, residual };
+            finish(self.problem, scratch, effort);
+            scratch.open = Some(effort);
+        }
+        let (iterations, residual) = closed?;
         Ok(Effort { iterations, residual })
     }
 
@@ -339,7 +352,7 @@ impl Raise<'_> {
         let unit = frame.scales(mesh).moment;
         for size in FAR_BENDS {
             for way in 0..FAR_WAYS {
-                if self.problem.cancel.is_cancelled() {
+                if self.problem.meter.has_ended() {
                     return None;
                 }
                 let angle = core::f64::consts::TAU * way as f64 / FAR_WAYS as f64;
@@ -409,7 +422,7 @@ impl Raise<'_> {
                     iterations += open.iterations;
                     scratch.chain.trace.stage = Stage::LoadSteps;
                     step = f64::min(0.5 * step, FIRST_LOAD_STEP);
-                    if step < LEAST_LOAD_STEP || self.problem.cancel.is_cancelled() {
+                    if step < LEAST_LOAD_STEP || self.problem.meter.has_ended() {
                         here.restore(scratch);
                         let none = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
                         let residual = if open.gap.is_finite() { open.gap } else { 1.0 };

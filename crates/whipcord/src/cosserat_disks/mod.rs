@@ -14,8 +14,9 @@
 //! | `path`, `branches` | the chain as an equilibrium path, and all equilibria that are connected to the unloaded shape |
 //! | `statics`, `load_continuation` | equilibrium on one mesh, and continuation of the load |
 //! | `friction` | friction at the holes |
+//! | `refinement` | halving of the steps to a tolerance |
 //! | `stability`, `stability_check` | the second variation of the energy, and the decision |
-//! | `local` | compliance and Jacobians at a place, by differences |
+//! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 
 mod branches;
 mod chain;
@@ -29,6 +30,7 @@ mod loaded_span;
 mod model;
 mod newton;
 mod path;
+mod refinement;
 mod repeated_spans;
 mod rod;
 mod span;

@@ -1,13 +1,14 @@
-use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use whipcord_numerics::Pose;
 
 use super::friction::{History, Holes};
 use super::layout::{Frame, Mesh};
-use super::stability_check::{self, Sampled};
-use super::statics::{self, Problem, Scratch, Start};
+use super::refinement::{FINER_MESHES, Refined, STABILITY_STEPS};
+use super::stability_check;
+use super::statics::{self, Neighbour, Problem, Scratch, Start};
 use super::unloaded::Unloaded;
+use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{CableCommand, Case, Loads};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StraightCables};
@@ -16,31 +17,19 @@ use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution, Wrench};
+use crate::shape::{CableState, Diagnostics, NoStability, Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::grid::steps_for_twist;
 use crate::statics::loads::{self, AppliedLoads};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
-use crate::statics::refinement::{Coarse, ERROR_RATIO};
-use crate::statics::strength::Strength;
+use crate::statics::refinement::Coarse;
 use crate::statics::trace::Trace;
 use crate::statics::trace::TraceEvent;
+use crate::warm_start::{Status, WarmStart};
 
-/// Finer meshes that are kept once they were needed.
-const FINER_MESHES: usize = 5;
-/// Of them the finest on which stability is computed where it has steps enough.
-pub(super) const STABILITY_LEVEL: usize = 2;
-/// How often the steps may be halved.
-pub(super) const MAX_REFINEMENTS: usize = 8;
-/// A failure to converge is believed only with steps halved this often.
-const GIVE_UP_LEVEL: usize = 4;
-/// What an unstable equilibrium could be left for is looked for with steps halved this often.
-const LEAVE_LEVEL: usize = 3;
 /// Of a shape that is only looked at, on the first mesh.
 const COARSE_RESIDUAL: f64 = 1e-6;
-/// With so many, the least eigenvalue of a column is known to better than 1e-6.
-const STABILITY_STEPS: usize = 16;
 
 /// The Cosserat rod with cables that run straight from hole to hole, built for one robot.
 ///
@@ -73,19 +62,19 @@ const STABILITY_STEPS: usize = 16;
 /// ```
 #[derive(Clone, Debug)]
 pub struct CosseratDisks {
-    robot: Robot,
-    frame: Frame,
+    pub(super) robot: Robot,
+    pub(super) frame: Frame,
     /// With hole friction.
-    holes: Option<Holes>,
-    options: Options,
+    pub(super) holes: Option<Holes>,
+    pub(super) options: Options,
     /// The only mesh, or the first of a sequence in which the steps are halved.
-    mesh: Mesh,
+    pub(super) mesh: Mesh,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
-    finer: Arc<[OnceLock<Mesh>; FINER_MESHES]>,
+    pub(super) finer: Arc<[OnceLock<Mesh>; FINER_MESHES]>,
     /// For the stability of spans near their own buckling load, where no mesh of the sequence serves; made as those.
-    fine: Arc<OnceLock<Mesh>>,
+    pub(super) fine: Arc<OnceLock<Mesh>>,
     /// With so many steps stability is computed.
-    stability_steps: usize,
+    pub(super) stability_steps: usize,
 }
 
 /// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
@@ -96,20 +85,43 @@ pub struct Workspace {
     pub(super) commands: Vec<Command>,
     coarse: Coarse,
     coarse_tensions: Vec<f64>,
-    histories: Vec<StepHistory>,
+    coarse_base_wrench: Wrench,
+    pub(super) histories: Vec<StepHistory>,
+    pub(super) meter: Meter,
+    neighbour: Neighbour,
+    /// How far the solve came: the best shape where its budget is spent.
+    pub(super) progress: Progress,
+}
+
+/// What a solve has found so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Progress {
+    /// How often the steps of the mesh are halved that it is on.
+    pub level: usize,
+    /// Whether there is an answer on coarser steps, which the workspace keeps.
+    pub coarser: Option<Found>,
 }
 
 /// How far the steps of actuation have been walked on a mesh, and what the holes remember there.
 #[derive(Clone, Debug, Default)]
-struct StepHistory {
-    taken: usize,
-    history: History,
+pub(super) struct StepHistory {
+    pub taken: usize,
+    pub history: History,
 }
 
 impl Workspace {
     /// What drives each cable, of the case that was accepted last.
     pub(super) fn commands(&self) -> &[Command] {
         &self.commands
+    }
+
+    /// What the solve has spent.
+    pub(super) const fn meter(&self) -> &Meter {
+        &self.meter
+    }
+
+    pub(super) const fn meter_mut(&mut self) -> &mut Meter {
+        &mut self.meter
     }
 
     /// Loads of that case.
@@ -149,6 +161,7 @@ impl Workspace {
     pub(super) fn keep(&mut self, mesh: &Mesh) {
         self.coarse.keep(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
         self.coarse_tensions.clone_from(&self.scratch.tensions);
+        self.coarse_base_wrench = self.scratch.base_wrench;
     }
 
     /// Largest change of a position or a cable's length since then, in m. Where lengths are given
@@ -191,6 +204,10 @@ impl CosseratDisks {
         &self.robot
     }
 
+    pub(crate) const fn set_budget(&mut self, budget: Budget) {
+        self.options.budget = budget;
+    }
+
     pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
         &mut self.options.cancel
     }
@@ -220,21 +237,66 @@ impl CosseratDisks {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        let mut solution = Solution::empty(ModelKind::CosseratDisks);
+        let status = self.solve_into(case, warm_start.into(), workspace, &mut solution)?;
+        workspace.meter.answered((status, solution))
+    }
+
+    /// [`Self::solve`] into memory that is at hand: without obstacles and hole friction and after the first call nothing is
+    /// allocated.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`SolveError::BudgetSpent`] where there is no shape yet.
+    pub fn solve_into(
+        &self,
+        case: &Case,
+        from: WarmStart<'_>,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<Status, SolveError> {
+        workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
-            let outcome = self.solve_among_obstacles(case, warm_start, workspace);
-            return self.options.cancel.checked(outcome);
+            let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
+            *solution = workspace.meter.checked(outcome)?;
+            return Ok(Status::Converged);
         }
-        let start = warm_start.map_or(Start::Cold, start_from);
-        if self.holes.is_none() {
-            let case = core::slice::from_ref(case);
-            self.check_steps(case, workspace)?;
-            return self.solve_last(case, start, workspace);
+        let outcome = if self.holes.is_none() {
+            self.solve_from(core::slice::from_ref(case), from, workspace, solution)
+        } else {
+            case.check(&self.robot)?;
+            workspace.histories.clear();
+            self.solve_from(&one_by_one(case), from, workspace, solution)
+        };
+        match workspace.meter.checked(outcome) {
+            Ok(_) => Ok(Status::Converged),
+            Err(error @ SolveError::BudgetSpent { .. }) => {
+                let written = self.write_best(case, workspace, solution)?;
+                if written { Ok(Status::BudgetSpent) } else { Err(error) }
+            }
+            Err(error) => Err(error),
         }
-        case.check(&self.robot)?;
-        let steps = one_by_one(case);
-        workspace.histories.clear();
-        self.check_steps(&steps, workspace)?;
-        self.solve_last(&steps, start, workspace)
+    }
+
+    /// The answer to the last of several steps, and how often the steps of its mesh are halved.
+    fn solve_from(
+        &self,
+        cases: &[Case],
+        from: WarmStart<'_>,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<usize, SolveError> {
+        self.check_steps(cases, workspace)?;
+        let mut neighbour = core::mem::take(&mut workspace.neighbour);
+        let start = match from.given(solution) {
+            Some(answer) => {
+                neighbour.set(answer);
+                Start::Near(&neighbour)
+            }
+            None => Start::Cold,
+        };
+        let solved = self.solve_last(cases, start, workspace, solution);
+        workspace.neighbour = neighbour;
+        solved
     }
 
     /// [`CosseratDisks::solve`], with a record of the iterations, whether they lead to an answer or not. Without
@@ -283,15 +345,18 @@ impl CosseratDisks {
         }
         let steps = one_by_one(case);
         workspace.histories.clear();
-        let mut start = Start::Cold;
+        let mut last: Option<Solution> = None;
         for n in 0..steps.len() {
             let first = if self.holes.is_some() { 0 } else { n };
-            let solution = self
+            workspace.meter.start(&self.options.cancel, self.options.budget);
+            let mut solution = Solution::empty(ModelKind::CosseratDisks);
+            // What holes remember is that of the steps before, which are not walked again.
+            let from = last.as_ref().filter(|_| self.holes.is_none()).into();
+            let solved = self
                 .check_steps(&steps[n..=n], workspace)
-                .and_then(|()| self.solve_last(&steps[first..=n], start, workspace))
-                .map_err(|error| (n, error))?;
-            start = if self.holes.is_some() { Start::Cold } else { start_from(&solution) };
-            each(solution);
+                .and_then(|()| self.solve_from(&steps[first..=n], from, workspace, &mut solution));
+            workspace.meter.checked(solved).map_err(|error| (n, error))?;
+            each(last.insert(solution).clone());
         }
         Ok(())
     }
@@ -331,7 +396,11 @@ impl CosseratDisks {
             "friction at the holes, for compliance and derivatives",
             "with friction the compliance differs between pulling and releasing a cable: set the friction to 0",
         )?;
-        refusal::among_obstacles("derivatives", ModelKind::CosseratDisks, case)?;
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        if !case.obstacles.is_empty() {
+            let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
+            return workspace.meter.checked(found);
+        }
         let (solution, level) = self.solve_keeping_level(case, warm_start, workspace)?;
         let mesh = self.mesh(level)?;
         let Workspace { scratch, commands, .. } = workspace;
@@ -380,11 +449,11 @@ impl CosseratDisks {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<(Solution, usize), SolveError> {
+        let mut solution = Solution::empty(ModelKind::CosseratDisks);
         let cases = core::slice::from_ref(case);
-        self.check_steps(cases, workspace)?;
-        let start = warm_start.map_or(Start::Cold, start_from);
-        let solved = self.solve_keeping_mesh(cases, start, workspace);
-        self.options.cancel.checked(solved)
+        let solved = self.solve_from(cases, warm_start.into(), workspace, &mut solution);
+        let level = workspace.meter.checked(solved)?;
+        Ok((solution, level))
     }
 
     /// The shape on the first mesh, whether it is stable or not; it is left in the workspace.
@@ -394,15 +463,16 @@ impl CosseratDisks {
         workspace: &mut Workspace,
     ) -> Result<(), SolveError> {
         self.accept(case, &self.mesh, workspace)?;
-        let Workspace { scratch, commands, .. } = workspace;
+        let Workspace { scratch, commands, meter, .. } = workspace;
+        let meter = &*meter;
         let problem = Problem {
             stability: StabilityAnalysis::Off,
             tolerance: COARSE_RESIDUAL,
-            ..self.problem(&self.mesh, commands, case)?
+            ..self.problem(&self.mesh, (commands, meter), case)?
         };
-        let found = statics::solve(&problem, &Start::Cold, scratch);
+        let found = statics::solve(&problem, Start::Cold, scratch);
         let solved = found.map(|_| ()).map_err(|failure| self.explain(failure, commands));
-        self.options.cancel.checked(solved)
+        workspace.meter.checked(solved)
     }
 
     /// Checks a case, and gathers its commands and loads on a mesh.
@@ -426,164 +496,32 @@ impl CosseratDisks {
     }
 
     /// The answer to the last of several checked steps; those before it that were walked on a mesh already are
-    /// not walked again.
+    /// not walked again. How often the steps of its mesh are halved.
     fn solve_last(
         &self,
         cases: &[Case],
-        start: Start,
+        start: Start<'_>,
         workspace: &mut Workspace,
-    ) -> Result<Solution, SolveError> {
-        let outcome = self.solve_keeping_mesh(cases, start, workspace);
-        self.options.cancel.checked(outcome.map(|(solution, _)| solution))
-    }
-
-    /// The answer, and how often the steps of its mesh are halved.
-    fn solve_keeping_mesh(
-        &self,
-        cases: &[Case],
-        start: Start,
-        workspace: &mut Workspace,
-    ) -> Result<(Solution, usize), SolveError> {
-        match self.options.accuracy {
+        solution: &mut Solution,
+    ) -> Result<usize, SolveError> {
+        workspace.progress = Progress::default();
+        workspace.scratch.open = None;
+        let Refined { found, level, error } = match self.options.accuracy {
             Accuracy::Steps(_) => {
-                let mesh = &self.mesh;
-                let found = self.solve_on(0, mesh, cases, &start, workspace)?;
-                Ok((self.solution(mesh, cases, workspace, found, None), 0))
+                let found = self.solve_on(0, &self.mesh, cases, start, workspace)?;
+                Refined { found, level: 0, error: None }
             }
-            Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, cases, start, workspace),
-        }
-    }
-
-    /// Halves the steps until the answer changes no more.
-    fn solve_to(
-        &self,
-        tolerance: f64,
-        cases: &[Case],
-        mut start: Start,
-        workspace: &mut Workspace,
-    ) -> Result<(Solution, usize), SolveError> {
-        let length = self.robot.backbone().length;
-        let tolerance = tolerance * length;
-        let (mut error, mut steps, mut iterations) = (f64::INFINITY, 0, 0);
-        let mut lost_at = None;
-        let mut coarser = false;
-        for level in self.first_level(cases, workspace)..=MAX_REFINEMENTS {
-            let mesh = self.mesh(level)?;
-            let found = match self.solve_on(level, &mesh, cases, &start, workspace) {
-                // Steps that are too coarse for a strong bend can keep Newton's method away.
-                Err(
-                    SolveError::NotConverged { .. }
-                    | SolveError::TensionsNotFound
-                    | SolveError::SectionFolds { .. }
-                    | SolveError::UnreachableLength { .. },
-                ) if !coarser && level < GIVE_UP_LEVEL && !self.options.cancel.is_cancelled() => {
-                    continue;
-                }
-                other => other?,
-            };
-            iterations += found.iterations;
-            // A stable branch may not be there on coarse steps, or in another place.
-            if workspace.scratch.unstable
-                && self.options.stability != StabilityAnalysis::Off
-                && level < LEAVE_LEVEL
-            {
-                continue;
-            }
-            lost_at = lost_at.or(found.lost_at);
-            if coarser {
-                error = workspace.change(&mesh, length) / ERROR_RATIO;
-                if error <= tolerance {
-                    let found = Found { iterations, lost_at, ..found };
-                    let solution = self.solution(&mesh, cases, workspace, found, Some(error));
-                    return Ok((solution, level));
-                }
-            }
-            workspace.keep(&mesh);
-            start = Start::Coarser;
-            (steps, coarser) = (mesh.grid.len(), true);
-        }
-        Err(SolveError::StepsTooCoarse { error, tolerance, steps })
-    }
-
-    /// The mesh whose steps are halved so often; where the steps are prescribed, the only one.
-    pub(super) fn mesh(&self, level: usize) -> Result<Cow<'_, Mesh>, SolveError> {
-        if let Some(mesh) = self.kept_mesh(level)? {
-            return Ok(Cow::Borrowed(mesh));
-        }
-        Ok(Cow::Owned(self.frame.mesh(1, level)?))
-    }
-
-    /// The same, made and kept; `None` for one that is too fine to be kept.
-    fn kept_mesh(&self, level: usize) -> Result<Option<&Mesh>, SolveError> {
-        let Some(place) = level.checked_sub(1) else { return Ok(Some(&self.mesh)) };
-        let Some(slot) = self.finer.get(place) else { return Ok(None) };
-        made(slot, || self.frame.mesh(1, level)).map(Some)
-    }
-
-    /// The meshes on which stability is computed: for the usual case the first of the sequence with steps enough.
-    fn sampled(&self) -> Result<Sampled<'_>, SolveError> {
-        let is_sequence = matches!(self.options.accuracy, Accuracy::Tolerance(_));
-        let finest = if is_sequence { STABILITY_LEVEL } else { 0 };
-        let has_enough = |level: &usize| self.mesh.grid.len() << level >= self.stability_steps;
-        let of_sequence = |level| self.kept_mesh(level).map(|mesh| mesh.unwrap_or(&self.mesh));
-        let fine = if is_sequence && has_enough(&finest) {
-            of_sequence(finest)?
-        } else {
-            made(&self.fine, || self.frame.mesh(self.stability_steps.div_ceil(4), 2))?
+            Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, cases, start, workspace)?,
         };
-        let usual = (0..=finest).find(has_enough).map(of_sequence).transpose()?;
-        Ok(Sampled { usual: usual.unwrap_or(fine), fine })
-    }
-
-    /// How often the steps of the first mesh are halved before anything is tried: until they see the layer in which
-    /// the greatest force of the cases bends the rod.
-    pub(super) fn first_level(&self, cases: &[Case], workspace: &mut Workspace) -> usize {
-        let grid = &self.mesh.grid;
-        let applied = &mut workspace.scratch.applied;
-        let mut of_case = |case: &Case| {
-            applied.gather(grid, &case.loads, case.base.rotation);
-            Strength::of(applied, grid, self.robot.backbone().length).first_level()
-        };
-        let first = cases.iter().filter(|case| !case.loads.is_none()).map(&mut of_case).max();
-        first.map_or(0, |level| level.min(GIVE_UP_LEVEL))
-    }
-
-    /// The answer to the last step on one mesh. What holes remember depends on the mesh: the whole way
-    /// is gone on each.
-    fn solve_on(
-        &self,
-        level: usize,
-        mesh: &Mesh,
-        cases: &[Case],
-        start: &Start,
-        workspace: &mut Workspace,
-    ) -> Result<Found, SolveError> {
-        let Workspace { scratch, commands, histories, .. } = workspace;
-        if histories.len() <= level {
-            histories.resize(level + 1, StepHistory::default());
-        }
-        // Where a step fails the way starts anew.
-        let StepHistory { taken, history } = core::mem::take(&mut histories[level]);
-        let taken = if self.holes.is_some() { taken } else { 0 };
-        scratch.history = if taken > 0 { history } else { History::default() };
-        let mut found = Found::default();
-        for (n, case) in cases.iter().enumerate().skip(taken) {
-            scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);
-            self.commands(case, commands)?;
-            let problem = self.problem(mesh, commands, case)?;
-            // What a coarser mesh found is that of the last step.
-            let start = if n + 1 == cases.len() { start } else { &Start::Cold };
-            found = statics::solve(&problem, start, scratch)
-                .map_err(|failure| self.explain(failure, commands))?;
-        }
-        histories[level] = StepHistory { taken: cases.len(), history: scratch.history.clone() };
-        Ok(found)
+        let mesh = self.mesh(level)?;
+        self.write(&mesh, cases, workspace, (found, error), solution);
+        Ok(level)
     }
 
     pub(super) fn problem<'a>(
         &'a self,
         mesh: &'a Mesh,
-        commands: &'a [Command],
+        (commands, meter): (&'a [Command], &'a Meter),
         case: &'a Case,
     ) -> Result<Problem<'a>, SolveError> {
         Ok(Problem {
@@ -591,7 +529,7 @@ impl CosseratDisks {
             mesh,
             commands,
             tolerance: self.options.greatest_residual(),
-            cancel: &self.options.cancel,
+            meter,
             holes: self.holes.as_ref(),
             case,
             sampled: self.sampled()?,
@@ -600,7 +538,11 @@ impl CosseratDisks {
     }
 
     /// What drives each cable.
-    fn commands(&self, case: &Case, commands: &mut Vec<Command>) -> Result<(), SolveError> {
+    pub(super) fn commands(
+        &self,
+        case: &Case,
+        commands: &mut Vec<Command>,
+    ) -> Result<(), SolveError> {
         commands.clear();
         for (cable, &initial) in self.frame.rest_lengths.iter().enumerate() {
             let actuation = self.options.actuation;
@@ -610,6 +552,7 @@ impl CosseratDisks {
         Ok(())
     }
 
+    /// The answer that the workspace holds.
     pub(super) fn solution(
         &self,
         mesh: &Mesh,
@@ -618,73 +561,130 @@ impl CosseratDisks {
         found: Found,
         discretization_error: Option<f64>,
     ) -> Solution {
+        let mut solution = Solution::empty(ModelKind::CosseratDisks);
+        self.write(mesh, cases, workspace, (found, discretization_error), &mut solution);
+        solution
+    }
+
+    /// Writes the answer that the workspace holds.
+    fn write(
+        &self,
+        mesh: &Mesh,
+        cases: &[Case],
+        workspace: &mut Workspace,
+        (found, discretization_error): (Found, Option<f64>),
+        solution: &mut Solution,
+    ) {
         let case = cases.last();
         let base = case.map_or(Pose::IDENTITY, |case| case.base);
         let verdict = case.map_or(Err(NoStability::NotAsked), |case| {
             // The meshes that it takes were made for the answer.
-            let problem = self.problem(mesh, &workspace.commands, case);
+            let problem = self.problem(mesh, (&workspace.commands, &workspace.meter), case);
             let problem = problem.map_err(|_| NoStability::Undetermined)?;
             stability_check::stability(&problem, &mut workspace.scratch)
         });
-        let scratch = &workspace.scratch;
-        let shape = |arc_lengths: &[f64], places: &[usize]| {
-            let poses = places.iter().map(|&k| scratch.poses[k]).collect();
-            Shape { arc_length: arc_lengths.to_vec(), poses }.moved(base)
-        };
+        self.write_iterate(mesh, base, workspace, solution);
+        let history = &workspace.scratch.history;
+        for (i, cable) in solution.cables.iter_mut().enumerate() {
+            self.at_holes(i, &history.tensions, &mut cable.span_tensions);
+            self.at_holes(i, &history.slip_states, &mut cable.slip_states);
+        }
+        solution.diagnostics = Diagnostics {
+            iterations: found.iterations,
+            residual: found.residual,
+            discretization_error,
+            steps: mesh.grid.len(),
+            stability_lost_at: found.lost_at,
+            ..Diagnostics::default()
+        }
+        .with_stability(verdict);
+    }
+
+    /// Writes the shape that the workspace holds, and what its cables do.
+    fn write_iterate(
+        &self,
+        mesh: &Mesh,
+        base: Pose,
+        workspace: &Workspace,
+        solution: &mut Solution,
+    ) {
+        let Scratch { poses, tensions, lengths, base_wrench, .. } = &workspace.scratch;
+        let at = |k: &usize| poses[*k];
+        let Mesh { grid, .. } = mesh;
+        solution.shape.set(self.stations(), grid.stations.iter().map(at), base);
+        let disks = &self.robot.disks().arc_lengths;
+        solution.disks.set(disks, grid.disks.iter().map(at), base);
+        self.write_cables(&workspace.commands, tensions, lengths, solution);
+        solution.base_wrench = Some(*base_wrench);
+    }
+
+    /// Writes what became of the cables; and that nothing touches.
+    fn write_cables(
+        &self,
+        commands: &[Command],
+        tensions: &[f64],
+        lengths: &[f64],
+        solution: &mut Solution,
+    ) {
+        solution.model = ModelKind::CosseratDisks;
+        solution.contacts.clear();
+        let cables = self.robot.cables();
         let backbone = self.robot.backbone().length;
-        let cables = self.robot.cables().iter().enumerate().map(|(i, cable)| {
-            let (tension, length) = (scratch.tensions[i], scratch.lengths[i]);
-            let initial = self.frame.rest_lengths[i];
-            CableState {
-                span_tensions: self.at_holes(i, &scratch.history.tensions),
-                slip_states: self.at_holes(i, &scratch.history.slip_states),
-                ..workspace.commands[i].answer(&cable.name, tension, length, initial, backbone)
-            }
-        });
-        Solution {
-            model: ModelKind::CosseratDisks,
-            shape: shape(self.frame.layout.stations(), &mesh.grid.stations),
-            disks: shape(&self.robot.disks().arc_lengths, &mesh.grid.disks),
-            cables: cables.collect(),
-            base_wrench: Some(scratch.base_wrench),
-            contacts: Vec::new(),
-            diagnostics: Diagnostics {
-                iterations: found.iterations,
-                residual: found.residual,
-                discretization_error,
-                steps: mesh.grid.len(),
-                stability_lost_at: found.lost_at,
-                ..Diagnostics::default()
-            }
-            .with_stability(verdict),
+        solution.cables.resize_with(cables.len(), CableState::default);
+        for (i, state) in solution.cables.iter_mut().enumerate() {
+            let length = [lengths[i], self.frame.rest_lengths[i]];
+            commands[i].answer(&cables[i].name, tensions[i], length, backbone, state);
         }
     }
 
+    /// Writes the best shape that a solve has found whose budget is spent: the answer on coarser steps, or the last iterate; `false`
+    /// where there is none.
+    fn write_best(
+        &self,
+        case: &Case,
+        workspace: &Workspace,
+        solution: &mut Solution,
+    ) -> Result<bool, SolveError> {
+        let Workspace { scratch, commands, coarse, coarse_tensions, progress, .. } = workspace;
+        let (found, steps) = if let Some(found) = progress.coarser {
+            let disks = &self.robot.disks().arc_lengths;
+            let (at_disks, at_stations) = coarse.poses().split_at(disks.len());
+            solution.shape.set(self.stations(), at_stations.iter().copied(), case.base);
+            solution.disks.set(disks, at_disks.iter().copied(), case.base);
+            self.write_cables(commands, coarse_tensions, coarse.lengths(), solution);
+            solution.base_wrench = Some(workspace.coarse_base_wrench);
+            (found, self.mesh(progress.level.saturating_sub(1))?.grid.len())
+        } else if let Some(effort) = scratch.open {
+            let mesh = self.mesh(progress.level)?;
+            self.write_iterate(&mesh, case.base, workspace, solution);
+            (Found::with(effort), mesh.grid.len())
+        } else {
+            return Ok(false);
+        };
+        solution.diagnostics = Diagnostics {
+            iterations: found.iterations,
+            residual: found.residual,
+            steps,
+            stability_lost_at: found.lost_at,
+            ..Diagnostics::default()
+        }
+        .with_stability(Err(NoStability::NotAsked));
+        Ok(true)
+    }
+
     /// The values that a cable with friction has at its holes in the disks, of those of all passages.
-    fn at_holes<T: Copy>(&self, cable: usize, of_passages: &[T]) -> Vec<T> {
+    fn at_holes<T: Copy>(&self, cable: usize, of_passages: &[T], into: &mut Vec<T>) {
+        into.clear();
         let has_friction = |holes: &&Holes| holes.coefficients[cable] > 0.0;
-        let holes = self.holes.as_ref().filter(has_friction);
-        holes.map_or_else(Vec::new, |holes| {
-            holes.of_cable[cable].iter().map(|&p| of_passages[p]).collect()
-        })
+        if let Some(holes) = self.holes.as_ref().filter(has_friction) {
+            into.extend(holes.of_cable[cable].iter().map(|&p| of_passages[p]));
+        }
     }
 
     pub(super) fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
         let name = |cable: usize| self.robot.cables()[cable].name.clone();
         failure.explain(commands, &self.frame.rest_lengths, name)
     }
-}
-
-/// What a slot holds, made where it is empty.
-fn made(
-    slot: &OnceLock<Mesh>,
-    make: impl FnOnce() -> Result<Mesh, SolveError>,
-) -> Result<&Mesh, SolveError> {
-    if let Some(mesh) = slot.get() {
-        return Ok(mesh);
-    }
-    let mesh = make()?;
-    Ok(slot.get_or_init(|| mesh))
 }
 
 /// The steps of a case, each without those before it.
@@ -697,15 +697,4 @@ fn one_by_one(case: &Case) -> Vec<Case> {
         obstacles: Vec::new(),
     };
     case.before.iter().chain([&case.commands]).map(step).collect()
-}
-
-fn start_from(solution: &Solution) -> Start {
-    let to_base = solution.disks.poses.first().map_or(Pose::IDENTITY, Pose::inverse);
-    Start::From {
-        tensions: solution.cables.iter().map(|cable| cable.tension.unwrap_or(0.0)).collect(),
-        // As the base sees them.
-        disks: solution.disks.poses.iter().map(|pose| to_base * *pose).collect(),
-        base: solution.base_wrench,
-        stable: !solution.diagnostics.is_unstable(),
-    }
 }

@@ -31,7 +31,7 @@ impl Chain {
         let mut linearised = linearised && self.links.len() == task.frame.spans.len();
         let mut iteration = 0;
         let mut trust: Option<Trust> = None;
-        while iteration < MAX_ITERATIONS && !task.cancel.is_cancelled() {
+        while iteration < MAX_ITERATIONS && !task.meter.has_ended() {
             if gap <= task.tolerance {
                 return self.finish(task, iteration, gap);
             }
@@ -47,6 +47,7 @@ impl Chain {
                 return Err(failed(iteration, gap, None));
             }
             iteration += 1;
+            task.meter.iterate();
             self.kept.clone_from(&self.nodes);
             self.kept_tensions.clone_from(&self.tensions);
             self.kept_load = task.load;

@@ -35,7 +35,7 @@ impl<'a> ChainPath<'a> {
         residual: f64,
         ask: impl FnOnce(&mut Chain, &Task<'_>) -> T,
     ) -> T {
-        let Problem { frame, mesh, tolerance, cancel, .. } = *self.problem;
+        let Problem { frame, mesh, tolerance, meter, .. } = *self.problem;
         let Scratch { chain, groups, applied, .. } = &mut *self.scratch;
         let by_length = self.commands.iter().any(Command::is_length);
         let task = Task {
@@ -48,7 +48,7 @@ impl<'a> ChainPath<'a> {
             commands: if by_length { &self.commands } else { &[] },
             derivatives: false,
             tolerance: tolerance.max(residual),
-            cancel,
+            meter,
         };
         ask(chain, &task)
     }
@@ -73,8 +73,8 @@ impl EquilibriumPath for ChainPath<'_> {
         self.commands.extend_from_slice(commands);
     }
 
-    fn is_cancelled(&self) -> bool {
-        self.problem.cancel.is_cancelled()
+    fn has_ended(&self) -> bool {
+        self.problem.meter.has_ended()
     }
 
     fn weight(&self, k: usize) -> f64 {
@@ -190,8 +190,8 @@ mod tests {
         let mesh = model.mesh(4).unwrap();
         let mut workspace = Workspace::default();
         model.accept(&case, &mesh, &mut workspace).unwrap();
-        let Workspace { scratch, commands, .. } = &mut workspace;
-        let problem = model.problem(&mesh, commands, &case).unwrap();
+        let Workspace { scratch, commands, meter, .. } = &mut workspace;
+        let problem = model.problem(&mesh, (commands, meter), &case).unwrap();
         let start = start_of_path(&problem, scratch).unwrap().unwrap();
         let mut path = ChainPath::new(&problem, scratch);
         let mut at = |from: &State, load: f64| {

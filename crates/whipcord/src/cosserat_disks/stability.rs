@@ -19,7 +19,7 @@
 //! counted by eq. (11) of that model with `D = 0`, since a chord knows the tension only through the
 //! shape.
 
-use whipcord_numerics::{BoundedQuadratic, Mat3, UnitQuaternion, Vec3, symmetric_eigenvalues};
+use whipcord_numerics::{Mat3, UnitQuaternion, Vec3, symmetric_eigenvalues};
 
 use super::layout::{Frame, Mesh};
 use super::rod::Sample;
@@ -34,7 +34,7 @@ use crate::statics::quadratic_form::Sample as Section;
 use crate::statics::quadratic_form::{
     Element, SLOPES, WEIGHTS, across, element, negative_eigenvalues, pivot, symmetric,
 };
-use crate::statics::self_stress::implied;
+use crate::statics::self_stress::SelfStress;
 
 /// Quadratic forms of the steps and spans, and memory.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +45,7 @@ pub(super) struct Stability {
     locked: Locked,
     schur: Vec<f64>,
     carried: Vec<Vec3>,
-    quadratic: BoundedQuadratic,
+    self_stress: SelfStress,
 }
 
 /// What is asked whether it is stable.
@@ -67,12 +67,31 @@ pub(super) struct Equilibrium<'a> {
 /// What is held at its length: whole cables, or pieces of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Locked {
+    /// Which lock each whole cable is.
+    pub of_cable: Vec<Option<usize>>,
     /// Which lock each passage belongs to.
     pub of_passage: Vec<Option<usize>>,
     /// What a tension of 1 N adds to each, in m.
     pub compliances: Vec<f64>,
     /// Whether each is at its length without tension.
     pub idle: Vec<bool>,
+}
+
+impl Locked {
+    /// Holds nothing, in the memory that it has, of so many cables.
+    pub fn clear(&mut self, cables: usize) {
+        self.of_passage.clear();
+        self.compliances.clear();
+        self.idle.clear();
+        self.of_cable.clear();
+        self.of_cable.resize(cables, None);
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.of_passage.clone_from(&other.of_passage);
+        self.compliances.clone_from(&other.compliances);
+        self.idle.clone_from(&other.idle);
+    }
 }
 
 /// `b` of a piece of cable that is held.
@@ -141,7 +160,7 @@ impl Stability {
     pub fn least_eigenvalue(
         &mut self,
         at: &Equilibrium<'_>,
-        locked: Locked,
+        locked: &Locked,
     ) -> Result<f64, NoStability> {
         self.assemble(at, locked).ok_or(NoStability::Undetermined)?;
         let spans = &at.mesh.spans;
@@ -177,18 +196,18 @@ impl Stability {
     }
 
     /// Whether no eigenvalue is less than a bound.
-    pub fn is_above(&mut self, bound: f64, at: &Equilibrium<'_>, locked: Locked) -> Option<bool> {
+    pub fn is_above(&mut self, bound: f64, at: &Equilibrium<'_>, locked: &Locked) -> Option<bool> {
         Some(self.below(bound, at, locked)? == 0)
     }
 
     /// The number of eigenvalues less than a bound.
-    pub fn below(&mut self, bound: f64, at: &Equilibrium<'_>, locked: Locked) -> Option<usize> {
+    pub fn below(&mut self, bound: f64, at: &Equilibrium<'_>, locked: &Locked) -> Option<usize> {
         self.assemble(at, locked)?;
         Some(self.negative_directions(&at.mesh.spans, bound))
     }
 
     /// Whether no eigenvalue is less than [`Diagnostics::NEAR_CRITICAL`], whatever the skew part of dead moments does.
-    pub fn is_clearly_stable(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<bool> {
+    pub fn is_clearly_stable(&mut self, at: &Equilibrium<'_>, locked: &Locked) -> Option<bool> {
         self.assemble(at, locked)?;
         self.add_moments(at, -0.5);
         Some(self.negative_directions(&at.mesh.spans, Diagnostics::NEAR_CRITICAL) == 0)
@@ -215,13 +234,13 @@ impl Stability {
     }
 
     /// The forms of steps and spans, and what is held.
-    fn assemble(&mut self, at: &Equilibrium<'_>, locked: Locked) -> Option<()> {
+    fn assemble(&mut self, at: &Equilibrium<'_>, locked: &Locked) -> Option<()> {
         let Equilibrium { mesh, samples, scale, .. } = *at;
         self.steps.clear();
         for (k, triple) in samples.chunks_exact(3).enumerate() {
             self.steps.push(step(mesh, k, triple)?);
         }
-        self.locked = locked;
+        self.locked.copy_from(locked);
         for compliance in &mut self.locked.compliances {
             *compliance += REGULARISATION * scale;
         }
@@ -240,21 +259,14 @@ impl Stability {
             shift *= 4.0;
         }
         self.eliminate(spans, shift, true);
-        let Self { schur, locked, quadratic, .. } = self;
-        let held = implied(schur, &locked.idle, quadratic);
+        let Self { schur, locked, self_stress, .. } = self;
+        let held = self_stress.held(schur, locked.idle.iter().copied());
         if held.iter().all(|&held| held) {
             return Some(());
         }
-        let mut count = 0;
-        let numbers: Vec<Option<usize>> = held
-            .iter()
-            .map(|&held| {
-                count += usize::from(held);
-                held.then(|| count - 1)
-            })
-            .collect();
+        let before = |lock: usize| held[..lock].iter().filter(|&&held| held).count();
         for lock in &mut locked.of_passage {
-            *lock = lock.and_then(|lock| numbers[lock]);
+            *lock = lock.filter(|&lock| held[lock]).map(before);
         }
         let mut keep = held.iter();
         locked.compliances.retain(|_| keep.next() == Some(&true));
@@ -305,9 +317,8 @@ impl Stability {
     fn negative_directions(&mut self, spans: &[core::ops::Range<usize>], shift: f64) -> usize {
         let (before, last) = self.eliminate(spans, shift, true);
         let held = self.locked.compliances.len();
-        let of_locks = symmetric_eigenvalues(held, &mut self.schur);
-        let negative =
-            before + negative_eigenvalues(&last) + of_locks.iter().filter(|&&x| x < 0.0).count();
+        let of_locks = symmetric_eigenvalues(held, &mut self.schur).filter(|&x| x < 0.0).count();
+        let negative = before + negative_eigenvalues(&last) + of_locks;
         negative.saturating_sub(3 * spans.len() + held)
     }
 

@@ -24,6 +24,17 @@ pub(super) fn stability(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
 ) -> Result<Verdict, NoStability> {
+    let mut locked = core::mem::take(&mut scratch.locked);
+    let verdict = verdict(problem, scratch, &mut locked);
+    scratch.locked = locked;
+    verdict
+}
+
+fn verdict(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+    locked: &mut Locked,
+) -> Result<Verdict, NoStability> {
     if problem.stability == StabilityAnalysis::Off {
         return Err(NoStability::NotAsked);
     }
@@ -39,12 +50,13 @@ pub(super) fn stability(
             turns(problem, holes, &unloaded.poses, &unloaded.chords)
         }
     });
-    let locked = locked(problem, scratch, &turned).ok_or(NoStability::Sliding)?;
+    lock(problem, scratch, &turned, locked).ok_or(NoStability::Sliding)?;
+    let locked = &*locked;
     let mesh = problem.sampled.mesh(|k| compressed(scratch, loaded, k));
     if problem.stability == StabilityAnalysis::Verdict {
         let is_stable = match loaded {
             true => on_mesh(problem, mesh, loaded, scratch, |stability, at| {
-                stability.is_clearly_stable(at, locked.clone())
+                stability.is_clearly_stable(at, locked)
             }),
             false => is_above_without_load(problem, Diagnostics::NEAR_CRITICAL, scratch),
         };
@@ -53,7 +65,7 @@ pub(super) fn stability(
         }
     }
     let value = on_mesh(problem, mesh, loaded, scratch, |stability, at| {
-        stability.least_eigenvalue(at, locked.clone())
+        stability.least_eigenvalue(at, locked)
     });
     if value.is_ok_and(|value| value.abs() < NEARLY)
         && let Ok(finest) = problem.frame.mesh(mesh.spans.len(), FINEST)
@@ -76,9 +88,10 @@ fn on_mesh<T>(
 ) -> T {
     sample(problem, mesh, 1.0, loaded, scratch);
     let scale = compliance_scale(problem);
-    let turned: Vec<_> = scratch.chain.nodes.iter().map(|node| node.rotation).collect();
+    scratch.turned.clear();
+    scratch.turned.extend(scratch.chain.nodes.iter().map(|node| node.rotation));
     let chords = if loaded { &scratch.chain.chords } else { &scratch.unloaded.chords };
-    let Scratch { stability, samples, pulled, applied_to_sample: applied, .. } = scratch;
+    let Scratch { stability, samples, pulled, turned, applied_to_sample: applied, .. } = scratch;
     let moments = (loaded && applied.any_dead_moment()).then_some((&*applied, &turned[..]));
     let (frame, tensions) = (problem.frame, &pulled[..]);
     ask(stability, &Equilibrium { frame, mesh, samples, chords, tensions, scale, moments })
@@ -97,12 +110,27 @@ pub(super) fn is_nearly_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> 
 }
 
 fn is_above(problem: &Problem<'_>, bound: f64, load: f64, scratch: &mut Scratch) -> Option<bool> {
+    let mut locked = core::mem::take(&mut scratch.locked);
+    let Scratch { chain, .. } = &*scratch;
+    held_lengths(problem, &chain.tensions, &chain.lengths, &mut locked);
+    let above = is_above_with(problem, bound, load, scratch, &locked);
+    scratch.locked = locked;
+    above
+}
+
+/// The same with these cables held.
+fn is_above_with(
+    problem: &Problem<'_>,
+    bound: f64,
+    load: f64,
+    scratch: &mut Scratch,
+    locked: &Locked,
+) -> Option<bool> {
     let Problem { frame, mesh, .. } = *problem;
     let scale = compliance_scale(problem);
     let fine = problem.sampled.mesh(|k| compressed(scratch, true, k));
     let own_is_fine = mesh.grid.len() >= fine.grid.len();
     let Scratch { chain, stability, .. } = &mut *scratch;
-    let locked = held_lengths(problem, &chain.tensions, &chain.lengths);
     let at = Equilibrium {
         frame,
         mesh,
@@ -116,7 +144,7 @@ fn is_above(problem: &Problem<'_>, bound: f64, load: f64, scratch: &mut Scratch)
         return stability.is_above(bound, &at, locked);
     }
     if !is_compressed(mesh, |k| chain.nodes[k].wrench)
-        && stability.is_above(CLEARLY, &at, locked.clone())?
+        && stability.is_above(CLEARLY, &at, locked)?
     {
         return Some(true);
     }
@@ -137,7 +165,8 @@ pub(super) fn unstable_directions(
     let Problem { frame, mesh, .. } = *problem;
     let scale = compliance_scale(problem);
     let fine = problem.sampled.fine;
-    let locked = held_lengths(problem, &scratch.chain.tensions, &scratch.chain.lengths);
+    let mut locked = core::mem::take(&mut scratch.locked);
+    held_lengths(problem, &scratch.chain.tensions, &scratch.chain.lengths, &mut locked);
     let own_is_fine = mesh.grid.len() >= fine.grid.len();
     if !own_is_fine {
         sample(problem, fine, load, true, scratch);
@@ -146,7 +175,9 @@ pub(super) fn unstable_directions(
     let (mesh, samples) = if own_is_fine { (mesh, &chain.samples) } else { (fine, &*samples) };
     let (chords, tensions) = (&chain.chords[..], &chain.pulled[..]);
     let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments: None };
-    stability.below(-Diagnostics::NEUTRAL, &at, locked)
+    let below = stability.below(-Diagnostics::NEUTRAL, &at, &locked);
+    scratch.locked = locked;
+    below
 }
 
 /// Whether the equilibrium without load that was found last is stable, as far as its spans may buckle
@@ -164,14 +195,15 @@ pub(super) fn is_above_without_load(
     for (&tension, &group) in pulled.iter().zip(&*groups) {
         tensions[group] = tension;
     }
-    let locked = held_lengths(problem, &tensions, lengths);
+    let mut locked = Locked::default();
+    held_lengths(problem, &tensions, lengths, &mut locked);
     let scale = compliance_scale(problem);
     let mut above = |mesh: &Mesh, bound: f64| {
         sample(problem, mesh, 0.0, false, scratch);
         let Scratch { unloaded, stability, samples, pulled, .. } = &mut *scratch;
         let (frame, chords, tensions) = (problem.frame, &unloaded.chords[..], &pulled[..]);
         let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments: None };
-        stability.is_above(bound, &at, locked.clone())
+        stability.is_above(bound, &at, &locked)
     };
     if above(problem.sampled.fine, CLEARLY)? {
         return Some(true);
@@ -257,10 +289,15 @@ fn sample(problem: &Problem<'_>, mesh: &Mesh, load: f64, loaded: bool, scratch: 
 /// not rub, and the pieces of those that rub and stick in all their holes, well within eq. (5). `None`
 /// where a cable slid in a hole, and where a hole is about to let the cable slide, if only one way: its tensions then change with the
 /// turns, and the way it slides with the motion.
-fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Locked> {
+fn lock(
+    problem: &Problem<'_>,
+    scratch: &Scratch,
+    turns: &[f64],
+    locked: &mut Locked,
+) -> Option<()> {
     let has_friction =
         |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
-    let mut locked = held_lengths(problem, &scratch.tensions, &scratch.lengths);
+    held_lengths(problem, &scratch.tensions, &scratch.lengths, locked);
     for span in &problem.frame.spans {
         for (i, passage) in span.passages.iter().enumerate() {
             let p = span.first + i;
@@ -288,15 +325,14 @@ fn locked(problem: &Problem<'_>, scratch: &Scratch, turns: &[f64]) -> Option<Loc
             }
         }
     }
-    Some(locked)
+    Some(())
 }
 
 /// The cables that are driven by their length, are taut or at that length without tension, and do not rub.
-fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64]) -> Locked {
-    let mut locked = Locked::default();
+fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64], locked: &mut Locked) {
+    locked.clear(problem.commands.len());
     let has_friction =
         |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
-    let mut of_cable = vec![None; problem.commands.len()];
     let end = problem.frame.rod.backbone().length;
     for (cable, (command, &tension)) in problem.commands.iter().zip(tensions).enumerate() {
         if let Command::Length { compliance, .. } = *command
@@ -305,15 +341,15 @@ fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64]) -> Loc
             let slack = command.slackness(tension, lengths[cable]);
             let idle = tension <= 0.0;
             if !idle || is_idle(compliance, slack, end) {
-                of_cable[cable] = Some(locked.compliances.len());
+                locked.of_cable[cable] = Some(locked.compliances.len());
                 locked.compliances.push(compliance);
                 locked.idle.push(idle);
             }
         }
     }
     let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);
-    locked.of_passage.extend(passages.map(|passage| of_cable[passage.cable]));
-    locked
+    let Locked { of_cable, of_passage, .. } = locked;
+    of_passage.extend(passages.map(|passage| of_cable[passage.cable]));
 }
 
 /// `φ` at the near hole of every passage, from the poses at the ends of the steps of the mesh.

@@ -1,20 +1,20 @@
 //! Static equilibrium on one mesh: of the robot without load, under loads, for tensions or lengths.
 
-use whipcord_numerics::Pose;
+use whipcord_numerics::{Pose, UnitQuaternion};
 
 use super::chain::{self, Chain, State};
 use super::friction::{self, History, Holes};
 use super::layout::{Frame, Mesh};
 use super::load_continuation::{self, Raise};
 use super::rod::Sample;
-use super::stability::Stability;
+use super::stability::{Locked, Stability};
 use super::stability_check::{Sampled, compliance_scale, turns};
 use super::unloaded::{self, Unloaded};
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::section::Fault;
 use crate::section::SectionFault;
-use crate::shape::Wrench;
+use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::continuation::PATH_ENDS;
 use crate::statics::lengths::{self, Effort, Given, LengthScratch, Note, TensionResponse};
@@ -31,7 +31,7 @@ pub(super) struct Problem<'a> {
     /// By cable.
     pub commands: &'a [Command],
     pub tolerance: f64,
-    pub cancel: &'a Cancel,
+    pub meter: &'a Meter,
     /// With hole friction.
     pub holes: Option<&'a Holes>,
     /// Whose loads they are.
@@ -55,20 +55,40 @@ impl Problem<'_> {
 }
 
 /// Where the iteration starts.
-#[derive(Clone, Debug)]
-pub(super) enum Start {
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Start<'a> {
     /// From the robot without load.
     Cold,
     /// From the answer that the scratch holds, on a coarser mesh.
     Coarser,
-    /// From a neighbouring answer: tensions by cable, disks, and what the base exerts.
-    From {
-        tensions: Vec<f64>,
-        disks: Vec<Pose>,
-        base: Option<Wrench>,
-        /// Whether that answer was stable, so that this one is held to be.
-        stable: bool,
-    },
+    /// From a neighbouring answer.
+    Near(&'a Neighbour),
+}
+
+/// A neighbouring answer.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Neighbour {
+    /// By cable, in N.
+    tensions: Vec<f64>,
+    /// As the base sees them.
+    pub disks: Vec<Pose>,
+    /// What the base exerts.
+    pub base: Option<Wrench>,
+    /// Whether it was stable, so that what is near is held to be.
+    pub stable: bool,
+}
+
+impl Neighbour {
+    /// Takes over an answer.
+    pub fn set(&mut self, solution: &Solution) {
+        let to_base = solution.disks.poses.first().map_or(Pose::IDENTITY, Pose::inverse);
+        self.tensions.clear();
+        self.tensions.extend(solution.cables.iter().map(|cable| cable.tension.unwrap_or(0.0)));
+        self.disks.clear();
+        self.disks.extend(solution.disks.poses.iter().map(|pose| to_base * *pose));
+        self.base = solution.base_wrench;
+        self.stable = !solution.diagnostics.is_unstable();
+    }
 }
 
 /// Memory of a solve, and the answer it ends with.
@@ -84,6 +104,8 @@ pub(super) struct Scratch {
     pub(super) history: History,
     /// Whether the last answer from cold is an equilibrium that the robot leaves, and no stable one was found.
     pub(super) unstable: bool,
+    /// What the iterate leaves open at which the budget was spent; it is then in the place of the answer.
+    pub(super) open: Option<Effort>,
     /// Tensions of all passages of the last answer with friction, for a finer mesh.
     coarse_tensions: Vec<f64>,
     pub(super) applied: AppliedLoads,
@@ -96,8 +118,13 @@ pub(super) struct Scratch {
     pub(super) sampled: Vec<Pose>,
     pub(super) applied_to_sample: AppliedLoads,
     pub(super) groups: Vec<usize>,
+    /// What is held at its length, for stability; and how the disks are turned.
+    pub(super) locked: Locked,
+    pub(super) turned: Vec<UnitQuaternion>,
     length_by_tension: Vec<f64>,
     length_scratch: LengthScratch,
+    /// The tensions where a search for lengths begins.
+    first_tensions: Vec<f64>,
 }
 
 impl Scratch {
@@ -116,7 +143,7 @@ impl Scratch {
 /// `scratch`.
 pub(super) fn solve(
     problem: &Problem<'_>,
-    start: &Start,
+    start: Start<'_>,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     scratch.unstable = false;
@@ -129,8 +156,8 @@ pub(super) fn solve(
         scratch.tensions.resize(cables, 0.0);
     }
     group(problem, scratch);
-    if let Start::From { tensions, .. } = start {
-        for (tension, &given) in scratch.tensions.iter_mut().zip(tensions) {
+    if let Start::Near(neighbour) = start {
+        for (tension, &given) in scratch.tensions.iter_mut().zip(&neighbour.tensions) {
             *tension = given.max(0.0);
         }
     }
@@ -142,7 +169,7 @@ pub(super) fn solve(
     if matches!(start, Start::Coarser) {
         rod.from = unloaded::From::Coarser;
     }
-    let mut tensions = rod.scratch.tensions.clone();
+    let mut tensions = core::mem::take(&mut rod.scratch.tensions);
     let effort = rod.converge(&mut tensions)?;
     let found = rod.finish(tensions, Found::with(effort));
     if matches!(start, Start::Coarser) || problem.stability == StabilityAnalysis::Off {
@@ -188,7 +215,7 @@ pub(super) fn start_of_path(
 fn with_friction(
     problem: &Problem<'_>,
     holes: &Holes,
-    start: &Start,
+    start: Start<'_>,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     let coarser = matches!(start, Start::Coarser);
@@ -246,9 +273,14 @@ impl<'a> Rod<'a> {
         self.loaded
     }
 
-    /// Whether the solve was ended from outside.
-    pub fn is_cancelled(&self) -> bool {
-        self.problem.cancel.is_cancelled()
+    /// Counts an iteration of the search for the state of the holes.
+    pub fn iterate(&self) {
+        self.problem.meter.iterate();
+    }
+
+    /// Whether the solve goes no further.
+    pub fn has_ended(&self) -> bool {
+        self.problem.meter.has_ended()
     }
 
     /// Of the backbone, in m.
@@ -287,20 +319,22 @@ impl<'a> Rod<'a> {
             };
         }
         let commands = self.problem.commands;
-        let cancel = self.problem.cancel;
-        let given = Given { length: self.length(), commands, bracket: true, cancel };
-        let start = tensions.to_vec();
+        let meter = self.problem.meter;
+        let given = Given { length: self.length(), commands, bracket: true, meter };
+        let mut start = core::mem::take(&mut self.scratch.first_tensions);
+        start.clear();
+        start.extend_from_slice(tensions);
         let mut memory = core::mem::take(&mut self.scratch.length_scratch);
         let mut solved = lengths::attempt(&given, tensions, self, &mut memory);
         if solved.is_err() {
             if let Some(effort) = self.together(&start, tensions) {
-                self.scratch.length_scratch = memory;
+                (self.scratch.length_scratch, self.scratch.first_tensions) = (memory, start);
                 return Ok(effort);
             }
             tensions.copy_from_slice(&start);
             solved = lengths::solve(&given, tensions, self, &mut memory);
         }
-        self.scratch.length_scratch = memory;
+        (self.scratch.length_scratch, self.scratch.first_tensions) = (memory, start);
         solved.map_err(|fault| fault.failure(|fault| self.failure(fault, tensions)))
     }
 
@@ -338,7 +372,8 @@ impl<'a> Rod<'a> {
     ) -> Result<(), Fault> {
         self.expand(tensions);
         if !self.loaded {
-            let Problem { frame, mesh, .. } = *self.problem;
+            let Problem { frame, mesh, meter, .. } = *self.problem;
+            meter.integrate(mesh.grid.len());
             let Scratch { unloaded, pulled, .. } = &mut *self.scratch;
             use unloaded::From;
             let from = if warm || self.from == From::Coarser { self.from } else { From::Nothing };

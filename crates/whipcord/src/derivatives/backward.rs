@@ -66,13 +66,7 @@ impl Derivatives {
         let at_base = &cotangent.base_wrench;
         // What a change of each tension is worth, by all that it moves.
         let worth: Vec<f64> = (self.by_tension.iter().zip(&tensions))
-            .map(|(column, own)| {
-                let moved: f64 = column.nodes.iter().zip(&nodes).map(|(a, b)| a.dot(b)).sum();
-                let longer: f64 = column.lengths.iter().zip(&lengths).map(|(a, b)| a * b).sum();
-                let base =
-                    column.base.force.dot(at_base.force) + column.base.moment.dot(at_base.moment);
-                own + moved + longer + base
-            })
+            .map(|(column, own)| own + column.worth(&nodes, &lengths, at_base))
             .collect();
         let by_length = self.held.pull_back(hold, &worth);
         let by_commands = self.held.pull_back(Hold::Commands, &worth);
@@ -90,6 +84,7 @@ impl Derivatives {
             })
             .collect();
         let lengths: Vec<f64> = lengths.iter().zip(&by_length).map(|(a, b)| a - b).collect();
+        self.touching.pull_back(&mut nodes, &lengths, at_base);
         let extra = |k: usize| {
             let mut sum = [Vec3::ZERO; 3];
             for (place, length) in lengths.iter().enumerate() {

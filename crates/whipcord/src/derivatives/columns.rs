@@ -22,6 +22,8 @@ pub(super) struct Raw {
     pub disks: Vec<NodeChange>,
     pub base: Wrench,
     pub lengths: Vec<f64>,
+    /// What the contacts push more, a force and a moment to each.
+    pub pushes: Vec<f64>,
 }
 
 /// What acts: a column's source.
@@ -39,6 +41,13 @@ pub(super) enum Source {
 impl Derivatives {
     /// The change that a source makes at constant tensions.
     pub(super) fn raw(&self, source: Source) -> Raw {
+        let mut raw = self.raw_alone(source);
+        self.touching.respond(&mut raw);
+        raw
+    }
+
+    /// The same of the robot without its contacts, under what they push.
+    fn raw_alone(&self, source: Source) -> Raw {
         let cables = self.place_of.len();
         match source {
             Source::Tension(place) => self.respond(Some(place), None),
@@ -152,7 +161,7 @@ impl Derivatives {
         for (column, &tension) in self.by_tension.iter().zip(&tensions) {
             changed.add(tension, column);
         }
-        let strains = self.strains(&changed.nodes, source, &tensions);
+        let strains = self.strains(&changed, source, &tensions);
         if let Source::Parameter(p) = source {
             // What acts on the rod between base and tip adds to what the nodes carry.
             changed.base.force += self.partials[p].at_node(0).force;
@@ -176,8 +185,9 @@ impl Derivatives {
     }
 
     /// How the strain behind each node changes, and of the tip in front of it: eq. (d1) at the nodes.
-    fn strains(&self, nodes: &[NodeChange], source: Source, tensions: &[f64]) -> Vec<Strain> {
+    fn strains(&self, changed: &Raw, source: Source, tensions: &[f64]) -> Vec<Strain> {
         let cables = tensions.len();
+        let nodes = &changed.nodes;
         (0..nodes.len())
             .map(|node| {
                 let stage = self.linear.at_node(node);
@@ -185,6 +195,9 @@ impl Derivatives {
                 // Of spans what acts in the rod at the tip is known in front of it.
                 if node == self.steps.len() && self.linear.spans().is_none() {
                     self.elimination.arriving(&mut change, node);
+                    let pushed = self.touching.push(&changed.pushes, node);
+                    change.moment += pushed.moment;
+                    change.force += pushed.force;
                     if let Source::Wrench { node: place, component } = source
                         && place == node
                     {
@@ -258,7 +271,7 @@ impl Derivatives {
         }
         // No wrench at all is added: the component does not matter.
         let nothing = Source::Wrench { node: usize::MAX, component: 0 };
-        let strains = self.strains(&changed.nodes, nothing, tensions);
+        let strains = self.strains(&changed, nothing, tensions);
         self.change(changed, strains, tensions)
     }
 
@@ -301,6 +314,17 @@ impl Raw {
         }
         self.base.force += f * other.base.force;
         self.base.moment += f * other.base.moment;
+        self.pushes.resize(self.pushes.len().max(other.pushes.len()), 0.0);
+        for (push, by) in self.pushes.iter_mut().zip(&other.pushes) {
+            *push += f * by;
+        }
+    }
+
+    /// What it is worth to a functional of nodes, lengths and wrench at the base.
+    pub fn worth(&self, nodes: &[NodeChange], lengths: &[f64], base: &Wrench) -> f64 {
+        let moved: f64 = self.nodes.iter().zip(nodes).map(|(a, b)| a.dot(b)).sum();
+        let longer: f64 = self.lengths.iter().zip(lengths).map(|(a, b)| a * b).sum();
+        moved + longer + self.base.force.dot(base.force) + self.base.moment.dot(base.moment)
     }
 
     pub fn is_finite(&self) -> bool {

@@ -5,8 +5,7 @@
 //! linearises every stage, and `forward` combines the stages of a step for several columns at a time
 //! (`lanes`); without load the sections of the `quadrature` do, through the steps of `magnus`; `linear`
 //! is the choice between them. `elimination` solves the linear problem between base and tip; `partials`
-//! says where a parameter enters, with `mass_change` and `spread_change`; `holding` keeps cables at their
-//! lengths; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
+//! says where a parameter enters, with `mass_change` and `spread_change`; `touching` adds what the contacts of an answer push; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
 //! what one source changes, `change` is what comes out, `at_place` what is said of one place. Where cables run straight
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables.
 //!
@@ -31,6 +30,7 @@ mod quadrature;
 mod replay;
 mod spans;
 mod spread_change;
+mod touching;
 
 pub use self::backward::{Cotangent, Gradient};
 pub use self::change::Change;
@@ -45,6 +45,7 @@ pub(crate) use self::open::{Motion, StepGap};
 use self::partials::{AtRest, Partial, Setting};
 use self::replay::Answer;
 pub(crate) use self::spans::StraightSpan;
+use self::touching::Touching;
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3, magnus_6};
 
 use crate::case::{Case, Loads};
@@ -124,8 +125,18 @@ pub struct Derivatives {
     /// What a change of each tension does at constant other tensions; by grid places.
     by_tension: Vec<Raw>,
     held: HeldCables,
+    /// What each tension of 1 N adds to the length of its cable in m, and whether it is taut; by grid places.
+    cables: Vec<CableEnd>,
+    touching: Touching,
     /// Length of the backbone in m.
     length: f64,
+}
+
+/// A cable as what holds it has it.
+#[derive(Clone, Copy, Debug)]
+struct CableEnd {
+    compliance: f64,
+    is_taut: bool,
 }
 
 /// Why an answer has no derivatives.
@@ -259,28 +270,28 @@ impl Derivatives {
             commands: solved.commands.to_vec(),
             by_tension: Vec::new(),
             held: HeldCables::default(),
+            cables: Vec::new(),
+            touching: Touching::default(),
             length: robot.backbone().length,
         };
         derivatives.by_tension =
             (0..cables).map(|place| derivatives.raw(Source::Tension(place))).collect();
-        derivatives.hold(robot, of_robot, solved.taut)?;
+        let end = |(place, &is_taut): (usize, &bool)| {
+            let stiffness = robot.cables()[of_robot.order[place]].axial_stiffness;
+            let compliance = stiffness.map_or(0.0, |k| of_robot.rest_lengths[place] / k);
+            CableEnd { compliance, is_taut }
+        };
+        derivatives.cables = solved.taut.iter().enumerate().map(end).collect();
+        derivatives.hold()?;
         let tip = derivatives.raw(Source::Wrench { node: grid.len(), component: 0 });
         let finite = derivatives.by_tension.iter().chain([&tip]).all(Raw::is_finite);
         if finite { Ok(derivatives) } else { Err(NoDerivatives::Critical) }
     }
 
-    fn hold(
-        &mut self,
-        robot: &Robot,
-        of_robot: Cables<'_>,
-        is_taut: &[bool],
-    ) -> Result<(), NoDerivatives> {
-        let cables = is_taut.len();
-        let compliance = |place: usize| {
-            let stiffness = robot.cables()[of_robot.order[place]].axial_stiffness;
-            stiffness.map_or(0.0, |k| of_robot.rest_lengths[place] / k)
-        };
-        let taut = |place: usize| is_taut[place];
+    fn hold(&mut self) -> Result<(), NoDerivatives> {
+        let cables = self.cables.len();
+        let compliance = |place: usize| self.cables[place].compliance;
+        let taut = |place: usize| self.cables[place].is_taut;
         let driven = |place: usize| matches!(self.commands[place], Command::Length { .. });
         let matrix = |i: usize, j: usize| self.by_tension[j].lengths[i];
         self.held = HeldCables::new(cables, matrix, compliance, taut, driven)?;

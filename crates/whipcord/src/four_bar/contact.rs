@@ -12,8 +12,10 @@ use super::solve::{MET, Workspace};
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::contact;
+use crate::contact::Unobstructed;
 use crate::contact::model::{Compliant, Push};
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::shape::{NoStability, Solution, Wrench};
 
 /// The backbone is watched at this many places or more from base to tip.
@@ -63,11 +65,10 @@ impl FourBar {
                 "use cosserat, or a robot of fewer disks",
             ));
         }
-        let disks = &self.robot.disks().arc_lengths;
-        let each = WATCHED.div_ceil(self.sections.len());
-        let mut watched = vec![0.0];
-        for pair in disks.windows(2) {
-            watched.extend(equally_spaced(pair[0], pair[1], each + 1).skip(1));
+        let watched = self.watched();
+        let mut free = FreeChain { model: self, workspace, watched: &watched };
+        if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
+            return Ok(solution);
         }
         let places = watched.iter().map(|&s| self.locate(s)).collect();
         let mut found = ContactResponse::default();
@@ -87,10 +88,62 @@ impl FourBar {
         contact::solve(&mut adapter, &self.robot, case, warm_start)
     }
 
+    /// Where the backbone is watched: the disks and equal parts between.
+    fn watched(&self) -> Vec<f64> {
+        let each = WATCHED.div_ceil(self.sections.len());
+        let mut watched = vec![0.0];
+        for pair in self.robot.disks().arc_lengths.windows(2) {
+            watched.extend(equally_spaced(pair[0], pair[1], each + 1).skip(1));
+        }
+        watched
+    }
+
     /// The section of an arc length and the fraction of it that lies behind, the whole of it at a disk.
     pub(super) fn locate(&self, arc_length: f64) -> (usize, f64) {
         let (section, part) = self.robot.disks().locate(arc_length);
         if part == 0.0 && section > 0 { (section - 1, 1.0) } else { (section, part) }
+    }
+}
+
+/// The sections without obstacles.
+struct FreeChain<'a> {
+    model: &'a FourBar,
+    workspace: &'a mut Workspace,
+    watched: &'a [f64],
+}
+
+impl Unobstructed for FreeChain<'_> {
+    fn watched(&self) -> &[f64] {
+        self.watched
+    }
+
+    fn initial_lengths(&self) -> &[f64] {
+        &self.model.initial_lengths
+    }
+
+    fn solve(
+        &mut self,
+        case: &Case,
+        _from: Option<&Solution>,
+        centres: &mut Vec<Vec3>,
+    ) -> Result<Solution, SolveError> {
+        let mut solution = Solution::empty(ModelKind::FourBar);
+        self.model.solve_and_tell(case, self.workspace, &mut solution)?;
+        // The answer is where the base of the case is.
+        let to_base = case.base.inverse();
+        let joints = &self.workspace.joints;
+        let centre = |&s: &f64| {
+            let (section, part) = self.model.locate(s);
+            let there = joints[section].pose_at(part, &self.model.sections[section]);
+            to_base.transform(solution.disks.poses[section].transform(there.position))
+        };
+        centres.clear();
+        centres.extend(self.watched.iter().map(centre));
+        Ok(solution)
+    }
+
+    fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
+        self.solve(case, None, centres).map(|_| ())
     }
 }
 

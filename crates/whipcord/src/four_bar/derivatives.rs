@@ -95,7 +95,8 @@ impl FourBar {
             ));
         }
         refusal::among_obstacles("derivatives", ModelKind::FourBar, case)?;
-        let (solution, compromise) = self.solve_and_tell(case, workspace)?;
+        let mut solution = Solution::empty(ModelKind::FourBar);
+        let compromise = self.solve_and_tell(case, workspace, &mut solution)?;
         if compromise {
             return Err(unsupported(
                 "of lengths that contradict each other",

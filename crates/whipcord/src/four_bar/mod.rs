@@ -27,11 +27,14 @@ pub(crate) use local::solve_at;
 pub use options::{Chord, Conflicts, LengthRule, Objective, Options, UnknownOption};
 pub use solve::Workspace;
 
+use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::shape::Solution;
+use crate::warm_start::{Status, WarmStart};
 
 use section::Section;
 
@@ -116,6 +119,10 @@ impl FourBar {
         &self.robot
     }
 
+    pub(crate) const fn set_budget(&mut self, budget: Budget) {
+        self.options.budget = budget;
+    }
+
     pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
         &mut self.options.cancel
     }
@@ -141,11 +148,28 @@ impl FourBar {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        let mut solution = Solution::empty(ModelKind::FourBar);
+        self.solve_into(case, warm_start.into(), workspace, &mut solution).map(|_| solution)
+    }
+
+    /// [`Self::solve`] into memory that is at hand: without obstacles and after the first call nothing is allocated where at most
+    /// one cable passes each section.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_into(
+        &self,
+        case: &Case,
+        from: WarmStart<'_>,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<Status, SolveError> {
         let outcome = if case.obstacles.is_empty() {
-            self.solve_and_tell(case, workspace).map(|(solution, _)| solution)
+            self.solve_and_tell(case, workspace, solution).map(|_| ())
         } else {
-            self.solve_in_contact(case, warm_start, workspace)
+            let solved = self.solve_in_contact(case, from.given(solution), workspace);
+            solved.map(|found| *solution = found)
         };
-        self.options.cancel.checked(outcome)
+        workspace.several.meter.checked(outcome).map(|()| Status::Converged)
     }
 }

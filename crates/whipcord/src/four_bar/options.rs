@@ -3,6 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
+use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Actuation;
 use crate::stations::Stations;
@@ -31,6 +32,8 @@ pub struct Options {
     pub lengths: LengthRule,
     /// What becomes of whole cable lengths that contradict each other, under the rule `free`.
     pub conflicts: Conflicts,
+    /// What a solve may spend.
+    pub budget: Budget,
     /// Ends a solve from outside.
     pub cancel: Cancel,
 }

@@ -14,7 +14,7 @@ use whipcord_numerics::{DenseLu, Ldlt3, Sym3, Vec3};
 use super::bend::Bend;
 use super::plane::Jet;
 use super::section::{NO_LEVER, Section};
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 
 /// How the iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,8 +46,8 @@ pub(super) struct Several {
     pub lengths: Vec<f64>,
     /// Newton steps spent.
     pub iterations: usize,
-    /// Ends the iteration from outside.
-    pub cancel: Cancel,
+    /// What the solve may still spend.
+    pub meter: Meter,
     penalty: f64,
     levers: Vec<f64>,
     /// By cable: length at rest.
@@ -123,7 +123,7 @@ impl Several {
         let (mut done, mut step) = (0.0, 0.25);
         let mut part = targets.to_vec();
         let mut state = self.state();
-        while done < 1.0 && !self.cancel.is_cancelled() {
+        while done < 1.0 && !self.meter.has_ended() {
             let next = if done + step < 1.0 { done + step } else { 1.0 };
             for ((part, &target), &rest) in part.iter_mut().zip(targets).zip(&self.at_rest) {
                 *part = if next < 1.0 { rest + next * (target - rest) } else { target };
@@ -159,7 +159,7 @@ impl Several {
         // Multipliers far from their values deserve no more than a rough minimum.
         let mut tolerance = 1e-2;
         for _ in 0..MOST_UPDATES {
-            if self.cancel.is_cancelled() {
+            if self.meter.has_ended() {
                 break;
             }
             let mut size = f64::INFINITY;
@@ -168,6 +168,8 @@ impl Several {
                 self.set_pulls(targets);
                 let slope = self.newton_step(sections);
                 steps += 1;
+                self.meter.iterate();
+                self.meter.integrate(sections.len());
                 let Some(next) = self.descend(sections, targets, merit, slope) else { break };
                 (size, merit) = next;
             }

@@ -15,7 +15,7 @@ use super::several::{Ending, Several};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::shape::{CableState, Diagnostics, NoStability, Shape, Solution};
+use crate::shape::{CableState, Diagnostics, NoStability, Solution};
 use crate::stations::Stations;
 
 /// Scratch memory of a solve.
@@ -30,7 +30,7 @@ pub struct Workspace {
     pub(super) joints: Vec<Joint>,
     /// Multiplier of each passage, section by section.
     pub(super) pulls: Vec<f64>,
-    several: Several,
+    pub(super) several: Several,
 }
 
 /// What has been found of one cable.
@@ -61,12 +61,13 @@ pub(super) const LOOSE: f64 = 1e-10;
 pub(super) const MET: f64 = 1e-8;
 
 impl FourBar {
-    /// The answer, and whether it is a compromise of lengths that contradict each other.
+    /// Writes the answer; whether it is a compromise of lengths that contradict each other.
     pub(super) fn solve_and_tell(
         &self,
         case: &Case,
         workspace: &mut Workspace,
-    ) -> Result<(Solution, bool), SolveError> {
+        solution: &mut Solution,
+    ) -> Result<bool, SolveError> {
         refusal::case(&self.robot, case)?;
         let count = self.initial_lengths.len();
         workspace.targets.clear();
@@ -80,12 +81,13 @@ impl FourBar {
         workspace.multipliers.resize(count, 0.0);
         workspace.joints.clear();
         workspace.pulls.clear();
-        workspace.several.cancel.clone_from(&self.options.cancel);
+        workspace.several.meter.start(&self.options.cancel, self.options.budget);
         let tally = match self.options.lengths {
             LengthRule::Proportional | LengthRule::Equal => self.each_section(workspace)?,
             LengthRule::Free => self.all_sections(workspace)?,
         };
-        Ok((self.solution(case.base, workspace, tally), tally.compromise))
+        self.write(case.base, workspace, tally, solution);
+        Ok(tally.compromise)
     }
 
     /// Every section with its own lengths.
@@ -96,8 +98,8 @@ impl FourBar {
         section_targets.clear();
         section_targets.resize(targets.len(), f64::INFINITY);
         for (index, section) in self.sections.iter().enumerate() {
-            if self.options.cancel.is_cancelled() {
-                return Err(SolveError::Cancelled { last_load: None });
+            if several.meter.has_ended() {
+                return Err(several.meter.end());
             }
             section_targets.fill(f64::INFINITY);
             multipliers.fill(0.0);
@@ -303,64 +305,55 @@ impl FourBar {
 
     /// Stacks the sections and gathers what became of the cables.
     fn solution(&self, base: Pose, workspace: &Workspace, tally: Tally) -> Solution {
+        let mut solution = Solution::empty(ModelKind::FourBar);
+        self.write(base, workspace, tally, &mut solution);
+        solution
+    }
+
+    /// The same, into memory that is at hand.
+    fn write(&self, base: Pose, workspace: &Workspace, tally: Tally, solution: &mut Solution) {
         let joints = &workspace.joints;
-        let disks = self.disks(joints);
-        let shape = match self.options.stations {
-            Stations::Disks => disks.clone(),
-            Stations::Equal(_) | Stations::At(_) => self.between(joints, &disks),
-        };
-        let (shape, disks) = (shape.moved(base), disks.moved(base));
-        let scale = if tally.compromise { None } else { self.tension_scale };
-        let cables = self.robot.cables().iter().zip(&workspace.cables).zip(&self.initial_lengths);
-        Solution {
-            model: ModelKind::FourBar,
-            shape,
-            disks,
-            cables: cables
-                .map(|((cable, found), &initial_length)| CableState {
-                    name: cable.name.clone(),
-                    tension: scale.map(|scale| scale * found.multiplier),
-                    length: found.length,
-                    initial_length,
-                    slack: !found.binds,
-                    span_tensions: Vec::new(),
-                    slip_states: Vec::new(),
-                })
-                .collect(),
-            base_wrench: None,
-            contacts: Vec::new(),
-            diagnostics: Diagnostics {
-                iterations: tally.iterations,
-                residual: tally.residual / self.robot.backbone().length,
-                stable: None,
-                stability: None,
-                stability_absent: Some(NoStability::NoEnergy),
-                discretization_error: None,
-                steps: self.sections.len(),
-                stability_lost_at: None,
-            },
-        }
-    }
-
-    fn disks(&self, joints: &[Joint]) -> Shape {
-        let mut poses = Vec::with_capacity(joints.len() + 1);
         let mut pose = Pose::IDENTITY;
-        poses.push(pose);
-        for (section, joint) in self.sections.iter().zip(joints) {
+        let ends = joints.iter().zip(&self.sections).map(|(joint, section)| {
             pose = pose * joint.pose(section);
-            poses.push(pose);
-        }
-        Shape { arc_length: self.robot.disks().arc_lengths.clone(), poses }
-    }
-
-    /// The shape at stations between the disks.
-    fn between(&self, joints: &[Joint], disks: &Shape) -> Shape {
-        let locate = |&at: &f64| {
-            let (i, t) = self.robot.disks().locate(at);
-            disks.poses[i] * joints[i].pose_at(t, &self.sections[i])
+            pose
+        });
+        let at = &self.robot.disks().arc_lengths;
+        // Relative to the base until the stations between them are known.
+        solution.disks.set(at, core::iter::once(Pose::IDENTITY).chain(ends), Pose::IDENTITY);
+        let disks = &solution.disks.poses;
+        let between = |&s: &f64| {
+            let (i, t) = self.robot.disks().locate(s);
+            disks[i] * joints[i].pose_at(t, &self.sections[i])
         };
-        let poses = self.stations.iter().map(locate).collect();
-        Shape { arc_length: self.stations.clone(), poses }
+        match self.options.stations {
+            Stations::Disks => solution.shape.set(at, disks.iter().copied(), base),
+            Stations::Equal(_) | Stations::At(_) => {
+                solution.shape.set(&self.stations, self.stations.iter().map(between), base);
+            }
+        }
+        solution.disks.turn(base);
+        let scale = if tally.compromise { None } else { self.tension_scale };
+        let cables = self.robot.cables();
+        solution.cables.resize_with(cables.len(), CableState::default);
+        for (i, (state, found)) in solution.cables.iter_mut().zip(&workspace.cables).enumerate() {
+            state.rename(&cables[i].name);
+            state.tension = scale.map(|scale| scale * found.multiplier);
+            (state.length, state.initial_length) = (found.length, self.initial_lengths[i]);
+            state.slack = !found.binds;
+            state.span_tensions.clear();
+            state.slip_states.clear();
+        }
+        solution.model = ModelKind::FourBar;
+        solution.base_wrench = None;
+        solution.contacts.clear();
+        solution.diagnostics = Diagnostics {
+            iterations: tally.iterations,
+            residual: tally.residual / self.robot.backbone().length,
+            stability_absent: Some(NoStability::NoEnergy),
+            steps: self.sections.len(),
+            ..Diagnostics::default()
+        };
     }
 }
 

@@ -2,69 +2,13 @@
 
 use whipcord_numerics::{DenseLu, Mat3, Vec3};
 
-use super::division::Division;
 use super::layout::Section;
-use super::loads::{AppliedLoads, InnerLoad};
+use super::loads::InnerLoad;
 use super::motion::{Coordinates, MOST, Motion};
-use crate::cancel::Cancel;
+use super::pivots::negative_pivots;
+use super::places::Pushed;
+use super::task::{Asked, Elimination, Right, Task};
 use crate::shape::Wrench;
-
-/// What does not change from one iteration to the next.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Task<'a> {
-    pub division: &'a Division,
-    pub sections: &'a [Section],
-    pub loads: &'a AppliedLoads,
-    /// Factor on all loads.
-    pub load: f64,
-    /// Factor on all tensions.
-    pub pull: f64,
-    /// By cable in N.
-    pub tensions: &'a [f64],
-    pub cancel: &'a Cancel,
-}
-
-/// How a linear system is taken apart.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Elimination {
-    /// So much of the sections' own stiffness is taken off the tangent.
-    pub shift: f64,
-    /// What for.
-    pub asked: Asked,
-}
-
-/// What is asked of a linear system, beside the responses to what is given with it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Asked {
-    /// The signs of its eigenvalues.
-    Signs,
-    /// The Newton step.
-    Step,
-    /// The step, and the response to each cable's tension.
-    Responses,
-}
-
-/// A right-hand side of a linear system.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Right<'a> {
-    /// What takes the residual away.
-    Closing,
-    /// The tension of a cable, in N.
-    Tension(usize),
-    /// A dead wrench.
-    Push(&'a Pushed),
-    /// One of its own for each section.
-    Given(&'a [Coordinates]),
-}
-
-/// A dead wrench on a cross-section of a section, in the frame of the disk at the section's start.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pushed {
-    pub section: usize,
-    /// Of the cross-section.
-    pub motion: Motion,
-    pub wrench: Wrench,
-}
 
 /// A matrix row of each coordinate.
 type Rows<T> = [T; MOST];
@@ -117,6 +61,9 @@ pub(super) struct Chain {
     beyond: Vec<[Vec3; 2]>,
     turns: Vec<Vec3>,
 }
+
+/// A step among obstacles changes no coordinate by more than this in rad.
+const LONGEST: f64 = 0.3;
 
 /// Cables shorter than this fraction of their section have folded it.
 const FOLDED: f64 = 1e-6;
@@ -281,26 +228,35 @@ impl Chain {
     /// The number of negative pivots, which is that of negative eigenvalues where the tangent is symmetric; `None`
     /// where it is singular.
     pub fn eliminate(&mut self, task: &Task<'_>, how: Elimination) -> Option<usize> {
-        let cables = (0..task.tensions.len()).map(Right::Tension);
-        match how.asked {
-            Asked::Signs => self.eliminate_with(task, how.shift, &[]),
-            Asked::Step => self.eliminate_with(task, how.shift, &[Right::Closing]),
-            Asked::Responses => {
-                let rights: Vec<_> = core::iter::once(Right::Closing).chain(cables).collect();
-                self.eliminate_with(task, how.shift, &rights)
-            }
-        }
+        let sides = match how.asked {
+            Asked::Signs => 0,
+            Asked::Step => 1,
+            Asked::Responses => 1 + task.tensions.len(),
+        };
+        self.eliminate_with(task, how.shift, sides, |side| {
+            side.checked_sub(1).map_or(Right::Closing, Right::Tension)
+        })
     }
 
-    /// The same at a shift of the tangent, with these right-hand sides, eq. (11).
-    pub fn eliminate_with(
+    /// The same with the responses to the tensions, and to these wrenches behind them, eq. (11).
+    pub fn eliminate_pushed(&mut self, task: &Task<'_>, pushes: &[Pushed]) -> Option<usize> {
+        let cables = task.tensions.len();
+        self.eliminate_with(task, 0.0, 1 + cables + pushes.len(), |side| match side {
+            0 => Right::Closing,
+            side if side <= cables => Right::Tension(side - 1),
+            side => Right::Push(&pushes[side - 1 - cables]),
+        })
+    }
+
+    /// The same at a shift of the tangent, with so many right-hand sides.
+    pub fn eliminate_with<'r>(
         &mut self,
         task: &Task<'_>,
         shift: f64,
-        rights: &[Right<'_>],
+        sides: usize,
+        right: impl Fn(usize) -> Right<'r>,
     ) -> Option<usize> {
         let (count, n) = (task.division.coordinates(), task.sections.len());
-        let sides = rights.len();
         self.steps.clear();
         self.steps.resize(sides * n, [0.0; MOST]);
         self.beyond.clear();
@@ -376,7 +332,14 @@ impl Chain {
                 moment_by += -Mat3::skew(follower.moment) * turned - Mat3::skew(load.force) * moved
                     + Mat3::skew(motion.end) * by_force;
             }
-            for (side, right) in rights.iter().enumerate() {
+            for side in 0..sides {
+                let right = right(side);
+                let push = match right {
+                    // What acts nearer to the base bends nothing here by itself.
+                    Right::Push(push) if push.section < k => continue,
+                    Right::Push(push) if push.section == k => Some(push),
+                    _ => None,
+                };
                 let beyond = self.beyond[side].map(|v| turn * v);
                 self.column.clear();
                 for a in 0..count {
@@ -390,20 +353,14 @@ impl Chain {
                 }
                 if let Right::Tension(cable) = right {
                     let passing = section.passages.iter().zip(&self.pulls[first..]);
-                    for (_, pull) in passing.filter(|(passage, _)| passage.cable == *cable) {
+                    for (_, pull) in passing.filter(|(passage, _)| passage.cable == cable) {
                         for (x, pull) in self.column.iter_mut().zip(pull) {
                             *x -= pull;
                         }
                     }
                 }
-                let push = match right {
-                    Right::Push(push) if push.section == k => Some(*push),
-                    _ => None,
-                };
-                if let Some(Pushed { motion, wrench, .. }) = push {
-                    for (a, x) in self.column.iter_mut().enumerate() {
-                        *x += wrench.moment.dot(motion.turn[a]) + wrench.force.dot(motion.shift[a]);
-                    }
+                if let Some(Pushed { work, .. }) = push {
+                    self.column.iter_mut().zip(work).for_each(|(x, work)| *x += work);
                 }
                 self.lu.solve(&mut self.column);
                 let step = &mut self.steps[side * n + k];
@@ -430,9 +387,9 @@ impl Chain {
                         + moved.cross(load.force)
                         + motion.end.cross(change);
                 }
-                if let Some(Pushed { motion, wrench, .. }) = push {
-                    force += wrench.force;
-                    moment += wrench.moment + motion.end.cross(wrench.force);
+                if let Some(Pushed { about_start, .. }) = push {
+                    force += about_start.force;
+                    moment += about_start.moment;
                 }
                 self.beyond[side] = [force, moment];
             }
@@ -467,6 +424,24 @@ impl Chain {
         &self.links[section].motion
     }
 
+    /// Takes a part of a step: of the responses of the last elimination, each times its weight. A coordinate changes by no
+    /// more than [`LONGEST`].
+    pub fn advance(&mut self, weights: &[f64], part: f64) {
+        let n = self.q.len();
+        let (step, responses) = self.steps.split_at_mut(n);
+        step.iter_mut().flatten().for_each(|x| *x *= weights[0]);
+        for (weight, response) in weights[1..].iter().zip(responses.chunks(n)) {
+            for (x, response) in step.iter_mut().flatten().zip(response.iter().flatten()) {
+                *x += weight * response;
+            }
+        }
+        let longest = step.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let part = if part * longest > LONGEST { LONGEST / longest } else { part };
+        for (q, step) in self.q.iter_mut().flatten().zip(step.iter().flatten()) {
+            *q += part * step;
+        }
+    }
+
     /// How the coordinates of a section change, of the last elimination.
     pub fn response(&self, task: &Task<'_>, side: usize, section: usize) -> &[f64] {
         let step = &self.steps[side * task.sections.len() + section];
@@ -476,15 +451,18 @@ impl Chain {
     /// How the lengths of the cables change with that, in m.
     pub fn lengths_by(&self, task: &Task<'_>, side: usize) -> Vec<f64> {
         let mut lengths = vec![0.0; task.tensions.len()];
+        self.add_lengths(task, side, |cable, change| lengths[cable] += change);
+        lengths
+    }
+
+    fn add_lengths(&self, task: &Task<'_>, side: usize, mut add: impl FnMut(usize, f64)) {
         let mut pulls = self.pulls.iter();
         for (k, section) in task.sections.iter().enumerate() {
             let response = self.response(task, side, k);
             for (passage, pull) in section.passages.iter().zip(&mut pulls) {
-                lengths[passage.cable] +=
-                    pull.iter().zip(response).map(|(p, r)| p * r).sum::<f64>();
+                add(passage.cable, pull.iter().zip(response).map(|(p, r)| p * r).sum());
             }
         }
-        lengths
     }
 
     /// `∂ℓᵢ/∂τⱼ` by rows in m/N, from the responses of the last elimination.
@@ -493,9 +471,7 @@ impl Chain {
         into.clear();
         into.resize(cables * cables, 0.0);
         for j in 0..cables {
-            for (i, change) in self.lengths_by(task, 1 + j).into_iter().enumerate() {
-                into[i * cables + j] = change;
-            }
+            self.add_lengths(task, 1 + j, |i, change| into[i * cables + j] += change);
         }
     }
 }
@@ -523,25 +499,4 @@ fn applied(task: &Task<'_>, disk: usize, axes: &[Vec3]) -> Wrench {
         force: (seen(dead.force) + own.force) * task.load,
         moment: (seen(dead.moment) + own.moment) * task.load,
     }
-}
-
-/// Of a matrix, taken for symmetric, by elimination without exchanges; `None` where a pivot vanishes.
-pub(super) fn negative_pivots(n: usize, matrix: &[f64], work: &mut Vec<f64>) -> Option<usize> {
-    work.clear();
-    work.extend_from_slice(matrix);
-    let mut negative = 0;
-    for k in 0..n {
-        let pivot = work[k * n + k];
-        if pivot == 0.0 || !pivot.is_finite() {
-            return None;
-        }
-        negative += usize::from(pivot < 0.0);
-        for i in k + 1..n {
-            let factor = work[i * n + k] / pivot;
-            for j in k + 1..n {
-                work[i * n + j] -= factor * work[k * n + j];
-            }
-        }
-    }
-    Some(negative)
 }

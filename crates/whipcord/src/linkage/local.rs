@@ -8,22 +8,23 @@
 //!
 //! for the tension of a cable, `Cᵢ = ∂ℓᵢ/∂q`, and a dead wrench W on a place that moves by `J δq`.
 
-use whipcord_numerics::{Pose, Twist, Vec3};
+use whipcord_numerics::Pose;
 
-use super::chain::{Pushed, Right};
-use super::motion::{self, Motion};
+use super::places::Places;
 use super::{Linkage, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kinematics::Local;
-use crate::shape::{Solution, Wrench};
+use crate::refusal;
+use crate::shape::Solution;
 use crate::statics::local::{Column, local_of};
 
 impl Linkage {
     /// The answer, and how the place at an arc length in m moves and yields; from a neighbouring solution when given.
     ///
     /// # Errors
-    /// As [`Self::solve`]; [`SolveError::NoDerivatives`] where the robot is about to buckle.
+    /// As [`Self::solve`]; [`SolveError::Unsupported`] among obstacles, and
+    /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
     pub fn solve_at(
         &self,
         case: &Case,
@@ -31,61 +32,27 @@ impl Linkage {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<(Solution, Local), SolveError> {
+        refusal::among_obstacles("derivatives", self.kind, case)?;
         let solution = self.solve(case, warm_start, workspace)?;
         let local = self.local(arc_length, workspace)?;
         Ok((solution, local))
     }
 
     fn local(&self, arc_length: f64, workspace: &mut Workspace) -> Result<Local, SolveError> {
-        let Workspace { scratch, loads, commands, tensions, .. } = workspace;
-        let (place, t) = match self.robot.disks().locate(arc_length) {
-            // A disk is the end of the section before it.
-            (k, 0.0) if k > 0 => (k - 1, 1.0),
-            at => at,
-        };
-        let mut disks = vec![Pose::IDENTITY];
-        for (section, q) in self.sections.iter().zip(&scratch.chain.q) {
-            let end = motion::pose_at(&self.division, section.length, q, 1.0);
-            disks.push(disks[disks.len() - 1] * end);
-        }
-        let (section, q) = (&self.sections[place], &scratch.chain.q[place]);
-        let motion = Motion::up_to(&self.division, section.length, q, t);
-        let to_section = disks[place].rotation.conjugate();
-        let pushes: [Pushed; 6] = core::array::from_fn(|component| {
-            let axis = to_section.rotate([Vec3::X, Vec3::Y, Vec3::Z][component % 3]);
-            let wrench = match component {
-                0..3 => Wrench { force: axis, moment: Vec3::ZERO },
-                _ => Wrench { force: Vec3::ZERO, moment: axis },
-            };
-            Pushed { section: place, motion, wrench }
-        });
-        let task = self.task(loads, tensions);
+        let Workspace { scratch, loads, commands, tensions, meter, .. } = workspace;
+        let disks: Vec<Pose> = self.disks(&scratch.chain.q).collect();
+        let places = Places::new(self, &scratch.chain.q, &disks, &[arc_length]);
+        let task = self.task(loads, tensions, meter);
         let chain = &mut scratch.chain;
         chain.evaluate(&task);
         chain.linearise(&task);
-        let cables = (0..tensions.len()).map(Right::Tension);
-        let rights: Vec<_> = core::iter::once(Right::Closing)
-            .chain(cables)
-            .chain(pushes.iter().map(Right::Push))
-            .collect();
-        chain.eliminate_with(&task, 0.0, &rights).ok_or(SolveError::NoDerivatives)?;
-        let at = disks[place] * Pose { position: motion.end, ..Pose::IDENTITY };
+        chain.eliminate_pushed(&task, &places.pushed()).ok_or(SolveError::NoDerivatives)?;
         let cables = tensions.len();
-        let column = |side: usize| {
-            let mut twist = Twist::default();
-            for (k, disk) in disks.iter().enumerate().take(place + 1) {
-                let own = if k == place { &motion } else { chain.motion(k) };
-                let (mut turn, mut shift) = (Vec3::ZERO, Vec3::ZERO);
-                for (a, change) in chain.response(&task, side, k).iter().enumerate() {
-                    turn += own.turn[a] * *change;
-                    shift += own.shift[a] * *change;
-                }
-                let turn = disk.rotation.rotate(turn);
-                let end = if k == place { at.position } else { disks[k + 1].position };
-                twist.angular += turn;
-                twist.linear += disk.rotation.rotate(shift) + turn.cross(at.position - end);
-            }
-            Column { twist, lengths: chain.lengths_by(&task, side) }
+        let mut twists = Vec::with_capacity(1);
+        let mut column = |side: usize| {
+            twists.clear();
+            places.twists(chain, &task, side, &mut twists);
+            Column { twist: twists[0], lengths: chain.lengths_by(&task, side) }
         };
         let by_tension: Vec<Column> = (0..cables).map(|cable| column(1 + cable)).collect();
         let by_wrench: Vec<Column> = (0..6).map(|i| column(1 + cables + i)).collect();

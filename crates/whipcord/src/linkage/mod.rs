@@ -4,39 +4,47 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
-//! the linear system of a step, `statics` finds it, `local` differentiates it.
+//! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `local` differentiates it;
+//! `places` are cross-sections that wrenches act on, `contact` is the chain among obstacles.
 
 mod chain;
+mod contact;
+mod contact_response;
 pub(crate) mod division;
 mod layout;
 mod loads;
 mod local;
 mod motion;
 mod path;
+mod pivots;
+mod places;
 mod statics;
 mod swing;
+mod task;
 
 use whipcord_numerics::Pose;
 
+use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::refusal;
 use crate::robot::Robot;
-use crate::shape::{Diagnostics, NoStability, Shape, Solution, Verdict};
+use crate::shape::{CableState, Diagnostics, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::lengths::{self, Given, LengthScratch};
 use crate::statics::loads::check as check_loads;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::Failure;
 use crate::stations::Stations;
+use crate::warm_start::{Status, WarmStart};
 
-use chain::Task;
 use division::Division;
 use layout::Section;
 use loads::AppliedLoads;
+use motion::Coordinates;
 use statics::{Effort, Responder, Scratch};
+use task::Task;
 
 /// How a model is driven, and what it computes.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +57,8 @@ pub struct Options {
     pub stability: StabilityAnalysis,
     /// Residual at which equilibrium counts as met, relative to EI/L and the moments in play.
     pub residual: f64,
+    /// What a solve may spend.
+    pub budget: Budget,
     /// Ends a solve from outside.
     pub cancel: Cancel,
 }
@@ -60,6 +70,7 @@ impl Default for Options {
             actuation: Actuation::default(),
             stability: StabilityAnalysis::default(),
             residual: 1e-11,
+            budget: Budget::default(),
             cancel: Cancel::default(),
         }
     }
@@ -87,6 +98,8 @@ pub struct Workspace {
     commands: Vec<Command>,
     tensions: Vec<f64>,
     search: LengthScratch,
+    held: Vec<(usize, f64)>,
+    meter: Meter,
 }
 
 impl Linkage {
@@ -123,6 +136,10 @@ impl Linkage {
         &self.robot
     }
 
+    pub(crate) const fn set_budget(&mut self, budget: Budget) {
+        self.options.budget = budget;
+    }
+
     pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
         &mut self.options.cancel
     }
@@ -136,49 +153,133 @@ impl Linkage {
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] among obstacles, [`SolveError::Missing`] for a
+    /// [`SolveError::Missing`] for a
     /// command or a mass that is not given, [`SolveError::NotConverged`] with the part of the load
-    /// up to which there was an equilibrium, and what the rods say of cable lengths that cannot be had.
+    /// up to which there was an equilibrium, what the rods say of cable lengths that cannot be had, and
+    /// [`SolveError::ObstacleInTheWay`] and [`SolveError::Obstructed`] among obstacles.
     pub fn solve(
         &self,
         case: &Case,
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        let mut solution = Solution::empty(self.kind);
+        let status = self.solve_into(case, warm_start.into(), workspace, &mut solution)?;
+        workspace.meter.answered((status, solution))
+    }
+
+    /// [`Self::solve`] into memory that is at hand: after the first call nothing is allocated where tensions drive the cables.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_into(
+        &self,
+        case: &Case,
+        from: WarmStart<'_>,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<Status, SolveError> {
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        case.check(&self.robot)?;
+        check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
+        if !case.obstacles.is_empty() {
+            let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
+            *solution = workspace.meter.checked(outcome)?;
+            return Ok(Status::Converged);
+        }
+        let found = self.find(case, from.given(solution), workspace);
+        match workspace.meter.checked(found) {
+            Ok(effort) => {
+                let verdict = self.stability(case, workspace);
+                self.write(case, effort, verdict, workspace, solution);
+                Ok(Status::Converged)
+            }
+            Err(error @ SolveError::BudgetSpent { .. }) => {
+                let Some(effort) = workspace.scratch.restore_open() else { return Err(error) };
+                let verdict = Err(NoStability::NotAsked);
+                self.write(case, effort, verdict, workspace, solution);
+                Ok(Status::BudgetSpent)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The shape under a checked case without obstacles.
+    fn solve_alone(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        let effort = self.find(case, warm_start, workspace)?;
+        let verdict = self.stability(case, workspace);
+        Ok(self.solution(case, effort, verdict, workspace))
+    }
+
+    /// The equilibrium under a checked case without obstacles; it is left in the workspace.
+    fn find(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Effort, SolveError> {
         self.accept(case, workspace)?;
-        let Workspace { scratch, tensions, .. } = &mut *workspace;
+        let Workspace { scratch, commands, tensions, .. } = &mut *workspace;
+        scratch.open = None;
+        tensions.clear();
+        tensions.resize(commands.len(), 0.0);
         if let Some(solution) = warm_start {
             self.start_from(solution, scratch);
             for (tension, cable) in tensions.iter_mut().zip(&solution.cables) {
                 *tension = cable.tension.unwrap_or(0.0).max(0.0);
             }
         }
-        let converged = self.converge(1.0, warm_start.is_some(), workspace);
-        let converged = converged.map_err(|failure| self.explain(failure, workspace));
-        let effort = self.options.cancel.checked(converged)?;
-        Ok(self.solution(case, effort, workspace))
+        self.converge(1.0, warm_start.is_some(), workspace)
+            .map_err(|failure| self.explain(failure, &workspace.commands))
     }
 
-    /// Checks a case, and gathers its commands and loads.
+    /// Gathers the loads and commands of a checked case.
     fn accept(&self, case: &Case, workspace: &mut Workspace) -> Result<(), SolveError> {
-        case.check(&self.robot)?;
-        refusal::obstacles(self.kind, case)?;
-        check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
-        let Workspace { loads, commands, tensions, .. } = workspace;
+        let Workspace { loads, commands, .. } = workspace;
         loads.gather(&self.robot, &self.division, &case.loads, case.base.rotation);
         commands.clear();
         for (i, &initial) in self.rest_lengths.iter().enumerate() {
             let actuation = self.options.actuation;
             commands.push(Command::of(self.kind, &self.robot, i, case, actuation, initial)?);
         }
-        tensions.clear();
-        tensions.resize(commands.len(), 0.0);
         Ok(())
     }
 
-    fn explain(&self, failure: Failure, workspace: &Workspace) -> SolveError {
+    fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
         let name = |i: usize| self.robot.cables()[i].name.clone();
-        failure.explain(&workspace.commands, &self.rest_lengths, name)
+        failure.explain(commands, &self.rest_lengths, name)
+    }
+
+    /// The section of an arc length and the fraction of it that lies behind: a disk is the end of the section before it.
+    fn locate(&self, arc_length: f64) -> (usize, f64) {
+        match self.robot.disks().locate(arc_length) {
+            (k, 0.0) if k > 0 => (k - 1, 1.0),
+            at => at,
+        }
+    }
+
+    /// The disks of a chain with these coordinates, in the frame of the base.
+    fn disks(&self, q: &[Coordinates]) -> impl Iterator<Item = Pose> {
+        let mut pose = Pose::IDENTITY;
+        let ends = self.sections.iter().zip(q).map(move |(section, q)| {
+            pose = pose * motion::pose_at(&self.division, section.length, q, 1.0);
+            pose
+        });
+        core::iter::once(Pose::IDENTITY).chain(ends)
+    }
+
+    /// The cross-section at an arc length of a chain with these coordinates and disks, in the frame of the base.
+    fn pose_at(&self, q: &[Coordinates], disks: &[Pose], arc_length: f64) -> Pose {
+        let (k, t) = self.locate(arc_length);
+        if t == 1.0 {
+            return disks[k + 1];
+        }
+        disks[k] * motion::pose_at(&self.division, self.sections[k].length, &q[k], t)
     }
 
     /// The coordinates nearest to a neighbouring answer's.
@@ -193,7 +294,12 @@ impl Linkage {
         }
     }
 
-    fn task<'a>(&'a self, loads: &'a AppliedLoads, tensions: &'a [f64]) -> Task<'a> {
+    fn task<'a>(
+        &'a self,
+        loads: &'a AppliedLoads,
+        tensions: &'a [f64],
+        meter: &'a Meter,
+    ) -> Task<'a> {
         Task {
             division: &self.division,
             sections: &self.sections,
@@ -201,7 +307,7 @@ impl Linkage {
             load: 1.0,
             pull: 1.0,
             tensions,
-            cancel: &self.options.cancel,
+            meter,
         }
     }
 
@@ -212,7 +318,7 @@ impl Linkage {
         is_warm: bool,
         workspace: &mut Workspace,
     ) -> Result<Effort, Failure> {
-        let Workspace { scratch, loads, commands, tensions, search, .. } = workspace;
+        let Workspace { scratch, loads, commands, tensions, search, meter, .. } = workspace;
         let tolerance = self.options.residual;
         for (tension, command) in tensions.iter_mut().zip(&*commands) {
             if let Command::Tension(given) = command {
@@ -220,20 +326,16 @@ impl Linkage {
             }
         }
         if !commands.iter().any(Command::is_length) {
-            let task = Task { load, ..self.task(loads, tensions) };
+            let task = Task { load, ..self.task(loads, tensions, meter) };
             return if is_warm {
                 scratch.settle_near(&task, tolerance, true)
             } else {
                 scratch.converge(&task, tolerance)
             };
         }
-        let given = Given {
-            length: self.robot.backbone().length,
-            commands,
-            bracket: true,
-            cancel: &self.options.cancel,
-        };
-        let mut rod = Responder::new(Task { load, ..self.task(loads, &[]) }, tolerance, scratch);
+        let given = Given { length: self.robot.backbone().length, commands, bracket: true, meter };
+        let task = Task { load, ..self.task(loads, &[], meter) };
+        let mut rod = Responder::new(task, tolerance, scratch);
         let solved = lengths::solve(&given, tensions, &mut rod, search);
         let Responder { effort, failure, .. } = rod;
         solved.map_err(|fault| {
@@ -243,52 +345,59 @@ impl Linkage {
         Ok(effort)
     }
 
-    fn solution(&self, case: &Case, effort: Effort, workspace: &mut Workspace) -> Solution {
-        let verdict = self.stability(case, workspace);
-        let Workspace { scratch, commands, tensions, .. } = &*workspace;
+    /// The answer that the workspace is at.
+    fn solution(
+        &self,
+        case: &Case,
+        effort: Effort,
+        verdict: Result<Verdict, NoStability>,
+        workspace: &Workspace,
+    ) -> Solution {
+        let mut solution = Solution::empty(self.kind);
+        self.write(case, effort, verdict, workspace, &mut solution);
+        solution
+    }
+
+    /// Writes what the workspace holds.
+    fn write(
+        &self,
+        case: &Case,
+        effort: Effort,
+        verdict: Result<Verdict, NoStability>,
+        workspace: &Workspace,
+        solution: &mut Solution,
+    ) {
+        let Workspace { scratch, commands, tensions, .. } = workspace;
         let chain = &scratch.chain;
         let at = &self.robot.disks().arc_lengths;
-        let mut poses = Vec::with_capacity(at.len());
-        let mut pose = Pose::IDENTITY;
-        poses.push(pose);
-        for (section, q) in self.sections.iter().zip(&chain.q) {
-            pose = pose * motion::pose_at(&self.division, section.length, q, 1.0);
-            poses.push(pose);
-        }
-        let between = |&s: &f64| {
-            let (k, t) = self.robot.disks().locate(s);
-            let (section, q) = (&self.sections[k], &chain.q[k]);
-            poses[k] * motion::pose_at(&self.division, section.length, q, t)
-        };
-        let shape = match self.options.stations {
-            Stations::Disks => Shape { arc_length: at.clone(), poses: poses.clone() },
-            Stations::Equal(_) | Stations::At(_) => Shape {
-                arc_length: self.stations.clone(),
-                poses: self.stations.iter().map(between).collect(),
-            },
-        };
-        let whole = self.robot.backbone().length;
-        let cables = commands.iter().enumerate().map(|(i, command)| {
-            let (name, initial) = (&self.robot.cables()[i].name, self.rest_lengths[i]);
-            command.answer(name, tensions[i], chain.lengths[i], initial, whole)
-        });
-        Solution {
-            model: self.kind,
-            shape: shape.moved(case.base),
-            disks: Shape { arc_length: at.clone(), poses }.moved(case.base),
-            cables: cables.collect(),
-            contacts: Vec::new(),
-            base_wrench: Some(chain.base),
-            diagnostics: Diagnostics {
-                iterations: effort.iterations,
-                residual: effort.residual,
-                discretization_error: None,
-                steps: self.sections.len(),
-                stability_lost_at: effort.lost_at,
-                ..Diagnostics::default()
+        // Relative to the base until the stations between them are known.
+        solution.disks.set(at, self.disks(&chain.q), Pose::IDENTITY);
+        let disks = &solution.disks.poses;
+        let between = |&s: &f64| self.pose_at(&chain.q, disks, s);
+        match self.options.stations {
+            Stations::Disks => solution.shape.set(at, disks.iter().copied(), case.base),
+            Stations::Equal(_) | Stations::At(_) => {
+                solution.shape.set(&self.stations, self.stations.iter().map(between), case.base);
             }
-            .with_stability(verdict),
         }
+        solution.disks.turn(case.base);
+        let cables = self.robot.cables();
+        solution.cables.resize_with(cables.len(), CableState::default);
+        for (i, state) in solution.cables.iter_mut().enumerate() {
+            let (name, length) = (&cables[i].name, [chain.lengths[i], self.rest_lengths[i]]);
+            commands[i].answer(name, tensions[i], length, self.robot.backbone().length, state);
+        }
+        solution.model = self.kind;
+        solution.contacts.clear();
+        solution.base_wrench = Some(chain.base);
+        solution.diagnostics = Diagnostics {
+            iterations: effort.iterations,
+            residual: effort.residual,
+            steps: self.sections.len(),
+            stability_lost_at: effort.lost_at,
+            ..Diagnostics::default()
+        }
+        .with_stability(verdict);
     }
 
     /// Stability by the least eigenvalue of the tangent, or why it is not known.
@@ -299,20 +408,20 @@ impl Linkage {
         if case.loads.has_follower() {
             return Err(NoStability::Followers);
         }
-        let Workspace { scratch, loads, commands, tensions, .. } = workspace;
-        let held = held(commands, tensions);
-        let task = self.task(loads, tensions);
-        let least = scratch.least_eigenvalue(&task, &held).ok_or(NoStability::Undetermined)?;
+        let Workspace { scratch, loads, commands, tensions, held, meter, .. } = workspace;
+        hold(commands, tensions, held);
+        let task = self.task(loads, tensions, meter);
+        let least = scratch.least_eigenvalue(&task, held).ok_or(NoStability::Undetermined)?;
         Ok(Verdict::of_eigenvalue(least))
     }
 }
 
 /// The cables that are held at their lengths, and how far each of them gives in m/N.
-fn held(commands: &[Command], tensions: &[f64]) -> Vec<(usize, f64)> {
+fn hold(commands: &[Command], tensions: &[f64], held: &mut Vec<(usize, f64)>) {
     let cables = commands.iter().zip(tensions).enumerate();
-    let held = cables.filter_map(|(i, (command, &tension))| match *command {
+    held.clear();
+    held.extend(cables.filter_map(|(i, (command, &tension))| match *command {
         Command::Length { compliance, .. } if tension > 0.0 => Some((i, compliance)),
         _ => None,
-    });
-    held.collect()
+    }));
 }

@@ -2,12 +2,14 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::chain::{Right, Task};
 use super::motion::{self, Coordinates, MOST};
 use super::statics::{Effort, Scratch};
+use super::task::{Right, Task};
 use super::{Linkage, Workspace};
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::SolveError;
+use crate::refusal;
 use crate::shape::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::outcome::Failure;
@@ -64,8 +66,8 @@ impl<'a> LinkagePath<'a> {
 
     /// Asks the chain at the state.
     fn ask<T>(&mut self, load: f64, ask: impl FnOnce(&mut Scratch, &Task<'_>) -> T) -> T {
-        let Workspace { scratch, loads, tensions, .. } = &mut *self.workspace;
-        ask(scratch, &Task { load, ..self.model.task(loads, tensions) })
+        let Workspace { scratch, loads, tensions, meter, .. } = &mut *self.workspace;
+        ask(scratch, &Task { load, ..self.model.task(loads, tensions, meter) })
     }
 
     /// What is left of equilibrium and lengths at the state; infinite where a section is folded.
@@ -100,8 +102,8 @@ impl EquilibriumPath for LinkagePath<'_> {
         self.commands.extend_from_slice(commands);
     }
 
-    fn is_cancelled(&self) -> bool {
-        self.model.options.cancel.is_cancelled()
+    fn has_ended(&self) -> bool {
+        self.workspace.meter.has_ended()
     }
 
     /// Coordinates are those of a section: its curvature counts, times the length of the robot, averaged along it.
@@ -162,7 +164,9 @@ impl EquilibriumPath for LinkagePath<'_> {
             load.into_iter().chain(tensions).chain([Right::Given(&closing)]).collect();
         let columns = self.ask(self.load, |scratch, task| {
             scratch.chain.linearise(task);
-            scratch.chain.eliminate_with(task, -REGULARISATION, &rights)?;
+            scratch
+                .chain
+                .eliminate_with(task, -REGULARISATION, rights.len(), |side| rights[side])?;
             let sides = 0..rights.len();
             let column = |side: usize| (0..here.len()).map(move |k| (side, k));
             shared.lengths.clear();
@@ -210,16 +214,19 @@ impl EquilibriumPath for LinkagePath<'_> {
     }
 
     fn unstable_directions(&mut self) -> Option<usize> {
-        let held = super::held(&self.commands, &self.workspace.tensions);
+        let mut held = core::mem::take(&mut self.workspace.held);
+        super::hold(&self.commands, &self.workspace.tensions, &mut held);
         let has_followers = self.has_followers;
-        self.ask(self.load, |scratch, task| {
+        let below = self.ask(self.load, |scratch, task| {
             scratch.chain.evaluate(task);
             scratch.chain.linearise(task);
             if has_followers {
                 return Some(scratch.eigenvalues_below(task, &held, 0.0)? % 2);
             }
             scratch.eigenvalues_below(task, &held, -Diagnostics::NEUTRAL)
-        })
+        });
+        self.workspace.held = held;
+        below
     }
 
     fn lengths(&mut self) -> Option<&[f64]> {
@@ -242,14 +249,16 @@ impl Linkage {
     /// points, and on the branches off it. Cables keep their commands on the way.
     ///
     /// # Errors
-    /// As [`Self::solve`] where there is no shape without load to start from.
+    /// As [`Self::solve`] where there is no shape without load to start from; [`SolveError::Unsupported`] among obstacles.
     pub fn branches(
         &self,
         case: &Case,
         options: &BranchOptions,
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
-        self.options.cancel.checked(self.follow_branches(case, options, workspace))
+        refusal::among_obstacles("branches", self.kind, case)?;
+        let found = self.follow_branches(case, options, workspace);
+        self.options.cancel.checked(found)
     }
 
     fn follow_branches(
@@ -267,9 +276,12 @@ impl Linkage {
             return Ok(Branches::only(answer));
         }
         self.accept(case, workspace)?;
-        workspace.tensions.fill(0.0);
+        // The options say how far to go.
+        workspace.meter.start(&self.options.cancel, Budget::UNLIMITED);
+        workspace.tensions.clear();
+        workspace.tensions.resize(workspace.commands.len(), 0.0);
         let start = self.converge(0.0, false, workspace);
-        start.map_err(|failure| self.explain(failure, workspace))?;
+        start.map_err(|failure| self.explain(failure, &workspace.commands))?;
         let mut unloaded = LinkagePath::new(self, case, workspace);
         let from = unloaded.state();
         let followed = follow(&mut unloaded, from, case.base, options);
@@ -280,10 +292,11 @@ impl Linkage {
                 let advice = "an equilibrium on a branch was lost: give a greater residual";
                 let (iterations, residual, last_load) = (0, 1.0, 1.0);
                 let lost = Failure::NotConverged { iterations, residual, last_load, advice };
-                return Err(self.explain(lost, workspace));
+                return Err(self.explain(lost, &workspace.commands));
             };
             let effort = Effort { iterations, residual, lost_at: None };
-            Ok(self.solution(case, effort, workspace))
+            let verdict = self.stability(case, workspace);
+            Ok(self.solution(case, effort, verdict, workspace))
         })
     }
 }

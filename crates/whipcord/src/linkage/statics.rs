@@ -1,8 +1,10 @@
 //! Equilibrium under tensions and loads by Newton's method, and along the load where that does not get there.
 
-use super::chain::{Asked, Chain, Elimination, Task, bend};
+use super::chain::{Chain, bend};
 use super::layout::Section;
 use super::motion::Coordinates;
+use super::pivots::positive_pivots;
+use super::task::{Asked, Elimination, Task};
 use crate::section::Fault;
 use crate::section::SectionFault;
 use crate::shape::Wrench;
@@ -12,7 +14,7 @@ use crate::statics::outcome::Failure;
 /// Newton iterations at most.
 const MAX_ITERATIONS: usize = 40;
 /// The same from a neighbouring equilibrium in a search for lengths, which takes a shorter step otherwise.
-const FEW_ITERATIONS: usize = 12;
+pub(super) const FEW_ITERATIONS: usize = 12;
 /// How many steps of that search in a row may end before a fold.
 const PATIENCE: usize = 8;
 /// A coordinate changes by no more than this in one step, in rad.
@@ -48,6 +50,36 @@ pub(super) struct Scratch {
     pub length_by_tension: Vec<f64>,
     /// Newton iterations since the memory was made, those in vain among them.
     spent: usize,
+    /// The iterate at which the budget was spent, and what it leaves open.
+    pub open: Option<(Vec<Coordinates>, Effort)>,
+    /// Where the last search for tensions began, and the last tensions that had an answer: searches begin there again.
+    began: Known,
+    last: Known,
+    /// Where a search may have to go back to.
+    start: Vec<Coordinates>,
+    pivots: Vec<f64>,
+    work: Vec<f64>,
+}
+
+/// An equilibrium and its tensions.
+#[derive(Clone, Debug, Default)]
+struct Known {
+    is_set: bool,
+    tensions: Vec<f64>,
+    q: Vec<Coordinates>,
+}
+
+impl Known {
+    fn is_of(&self, tensions: &[f64]) -> bool {
+        self.is_set && self.tensions == tensions
+    }
+
+    fn set(&mut self, tensions: &[f64], q: &Vec<Coordinates>) {
+        self.is_set = true;
+        self.tensions.clear();
+        self.tensions.extend_from_slice(tensions);
+        self.q.clone_from(q);
+    }
 }
 
 /// How a solve went.
@@ -73,7 +105,7 @@ impl Scratch {
     }
 
     /// The same in so many iterations.
-    fn close_within(
+    pub fn close_within(
         &mut self,
         iterations: usize,
         task: &Task<'_>,
@@ -81,7 +113,7 @@ impl Scratch {
         strict: bool,
         effort: &mut Effort,
     ) -> bool {
-        let Self { chain, before, spent, .. } = self;
+        let Self { chain, before, spent, open, .. } = self;
         let how = Elimination { shift: 0.0, asked: Asked::Step };
         let mut residual = chain.evaluate(task);
         for _ in 0..iterations {
@@ -89,7 +121,10 @@ impl Scratch {
             if residual <= tolerance {
                 return true;
             }
-            if !residual.is_finite() || task.cancel.is_cancelled() {
+            if task.meter.has_ended() && task.load == 1.0 && task.pull == 1.0 && open.is_none() {
+                *open = Some((chain.q.clone(), *effort));
+            }
+            if !residual.is_finite() || task.meter.has_ended() {
                 return false;
             }
             chain.linearise(task);
@@ -98,6 +133,8 @@ impl Scratch {
                 _ => return false,
             }
             effort.iterations += 1;
+            task.meter.iterate();
+            task.meter.integrate(task.sections.len());
             *spent += 1;
             before.clone_from(&chain.q);
             let longest = chain.steps.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -126,6 +163,13 @@ impl Scratch {
         false
     }
 
+    /// Goes to the iterate at which the budget was spent, where there is one.
+    pub fn restore_open(&mut self) -> Option<Effort> {
+        let (q, effort) = self.open.take()?;
+        self.chain.q = q;
+        Some(effort)
+    }
+
     /// Equilibrium from where the chain is, which is near it; where it is `strict` the way there is one of
     /// stable tangents.
     pub fn settle_near(
@@ -150,7 +194,7 @@ impl Scratch {
         thorough: bool,
     ) -> Result<Effort, Failure> {
         let mut effort = Effort::default();
-        let start = self.chain.q.clone();
+        self.start.clone_from(&self.chain.q);
         if self.close_within(FEW_ITERATIONS, task, tolerance, false, &mut effort) {
             return Ok(effort);
         }
@@ -159,7 +203,7 @@ impl Scratch {
             false => Err(self.failure(task, 0.0, effort)),
         };
         if found.is_err() {
-            self.chain.q = start;
+            self.chain.q.clone_from(&self.start);
         }
         found
     }
@@ -222,7 +266,7 @@ impl Scratch {
                 self.reached.clone_from(&self.chain.q);
             } else {
                 step *= 0.5;
-                if step < least || task.cancel.is_cancelled() {
+                if step < least || task.meter.has_ended() {
                     self.chain.q.clone_from(&self.reached);
                     return Err(self.failure(task, at, effort));
                 }
@@ -241,7 +285,7 @@ impl Scratch {
     }
 
     /// Why the load cannot be raised beyond a fraction, at which the chain is.
-    fn failure(&self, task: &Task<'_>, reached: f64, effort: Effort) -> Failure {
+    pub fn failure(&self, task: &Task<'_>, reached: f64, effort: Effort) -> Failure {
         let mut start = 0.0;
         for (section, q) in task.sections.iter().zip(&self.chain.q) {
             let pulling = section.passages.iter().map(|passage| passage.cable);
@@ -308,25 +352,13 @@ impl Scratch {
         }
         // Held cables make rows of the tangent's own: of `[H C; Cᵀ −c]` as many eigenvalues are
         // negative as there are below, and one for each cable.
-        let Self { chain, length_by_tension, .. } = self;
+        let Self { chain, length_by_tension, pivots, work, .. } = self;
         chain.length_by_tension(task, length_by_tension);
         let cables = task.tensions.len();
-        let positive = positive_pivots(held, |i, j| -length_by_tension[i * cables + j])?;
+        let entry = |i: usize, j: usize| -length_by_tension[i * cables + j];
+        let positive = positive_pivots(held, entry, pivots, work)?;
         Some((negative + positive).saturating_sub(held.len()))
     }
-}
-
-/// Of the matrix `c + CᵀH⁻¹C` of the held cables, by elimination.
-fn positive_pivots(held: &[(usize, f64)], entry: impl Fn(usize, usize) -> f64) -> Option<usize> {
-    let n = held.len();
-    let mut work: Vec<f64> = Vec::with_capacity(n * n);
-    for (i, &(cable, gives)) in held.iter().enumerate() {
-        for (j, &(other, _)) in held.iter().enumerate() {
-            work.push(entry(cable, other) + if i == j { gives } else { 0.0 });
-        }
-    }
-    let scratch = &mut Vec::new();
-    super::chain::negative_pivots(n, &work, scratch).map(|negative| n - negative)
 }
 
 /// The chain as what answers tensions with lengths.
@@ -341,52 +373,34 @@ pub(super) struct Responder<'a> {
     allowed: usize,
     /// How many more tensions are brought on from rest.
     rescues: usize,
-    /// Where the last search began, and the last tensions that had an answer: searches begin there again.
-    began: Option<Known>,
-    last: Option<Known>,
-}
-
-/// An equilibrium and its tensions.
-#[derive(Clone, Debug)]
-struct Known {
-    tensions: Vec<f64>,
-    q: Vec<Coordinates>,
 }
 
 impl<'a> Responder<'a> {
     /// Of a task whose tensions are to be found.
     pub fn new(task: Task<'a>, tolerance: f64, scratch: &'a mut Scratch) -> Self {
         let (effort, failure) = (Effort::default(), None);
-        let (began, last) = (None, None);
-        Self {
-            task,
-            tolerance,
-            scratch,
-            effort,
-            failure,
-            allowed: usize::MAX,
-            rescues: 0,
-            began,
-            last,
-        }
+        (scratch.began.is_set, scratch.last.is_set) = (false, false);
+        Self { task, tolerance, scratch, effort, failure, allowed: usize::MAX, rescues: 0 }
     }
 
     /// The equilibrium where a search begins: the one that is known at these tensions, else the one that grows from rest.
     fn begin(&mut self, task: &Task<'_>) -> Result<Effort, Failure> {
-        let known = [&self.last, &self.began].into_iter().flatten();
-        let known = known.into_iter().find(|known| known.tensions == task.tensions).cloned();
-        if let Some(known) = known {
-            self.scratch.chain.q.clone_from(&known.q);
+        let Scratch { chain, began, last, .. } = &mut *self.scratch;
+        let (from_last, from_first) = (last.is_of(task.tensions), began.is_of(task.tensions));
+        if from_last || from_first {
+            chain.q.clone_from(if from_last { &last.q } else { &began.q });
             let mut effort = Effort::default();
             if self.scratch.close_within(FEW_ITERATIONS, task, self.tolerance, false, &mut effort) {
-                self.began = Some(known);
+                let Scratch { began, last, .. } = &mut *self.scratch;
+                if from_last {
+                    began.set(&last.tensions, &last.q);
+                }
                 return Ok(effort);
             }
         }
         let found = self.scratch.converge(task, self.tolerance);
         if found.is_ok() {
-            let (tensions, q) = (task.tensions.to_vec(), self.scratch.chain.q.clone());
-            self.began = Some(Known { tensions, q });
+            self.scratch.began.set(task.tensions, &self.scratch.chain.q);
         }
         found
     }
@@ -415,10 +429,8 @@ impl TensionResponse for Responder<'_> {
             Ok(effort) => {
                 self.effort.iterations += effort.iterations;
                 self.effort.residual = effort.residual;
-                let last = self.last.get_or_insert_with(|| Known { tensions: vec![], q: vec![] });
-                last.tensions.clear();
-                last.tensions.extend_from_slice(tensions);
-                last.q.clone_from(&self.scratch.chain.q);
+                let Scratch { chain, last, .. } = &mut *self.scratch;
+                last.set(tensions, &chain.q);
             }
             Err(failure) => {
                 self.failure = Some(failure);

@@ -6,6 +6,7 @@
 use core::fmt;
 use core::str::FromStr;
 
+use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Actuation;
 use crate::error::SolveError;
@@ -31,16 +32,18 @@ pub struct Options {
     pub residual: f64,
     /// Lengths of the bodies and stiffness of the joints.
     pub coefficients: Coefficients,
+    /// What a solve may spend.
+    pub budget: Budget,
     /// Ends a solve from outside.
     pub cancel: Cancel,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        let linkage::Options { stations, actuation, stability, residual, cancel } =
+        let linkage::Options { stations, actuation, stability, residual, budget, cancel } =
             Default::default();
         let coefficients = Coefficients::default();
-        Self { stations, actuation, stability, residual, coefficients, cancel }
+        Self { stations, actuation, stability, residual, coefficients, budget, cancel }
     }
 }
 
@@ -123,8 +126,8 @@ impl FromStr for Coefficients {
 /// # Errors
 /// As [`crate::piecewise_constant_curvature::build`].
 pub fn build(robot: &Robot, options: &Options) -> Result<Linkage, SolveError> {
-    let Options { stations, actuation, stability, residual, coefficients, cancel } =
+    let Options { stations, actuation, stability, residual, coefficients, budget, cancel } =
         options.clone();
-    let options = linkage::Options { stations, actuation, stability, residual, cancel };
+    let options = linkage::Options { stations, actuation, stability, residual, budget, cancel };
     Linkage::new(robot, ModelKind::PseudoRigidBody, coefficients.division(), options)
 }

@@ -102,26 +102,22 @@ impl Command {
         }
     }
 
-    /// The cable in an answer, on a backbone of this length in m.
+    /// Writes what became of the cable, of this name, tension, and length in the answer and before, on a backbone of this length
+    /// in m.
     pub fn answer(
         &self,
         name: &str,
         tension: f64,
-        length: f64,
-        initial_length: f64,
+        [length, initial_length]: [f64; 2],
         backbone: f64,
-    ) -> CableState {
+        state: &mut CableState,
+    ) {
         let loose = self.slackness(tension, length);
-        CableState {
-            name: name.to_owned(),
-            tension: Some(tension),
-            length,
-            initial_length,
-            slack: matches!(self, Self::Length { .. })
-                && tension == 0.0
-                && loose > 1e-12 * backbone,
-            span_tensions: Vec::new(),
-            slip_states: Vec::new(),
-        }
+        state.rename(name);
+        state.tension = Some(tension);
+        (state.length, state.initial_length) = (length, initial_length);
+        state.slack = self.is_length() && tension == 0.0 && loose > 1e-12 * backbone;
+        state.span_tensions.clear();
+        state.slip_states.clear();
     }
 }

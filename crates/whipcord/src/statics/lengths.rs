@@ -16,7 +16,7 @@ use super::command::Command;
 use super::infeasible_lengths;
 use super::length_step::{StepScratch, damped_step, newton_step};
 use super::outcome::Failure;
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::section::Fault;
 
 /// A rod that answers tensions with the lengths of its cables.
@@ -106,7 +106,7 @@ pub(crate) struct Given<'a> {
     pub commands: &'a [Command],
     /// Whether it is worth finding out how far cables go that do not go as far as they should.
     pub bracket: bool,
-    pub cancel: &'a Cancel,
+    pub meter: &'a Meter,
 }
 
 /// Effort and quality of an answer.
@@ -194,7 +194,7 @@ fn bring_on(
     let mut good = tensions.to_vec();
     // Where nothing can be had, halving what is asked for would not come to an end.
     for _ in 0..MOST_PARTS {
-        if given.cancel.is_cancelled() {
+        if given.meter.has_ended() {
             return Err(LengthFault::Stalled);
         }
         let beyond = missed.unwrap_or(f64::min(least, 1.0));
@@ -268,9 +268,10 @@ pub(crate) fn attempt(
     let mut blocked = 0;
     let mut damping = 0.0_f64;
     for iteration in 0..MAX_ITERATIONS {
-        if given.cancel.is_cancelled() {
+        if given.meter.has_ended() {
             return Err(LengthFault::Stalled);
         }
+        given.meter.iterate();
         let before = residual;
         residual = residual_of(commands, tensions, rod.lengths()) / length;
         if residual <= LENGTH_TOLERANCE || before <= residual && residual <= ROUNDING {

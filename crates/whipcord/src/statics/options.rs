@@ -1,5 +1,6 @@
 //! How the two Cosserat models are discretised and driven.
 
+use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Actuation;
 use crate::stations::Stations;
@@ -23,6 +24,8 @@ pub struct Options {
     /// the shape that the iteration leaves. With [`Accuracy::Tolerance`] a thousandth of the tolerance suffices, where that
     /// is more.
     pub residual: f64,
+    /// What a solve may spend.
+    pub budget: Budget,
     /// Ends a solve from outside.
     pub cancel: Cancel,
 }
@@ -35,6 +38,7 @@ impl Default for Options {
             accuracy: Accuracy::default(),
             stability: StabilityAnalysis::default(),
             residual: 2e-11,
+            budget: Budget::default(),
             cancel: Cancel::default(),
         }
     }

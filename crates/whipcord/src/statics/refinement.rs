@@ -24,6 +24,16 @@ impl Coarse {
         self.lengths.extend_from_slice(lengths);
     }
 
+    /// Frames of the kept answer at the disks, and then at the stations.
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    /// Its lengths of the cables in m.
+    pub fn lengths(&self) -> &[f64] {
+        &self.lengths
+    }
+
     /// Largest change of a position or a cable's length since then, in m.
     pub fn change(&self, grid: &Grid, poses: &[Pose], lengths: &[f64]) -> f64 {
         let moved = compared(grid)

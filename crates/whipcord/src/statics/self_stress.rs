@@ -14,43 +14,66 @@ pub(crate) fn is_idle(compliance: f64, slack: f64, length: f64) -> bool {
     compliance == 0.0 && slack <= IDLE * length
 }
 
-/// Which cables are held at their lengths: those that are not idle, and the idle ones of which some state of
-/// self-stress, with tension in idle cables only and of either sign in the others, has tension. `schur` is the Schur
-/// complement of the locked cables where the form is positive: minus the products of their effects.
-pub(crate) fn implied(schur: &[f64], idle: &[bool], quadratic: &mut BoundedQuadratic) -> Vec<bool> {
-    let p = idle.len();
-    let size = |i: usize| (-schur[i * p + i]).max(f64::MIN_POSITIVE).sqrt();
-    let product = |i: usize, j: usize| -schur[i * p + j] / (size(i) * size(j));
-    let (mut others, mut stress) = (Vec::new(), Vec::new());
-    let (mut matrix, mut gradient, mut least) = (Vec::new(), Vec::new(), Vec::new());
-    let mut is_held = |i: usize| {
-        if !idle[i] {
-            return true;
+/// Which cables are held at their lengths, and memory.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SelfStress {
+    held: Vec<bool>,
+    others: Vec<usize>,
+    stress: Vec<f64>,
+    matrix: Vec<f64>,
+    gradient: Vec<f64>,
+    least: Vec<f64>,
+    quadratic: BoundedQuadratic,
+}
+
+impl SelfStress {
+    /// Which cables are held at their lengths: those that are not idle, and the idle ones of which some state of
+    /// self-stress, with tension in idle cables only and of either sign in the others, has tension. `schur` is the Schur
+    /// complement of the locked cables where the form is positive: minus the products of their effects.
+    pub fn held(&mut self, schur: &[f64], idle: impl Iterator<Item = bool> + Clone) -> &[bool] {
+        self.held.clear();
+        let is_idle = idle.clone();
+        for (i, own) in idle.enumerate() {
+            let held = !own || self.is_implied(schur, i, is_idle.clone());
+            self.held.push(held);
         }
+        &self.held
+    }
+
+    fn is_implied(
+        &mut self,
+        schur: &[f64],
+        i: usize,
+        idle: impl Iterator<Item = bool> + Clone,
+    ) -> bool {
+        let Self { others, stress, matrix, gradient, least, quadratic, .. } = self;
+        let p = idle.clone().count();
+        let size = |i: usize| (-schur[i * p + i]).max(f64::MIN_POSITIVE).sqrt();
+        let product = |i: usize, j: usize| -schur[i * p + j] / (size(i) * size(j));
         others.clear();
         others.extend((0..p).filter(|&j| j != i));
         matrix.clear();
-        for &j in &others {
+        for &j in &*others {
             let ridge = |k: usize| if j == k { 1e-3 * IMPLIED } else { 0.0 };
             matrix.extend(others.iter().map(|&k| product(j, k) + ridge(k)));
         }
         gradient.clear();
         gradient.extend(others.iter().map(|&j| product(i, j)));
         least.clear();
-        least.extend(others.iter().map(|&j| if idle[j] { 0.0 } else { RELEASED }));
-        if quadratic.minimise(&matrix, &gradient, &least, &mut stress).is_err() {
+        let of_others = idle.enumerate().filter(|&(j, _)| j != i);
+        least.extend(of_others.map(|(_, idle)| if idle { 0.0 } else { RELEASED }));
+        if quadratic.minimise(matrix, gradient, least, stress).is_err() {
             return false;
         }
         let mut left = product(i, i);
-        for (&j, &a) in others.iter().zip(&stress) {
+        for (&j, &a) in others.iter().zip(&*stress) {
             left += 2.0 * a * product(i, j);
-            for (&k, &b) in others.iter().zip(&stress) {
+            for (&k, &b) in others.iter().zip(&*stress) {
                 left += a * b * product(j, k);
             }
         }
         left <= IMPLIED
-    };
-    (0..p).map(&mut is_held).collect()
+    }
 }
 
 #[cfg(test)]
@@ -71,7 +94,7 @@ mod tests {
             let pairs = cables.iter().flat_map(|&(i, _)| cables.iter().map(move |&(j, _)| (i, j)));
             let schur: Vec<f64> = pairs.map(|(i, j)| product(i, j)).collect();
             let idle: Vec<bool> = cables.iter().map(|&(_, idle)| idle).collect();
-            implied(&schur, &idle, &mut BoundedQuadratic::default())
+            SelfStress::default().held(&schur, idle.into_iter()).to_vec()
         };
         let (taut, idle) = (false, true);
         // The backbone stretches: two idle cables are held by two taut ones, but not by neighbours.

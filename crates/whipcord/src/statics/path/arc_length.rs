@@ -81,7 +81,7 @@ impl<N: Part> PathTracker<N> {
         path: &mut P,
     ) -> Option<(PathPoint<N>, f64)> {
         loop {
-            if path.is_cancelled() {
+            if path.has_ended() {
                 return None;
             }
             let taken = self.step;

@@ -110,7 +110,7 @@ pub(crate) fn follow<P: EquilibriumPath>(
         close: Vec::new(),
     };
     let mut branch = 0;
-    while branch < starts.len() && !path.is_cancelled() {
+    while branch < starts.len() && !path.has_ended() {
         let Start { state, along } = &starts[branch];
         let Some(mut tracker) = PathTracker::start(path, state, along) else {
             found.complete = false;

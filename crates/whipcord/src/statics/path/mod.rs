@@ -76,7 +76,7 @@ pub(crate) trait EquilibriumPath {
     fn set_commands(&mut self, commands: &[Command]);
 
     /// Whether the solve was ended from outside.
-    fn is_cancelled(&self) -> bool;
+    fn has_ended(&self) -> bool;
 
     /// Share of the robot that part `k` of the state stands for.
     fn weight(&self, k: usize) -> f64;

@@ -21,7 +21,7 @@ pub(crate) fn newton<P: EquilibriumPath>(
         if left <= tolerance {
             return Some((iteration, left));
         }
-        if path.is_cancelled() {
+        if path.has_ended() {
             return None;
         }
         let from = path.state();

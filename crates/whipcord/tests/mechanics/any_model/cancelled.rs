@@ -102,7 +102,15 @@ fn lengths_contacts_branches_batches_and_fits_end() {
     assert!(is_cancelled(&free.solve(&robot, &touching)));
     let rod = model(ModelKind::Cosserat).cancelled_by(&cancel);
     let touching = Case { obstacles: vec![ball()], ..Case::with_tensions(&[24.0]) };
-    assert!(is_cancelled(&rod.solve(&robot, &touching)));
+    for kind in [
+        ModelKind::Cosserat,
+        ModelKind::CosseratDisks,
+        ModelKind::PiecewiseConstantCurvature,
+        ModelKind::PseudoRigidBody,
+    ] {
+        let model = model(kind).cancelled_by(&cancel);
+        assert!(is_cancelled(&model.solve(&robot, &touching)), "{kind}");
+    }
 
     let options = Options { cancel: cancel.clone(), ..Options::default() };
     let pushed = case(ModelKind::Cosserat);

@@ -308,10 +308,12 @@ fn the_base_bears_the_contacts_too() {
         let case = Case { loads, base, obstacles: vec![ball], ..Case::with_tensions(&[3.0]) };
         let rule = rule(&robot, &case.loads, 1);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
-        let model = Model::new(ModelKind::Cosserat, stations, Actuation::Tension);
-        let solution = model.solve(&robot, &case).unwrap();
-        assert!(!solution.contacts.is_empty());
-        let off = left(&robot, &case, &solution, &rule);
-        assert!(off.iter().all(|&off| off < 1e-6), "{off:?}");
+        for kind in MODELS {
+            let model = Model::new(kind, stations.clone(), Actuation::Tension);
+            let solution = model.solve(&robot, &case).unwrap();
+            assert!(!solution.contacts.is_empty());
+            let off = left(&robot, &case, &solution, &rule);
+            assert!(off.iter().all(|&off| off < 1e-6), "{kind}: {off:?}");
+        }
     }
 }

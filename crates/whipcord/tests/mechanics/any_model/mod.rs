@@ -11,4 +11,5 @@ mod equilibrium;
 mod gradients;
 mod limits;
 mod locked;
+mod real_time;
 mod surface_strain;

@@ -4,14 +4,18 @@ use proptest::prelude::*;
 use whipcord::cosserat::Accuracy;
 use whipcord::pseudo_rigid_body::{Coefficients, Options};
 use whipcord::{
-    Actuation, Backbone, Cable, Case, Disks, Loads, Model, ModelKind, PointLoad, PointMass, Pose,
+    Actuation, Backbone, Cable, Case, Disks, Loads, Model, ModelKind, PointLoad, PointMass,
     RestCurvature, Robot, Routing, Shortening, Solution, SolveError, StabilityAnalysis,
-    Statics as _, Stations, Stiffness, Twist, UnitQuaternion, Vec3, cosserat_disks,
+    Statics as _, Stations, Stiffness, Vec3, cosserat_disks,
 };
 
 use crate::common::{
     Wildness, bending_stiffness, distance, fine_options, helix, lengths_of, paper_backbone,
-    paper_disks, robot as any_robot, samples, straight, symmetry::Symmetry, tensions,
+    paper_disks, robot as any_robot, samples,
+    sections::{ARC, BODIES},
+    straight,
+    symmetry::Symmetry,
+    tensions,
 };
 
 const PCC: ModelKind = ModelKind::PiecewiseConstantCurvature;
@@ -33,119 +37,6 @@ fn rod(sections: usize, routings: Vec<Routing>) -> Robot {
     let disks = Disks::equally_spaced(0.18, sections + 1, 0.008);
     let cable = |(i, routing)| Cable::new(format!("cable {i}"), routing);
     Robot::new(backbone, disks, routings.into_iter().enumerate().map(cable).collect()).unwrap()
-}
-
-/// A section of a model in the coordinates that it bends by: twist, and bends about x and y of each joint.
-struct Parts {
-    kind: ModelKind,
-    /// Length of the bodies by that of the section; of the arc, its whole.
-    links: &'static [f64],
-    /// By EI over the length.
-    stiffness: &'static [f64],
-}
-
-const ARC: Parts = Parts { kind: PCC, links: &[0.0, 1.0], stiffness: &[1.0] };
-/// Su 2009, table of optimal parameters.
-const BODIES: Parts =
-    Parts { kind: PRB, links: &[0.1, 0.35, 0.4, 0.15], stiffness: &[3.51, 2.99, 2.58] };
-
-impl Parts {
-    fn pose(&self, length: f64, q: &[f64]) -> Pose {
-        let turn = |v: Vec3| Pose { rotation: UnitQuaternion::exp(v), ..Pose::IDENTITY };
-        let ahead = |l: f64| Pose { position: Vec3::Z * (l * length), ..Pose::IDENTITY };
-        let half = turn(Vec3::Z * (0.5 * q[0]));
-        let mut pose = half * ahead(self.links[0]);
-        for (bend, link) in q[1..].chunks(2).zip(&self.links[1..]) {
-            let bend = Vec3::new(bend[0], bend[1], 0.0);
-            pose = pose
-                * if self.kind == PCC {
-                    Pose::exp(Twist { linear: Vec3::Z * length, angular: bend })
-                } else {
-                    turn(bend) * ahead(*link)
-                };
-        }
-        pose * half
-    }
-
-    /// The coordinates of every section, read off from how the middles of the parts are turned.
-    fn coordinates(&self, robot: &Robot, case: &Case) -> Vec<Vec<f64>> {
-        let at = &robot.disks().arc_lengths;
-        let mut middles = Vec::new();
-        let mut reach = 0.0;
-        for link in self.links {
-            middles.push(reach + 0.5 * link);
-            reach += link;
-        }
-        let stations = at.windows(2).flat_map(|pair| {
-            middles.iter().map(|t| pair[0] + t * (pair[1] - pair[0])).chain([pair[1]])
-        });
-        let stations = Stations::At(stations.collect());
-        let answer =
-            Model::new(self.kind, stations, Actuation::Natural).solve(robot, case).unwrap();
-        let mut start = UnitQuaternion::IDENTITY;
-        let sections = answer.shape.poses.chunks(middles.len() + 1);
-        sections
-            .map(|poses| {
-                let seen = |pose: &Pose| start.conjugate() * pose.rotation;
-                let end = seen(&poses[poses.len() - 1]);
-                let mut q = Vec::new();
-                if self.kind == PCC {
-                    let [w, x, y, z] = end.wxyz();
-                    let across = x.hypot(y).max(1e-300);
-                    let bend = 2.0 * across.atan2(w.hypot(z)) / across;
-                    q.extend([2.0 * z.atan2(w), bend * x, bend * y]);
-                } else {
-                    // The first body only twists.
-                    let twist = seen(&poses[0]).log();
-                    assert!(twist.x.hypot(twist.y) < 1e-12);
-                    let psi = twist.z / middles[0];
-                    let about = |angle: f64| UnitQuaternion::exp(Vec3::Z * angle);
-                    let bare = |(pose, t): (&Pose, &f64)| {
-                        about(-0.5 * psi) * seen(pose) * about(-0.5 * psi * (2.0 * t - 1.0))
-                    };
-                    let bodies: Vec<_> = poses.iter().zip(&middles).map(bare).collect();
-                    q.push(psi);
-                    for pair in bodies.windows(2) {
-                        let bend = (pair[0].conjugate() * pair[1]).log();
-                        assert!(bend.z.abs() < 1e-12, "joints do not twist: {bend:?}");
-                        q.extend([bend.x, bend.y]);
-                    }
-                }
-                start = poses[poses.len() - 1].rotation;
-                q
-            })
-            .collect()
-    }
-
-    /// Elastic energy, less the work of cables and dead forces at the disks.
-    fn energy(&self, robot: &Robot, case: &Case, q: &[Vec<f64>]) -> f64 {
-        let at = &robot.disks().arc_lengths;
-        let stiffness = bending_stiffness(robot);
-        let torsion = stiffness / 1.3;
-        let mut poses = vec![Pose::IDENTITY];
-        let mut energy = 0.0;
-        for (pair, q) in at.windows(2).zip(q) {
-            let length = pair[1] - pair[0];
-            energy += 0.5 * torsion / length * q[0] * q[0];
-            for (bend, k) in q[1..].chunks(2).zip(self.stiffness) {
-                energy += 0.5 * k * stiffness / length * (bend[0].powi(2) + bend[1].powi(2));
-            }
-            poses.push(poses[poses.len() - 1] * self.pose(length, q));
-        }
-        for (route, command) in robot.routes().iter().zip(&case.commands) {
-            let hole = |k: usize| poses[k].transform(route.at(at[k]).offset);
-            let spans = 1..poses.len();
-            let length: f64 = spans.map(|k| (hole(k) - hole(k - 1)).norm()).sum();
-            energy += command.tension.unwrap() * length;
-        }
-        let tip = poses[poses.len() - 1];
-        energy -= case.loads.tip_force.dot(tip.position);
-        for point in &case.loads.points {
-            let disk = at.iter().position(|s| (s - point.at).abs() < 1e-12).unwrap();
-            energy -= point.force.dot(poses[disk].position);
-        }
-        energy
-    }
 }
 
 /// At the answer no small change of any coordinate does work: told by the energy alone, put together here

@@ -3,6 +3,7 @@
 
 pub mod bending;
 pub mod load_kind;
+pub mod sections;
 pub mod symmetry;
 
 use core::f64::consts::TAU;

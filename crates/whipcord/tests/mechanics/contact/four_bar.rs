@@ -1,20 +1,22 @@
 //! The strain-energy four-bar model among obstacles.
 
-use super::{among, assert_clear, finger, sphere, wall};
+use super::{among, assert_clear, finger, moved, sphere, wall};
 use whipcord::cosserat::{Cosserat, Options as RodOptions, Workspace as RodWorkspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective, Options, Workspace};
-use whipcord::{Actuation, Case, Loads, Obstacle, Robot, Shortening, Solution, SolveError, Vec3};
+use whipcord::{
+    Actuation, Case, Loads, Obstacle, Pose, Robot, Shortening, Solution, SolveError,
+    UnitQuaternion, Vec3,
+};
 
 const LENGTH: f64 = 0.18;
 const STIFFNESS: f64 = 1.1e9 * core::f64::consts::PI * 0.003 * 0.003 * 0.003 * 0.003 / 64.0;
 
+fn free_lengths() -> Options {
+    Options { objective: Objective::StrainEnergy, lengths: LengthRule::Free, ..Options::default() }
+}
+
 fn solve(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
-    let options = Options {
-        objective: Objective::StrainEnergy,
-        lengths: LengthRule::Free,
-        ..Options::default()
-    };
-    FourBar::new(robot, &options)?.solve(case, None, &mut Workspace::default())
+    FourBar::new(robot, &free_lengths())?.solve(case, None, &mut Workspace::default())
 }
 
 fn shortened(millimetres: f64, obstacles: Vec<Obstacle>) -> Case {
@@ -118,12 +120,7 @@ fn the_geometric_variants_refuse_obstacles() {
 #[test]
 fn the_answer_to_the_same_case_starts_where_it_ends() {
     let robot = finger(9);
-    let options = Options {
-        objective: Objective::StrainEnergy,
-        lengths: LengthRule::Free,
-        ..Options::default()
-    };
-    let model = FourBar::new(&robot, &options).unwrap();
+    let model = FourBar::new(&robot, &free_lengths()).unwrap();
     for (millimetres, x) in [(6.0, 0.02), (7.0, 0.03), (8.0, 0.045)] {
         let case = shortened(millimetres, vec![wall(x)]);
         let answer = solve(&robot, &case).unwrap();
@@ -131,5 +128,26 @@ fn the_answer_to_the_same_case_starts_where_it_ends() {
         let again = model.solve(&case, Some(&answer), &mut Workspace::default()).unwrap();
         let apart = again.disks.distances(&answer.disks).fold(0.0, f64::max);
         assert!(apart < 1e-7 * LENGTH, "{millimetres} mm: {apart}");
+    }
+}
+
+/// What touches nothing has the answer without obstacles, to the last bit, from a known answer too and wherever the base is.
+#[test]
+fn what_touches_nothing_is_solved_alone() {
+    let robot = finger(9);
+    let model = FourBar::new(&robot, &free_lengths()).unwrap();
+    let base = Pose {
+        position: Vec3::new(0.3, -0.2, 0.1),
+        rotation: UnitQuaternion::exp(Vec3::new(0.4, -1.1, 0.7)),
+    };
+    for millimetres in [3.0, 8.0] {
+        let free = Case { base, ..shortened(millimetres, vec![]) };
+        let far = moved(&sphere(Vec3::new(-0.1, 0.0, 0.1), 0.03), &base);
+        let alone = solve(&robot, &free).unwrap();
+        let case = among(free, vec![far]);
+        assert_eq!(alone, solve(&robot, &case).unwrap());
+        let before = solve(&robot, &shortened(0.9 * millimetres, vec![])).unwrap();
+        let warm = model.solve(&case, Some(&before), &mut Workspace::default()).unwrap();
+        assert_eq!(alone, warm);
     }
 }

@@ -3,8 +3,8 @@
 use super::{LENGTH, among, finger, sphere, wall};
 use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::{
-    Actuation, Case, Loads, Obstacle, Pose, Robot, Shortening, Solution, SolveError,
-    UnitQuaternion, Vec3,
+    Actuation, Case, Loads, Model, ModelKind, Obstacle, Pose, Robot, Shortening, Solution,
+    SolveError, Stations, UnitQuaternion, Vec3,
 };
 
 fn solve(robot: &Robot, case: &Case, from: Option<&Solution>) -> Result<Solution, SolveError> {
@@ -75,13 +75,31 @@ fn a_moved_base_changes_nothing() {
     assert!(found.contacts.is_empty());
 }
 
+/// The models with tensions.
+const KINDS: [ModelKind; 4] = [
+    ModelKind::Cosserat,
+    ModelKind::CosseratDisks,
+    ModelKind::PiecewiseConstantCurvature,
+    ModelKind::PseudoRigidBody,
+];
+
+fn by(kind: ModelKind, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    Model::new(kind, Stations::Disks, Actuation::Tension)
+        .prepare(robot, &case.loads)?
+        .solve(case, None)
+}
+
 /// A ball on the way of the tip, which would be clear of it before and behind, stops the robot: the answer touches.
 #[test]
 fn an_obstacle_on_the_way_stops_the_robot() {
+    KINDS.into_iter().for_each(assert_stopped);
+}
+
+fn assert_stopped(kind: ModelKind) {
     let robot = finger(9);
     let case = Case::with_tensions(&[4.0]);
-    let free = solve(&robot, &case, None).unwrap();
-    let half = solve(&robot, &Case::with_tensions(&[2.0]), None).unwrap();
+    let free = by(kind, &robot, &case).unwrap();
+    let half = by(kind, &robot, &Case::with_tensions(&[2.0])).unwrap();
     let (tip, middle) = (free.disks.tip().position, half.disks.tip().position);
     let ball = sphere(middle + Vec3::X * 0.012, 0.008);
     let clear = |solution: &Solution| {
@@ -89,9 +107,9 @@ fn an_obstacle_on_the_way_stops_the_robot() {
         solution.disks.poses.iter().all(|pose| (pose.position - centre).norm() > 0.008 + 0.011)
     };
     assert!((tip - middle).norm() > 0.1 * LENGTH && clear(&free), "the scene tests nothing");
-    let found = solve(&robot, &among(case, vec![ball]), None).unwrap();
-    assert!(!found.contacts.is_empty());
-    assert!((found.disks.tip().position - tip).norm() > 0.05 * LENGTH);
+    let found = by(kind, &robot, &among(case, vec![ball])).unwrap();
+    assert!(!found.contacts.is_empty(), "{kind}");
+    assert!((found.disks.tip().position - tip).norm() > 0.05 * LENGTH, "{kind}");
 }
 
 /// What stands in the robot at rest is an error, though the answer would be clear of it.
@@ -99,7 +117,9 @@ fn an_obstacle_on_the_way_stops_the_robot() {
 fn an_obstacle_in_the_robot_at_rest_is_an_error() {
     let robot = finger(9);
     let case = Case::with_tensions(&[4.0]);
-    let ball = sphere(Vec3::Z * (0.9 * LENGTH), 0.01);
-    let found = solve(&robot, &among(case, vec![ball]), None);
-    assert!(matches!(found, Err(SolveError::ObstacleInTheWay { .. })), "{found:?}");
+    let case = among(case, vec![sphere(Vec3::Z * (0.9 * LENGTH), 0.01)]);
+    for kind in KINDS {
+        let found = by(kind, &robot, &case);
+        assert!(matches!(found, Err(SolveError::ObstacleInTheWay { .. })), "{kind} {found:?}");
+    }
 }

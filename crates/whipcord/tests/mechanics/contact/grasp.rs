@@ -4,8 +4,8 @@ use super::{among, assert_clear, pushes_of, sphere};
 use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective};
 use whipcord::{
-    Actuation, Backbone, Cable, Case, Disks, Material, Part, Robot, Routing, Section, Shortening,
-    Solution, SolveError, Vec3,
+    Actuation, Backbone, Cable, Case, Disks, Material, Model, ModelKind, Part, Robot, Routing,
+    Section, Shortening, Solution, SolveError, Stations, Vec3,
 };
 
 const LENGTH: f64 = 0.12;
@@ -33,6 +33,11 @@ fn by_rod(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
     Cosserat::new(robot, &case.loads, &options)?.solve(case, None, &mut Workspace::default())
 }
 
+fn by_sections(kind: ModelKind, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    let model = Model::new(kind, Stations::Disks, Actuation::Shortening);
+    model.prepare(robot, &case.loads)?.solve(case, None)
+}
+
 fn by_chain(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
     let options = whipcord::four_bar::Options {
         objective: Objective::StrainEnergy,
@@ -50,7 +55,9 @@ fn a_finger_closes_round_a_ball() {
     let case = among(case, vec![ball.clone()]);
     let robot = strip(24);
     let [rod, chain] = [by_rod(&robot, &case), by_chain(&robot, &case)].map(Result::unwrap);
-    for solution in [&rod, &chain] {
+    let kinds = [ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody];
+    let [arcs, bodies] = kinds.map(|kind| by_sections(kind, &robot, &case).unwrap());
+    for solution in [&rod, &chain, &arcs, &bodies] {
         let contacts = &solution.contacts;
         assert!(contacts.len() >= 3, "{contacts:?}");
         assert!(contacts[0].normal.x < -0.7, "{contacts:?}");
@@ -59,10 +66,12 @@ fn a_finger_closes_round_a_ball() {
         assert!(solution.disks.bend().0 > 2.9);
         assert_clear(&robot, solution, &ball);
     }
-    let apart = rod.disks.distances(&chain.disks).fold(0.0, f64::max);
-    assert!(apart < 0.01 * LENGTH, "{apart}");
-    let [t, u] = [&rod, &chain].map(|solution| solution.cables[0].tension.unwrap());
-    assert!((u / t - 1.0).abs() < 0.05, "{t} N, {u} N");
+    for other in [&chain, &arcs, &bodies] {
+        let apart = rod.disks.distances(&other.disks).fold(0.0, f64::max);
+        assert!(apart < 0.01 * LENGTH, "{}: {apart}", other.model);
+        let [t, u] = [&rod, other].map(|solution| solution.cables[0].tension.unwrap());
+        assert!((u / t - 1.0).abs() < 0.05, "{}: {t} N, {u} N", other.model);
+    }
     let (_, total) = pushes_of(&rod);
     let base = rod.base_wrench.unwrap();
     assert!((base.force - total.force).norm() < 1e-6 * STIFFNESS / (LENGTH * LENGTH));

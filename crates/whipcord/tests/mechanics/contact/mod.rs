@@ -2,6 +2,7 @@
 
 mod cosserat;
 mod cosserat_disks;
+mod energy;
 mod four_bar;
 mod free_path;
 mod friction;
@@ -9,6 +10,7 @@ mod grasp;
 mod limits;
 mod overlap;
 mod pipe;
+mod sections;
 
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Model, ModelKind, Obstacle,
@@ -22,7 +24,7 @@ const LENGTH: f64 = 0.18;
 const STIFFNESS: f64 = 1.1e9 * core::f64::consts::PI * 0.003 * 0.003 * 0.003 * 0.003 / 64.0;
 
 /// A finger of the paper's material with one straight cable at +x.
-fn finger(sections: usize) -> Robot {
+pub fn finger(sections: usize) -> Robot {
     let material =
         Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Material::default() };
     let section = Some(Section::circle(0.003));
@@ -36,7 +38,7 @@ fn finger(sections: usize) -> Robot {
     Robot::new(backbone, disks, vec![cable]).unwrap()
 }
 
-fn sphere(position: Vec3, radius: f64) -> Obstacle {
+pub fn sphere(position: Vec3, radius: f64) -> Obstacle {
     Obstacle {
         name: "ball".to_owned(),
         form: Form::Sphere { radius },
@@ -46,7 +48,7 @@ fn sphere(position: Vec3, radius: f64) -> Obstacle {
 }
 
 /// A wall at x whose free side is that of smaller x.
-fn wall(x: f64) -> Obstacle {
+pub fn wall(x: f64) -> Obstacle {
     let quarter = Vec3::new(0.0, -core::f64::consts::FRAC_PI_2, 0.0);
     Obstacle {
         name: "wall".to_owned(),
@@ -56,7 +58,7 @@ fn wall(x: f64) -> Obstacle {
     }
 }
 
-fn among(case: Case, obstacles: Vec<Obstacle>) -> Case {
+pub fn among(case: Case, obstacles: Vec<Obstacle>) -> Case {
     Case { obstacles, ..case }
 }
 

@@ -126,6 +126,22 @@ fn disks_by_tension(robot: &Robot, case: &Case) -> Result<Solution, SolveError> 
     rod(ModelKind::CosseratDisks, Actuation::Tension, robot, &pulled(robot, case))
 }
 
+fn arcs_by_length(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    rod(ModelKind::PiecewiseConstantCurvature, Actuation::Shortening, robot, case)
+}
+
+fn arcs_by_tension(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    rod(ModelKind::PiecewiseConstantCurvature, Actuation::Tension, robot, &pulled(robot, case))
+}
+
+fn bodies_by_length(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    rod(ModelKind::PseudoRigidBody, Actuation::Shortening, robot, case)
+}
+
+fn bodies_by_tension(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {
+    rod(ModelKind::PseudoRigidBody, Actuation::Tension, robot, &pulled(robot, case))
+}
+
 /// The case with tensions instead.
 fn pulled(robot: &Robot, case: &Case) -> Case {
     let stiffness = bending_stiffness(robot);
@@ -276,7 +292,15 @@ fn sweep(solve: Solve, take: &dyn Fn(usize) -> bool, count: usize, tell: bool) -
     let numbered = samples(scenario(), count).enumerate();
     for (number, scenario) in numbered.filter(|(number, _)| take(*number)) {
         let Some(case) = placed(solve, &scenario) else { continue };
-        let Ok(solution) = solve(&scenario.robot, &case) else { continue };
+        let solution = match solve(&scenario.robot, &case) {
+            Ok(solution) => solution,
+            Err(error) => {
+                if tell {
+                    println!("{number} {}: {error}", scenario.form.name());
+                }
+                continue;
+            }
+        };
         let length = scenario.robot.backbone().length;
         let contacts = &solution.contacts;
         let gap = contacts.iter().map(|t| t.gap.abs() / length).fold(0.0, f64::max);
@@ -326,6 +350,13 @@ fn rods_with_cables_from_hole_to_hole_do_not_enter_obstacles() {
 }
 
 #[test]
+fn sections_of_arcs_and_of_bodies_do_not_enter_obstacles() {
+    for solve in [arcs_by_length, arcs_by_tension, bodies_by_length, bodies_by_tension] {
+        assert_clear(&sweep(solve, &|number| [3, 4, 6, 7].contains(&number), 8, false));
+    }
+}
+
+#[test]
 fn four_bar_sections_do_not_enter_obstacles() {
     assert_clear(&sweep(four_bar, &|number| [3, 6, 7, 11].contains(&number), 15, false));
 }
@@ -360,4 +391,18 @@ fn study_of_cables_from_hole_to_hole() {
 #[ignore = "a study, which takes minutes"]
 fn study_of_four_bar() {
     study(four_bar);
+}
+
+#[test]
+#[ignore = "a study, which takes minutes"]
+fn study_of_arcs() {
+    study(arcs_by_tension);
+    study(arcs_by_length);
+}
+
+#[test]
+#[ignore = "a study, which takes minutes"]
+fn study_of_bodies() {
+    study(bodies_by_tension);
+    study(bodies_by_length);
 }

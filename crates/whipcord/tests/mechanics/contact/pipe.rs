@@ -5,8 +5,8 @@ use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective};
 use whipcord::obstacle::{Bends, Pipe};
 use whipcord::{
-    Actuation, Backbone, Cable, Case, Disks, Form, Material, Obstacle, Pose, Robot, Routing,
-    Section, Shortening, Solution, SolveError, Vec3,
+    Actuation, Backbone, Cable, Case, Disks, Form, Material, Model, ModelKind, Obstacle, Pose,
+    Robot, Routing, Section, Shortening, Solution, SolveError, Stations, Vec3,
 };
 
 const LENGTH: f64 = 0.15;
@@ -128,6 +128,39 @@ fn the_rod_and_the_chain_agree_round_a_right_angle() {
     for sections in [10, 16, 20] {
         for shortening in [0.0, 0.0014] {
             assert_rod_agrees(9, sections, shortening);
+        }
+    }
+}
+
+/// Arcs and rigid bodies are inserted and lie where the rod does; their bases bear what the vessel pushes.
+#[test]
+fn sections_lie_where_the_rod_does() {
+    for (steps, sections, shortening) in [(3, 16, 0.0), (9, 10, 0.0), (9, 16, 0.0014)] {
+        let vessel = pipe(steps);
+        let robot = catheter(sections);
+        let case = Case::with_shortenings(&[Shortening::Length(shortening)]);
+        let case = among(case, vec![vessel.clone()]);
+        let solve = |kind: ModelKind| {
+            let model = Model::new(kind, Stations::Disks, Actuation::Shortening);
+            model.prepare(&robot, &case.loads).unwrap().solve(&case, None).unwrap()
+        };
+        let rod = solve(ModelKind::Cosserat);
+        for kind in [ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody] {
+            let ours = solve(kind);
+            let apart = rod.disks.distances(&ours.disks).fold(0.0, f64::max);
+            assert!(apart < 0.01 * LENGTH, "{kind}: {apart}");
+            assert!(ours.contacts.len() >= 2, "{kind}: {:?}", ours.contacts);
+            assert_clear(&robot, &ours, &vessel);
+            let (mut force, mut moment) = (Vec3::ZERO, Vec3::ZERO);
+            for touch in &ours.contacts {
+                let push = touch.normal * touch.force.unwrap();
+                force += push;
+                moment += touch.point.cross(push);
+            }
+            let base = ours.base_wrench.unwrap();
+            let bending = 6e10 * core::f64::consts::PI * 0.0015_f64.powi(4) / 64.0 / LENGTH;
+            assert!((base.force - force).norm() < 1e-6 * bending / LENGTH);
+            assert!((base.moment - moment).norm() < 1e-6 * bending);
         }
     }
 }

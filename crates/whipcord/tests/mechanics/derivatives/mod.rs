@@ -22,6 +22,7 @@ macro_rules! for_both_rods {
 
 mod backward;
 mod commands_and_compliance;
+mod contact;
 mod kinds_of_load;
 
 use crate::common;

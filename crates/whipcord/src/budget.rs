@@ -1,0 +1,131 @@
+//! What a solve may spend, and what it has spent.
+
+use core::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::cancel::Cancel;
+use crate::error::SolveError;
+use crate::warm_start::Status;
+
+/// What a solve may spend at most, counted in work and not in time: the same on every machine.
+///
+/// It is part of a model's options ([`Model::with_budget`](crate::Model::with_budget)). A solve that has spent it ends with
+/// [`SolveError::BudgetSpent`], or where it is asked for by [`Prepared::solve_into`](crate::Prepared::solve_into) with the best
+/// shape so far. As long as it is not spent, it changes no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Newton iterations, those at parts of the load and those in vain among them.
+    pub iterations: usize,
+    /// Integration steps of all shapes that are tried: of a model of sections, its sections.
+    pub integration_steps: usize,
+}
+
+impl Budget {
+    /// No limit.
+    pub const UNLIMITED: Self = Self { iterations: usize::MAX, integration_steps: usize::MAX };
+}
+
+/// About two seconds on a common processor for the rods, less for models of sections.
+impl Default for Budget {
+    fn default() -> Self {
+        Self { iterations: 100_000, integration_steps: 2_000_000 }
+    }
+}
+
+/// What a solve has spent of its budget, and whether it is ended from outside: its loops look at it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Meter {
+    cancel: Cancel,
+    budget: Budget,
+    iterations: Counter,
+    integration_steps: Counter,
+}
+
+/// A count that can be raised through a shared reference: of a solve, which is the work of one thread.
+#[derive(Debug, Default)]
+struct Counter(AtomicUsize);
+
+impl Clone for Counter {
+    fn clone(&self) -> Self {
+        Self(AtomicUsize::new(self.get()))
+    }
+}
+
+impl Counter {
+    fn get(&self) -> usize {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    fn set(&self, count: usize) {
+        self.0.store(count, Ordering::Relaxed);
+    }
+
+    fn add(&self, count: usize) {
+        self.set(self.get().saturating_add(count));
+    }
+}
+
+impl Meter {
+    /// Of a solve that begins.
+    pub fn start(&mut self, cancel: &Cancel, budget: Budget) {
+        self.cancel.clone_from(cancel);
+        self.budget = budget;
+        self.iterations.set(0);
+        self.integration_steps.set(0);
+    }
+
+    /// Counts a Newton iteration.
+    pub fn iterate(&self) {
+        self.iterations.add(1);
+    }
+
+    /// Counts integration steps.
+    pub fn integrate(&self, steps: usize) {
+        self.integration_steps.add(steps);
+    }
+
+    /// Whether all of the budget is spent.
+    pub fn is_spent(&self) -> bool {
+        self.iterations.get() >= self.budget.iterations
+            || self.integration_steps.get() >= self.budget.integration_steps
+    }
+
+    /// Whether the solve goes no further.
+    pub fn has_ended(&self) -> bool {
+        self.is_spent() || self.cancel.is_cancelled()
+    }
+
+    /// The answer of a solve; where its budget is spent that it is, though there is a shape.
+    pub fn answered<T>(&self, (status, answer): (Status, T)) -> Result<T, SolveError> {
+        match status {
+            Status::Converged => Ok(answer),
+            Status::BudgetSpent => Err(self.spent(None)),
+        }
+    }
+
+    /// Why a solve goes no further.
+    pub fn end(&self) -> SolveError {
+        match self.cancel.is_cancelled() {
+            true => SolveError::Cancelled { last_load: None },
+            false => self.spent(None),
+        }
+    }
+
+    fn spent(&self, last_load: Option<f64>) -> SolveError {
+        SolveError::BudgetSpent {
+            iterations: self.iterations.get(),
+            integration_steps: self.integration_steps.get(),
+            last_load,
+        }
+    }
+
+    /// What came of the solve: that it was cancelled, whatever the iterations that it broke off made of it; that its budget is
+    /// spent where there is no answer; else its outcome.
+    pub fn checked<T>(&self, outcome: Result<T, SolveError>) -> Result<T, SolveError> {
+        match self.cancel.checked(outcome) {
+            Err(error) if self.is_spent() && !matches!(error, SolveError::Cancelled { .. }) => {
+                Err(self.spent(error.last_load()))
+            }
+            outcome => outcome,
+        }
+    }
+}

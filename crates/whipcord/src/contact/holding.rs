@@ -1,0 +1,289 @@
+//! The contacts of an answer, linearised: what each pushes when the robot moves under something else.
+//!
+//! With `X` the motions of the cross-sections that touch, `C` their compliance under pushes, `B δf` the pushes along the lines
+//! that hold (the normal of each contact, and the tangents of one that sticks) and `G X` what the pushes turn by, a motion `X₀`
+//! that something else would cause without the contacts becomes
+//!
+//! ```text
+//! (I − CG) X − CB δf = X₀,   R X = 0,   δW = G X + B δf                                        (10)
+//! ```
+//!
+//! where the rows of `R` say how the gaps, and the slips of those that stick, change. A contact that slides keeps its force on
+//! Coulomb's cone and its way along the obstacle. One of the backbone moves along it to where the gap is least, an unknown more
+//! with the condition that the tangent stays along the obstacle.
+
+use whipcord_numerics::{DenseLu, Pose, Vec3};
+
+use super::body::wrench_of;
+use super::friction::{Grip, tangents};
+use super::model::Compliant;
+use super::pairs::{OVERLAP, Pair, Pairs};
+use super::scene::Scene;
+use super::step::differences;
+use crate::shape::Part;
+use crate::statics::hold::Critical;
+
+/// Contacts of the backbone with one obstacle that are no farther apart than this part of the length are one.
+const ONE_CONTACT: f64 = 1e-3;
+/// A backbone that bends away from what it touches by less than this, in units of 1/L, lies on it: its contacts stay.
+const LIES_ON: f64 = 1e-2;
+/// A contact that is so near to another state, as a part of what its force, gap, grip or slip can be, is about to change it.
+const ABOUT_TO_CHANGE: f64 = 1e-6;
+
+/// The linearised contacts of an answer.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Holding {
+    /// Arc length in m of the cross-section of each contact.
+    pub places: Vec<f64>,
+    /// Whether a contact is about to open or to close, to stick or to slide: the answer has a kink there.
+    pub is_about_to_change: bool,
+    /// `G` of each contact.
+    geometric: Vec<[[f64; 6]; 6]>,
+    unknowns: Vec<Unknown>,
+}
+
+/// A force along a line that holds, or a way along the backbone.
+#[derive(Clone, Copy, Debug)]
+struct Unknown {
+    contact: usize,
+    /// What it adds to the push.
+    push: [f64; 6],
+    /// How what it keeps at zero changes with the motion of the cross-section.
+    rate: [f64; 6],
+    /// How that changes with the unknown itself.
+    own: f64,
+}
+
+impl Holding {
+    /// Of the pairs that touch.
+    pub(super) fn new(pairs: &Pairs, model: &impl Compliant, scene: &Scene, length: f64) -> Self {
+        let mut holding = Self::default();
+        let scale = model.force_scale();
+        for pair in &pairs.near {
+            holding.is_about_to_change |= is_about_to_change(pair, scale, length);
+        }
+        for pair in merged(pairs, length) {
+            holding.add(&pair, model, scene, length);
+        }
+        holding
+    }
+
+    fn add(&mut self, pair: &Pair, model: &impl Compliant, scene: &Scene, length: f64) {
+        let contact = self.places.len();
+        let s = pair.member.arc_length;
+        let (pose, body) = (model.pose(s), &pair.member.body);
+        let rounding = body.rounding;
+        let at = |pose: &Pose| body.track(scene.get(pair.obstacle), pose, pair.nearest.local);
+        let traction = |normal: Vec3| {
+            let Some(grip) = &pair.grip else { return Vec3::ZERO };
+            let along = grip.traction - normal * normal.dot(grip.traction);
+            let part = if grip.sticks { 1.0 } else { grip.traction.norm() / along.norm() };
+            if part.is_finite() { along * part } else { Vec3::ZERO }
+        };
+        let push = |pose: &Pose| {
+            let nearest = at(pose);
+            let normal = nearest.push();
+            let drag = wrench_of(traction(nearest.normal), nearest.lever(rounding));
+            let [x, y, z, u, v, w] = core::array::from_fn(|a| pair.force * normal[a] + drag[a]);
+            [Vec3::new(x, y, z), Vec3::new(u, v, w)]
+        };
+        let mut geometric = [[0.0; 6]; 6];
+        let rates = differences(6, &pose, body.reach(), push);
+        for (b, [force, moment]) in rates.into_iter().enumerate() {
+            for a in 0..6 {
+                geometric[a][b] = if a < 3 { force[a] } else { moment[a - 3] };
+            }
+        }
+        // The normal, with what a contact that slides bears along the surface.
+        let nearest = at(&pose);
+        let lever = nearest.lever(rounding);
+        let mut along_normal = nearest.push();
+        if let Some(grip) = pair.grip.filter(|grip| !grip.sticks) {
+            let by_force = wrench_of(grip.traction / pair.force, lever);
+            along_normal.iter_mut().zip(by_force).for_each(|(sum, by)| *sum += by);
+        }
+        let unit = nearest.push();
+        self.unknowns.push(Unknown { contact, push: along_normal, rate: unit, own: 0.0 });
+        if let Some(grip) = pair.grip.filter(|grip| grip.sticks) {
+            // From the answer on.
+            let from = Grip { from: pose, ..grip };
+            let slip = |pose: &Pose| [from.slip_at(pose, &at(pose), rounding)];
+            let rates = differences(6, &pose, body.reach(), slip);
+            for axis in tangents(nearest.normal) {
+                let rate = rates.map(|[rate]| rate.dot(axis));
+                let push = wrench_of(axis, lever);
+                self.unknowns.push(Unknown { contact, push, rate, own: 0.0 });
+            }
+        }
+        if pair.member.part == Part::Backbone
+            && let Some(unknown) = along_backbone((contact, s), &pose, model, length, |pose| {
+                (at(pose).normal, push(pose))
+            })
+        {
+            self.unknowns.push(unknown);
+        }
+        self.geometric.push(geometric);
+        self.places.push(s);
+    }
+
+    /// How the pushes change with the motions that something else would cause without the contacts, by rows: of the compliance
+    /// of the places under pushes, by rows too, all with a force and a moment to a place.
+    pub fn gain(&self, compliance: &[f64]) -> Result<Vec<f64>, Critical> {
+        let n = 6 * self.places.len();
+        let size = n + self.unknowns.len();
+        let mut matrix = vec![0.0; size * size];
+        for i in 0..n {
+            let row = &compliance[i * n..(i + 1) * n];
+            for (k, block) in self.geometric.iter().enumerate() {
+                for b in 0..6 {
+                    let by: f64 = (0..6).map(|a| row[6 * k + a] * block[a][b]).sum();
+                    matrix[i * size + 6 * k + b] = -by;
+                }
+            }
+            matrix[i * size + i] += 1.0;
+            for (j, unknown) in self.unknowns.iter().enumerate() {
+                let of = &row[6 * unknown.contact..6 * unknown.contact + 6];
+                matrix[i * size + n + j] = -dot(of, &unknown.push);
+            }
+        }
+        for (j, unknown) in self.unknowns.iter().enumerate() {
+            let row = &mut matrix[(n + j) * size..(n + j + 1) * size];
+            row[6 * unknown.contact..6 * unknown.contact + 6].copy_from_slice(&unknown.rate);
+            row[n + j] = unknown.own;
+        }
+        let mut lu = DenseLu::default();
+        lu.factor(size, &matrix).map_err(|_| Critical)?;
+        let mut columns: Vec<Vec<f64>> = (0..n)
+            .map(|i| {
+                let mut column = vec![0.0; size];
+                column[i] = 1.0;
+                column
+            })
+            .collect();
+        lu.solve_columns(&mut columns);
+        let mut gain = vec![0.0; n * n];
+        for (c, column) in columns.iter().enumerate() {
+            for (k, block) in self.geometric.iter().enumerate() {
+                for a in 0..6 {
+                    gain[(6 * k + a) * n + c] = dot(&block[a], &column[6 * k..6 * k + 6]);
+                }
+            }
+            for (unknown, &change) in self.unknowns.iter().zip(&column[n..]) {
+                for a in 0..6 {
+                    gain[(6 * unknown.contact + a) * n + c] += unknown.push[a] * change;
+                }
+            }
+        }
+        if gain.iter().all(|x| x.is_finite()) { Ok(gain) } else { Err(Critical) }
+    }
+}
+
+/// How a contact of the backbone moves along it; `None` where the backbone lies on what it touches. `look` says the normal and
+/// the push at a pose.
+fn along_backbone(
+    (contact, s): (usize, f64),
+    pose: &Pose,
+    model: &impl Compliant,
+    length: f64,
+    look: impl Fn(&Pose) -> (Vec3, [Vec3; 2]),
+) -> Option<Unknown> {
+    let watched = model.watched();
+    let k = watched.partition_point(|&there| there <= s);
+    let (before, after) = (*watched.get(k.checked_sub(1)?)?, *watched.get(k)?);
+    // Where the place is watched itself, from the one before it.
+    let before = if before == s { *watched.get(k.checked_sub(2)?)? } else { before };
+    let slope_at = |pose: &Pose| look(pose).0.dot(pose.rotation.rotate(Vec3::Z));
+    let slopes = [before, after].map(|there| slope_at(&model.pose(there)));
+    let bend = (slopes[1] - slopes[0]) / (after - before);
+    if !(bend.is_finite() && bend * length > LIES_ON) {
+        return None;
+    }
+    let tangent = (model.pose(after).position - model.pose(before).position) / (after - before);
+    // A cross-section farther along, of which the reference is the place of the contact.
+    let ahead = |h: f64| {
+        let moved = Pose { position: pose.position + tangent * h, ..*pose };
+        let [force, moment] = look(&moved).1;
+        (force, moment + (tangent * h).cross(force))
+    };
+    let h = 1e-5 * length;
+    let (next, last) = (ahead(h), ahead(-h));
+    let (force, moment) = ((next.0 - last.0) / (2.0 * h), (next.1 - last.1) / (2.0 * h));
+    let slope = |pose: &Pose| [Vec3::Z * slope_at(pose)];
+    let rates = differences(6, pose, length, slope);
+    Some(Unknown {
+        contact,
+        push: [force.x, force.y, force.z, moment.x, moment.y, moment.z],
+        rate: rates.map(|[rate]| rate.z),
+        own: bend,
+    })
+}
+
+/// The pairs that touch; those of the backbone that are next to one another as one.
+fn merged(pairs: &Pairs, length: f64) -> Vec<Pair> {
+    let mut touching: Vec<Pair> = Vec::new();
+    let mut order: Vec<&Pair> = pairs.near.iter().filter(|pair| pair.force > 0.0).collect();
+    // The one that pushes most stands for those beside it.
+    order.sort_by(|a, b| b.force.total_cmp(&a.force));
+    for pair in order {
+        let beside = |other: &&mut Pair| {
+            let apart = (other.member.arc_length - pair.member.arc_length).abs();
+            other.obstacle == pair.obstacle
+                && (other.member.part, pair.member.part) == (Part::Backbone, Part::Backbone)
+                && apart <= ONE_CONTACT * length
+        };
+        match touching.iter_mut().find(beside) {
+            Some(other) => {
+                other.force += pair.force;
+                if let (Some(grip), Some(more)) = (&mut other.grip, &pair.grip) {
+                    grip.traction += more.traction;
+                }
+            }
+            None => touching.push(*pair),
+        }
+    }
+    touching
+}
+
+/// Whether a pair is about to touch or to open, to stick or to slide.
+fn is_about_to_change(pair: &Pair, force_scale: f64, length: f64) -> bool {
+    if pair.force <= 0.0 {
+        return pair.nearest.gap <= ABOUT_TO_CHANGE * length;
+    }
+    let of_grip = pair.grip.is_some_and(|grip| {
+        let most = grip.coefficient * pair.force;
+        if grip.sticks {
+            grip.traction.norm() >= (1.0 - ABOUT_TO_CHANGE) * most
+        } else {
+            grip.slip.norm() <= OVERLAP * length
+        }
+    });
+    of_grip || pair.force <= ABOUT_TO_CHANGE * force_scale
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A spring of 2 m/N along the normal that a contact keeps still: it pushes back with what the motion would take.
+    #[test]
+    fn a_contact_keeps_its_gap() {
+        let unit = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+        let holding = Holding {
+            places: vec![0.1],
+            is_about_to_change: false,
+            geometric: vec![[[0.0; 6]; 6]],
+            unknowns: vec![Unknown { contact: 0, push: unit, rate: unit, own: 0.0 }],
+        };
+        let compliance: Vec<f64> = (0..36).map(|i| if i % 7 == 0 { 2.0 } else { 0.0 }).collect();
+        let gain = holding.gain(&compliance).unwrap();
+        for (i, value) in gain.iter().enumerate() {
+            assert_eq!(*value, if i == 2 * 6 + 2 { -0.5 } else { 0.0 });
+        }
+        // A place that nothing moves has no force that keeps it.
+        assert!(holding.gain(&[0.0; 36]).is_err());
+    }
+}

@@ -1,0 +1,177 @@
+//! Answers to a tolerance: the steps are halved until the answer changes no more; and the meshes for it.
+
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
+use super::friction::History;
+use super::layout::Mesh;
+use super::model::{CosseratDisks, StepHistory, Workspace};
+use super::stability_check::Sampled;
+use super::statics::{self, Start};
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::statics::options::{Accuracy, StabilityAnalysis};
+use crate::statics::outcome::Found;
+use crate::statics::refinement::ERROR_RATIO;
+use crate::statics::strength::Strength;
+
+/// Finer meshes that are kept once they were needed.
+pub(super) const FINER_MESHES: usize = 5;
+/// Of them the finest on which stability is computed where it has steps enough.
+pub(super) const STABILITY_LEVEL: usize = 2;
+/// How often the steps may be halved.
+pub(super) const MAX_REFINEMENTS: usize = 8;
+/// A failure to converge is believed only with steps halved this often.
+const GIVE_UP_LEVEL: usize = 4;
+/// What an unstable equilibrium could be left for is looked for with steps halved this often.
+const LEAVE_LEVEL: usize = 3;
+/// With so many, the least eigenvalue of a column is known to better than 1e-6.
+pub(super) const STABILITY_STEPS: usize = 16;
+
+/// An answer that the workspace holds, how often the steps of its mesh are halved, and its estimated error in m where it was refined.
+pub(super) struct Refined {
+    pub found: Found,
+    pub level: usize,
+    pub error: Option<f64>,
+}
+
+impl CosseratDisks {
+    /// Halves the steps until the answer changes no more.
+    pub(super) fn solve_to(
+        &self,
+        tolerance: f64,
+        cases: &[Case],
+        mut start: Start<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<Refined, SolveError> {
+        let length = self.robot.backbone().length;
+        let tolerance = tolerance * length;
+        let (mut error, mut steps, mut iterations) = (f64::INFINITY, 0, 0);
+        let mut lost_at = None;
+        let mut coarser = false;
+        for level in self.first_level(cases, workspace)..=MAX_REFINEMENTS {
+            let mesh = self.mesh(level)?;
+            workspace.progress.level = level;
+            let found = match self.solve_on(level, &mesh, cases, start, workspace) {
+                // Steps that are too coarse for a strong bend can keep Newton's method away.
+                Err(
+                    SolveError::NotConverged { .. }
+                    | SolveError::TensionsNotFound
+                    | SolveError::SectionFolds { .. }
+                    | SolveError::UnreachableLength { .. },
+                ) if !coarser && level < GIVE_UP_LEVEL && !workspace.meter.has_ended() => {
+                    continue;
+                }
+                other => other?,
+            };
+            iterations += found.iterations;
+            // A stable branch may not be there on coarse steps, or in another place.
+            if workspace.scratch.unstable
+                && self.options.stability != StabilityAnalysis::Off
+                && level < LEAVE_LEVEL
+            {
+                continue;
+            }
+            lost_at = lost_at.or(found.lost_at);
+            if coarser {
+                error = workspace.change(&mesh, length) / ERROR_RATIO;
+                if error <= tolerance {
+                    let found = Found { iterations, lost_at, ..found };
+                    return Ok(Refined { found, level, error: Some(error) });
+                }
+            }
+            workspace.keep(&mesh);
+            workspace.progress.coarser = Some(Found { iterations, lost_at, ..found });
+            start = Start::Coarser;
+            (steps, coarser) = (mesh.grid.len(), true);
+        }
+        Err(SolveError::StepsTooCoarse { error, tolerance, steps })
+    }
+
+    /// The mesh whose steps are halved so often; where the steps are prescribed, the only one.
+    pub(super) fn mesh(&self, level: usize) -> Result<Cow<'_, Mesh>, SolveError> {
+        if let Some(mesh) = self.kept_mesh(level)? {
+            return Ok(Cow::Borrowed(mesh));
+        }
+        Ok(Cow::Owned(self.frame.mesh(1, level)?))
+    }
+
+    /// The same, made and kept; `None` for one that is too fine to be kept.
+    fn kept_mesh(&self, level: usize) -> Result<Option<&Mesh>, SolveError> {
+        let Some(place) = level.checked_sub(1) else { return Ok(Some(&self.mesh)) };
+        let Some(slot) = self.finer.get(place) else { return Ok(None) };
+        made(slot, || self.frame.mesh(1, level)).map(Some)
+    }
+
+    /// The meshes on which stability is computed: for the usual case the first of the sequence with steps enough.
+    pub(super) fn sampled(&self) -> Result<Sampled<'_>, SolveError> {
+        let is_sequence = matches!(self.options.accuracy, Accuracy::Tolerance(_));
+        let finest = if is_sequence { STABILITY_LEVEL } else { 0 };
+        let has_enough = |level: &usize| self.mesh.grid.len() << level >= self.stability_steps;
+        let of_sequence = |level| self.kept_mesh(level).map(|mesh| mesh.unwrap_or(&self.mesh));
+        let fine = if is_sequence && has_enough(&finest) {
+            of_sequence(finest)?
+        } else {
+            made(&self.fine, || self.frame.mesh(self.stability_steps.div_ceil(4), 2))?
+        };
+        let usual = (0..=finest).find(has_enough).map(of_sequence).transpose()?;
+        Ok(Sampled { usual: usual.unwrap_or(fine), fine })
+    }
+
+    /// How often the steps of the first mesh are halved before anything is tried: until they see the layer in which
+    /// the greatest force of the cases bends the rod.
+    pub(super) fn first_level(&self, cases: &[Case], workspace: &mut Workspace) -> usize {
+        let grid = &self.mesh.grid;
+        let applied = &mut workspace.scratch.applied;
+        let mut of_case = |case: &Case| {
+            applied.gather(grid, &case.loads, case.base.rotation);
+            Strength::of(applied, grid, self.robot.backbone().length).first_level()
+        };
+        let first = cases.iter().filter(|case| !case.loads.is_none()).map(&mut of_case).max();
+        first.map_or(0, |level| level.min(GIVE_UP_LEVEL))
+    }
+
+    /// The answer to the last step on one mesh. What holes remember depends on the mesh: the whole way
+    /// is gone on each.
+    pub(super) fn solve_on(
+        &self,
+        level: usize,
+        mesh: &Mesh,
+        cases: &[Case],
+        start: Start<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<Found, SolveError> {
+        let Workspace { scratch, commands, histories, meter, .. } = workspace;
+        if histories.len() <= level {
+            histories.resize(level + 1, StepHistory::default());
+        }
+        // Where a step fails the way starts anew.
+        let StepHistory { taken, history } = core::mem::take(&mut histories[level]);
+        let taken = if self.holes.is_some() { taken } else { 0 };
+        scratch.history = if taken > 0 { history } else { History::default() };
+        let mut found = Found::default();
+        for (n, case) in cases.iter().enumerate().skip(taken) {
+            scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);
+            self.commands(case, commands)?;
+            let problem = self.problem(mesh, (commands, meter), case)?;
+            // What a coarser mesh found is that of the last step.
+            let start = if n + 1 == cases.len() { start } else { Start::Cold };
+            found = statics::solve(&problem, start, scratch)
+                .map_err(|failure| self.explain(failure, commands))?;
+        }
+        histories[level] = StepHistory { taken: cases.len(), history: scratch.history.clone() };
+        Ok(found)
+    }
+}
+
+/// What a slot holds, made where it is empty.
+fn made(
+    slot: &OnceLock<Mesh>,
+    make: impl FnOnce() -> Result<Mesh, SolveError>,
+) -> Result<&Mesh, SolveError> {
+    if let Some(mesh) = slot.get() {
+        return Ok(mesh);
+    }
+    let mesh = make()?;
+    Ok(slot.get_or_init(|| mesh))
+}

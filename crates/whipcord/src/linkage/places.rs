@@ -1,0 +1,101 @@
+//! Cross-sections that wrenches act on, and how they move.
+
+use whipcord_numerics::{Pose, Twist, Vec3};
+
+use super::Linkage;
+use super::chain::Chain;
+use super::motion::{Coordinates, Motion};
+use super::task::Task;
+use crate::derivatives::unit_wrench;
+use crate::shape::Wrench;
+
+/// A dead wrench on a cross-section of a section, in the frame of the disk at the section's start.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pushed {
+    pub section: usize,
+    /// Its work by the coordinates of the section.
+    pub work: Coordinates,
+    /// The wrench about the disk at the section's start.
+    pub about_start: Wrench,
+}
+
+impl Pushed {
+    /// A wrench on the cross-section that moves like this.
+    fn new(section: usize, motion: &Motion, Wrench { force, moment }: Wrench) -> Self {
+        let work = |a: usize| moment.dot(motion.turn[a]) + force.dot(motion.shift[a]);
+        let about_start = Wrench { force, moment: moment + motion.end.cross(force) };
+        Self { section, work: core::array::from_fn(work), about_start }
+    }
+}
+
+/// Some cross-sections of a chain, from base to tip.
+#[derive(Debug)]
+pub(super) struct Places<'a> {
+    /// In the frame of the base.
+    disks: &'a [Pose],
+    /// The section of each, and how the cross-section moves with its coordinates.
+    list: Vec<(usize, Motion)>,
+}
+
+impl<'a> Places<'a> {
+    /// The cross-sections at these arc lengths in m, which increase, where the chain has these coordinates and disks.
+    pub fn new(model: &Linkage, q: &[Coordinates], disks: &'a [Pose], arc_lengths: &[f64]) -> Self {
+        let of_place = |&at: &f64| {
+            let (section, t) = model.locate(at);
+            let length = model.sections[section].length;
+            (section, Motion::up_to(&model.division, length, &q[section], t))
+        };
+        Self { disks, list: arc_lengths.iter().map(of_place).collect() }
+    }
+
+    /// The components of a wrench in the frame of the base on each of them, forces first.
+    pub fn pushed(&self) -> Vec<Pushed> {
+        let of_place = |&(section, motion): &(usize, Motion)| {
+            let to_section = self.disks[section].rotation.conjugate();
+            (0..6).map(move |component| {
+                let Wrench { force, moment } = unit_wrench(component);
+                let seen =
+                    Wrench { force: to_section.rotate(force), moment: to_section.rotate(moment) };
+                Pushed::new(section, &motion, seen)
+            })
+        };
+        self.list.iter().flat_map(of_place).collect()
+    }
+
+    /// Adds to the list how each of them moves with a response of the last elimination, in the frame of the base.
+    pub fn twists(&self, chain: &Chain, task: &Task<'_>, side: usize, into: &mut Vec<Twist>) {
+        let mut disk = Twist::default();
+        let mut start = 0;
+        for &(section, ref motion) in &self.list {
+            for k in start..section {
+                let end = self.disks[k + 1].position;
+                disk = self.carried(disk, k, chain.motion(k), end, chain.response(task, side, k));
+            }
+            start = section;
+            let at = self.disks[section].transform(motion.end);
+            let response = chain.response(task, side, section);
+            into.push(self.carried(disk, section, motion, at, response));
+        }
+    }
+
+    /// How a cross-section of a section moves, at this position, where the disk before it moves like this.
+    fn carried(
+        &self,
+        disk: Twist,
+        section: usize,
+        motion: &Motion,
+        at: Vec3,
+        response: &[f64],
+    ) -> Twist {
+        let Pose { position, rotation } = self.disks[section];
+        let (mut turn, mut shift) = (Vec3::ZERO, Vec3::ZERO);
+        for (a, change) in response.iter().enumerate() {
+            turn += motion.turn[a] * *change;
+            shift += motion.shift[a] * *change;
+        }
+        Twist {
+            linear: disk.linear + disk.angular.cross(at - position) + rotation.rotate(shift),
+            angular: disk.angular + rotation.rotate(turn),
+        }
+    }
+}

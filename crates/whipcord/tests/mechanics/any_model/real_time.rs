@@ -1,0 +1,162 @@
+//! Solves into memory that is at hand, and within a budget.
+
+use whipcord::{
+    Actuation, Budget, Cable, Case, Loads, Model, ModelKind, Prepared, Robot, Routing, Shortening,
+    Solution, SolveError, Statics as _, Stations, Status, Vec3, WarmStart,
+};
+
+use crate::common::{helix, paper_backbone, paper_disks, straight};
+
+fn model(kind: ModelKind) -> Model {
+    Model::new(kind, Stations::Equal(25), Actuation::Natural)
+}
+
+/// The robot of the paper, of nylon with its weight.
+fn weighty(routings: Vec<Routing>) -> Robot {
+    let mut backbone = paper_backbone();
+    backbone.material.density = Some(1040.0);
+    let cable = |(i, routing)| Cable::new(format!("{i}"), routing);
+    Robot::new(backbone, paper_disks(), routings.into_iter().enumerate().map(cable).collect())
+        .unwrap()
+}
+
+fn takes_loads(kind: ModelKind) -> bool {
+    !matches!(kind, ModelKind::FourBar | ModelKind::ConstantCurvature)
+}
+
+fn loads() -> Loads {
+    Loads {
+        gravity: Some(Vec3::new(0.0, 0.0, -9.80665)),
+        tip_force: Vec3::new(0.05, 0.02, 0.0),
+        ..Loads::default()
+    }
+}
+
+/// Neighbouring cases of a robot, each a cycle of a controller.
+fn cycles(make: impl Fn(f64) -> Case) -> Vec<Case> {
+    (0..60).map(|n| make((0.1 * f64::from(n)).sin())).collect()
+}
+
+/// The cases that a model is driven through: by tensions and by lengths, without loads and with them.
+fn families(kind: ModelKind) -> Vec<(&'static str, Robot, Vec<Case>)> {
+    let one = || weighty(vec![straight(0.0)]);
+    let helical = || weighty(vec![helix(0.0, 0.2)]);
+    let by_tension = |x: f64| Case::with_tensions(&[2.0 + x]);
+    let by_length = |x: f64| Case::with_shortenings(&[Shortening::Length(0.004 + 0.001 * x)]);
+    let three = || weighty(vec![straight(0.0), straight(120.0), straight(240.0)]);
+    let three_by_tension = |x: f64| Case::with_tensions(&[2.0 + x, 0.5, 1.0 - x]);
+    let loaded = |case: Case| Case { loads: loads(), ..case };
+    let mut families = vec![("length of one cable", one(), cycles(by_length))];
+    if kind != ModelKind::FourBar {
+        families.push(("tension of one cable", one(), cycles(by_tension)));
+        families.push(("tensions of three cables", three(), cycles(three_by_tension)));
+    }
+    if takes_loads(kind) {
+        let cases = cycles(|x| loaded(by_tension(x)));
+        families.push(("tension of a helical cable", helical(), cycles(by_tension)));
+        families.push(("tension of one cable under loads", one(), cases));
+        let cases = cycles(|x| loaded(three_by_tension(x)));
+        families.push(("tensions of three cables under loads", three(), cases));
+        let cases = cycles(|x| loaded(by_length(x)));
+        families.push(("length of one cable under loads", one(), cases));
+    }
+    families
+}
+
+fn prepared(kind: ModelKind, robot: &Robot, cases: &[Case]) -> Prepared {
+    model(kind).prepare(robot, &cases[0].loads).unwrap()
+}
+
+#[test]
+fn nothing_is_allocated_after_the_first_cycles() {
+    let mut allocating = Vec::new();
+    for kind in ModelKind::ALL {
+        for (name, robot, cases) in families(kind) {
+            let mut model = prepared(kind, &robot, &cases);
+            let mut solution = Solution::empty(kind);
+            // The first round finds how much memory the cases take.
+            let status = model.solve_into(&cases[0], WarmStart::None, &mut solution).unwrap();
+            assert_eq!(status, Status::Converged);
+            let mut count = 0;
+            for round in 0..2 {
+                for case in &cases {
+                    let info = allocation_counter::measure(|| {
+                        let solved = model.solve_into(case, WarmStart::Output, &mut solution);
+                        assert_eq!(solved, Ok(Status::Converged));
+                    });
+                    count += if round > 0 { info.count_total } else { 0 };
+                }
+            }
+            if count > 0 {
+                allocating.push((kind, name, count));
+            }
+        }
+    }
+    assert_eq!(allocating, []);
+}
+
+#[test]
+fn it_is_the_answer_of_a_solve_from_the_same_start() {
+    for kind in ModelKind::ALL {
+        for (name, robot, cases) in families(kind) {
+            let mut model = prepared(kind, &robot, &cases);
+            let mut solution = Solution::empty(kind);
+            let mut before: Option<Solution> = None;
+            for case in &cases {
+                let expected = model.solve(case, before.as_ref()).unwrap();
+                let from = if before.is_some() { WarmStart::Output } else { WarmStart::None };
+                assert_eq!(model.solve_into(case, from, &mut solution), Ok(Status::Converged));
+                assert_eq!(solution, expected, "{kind}: {name}");
+                let mut other = Solution::empty(kind);
+                let from = before.as_ref().into();
+                assert_eq!(model.solve_into(case, from, &mut other), Ok(Status::Converged));
+                assert_eq!(other, expected, "{kind}: {name}");
+                before = Some(expected);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_budget_of_one_iteration_a_cycle_comes_to_the_answer() {
+    for kind in ModelKind::ALL.into_iter().filter(|&kind| takes_loads(kind)) {
+        let robot = weighty(vec![straight(0.0)]);
+        let case = Case { loads: loads(), ..Case::with_tensions(&[3.0]) };
+        let expected = model(kind).solve(&robot, &case).unwrap();
+        let mut model = prepared(kind, &robot, std::slice::from_ref(&case));
+        let mut solution = Solution::empty(kind);
+        let start = Case { loads: loads(), ..Case::with_tensions(&[1.0]) };
+        assert_eq!(model.solve_into(&start, WarmStart::None, &mut solution), Ok(Status::Converged));
+        model.set_budget(Budget { iterations: 1, ..Budget::UNLIMITED });
+        let mut away = Vec::new();
+        for _ in 0..12 {
+            let status = model.solve_into(&case, WarmStart::Output, &mut solution).unwrap();
+            let far = solution.disks.distances(&expected.disks).fold(0.0, f64::max);
+            assert!(far.is_finite() && solution.diagnostics.residual.is_finite());
+            away.push((status, far, solution.diagnostics.residual));
+        }
+        // The first cycles leave a residual that tells so, and the next go on from there.
+        let (first, last) = (&away[0], &away[away.len() - 1]);
+        assert!(first.0 == Status::BudgetSpent && first.2 > 1e-6, "{kind}: {away:?}");
+        assert!(last.1 < 1e-5 * robot.backbone().length, "{kind}: {away:?}");
+    }
+}
+
+#[test]
+fn a_solve_whose_budget_is_spent_says_so() {
+    let robot = weighty(vec![straight(0.0)]);
+    let case = Case { loads: loads(), ..Case::with_tensions(&[3.0]) };
+    for kind in ModelKind::ALL.into_iter().filter(|&kind| takes_loads(kind)) {
+        let budget = Budget { iterations: 1, ..Budget::UNLIMITED };
+        let error = model(kind).with_budget(budget).solve(&robot, &case).unwrap_err();
+        let SolveError::BudgetSpent { iterations, .. } = error else { panic!("{kind}: {error}") };
+        assert_eq!(iterations, 1, "{kind}");
+        let budget = Budget { integration_steps: 3, ..Budget::UNLIMITED };
+        let error = model(kind).with_budget(budget).solve(&robot, &case).unwrap_err();
+        assert!(matches!(error, SolveError::BudgetSpent { .. }), "{kind}: {error}");
+        // What suffices changes nothing.
+        let expected = model(kind).solve(&robot, &case);
+        let ample = Budget { iterations: 1_000, integration_steps: 100_000 };
+        assert_eq!(model(kind).with_budget(ample).solve(&robot, &case), expected, "{kind}");
+    }
+}

@@ -1,0 +1,276 @@
+//! Derivatives of answers that touch obstacles, against differences of such answers, for both rods.
+
+use whipcord::derivatives::{Cotangent, Derivatives, Hold, Place};
+use whipcord::{
+    Actuation, Case, Model, ModelKind, Obstacle, Parameter, Prepared, Robot, Shortening, Solution,
+    Stations, Twist, Vec3,
+};
+
+use super::Rod;
+use crate::contact::{among, finger, sphere, wall};
+
+for_both_rods!(
+    a_disk_that_touches_a_wall,
+    the_backbone_on_a_ball,
+    a_contact_that_sticks,
+    a_contact_that_slides,
+    a_cable_of_given_length,
+    backward_is_forward_transposed,
+    what_touches_nothing_has_the_derivatives_of_the_robot_alone,
+    a_contact_that_is_about_to_open_says_so
+);
+
+/// Relative to the size of a change.
+const DISKS: f64 = 2e-6;
+
+impl Rod {
+    const fn kind(self) -> ModelKind {
+        match self {
+            Self::Continuous => ModelKind::Cosserat,
+            Self::Disks => ModelKind::CosseratDisks,
+        }
+    }
+
+    fn prepared(self, robot: &Robot, case: &Case) -> Prepared {
+        let stations = Stations::At(vec![0.03, 0.095, 0.18]);
+        let model = Model::new(self.kind(), stations, Actuation::Natural).with_tolerance(1e-8);
+        model.prepare(robot, &case.loads).unwrap()
+    }
+
+    fn differentiate(
+        self,
+        robot: &Robot,
+        case: &Case,
+        parameters: &[Parameter],
+    ) -> (Solution, Derivatives) {
+        self.prepared(robot, case).solve_with_derivatives(case, None, parameters).unwrap()
+    }
+}
+
+/// What a number changes of an answer, by differences of fourth order of answers from it: positions and tangents of the stations,
+/// and the lengths and tensions of the cables.
+fn difference(
+    rod: Rod,
+    base: &Solution,
+    is_cold: bool,
+    h: f64,
+    make: impl Fn(f64) -> (Robot, Case),
+) -> Vec<f64> {
+    let at = |x: f64| {
+        let (robot, case) = make(x);
+        let solution =
+            rod.prepared(&robot, &case).solve(&case, (!is_cold).then_some(base)).unwrap();
+        let touching = |solution: &Solution| -> Vec<_> {
+            solution.contacts.iter().map(|touch| (touch.part, touch.sticks)).collect()
+        };
+        assert_eq!(touching(&solution).len(), touching(base).len());
+        values(&solution)
+    };
+    let [a, b, c, d] = [h, -h, 2.0 * h, -2.0 * h].map(at);
+    (0..a.len()).map(|i| (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * h)).collect()
+}
+
+fn values(solution: &Solution) -> Vec<f64> {
+    let mut values = Vec::new();
+    for pose in &solution.shape.poses {
+        values.extend(pose.position.to_array());
+        values.extend(pose.rotation.rotate(Vec3::Z).to_array().map(|x| 0.1 * x));
+    }
+    for cable in &solution.cables {
+        values.extend([cable.length, 1e-3 * cable.tension.unwrap()]);
+    }
+    values
+}
+
+fn rates(solution: &Solution, change: &whipcord::derivatives::Change) -> Vec<f64> {
+    let mut rates = Vec::new();
+    for (k, pose) in solution.shape.poses.iter().enumerate() {
+        let Twist { linear, angular } = change.twist(Place::Station(k));
+        rates.extend(linear.to_array());
+        rates.extend(angular.cross(pose.rotation.rotate(Vec3::Z)).to_array().map(|x| 0.1 * x));
+    }
+    for (length, tension) in change.lengths().iter().zip(change.tensions()) {
+        rates.extend([*length, 1e-3 * tension]);
+    }
+    rates
+}
+
+#[track_caller]
+fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
+    let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    for (found, expected) in found.iter().zip(expected) {
+        let error = (found - expected).abs() / size;
+        assert!(error <= tolerance, "{found:e} {expected:e}: {error:e} of {size:e}");
+    }
+}
+
+/// By the command of the cable, a force on the tip and Young's modulus.
+fn check(rod: Rod, case: &Case, is_cold: bool, tolerance: f64) {
+    check_axes(rod, case, is_cold, tolerance, &[0, 1, 2]);
+}
+
+fn check_axes(rod: Rod, case: &Case, is_cold: bool, tolerance: f64, axes: &[usize]) {
+    let (solution, derivatives) = rod.differentiate(&finger(9), case, &[Parameter::YoungModulus]);
+    compare(rod, case, (&solution, &derivatives), is_cold, tolerance, axes);
+}
+
+fn compare(
+    rod: Rod,
+    case: &Case,
+    (solution, derivatives): (&Solution, &Derivatives),
+    is_cold: bool,
+    tolerance: f64,
+    axes: &[usize],
+) {
+    let robot = finger(9);
+    assert!(!solution.contacts.is_empty(), "nothing touches");
+    assert!(!derivatives.is_contact_about_to_change());
+    let command = difference(rod, solution, is_cold, 1e-3, |x| {
+        let mut case = case.clone();
+        let command = &mut case.commands[0];
+        match (command.tension, command.shortening) {
+            (Some(tension), _) => command.tension = Some(tension + x),
+            (_, Some(Shortening::Length(length))) => {
+                command.shortening = Some(Shortening::Length(length + 0.02 * x));
+            }
+            other => panic!("{other:?}"),
+        }
+        (robot.clone(), case)
+    });
+    let unit = if case.commands[0].tension.is_some() { 1.0 } else { 0.02 };
+    let found: Vec<f64> =
+        rates(solution, &derivatives.command(0)).iter().map(|rate| unit * rate).collect();
+    assert_close(&found, &command, tolerance);
+    for &component in axes {
+        let wrench = difference(rod, solution, is_cold, 2e-4, |x| {
+            let mut case = case.clone();
+            case.loads.tip_force[component] += x;
+            (robot.clone(), case)
+        });
+        let change = derivatives.wrench(Place::Tip, component, Hold::Commands);
+        assert_close(&rates(solution, &change), &wrench, tolerance);
+    }
+    let modulus = robot.backbone().material.young_modulus.unwrap();
+    let by_modulus = difference(rod, solution, is_cold, 1e-3, |x| {
+        Parameter::YoungModulus.moved(&robot, case, modulus * x).unwrap()
+    });
+    let change = derivatives.parameter(0, Hold::Commands);
+    let found: Vec<f64> = rates(solution, &change).iter().map(|rate| modulus * rate).collect();
+    assert_close(&found, &by_modulus, tolerance);
+}
+
+fn a_disk_that_touches_a_wall(rod: Rod) {
+    check(rod, &among(Case::with_tensions(&[3.0]), vec![wall(0.05)]), false, DISKS);
+}
+
+fn the_backbone_on_a_ball(rod: Rod) {
+    let case = among(Case::with_tensions(&[2.0]), vec![sphere(Vec3::new(0.04, 0.0, 0.105), 0.02)]);
+    check(rod, &case, false, 1e-3);
+}
+
+fn a_contact_that_sticks(rod: Rod) {
+    // It has slid as it was pulled, and sticks as it is let go a little.
+    let robot = finger(9);
+    let at = |tension| {
+        let obstacle = Obstacle { friction: 0.8, ..wall(0.05) };
+        among(Case::with_tensions(&[tension]), vec![obstacle])
+    };
+    let (pulled, case) = (at(3.0), at(2.6));
+    let mut model = rod.prepared(&robot, &pulled);
+    let before = model.solve(&pulled, None).unwrap();
+    let parameters = [Parameter::YoungModulus];
+    let (solution, derivatives) =
+        model.solve_with_derivatives(&case, Some(&before), &parameters).unwrap();
+    assert!(solution.contacts.iter().all(|touch| touch.sticks));
+    compare(rod, &case, (&solution, &derivatives), false, 1e-5, &[0, 1, 2]);
+}
+
+/// From rest, since what slides one way sticks the other; in the plane, since a force across turns the way it slides.
+fn a_contact_that_slides(rod: Rod) {
+    let obstacle = Obstacle { friction: 0.1, ..wall(0.05) };
+    // It slides up the wall as it is pulled.
+    check_axes(rod, &among(Case::with_tensions(&[3.0]), vec![obstacle]), true, 1e-4, &[0, 2]);
+}
+
+fn a_cable_of_given_length(rod: Rod) {
+    let case = Case::with_shortenings(&[Shortening::Length(0.006)]);
+    check(rod, &among(case, vec![wall(0.05)]), false, DISKS);
+}
+
+fn backward_is_forward_transposed(rod: Rod) {
+    let robot = finger(9);
+    let parameters = [Parameter::YoungModulus, Parameter::PoissonRatio];
+    for obstacle in [wall(0.05), Obstacle { friction: 5.0, ..wall(0.05) }] {
+        let case = among(Case::with_tensions(&[3.0]), vec![obstacle]);
+        let (_, derivatives) = rod.differentiate(&robot, &case, &parameters);
+        let twist =
+            Twist { linear: Vec3::new(0.3, -1.2, 0.7), angular: Vec3::new(0.02, 0.05, -0.01) };
+        let cotangent = Cotangent {
+            places: vec![(Place::Tip, twist), (Place::Station(1), twist * -0.4)],
+            lengths: vec![0.9],
+            tensions: vec![0.1],
+            ..Cotangent::default()
+        };
+        for hold in [Hold::Commands, Hold::Lengths] {
+            let gradient = derivatives.pull_back(&cotangent, hold);
+            let worth = |change: &whipcord::derivatives::Change| {
+                let places: f64 = cotangent
+                    .places
+                    .iter()
+                    .map(|(at, by)| {
+                        let moved = change.twist(*at);
+                        moved.linear.dot(by.linear) + moved.angular.dot(by.angular)
+                    })
+                    .sum();
+                places + 0.9 * change.lengths()[0] + 0.1 * change.tensions()[0]
+            };
+            for p in 0..parameters.len() {
+                let forward = worth(&derivatives.parameter(p, hold));
+                assert_close(&[gradient.parameters[p]], &[forward], 1e-9);
+            }
+            for component in 0..6 {
+                let forward = worth(&derivatives.wrench(Place::Station(0), component, hold));
+                let Vec3 { x, y, z } = match component {
+                    0..3 => gradient.wrench(Place::Station(0)).force,
+                    _ => gradient.wrench(Place::Station(0)).moment,
+                };
+                assert_close(&[[x, y, z][component % 3]], &[forward], 1e-8);
+            }
+            assert_close(&gradient.commands, &[worth(&derivatives.command(0))], 1e-9);
+        }
+    }
+}
+
+fn what_touches_nothing_has_the_derivatives_of_the_robot_alone(rod: Rod) {
+    let robot = finger(9);
+    let alone = Case::with_tensions(&[3.0]);
+    let (_, expected) = rod.differentiate(&robot, &alone, &[Parameter::YoungModulus]);
+    let case = among(alone, vec![wall(0.3)]);
+    let (solution, found) = rod.differentiate(&robot, &case, &[Parameter::YoungModulus]);
+    assert!(solution.contacts.is_empty());
+    assert_close(
+        &rates(&solution, &found.parameter(0, Hold::Commands)),
+        &rates(&solution, &expected.parameter(0, Hold::Commands)),
+        1e-8,
+    );
+}
+
+/// Where the last disk just touches the wall, and nothing pushes.
+fn a_contact_that_is_about_to_open_says_so(rod: Rod) {
+    let robot = finger(9);
+    let alone = Case::with_tensions(&[3.0]);
+    let free = rod.prepared(&robot, &alone).solve(&alone, None).unwrap();
+    let mut at = free.shape.tip().position.x;
+    let near = |at: f64| among(Case::with_tensions(&[3.0]), vec![wall(at)]);
+    // The rim stands out from the centre: down to where it pushes with next to nothing.
+    let (mut open, mut pushed) = (at + 0.02, at);
+    for _ in 0..60 {
+        at = 0.5 * (open + pushed);
+        let case = near(at);
+        let solution = rod.prepared(&robot, &case).solve(&case, None).unwrap();
+        if solution.contacts.is_empty() { open = at } else { pushed = at }
+    }
+    let (solution, derivatives) = rod.differentiate(&robot, &near(pushed), &[]);
+    assert_eq!(solution.contacts.len(), 1);
+    assert!(derivatives.is_contact_about_to_change());
+}
