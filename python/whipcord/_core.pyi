@@ -120,6 +120,7 @@ class Model:
         steps: int | None = None,
         stability: bool | str | None = None,
         residual: float | None = None,
+        max_iterations: int | None = None,
         objective: str | None = None,
         chord: str | None = None,
         length_rule: str | None = None,
