@@ -385,7 +385,7 @@ def test_a_buckled_column_has_three_equilibria(model: str) -> None:
 
 def test_a_model_without_loads_has_no_branches(case: whipcord.Case) -> None:
     with pytest.raises(errors.ModelError, match="use cosserat"):
-        case.branches(model="constant-curvature", shortening=[0.001] * len(case.robot.cables))
+        case.branches(model="four-bar", shortening=[0.001] * len(case.robot.cables))
 
 
 def test_models_are_compared(case: whipcord.Case) -> None:

@@ -7,6 +7,7 @@
 mod arcsine;
 mod bounded;
 mod dense;
+mod differences;
 pub mod lanes;
 pub mod least_squares;
 mod magnus;
@@ -25,6 +26,7 @@ mod vec3;
 pub use arcsine::asin_ratio;
 pub use bounded::BoundedQuadratic;
 pub use dense::{DenseLu, Singular, symmetric_eigenvalues};
+pub use differences::derivative;
 pub use magnus::magnus_6;
 pub use mat3::{Ldlt3, Mat3};
 pub use orthogonal::SingularValues;

@@ -1,4 +1,4 @@
-//! Exact derivatives of an answer: of the Cosserat rods by all, of the four-bar model by the lengths.
+//! Exact derivatives of an answer: of models in equilibrium under loads by all, of the four-bar model by the lengths.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::derivatives::{Change, Cotangent, Hold, Place};
-use whipcord::{Case, ModelKind, Prepared, Twist, UnitQuaternion, Vec3, four_bar};
+use whipcord::{Case, Linearization, ModelKind, Prepared, Twist, UnitQuaternion, Vec3, four_bar};
 
 use crate::convert::{array, matrix6, square, twist};
 use crate::errors;
@@ -27,7 +27,7 @@ pub struct Derivatives {
 /// Those of the model that answers.
 enum Inner {
     /// In the frame of the base.
-    Rod(Box<whipcord::derivatives::Derivatives>),
+    All(Linearization),
     /// In that of the positions; by shortenings alone.
     FourBar(four_bar::Derivatives),
 }
@@ -52,12 +52,12 @@ pub fn derivatives(
     let of = Arc::clone(&case);
     let answer = Setup::watched(setup, model, move |prepared| {
         match prepared {
-            Prepared::Cosserat(..) | Prepared::CosseratDisks(..) => {}
+            Prepared::Cosserat(..) | Prepared::CosseratDisks(..) | Prepared::Linkage(..) => {}
             Prepared::FourBar(model, workspace) if parameters.is_empty() => {
                 let (solution, inner) = model.solve_with_derivatives(&of, workspace)?;
                 return Ok(Some((solution, Inner::FourBar(inner))));
             }
-            _ => return Ok(None),
+            Prepared::FourBar(..) | Prepared::ConstantCurvature(..) => return Ok(None),
         }
         let mut left = None;
         if start.is_none() {
@@ -68,7 +68,7 @@ pub fn derivatives(
         let start = start.as_deref().or(left.as_ref());
         let last = Case { before: Vec::new(), ..(*of).clone() };
         let (solution, inner) = prepared.solve_with_derivatives(&last, start, &parameters)?;
-        Ok(Some((solution, Inner::Rod(Box::new(inner)))))
+        Ok(Some((solution, Inner::All(inner))))
     })?;
     let Some((solution, inner)) = answer else {
         let what = match model.inner.kind() {
@@ -93,16 +93,16 @@ impl Derivatives {
     fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let cables = self.solution.cables.len();
         match &self.inner {
-            Inner::Rod(rod) => self
-                .stations(py, cables, |k| self.in_world(rod.actuation_jacobian(Place::Station(k)))),
+            Inner::All(all) => self
+                .stations(py, cables, |k| self.in_world(all.actuation_jacobian(Place::Station(k)))),
             Inner::FourBar(sections) => self.stations(py, cables, |k| sections.station(k).to_vec()),
         }
     }
 
     /// (n, 6, c) motion of every station with the tension of each cable.
     fn tensions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let (rod, cables) = (self.rod(py, TENSIONS)?, self.solution.cables.len());
-        self.stations(py, cables, |k| self.in_world(rod.tension_jacobian(Place::Station(k))))
+        let (all, cables) = (self.all(py, TENSIONS)?, self.solution.cables.len());
+        self.stations(py, cables, |k| self.in_world(all.tension_jacobian(Place::Station(k))))
     }
 
     /// (n, 6, p) motion of every station with each parameter.
@@ -131,13 +131,13 @@ impl Derivatives {
 
     /// (c, c) rates of the cables' lengths with their tensions.
     fn length_by_tension<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        square(py, &self.rod(py, TENSIONS)?.length_by_tension())
+        square(py, &self.all(py, TENSIONS)?.length_by_tension())
     }
 
     /// (c, c) rates of the cables' lengths with their commands.
     fn length_by_command<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         match &self.inner {
-            Inner::Rod(rod) => square(py, &rod.length_by_command()),
+            Inner::All(all) => square(py, &all.length_by_command()),
             Inner::FourBar(sections) => {
                 let cables = 0..self.solution.cables.len();
                 let rows: Vec<_> = cables.map(|cable| sections.length(cable).to_vec()).collect();
@@ -155,7 +155,7 @@ impl Derivatives {
         hold: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let compliance =
-            self.rod(py, YIELDS)?.compliance(self.place(py, station)?, held(py, hold)?);
+            self.all(py, YIELDS)?.compliance(self.place(py, station)?, held(py, hold)?);
         matrix6(py, &compliance.map_err(|error| errors::solve(py, &error))?)
     }
 
@@ -167,7 +167,7 @@ impl Derivatives {
         station: Option<&Bound<'py, PyAny>>,
         hold: &str,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let stiffness = self.rod(py, YIELDS)?.stiffness(self.place(py, station)?, held(py, hold)?);
+        let stiffness = self.all(py, YIELDS)?.stiffness(self.place(py, station)?, held(py, hold)?);
         let stiffness = stiffness.map_err(|error| errors::solve(py, &error))?;
         stiffness.map(|matrix| matrix6(py, &matrix)).transpose()
     }
@@ -184,7 +184,7 @@ impl Derivatives {
         tension: Option<PyReadonlyArray1<'py, f64>>,
         length: Option<PyReadonlyArray1<'py, f64>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (hold, rod) = (held(py, hold)?, self.rod(py, "gradients of scalars")?);
+        let (hold, all) = (held(py, hold)?, self.all(py, "gradients of scalars")?);
         let (stations, cables) = (self.solution.shape.poses.len(), self.solution.cables.len());
         let mut places = vec![Twist::default(); stations];
         let vectors = |array: Option<&PyReadonlyArray2<'py, f64>>, name: &str| {
@@ -225,7 +225,7 @@ impl Derivatives {
             tensions: of_cables(tension.as_ref(), "tension")?,
             ..Cotangent::default()
         };
-        let gradient = rod.pull_back(&cotangent, hold);
+        let gradient = all.pull_back(&cotangent, hold);
         let wrenches = (0..stations).flat_map(|station| {
             let wrench = gradient.wrench(Place::Station(station));
             twist(self.turned(Twist { linear: wrench.force, angular: wrench.moment }))
@@ -244,17 +244,17 @@ impl Derivatives {
 }
 
 impl Derivatives {
-    /// What only the Cosserat rods know.
-    fn rod(&self, py: Python<'_>, what: &str) -> PyResult<&whipcord::derivatives::Derivatives> {
+    /// What models in equilibrium under loads know.
+    fn all(&self, py: Python<'_>, what: &str) -> PyResult<&Linearization> {
         match &self.inner {
-            Inner::Rod(rod) => Ok(rod),
+            Inner::All(all) => Ok(all),
             Inner::FourBar(_) => Err(errors::not_by(py, self.solution.model, what)),
         }
     }
 
     fn changes(&self, py: Python<'_>, hold: Hold) -> PyResult<Vec<Change>> {
-        let rod = self.rod(py, "derivatives by parameters")?;
-        Ok((0..self.parameters).map(|i| rod.parameter(i, hold)).collect())
+        let all = self.all(py, "derivatives by parameters")?;
+        Ok((0..self.parameters).map(|i| all.parameter(i, hold)).collect())
     }
 
     fn turned(&self, Twist { linear, angular }: Twist) -> Twist {

@@ -50,6 +50,7 @@ pub use case::{
 };
 pub use error::{LengthMiss, Obstruction, SolveError};
 pub use kind::{CommandDerivatives, ModelKind};
+pub use linearization::Linearization;
 pub use model::{Differentiable, Model, Prepared, at_rest};
 pub use obstacle::{Form, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};

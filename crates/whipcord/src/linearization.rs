@@ -1,27 +1,203 @@
 //! Answers with their derivatives, of any model that has them.
 
+use whipcord_numerics::Twist;
+
 use crate::case::Case;
-use crate::derivatives::Derivatives;
+use crate::derivatives::{
+    Change, CoordinateDerivatives, Cotangent, Derivatives, Gradient, Hold, Place,
+};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::kinematics::{Local, Matrix6};
 use crate::model::{Model, Prepared};
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Robot};
 use crate::shape::Solution;
+use crate::statics::options::StabilityAnalysis;
+
+/// The derivatives of one answer, of whatever model: by commands, tensions, loads at any place and parameters, with tensions
+/// held, lengths locked or commands kept, forward and in reverse, and among the contacts that hold the answer.
+///
+/// Motions and wrenches are in the frame of the base; see [`Derivatives`].
+///
+/// ```
+/// use whipcord::derivatives::{Hold, Place};
+/// use whipcord::{Actuation, Backbone, Cable, Case, Disks, Loads, Material, Robot, Routing, Section};
+/// use whipcord::{Model, ModelKind, Parameter, Stations};
+///
+/// let material =
+///     Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Default::default() };
+/// let backbone = Backbone { section: Some(Section::circle(0.003)), material, ..Backbone::new(0.18) };
+/// let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+/// let robot = Robot::new(backbone, Disks::equally_spaced(0.18, 10, 0.008), vec![cable])?;
+/// let case = Case::with_tensions(&[3.0]);
+/// for kind in [ModelKind::CosseratDisks, ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody] {
+///     let model = Model::new(kind, Stations::default(), Actuation::Natural);
+///     let mut model = model.prepare(&robot, &Loads::default())?;
+///     let solution = model.solve(&case, None)?;
+///     let derivatives = model.linearize(&case, &solution, &[Parameter::YoungModulus])?;
+///     // Twice as stiff is as half as much tension.
+///     let by_tension = derivatives.command(0).twist(Place::Tip).linear.x * 3.0;
+///     let by_modulus = derivatives.parameter(0, Hold::Commands).twist(Place::Tip).linear.x * 1.1e9;
+///     assert!((by_tension + by_modulus).abs() < 1e-3 * by_tension);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub enum Linearization {
+    /// Of a Cosserat rod.
+    Rod(Box<Derivatives>),
+    /// Of a model that has generalised coordinates for a rod.
+    Coordinates(Box<CoordinateDerivatives>),
+}
+
+/// Asks whichever it is.
+macro_rules! ask {
+    ($self:ident . $method:ident ( $($argument:expr),* )) => {
+        match $self {
+            Self::Rod(derivatives) => derivatives.$method($($argument),*),
+            Self::Coordinates(derivatives) => derivatives.$method($($argument),*),
+        }
+    };
+}
+
+impl Linearization {
+    /// How the answer changes with the command of a cable: its tension in N where that drives it,
+    /// else its shortening in m. All other commands are held. A cable that is slack moves nothing.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn command(&self, cable: usize) -> Change {
+        ask!(self.command(cable))
+    }
+
+    /// How the answer changes with the tension of a cable in N, all other tensions held.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn tension(&self, cable: usize) -> Change {
+        ask!(self.tension(cable))
+    }
+
+    /// How the answer changes with a parameter, by its number in the list that was asked for.
+    ///
+    /// # Panics
+    /// When no parameter has this number.
+    #[must_use]
+    pub fn parameter(&self, index: usize, hold: Hold) -> Change {
+        ask!(self.parameter(index, hold))
+    }
+
+    /// How the answer changes with a component of a dead wrench at a place, base frame: force in N
+    /// along x, y, z, then moment in N·m about x, y, z.
+    ///
+    /// # Panics
+    /// When there is no such station or disk, or the component is none of 0 to 5.
+    #[must_use]
+    pub fn wrench(&self, at: Place, component: usize, hold: Hold) -> Change {
+        ask!(self.wrench(at, component, hold))
+    }
+
+    /// The actuation Jacobian of a place: for the command of each cable ([`Self::command`]) the
+    /// velocity of the place's point and its angular velocity, base frame.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    #[must_use]
+    pub fn actuation_jacobian(&self, at: Place) -> Vec<Twist> {
+        ask!(self.actuation_jacobian(at))
+    }
+
+    /// The Jacobian of a place by the tensions of all cables in N, whatever drives them.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    #[must_use]
+    pub fn tension_jacobian(&self, at: Place) -> Vec<Twist> {
+        ask!(self.tension_jacobian(at))
+    }
+
+    /// How the length of each cable changes with the command of each, in m by N of tension or m of
+    /// shortening: by rows of lengths.
+    #[must_use]
+    pub fn length_by_command(&self) -> Vec<Vec<f64>> {
+        ask!(self.length_by_command())
+    }
+
+    /// How the lengths of the cables change with their tensions in m/N, all others held: by rows of
+    /// lengths. Symmetric and not positive under dead forces.
+    #[must_use]
+    pub fn length_by_tension(&self) -> Vec<Vec<f64>> {
+        ask!(self.length_by_tension())
+    }
+
+    /// The compliance of a place: its motion under a dead wrench that is applied to it.
+    ///
+    /// # Errors
+    /// [`SolveError::NoDerivatives`] where the robot is so near to buckling that it is not finite.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    pub fn compliance(&self, at: Place, hold: Hold) -> Result<Matrix6, SolveError> {
+        ask!(self.compliance(at, hold))
+    }
+
+    /// The stiffness of a place, the inverse of its compliance; `None` where it cannot move in every
+    /// direction, as at the base.
+    ///
+    /// # Errors
+    /// As [`Self::compliance`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    pub fn stiffness(&self, at: Place, hold: Hold) -> Result<Option<Matrix6>, SolveError> {
+        ask!(self.stiffness(at, hold))
+    }
+
+    /// All that is to be said of one place.
+    ///
+    /// # Errors
+    /// As [`Self::compliance`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    pub fn at(&self, place: Place) -> Result<Local, SolveError> {
+        ask!(self.at(place))
+    }
+
+    /// The gradient of a scalar by every command, parameter and dead wrench, from its sensitivity to
+    /// the answer: one sweep, whatever the number of parameters. `hold` is what is held when a
+    /// parameter or a wrench changes.
+    ///
+    /// # Panics
+    /// When the cotangent names a station or disk that there is not.
+    #[must_use]
+    pub fn pull_back(&self, cotangent: &Cotangent, hold: Hold) -> Gradient {
+        ask!(self.pull_back(cotangent, hold))
+    }
+
+    /// Whether a contact of the answer is about to open or to close, to stick or to slide: it has a kink there, and these are the
+    /// derivatives of the side that the answer is on.
+    #[must_use]
+    pub const fn is_contact_about_to_change(&self) -> bool {
+        ask!(self.is_contact_about_to_change())
+    }
+}
 
 impl Model {
     /// Whether it differentiates its answers exactly by commands, loads and parameters
-    /// ([`Prepared::solve_with_derivatives`]).
+    /// ([`Prepared::linearize`]).
     #[must_use]
     pub fn has_derivatives(&self, robot: &Robot) -> bool {
         let slides = || !robot.cables().iter().any(Cable::has_friction);
         match self {
-            Self::Cosserat(_) => true,
+            Self::Cosserat(_) | Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
+                true
+            }
             Self::CosseratDisks(_) => slides(),
-            Self::FourBar(_)
-            | Self::ConstantCurvature(_)
-            | Self::PiecewiseConstantCurvature(_)
-            | Self::PseudoRigidBody(_) => false,
+            Self::FourBar(_) | Self::ConstantCurvature(_) => false,
         }
     }
 }
@@ -39,7 +215,7 @@ impl Prepared {
         case: &Case,
         warm_start: Option<&Solution>,
         parameters: &[Parameter],
-    ) -> Result<(Solution, Derivatives), SolveError> {
+    ) -> Result<(Solution, Linearization), SolveError> {
         let unsupported = |model: ModelKind| SolveError::Unsupported {
             model,
             path: "a request for derivatives by loads and parameters".to_owned(),
@@ -47,15 +223,49 @@ impl Prepared {
             advice: "use cosserat or cosserat-disks, or differences of answers",
         };
         match self {
-            Self::Cosserat(model, workspace) => {
-                model.solve_with_derivatives(case, warm_start, parameters, workspace)
-            }
-            Self::CosseratDisks(model, workspace) => {
-                model.solve_with_derivatives(case, warm_start, parameters, workspace)
-            }
+            Self::Cosserat(model, workspace) => model
+                .solve_with_derivatives(case, warm_start, parameters, workspace)
+                .map(|(solution, of)| (solution, Linearization::Rod(Box::new(of)))),
+            Self::CosseratDisks(model, workspace) => model
+                .solve_with_derivatives(case, warm_start, parameters, workspace)
+                .map(|(solution, of)| (solution, Linearization::Rod(Box::new(of)))),
+            Self::Linkage(model, workspace) => model
+                .solve_with_derivatives(case, warm_start, parameters, workspace)
+                .map(|(solution, of)| (solution, Linearization::Coordinates(Box::new(of)))),
             Self::FourBar(..) => Err(unsupported(ModelKind::FourBar)),
             Self::ConstantCurvature(..) => Err(unsupported(ModelKind::ConstantCurvature)),
-            Self::Linkage(model, _) => Err(unsupported(model.kind())),
+        }
+    }
+
+    /// The derivatives of the answer to a case, from that answer: the model is not built anew, and of the solve only the
+    /// iteration is left that finds the answer again. Of a solution that is no answer to the case they are those of the
+    /// equilibrium near it.
+    ///
+    /// # Errors
+    /// As [`Self::solve_with_derivatives`].
+    pub fn linearize(
+        &mut self,
+        case: &Case,
+        solution: &Solution,
+        parameters: &[Parameter],
+    ) -> Result<Linearization, SolveError> {
+        // Stability is known of the solution, or not asked for.
+        let asked =
+            self.stability_mut().map(|asked| core::mem::replace(asked, StabilityAnalysis::Off));
+        let found = self.solve_with_derivatives(case, Some(solution), parameters);
+        if let (Some(stability), Some(asked)) = (self.stability_mut(), asked) {
+            *stability = asked;
+        }
+        found.map(|(_, linearization)| linearization)
+    }
+
+    /// What is asked of the stability of answers; `None` of models that know nothing of it.
+    fn stability_mut(&mut self) -> Option<&mut StabilityAnalysis> {
+        match self {
+            Self::Cosserat(model, _) => Some(model.stability_mut()),
+            Self::CosseratDisks(model, _) => Some(model.stability_mut()),
+            Self::Linkage(model, _) => Some(model.stability_mut()),
+            Self::FourBar(..) | Self::ConstantCurvature(..) => None,
         }
     }
 }

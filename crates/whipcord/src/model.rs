@@ -470,7 +470,7 @@ pub trait Differentiable: Statics {
     ///
     /// # Errors
     /// As [`Statics::solve`]; [`SolveError::Invalid`] for a place that is not on the backbone,
-    /// [`SolveError::Unsupported`] for hole friction and among obstacles, and
+    /// [`SolveError::Unsupported`] for hole friction, and among obstacles of the geometric models, and
     /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
     fn solve_at(
         &self,
@@ -518,8 +518,10 @@ impl Model {
         warm_start: Option<&Solution>,
     ) -> Result<(Solution, Local), SolveError> {
         let model = match self {
-            Self::Cosserat(_) | Self::CosseratDisks(_) => self.at(Stations::At(vec![arc_length])),
-            Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => self.clone(),
+            Self::Cosserat(_)
+            | Self::CosseratDisks(_)
+            | Self::PiecewiseConstantCurvature(_)
+            | Self::PseudoRigidBody(_) => self.at(Stations::At(vec![arc_length])),
             Self::FourBar(options) => {
                 return four_bar::solve_at(options, robot, case, arc_length);
             }
@@ -535,7 +537,9 @@ impl Model {
             left = Some(prepared.solve(&step, left.as_ref())?);
         }
         let last = Case { before: Vec::new(), ..case.clone() };
-        if let Prepared::Linkage(model, workspace) = &mut prepared {
+        if let Prepared::Linkage(model, workspace) = &mut prepared
+            && case.obstacles.is_empty()
+        {
             return model.solve_at(&last, arc_length, left.as_ref(), workspace);
         }
         let (solution, derivatives) = prepared.solve_with_derivatives(&last, left.as_ref(), &[])?;

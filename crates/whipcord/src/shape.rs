@@ -57,6 +57,19 @@ pub struct Wrench {
     pub moment: Vec3,
 }
 
+impl Wrench {
+    /// `self += f · other`.
+    pub(crate) fn add(&mut self, f: f64, other: &Self) {
+        self.force += other.force * f;
+        self.moment += other.moment * f;
+    }
+
+    /// Product of the components.
+    pub(crate) fn dot(&self, other: &Self) -> f64 {
+        self.force.dot(other.force) + self.moment.dot(other.moment)
+    }
+}
+
 /// Why an answer has no stability value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoStability {

@@ -7,8 +7,9 @@ use super::error::NoAnswerReason;
 use super::forward::{Forward, Marker};
 use super::quantity::Quantity;
 use super::{Experiment, Unknown};
+use whipcord::Linearization;
 use whipcord::case::{LoadFrame, Shortening};
-use whipcord::derivatives::{Change, Derivatives, Hold, Place};
+use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::model::Model;
 use whipcord::parameter::Parameter;
 use whipcord::robot::Robot;
@@ -88,7 +89,7 @@ impl Forward<'_> {
         let observed: Vec<usize> =
             self.experiments[experiment].observations.iter().map(|seen| seen.step).collect();
         let (prepared, case) = self.prepare(experiment, x)?;
-        let mut answers: Vec<(Solution, Option<Derivatives>)> = Vec::new();
+        let mut answers: Vec<(Solution, Option<Linearization>)> = Vec::new();
         match prepared {
             prepared if asks => {
                 for (k, step) in case.single_steps().enumerate() {

@@ -33,6 +33,7 @@ mod scene;
 mod step;
 
 pub(crate) use free_path::{Unobstructed, solve_free};
+pub(crate) use holding::Holding;
 pub(crate) use model::{is_same_shape, with_pushes};
 pub(crate) use path::{solve, solve_holding};
 pub(crate) use pushed_places::PushedPlaces;

@@ -139,6 +139,10 @@ impl Cosserat {
         self.options.budget = budget;
     }
 
+    pub(crate) const fn stability_mut(&mut self) -> &mut StabilityAnalysis {
+        &mut self.options.stability
+    }
+
     pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
         &mut self.options.cancel
     }

@@ -16,7 +16,7 @@ impl Derivatives {
     /// When there is no such station or disk.
     #[must_use]
     pub fn actuation_jacobian(&self, at: Place) -> Vec<Twist> {
-        let node = self.places.node(at);
+        let node = self.places.number(at);
         self.jacobian(|cable| self.twist_of(node, &self.tensions_by_command(cable)))
     }
 
@@ -58,7 +58,7 @@ impl Derivatives {
     /// When there is no such station or disk.
     #[must_use]
     pub fn tension_jacobian(&self, at: Place) -> Vec<Twist> {
-        let node = self.places.node(at);
+        let node = self.places.number(at);
         self.jacobian(|cable| self.by_tension[self.place_of[cable]].nodes[node].twist())
     }
 
@@ -83,7 +83,7 @@ impl Derivatives {
     /// # Panics
     /// When there is no such station or disk.
     pub fn compliance(&self, at: Place, hold: Hold) -> Result<Matrix6, crate::SolveError> {
-        let node = self.places.node(at);
+        let node = self.places.number(at);
         let mut columns = [Twist::default(); 6];
         for (component, column) in columns.iter_mut().enumerate() {
             let raw = self.raw(Source::Wrench { node, component });

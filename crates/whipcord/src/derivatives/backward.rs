@@ -34,8 +34,8 @@ pub struct Gradient {
     /// To each parameter that was asked for.
     pub parameters: Vec<f64>,
     /// To a dead force and moment at each place, base frame, by [`Gradient::wrench`].
-    nodes: Vec<Wrench>,
-    places: Places,
+    pub(super) wrenches: Vec<Wrench>,
+    pub(super) places: Places,
 }
 
 impl Derivatives {
@@ -59,7 +59,7 @@ impl Derivatives {
         let lengths = at_place(&cotangent.lengths);
         let mut nodes = vec![NodeChange::default(); self.steps.len() + 1];
         for (at, twist) in &cotangent.places {
-            let node = &mut nodes[self.places.node(*at)];
+            let node = &mut nodes[self.places.number(*at)];
             node.position += twist.linear;
             node.turn += twist.angular;
         }
@@ -136,15 +136,12 @@ impl Derivatives {
                     stages.iter().enumerate().map(|(i, pull)| pull.dot(&partial.forcing(i))).sum();
                 let longer: f64 = partial.lengths.iter().zip(&lengths).map(|(a, b)| a * b).sum();
                 let asked: f64 = partial.targets.iter().zip(&by_length).map(|(a, b)| a * b).sum();
-                let added = partial.added.map_or(0.0, |(node, wrench)| {
-                    wrenches[node].force.dot(wrench.force)
-                        + wrenches[node].moment.dot(wrench.moment)
-                });
+                let added = partial.added.map_or(0.0, |(node, wrench)| wrenches[node].dot(&wrench));
                 let at_base = at_base.force.dot(partial.at_node(0).force);
                 within + acting + longer + asked + added + at_base
             })
             .collect();
-        Gradient { commands, parameters, nodes: wrenches, places: self.places.clone() }
+        Gradient { commands, parameters, wrenches, places: self.places.clone() }
     }
 }
 
@@ -200,6 +197,6 @@ impl Gradient {
     /// When there is no such station or disk.
     #[must_use]
     pub fn wrench(&self, at: Place) -> Wrench {
-        self.nodes[self.places.node(at)]
+        self.wrenches[self.places.number(at)]
     }
 }

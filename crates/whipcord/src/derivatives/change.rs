@@ -3,7 +3,6 @@
 use whipcord_numerics::Twist;
 
 use super::Place;
-use super::elimination::NodeChange;
 use crate::section::Strain;
 use crate::shape::Wrench;
 
@@ -11,7 +10,9 @@ use crate::shape::Wrench;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     pub(super) places: Places,
-    pub(super) nodes: Vec<NodeChange>,
+    /// Of the places.
+    pub(super) twists: Vec<Twist>,
+    /// Of the places; empty where the model has no strains.
     pub(super) strains: Vec<Strain>,
     pub(super) base: Wrench,
     /// By cables of the robot.
@@ -19,7 +20,7 @@ pub struct Change {
     pub(super) tensions: Vec<f64>,
 }
 
-/// Nodes of the grid that have names.
+/// The numbers of the places that have names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Places {
     pub stations: Vec<usize>,
@@ -34,17 +35,18 @@ impl Change {
     /// When there is no such station or disk.
     #[must_use]
     pub fn twist(&self, at: Place) -> Twist {
-        self.nodes[self.places.node(at)].twist()
+        self.twists[self.places.number(at)]
     }
 
     /// Rates of the strains `v` and `u` at a place, body frame: just behind it, and at the tip just
-    /// in front of it.
+    /// in front of it. `None` of a model that has sections for a rod.
     ///
     /// # Panics
     /// When there is no such station or disk.
     #[must_use]
-    pub fn strain(&self, at: Place) -> Twist {
-        self.strains[self.places.node(at)]
+    pub fn strain(&self, at: Place) -> Option<Twist> {
+        let number = self.places.number(at);
+        (!self.strains.is_empty()).then(|| self.strains[number])
     }
 
     /// Rates of the lengths of the cables in m.
@@ -67,7 +69,7 @@ impl Change {
 }
 
 impl Places {
-    pub fn node(&self, at: Place) -> usize {
+    pub fn number(&self, at: Place) -> usize {
         match at {
             Place::Station(i) => self.stations[i],
             Place::Disk(i) => self.disks[i],

@@ -179,7 +179,7 @@ impl Derivatives {
             strains,
             base: changed.base,
             lengths: of_robot(&changed.lengths),
-            nodes: changed.nodes,
+            twists: changed.nodes.iter().map(NodeChange::twist).collect(),
             tensions: of_robot(tensions),
         }
     }
@@ -293,7 +293,7 @@ impl Derivatives {
     #[must_use]
     pub fn wrench(&self, at: Place, component: usize, hold: Hold) -> Change {
         assert!(component < 6, "a wrench has six components, none of which is {component}");
-        let node = self.places.node(at);
+        let node = self.places.number(at);
         self.completed(Source::Wrench { node, component }, hold, &[])
     }
 }
@@ -312,8 +312,7 @@ impl Raw {
         for (length, by) in self.lengths.iter_mut().zip(&other.lengths) {
             *length += f * by;
         }
-        self.base.force += f * other.base.force;
-        self.base.moment += f * other.base.moment;
+        self.base.add(f, &other.base);
         self.pushes.resize(self.pushes.len().max(other.pushes.len()), 0.0);
         for (push, by) in self.pushes.iter_mut().zip(&other.pushes) {
             *push += f * by;
@@ -324,7 +323,7 @@ impl Raw {
     pub fn worth(&self, nodes: &[NodeChange], lengths: &[f64], base: &Wrench) -> f64 {
         let moved: f64 = self.nodes.iter().zip(nodes).map(|(a, b)| a.dot(b)).sum();
         let longer: f64 = self.lengths.iter().zip(lengths).map(|(a, b)| a * b).sum();
-        moved + longer + self.base.force.dot(base.force) + self.base.moment.dot(base.moment)
+        moved + longer + self.base.dot(base)
     }
 
     pub fn is_finite(&self) -> bool {

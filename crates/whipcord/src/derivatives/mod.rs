@@ -7,7 +7,8 @@
 //! is the choice between them. `elimination` solves the linear problem between base and tip; `partials`
 //! says where a parameter enters, with `mass_change` and `spread_change`; `touching` adds what the contacts of an answer push; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
 //! what one source changes, `change` is what comes out, `at_place` what is said of one place. Where cables run straight
-//! from disk to disk, `spans` makes one map of the steps between two disks and of the cables.
+//! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. `coordinates` has the same of
+//! models that have generalised coordinates for a rod.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
 //! [`crate::cosserat::Cosserat::solve`] on the same steps to rounding, and with those of the rod to its
@@ -19,6 +20,7 @@ mod at_place;
 mod backward;
 mod change;
 mod columns;
+mod coordinates;
 mod elimination;
 mod forward;
 mod linear;
@@ -37,6 +39,10 @@ pub use self::change::Change;
 use self::change::Places;
 pub(crate) use self::columns::unit_wrench;
 use self::columns::{Raw, Source};
+pub use self::coordinates::CoordinateDerivatives;
+pub(crate) use self::coordinates::{
+    CoordinateCable, LinearSystem, ParameterChange, SolvedCoordinates,
+};
 use self::elimination::Elimination;
 pub(crate) use self::elimination::NodeChange;
 use self::forward::Maps;

@@ -12,7 +12,7 @@ use super::spread_change::SpreadChange;
 use crate::case::{Case, Shortening};
 use crate::parameter::RouteChange;
 use crate::parameter::{Parameter, StiffnessPart};
-use crate::robot::{Robot, RobotError, Routing, SectionProperties};
+use crate::robot::{Robot, RobotError, SectionProperties};
 use crate::section::{BodyWrench, Crossing, Stiffness, Strain};
 use crate::shape::Wrench;
 use crate::statics::grid::{Grid, Node, SHOOTING_NODES, Step};
@@ -99,7 +99,7 @@ impl Partial {
         parameter: &Parameter,
     ) -> Result<Self, RobotError> {
         let Setting { robot, case, cables, .. } = *setting;
-        exists(robot, case, parameter)?;
+        parameter.check(robot, case)?;
         let routes: Vec<_> =
             cables.order.iter().map(|&c| RouteChange::new(robot, c, parameter)).collect();
         let mut partial = Self {
@@ -405,22 +405,6 @@ impl Partial {
 
 /// The last place of the shooting grid in a step.
 const LAST_NODE: usize = SHOOTING_NODES.len() - 1;
-
-/// Refuses a parameter that robot and case do not have.
-fn exists(robot: &Robot, case: &Case, parameter: &Parameter) -> Result<(), RobotError> {
-    let there = match *parameter {
-        Parameter::StiffnessScale(_) => true,
-        Parameter::HoleAngle { cable, disk } => robot.cables().get(cable).is_some_and(
-            |c| matches!(&c.routing, Routing::Holes { holes, .. } if disk < holes.len()),
-        ),
-        // The weight of a rod whose density is not given is not known.
-        Parameter::Gravity { .. } => {
-            robot.backbone().linear_density_at(robot.disks(), 0.0).is_some()
-        }
-        _ => true,
-    };
-    if there && parameter.value(robot, case).is_ok() { Ok(()) } else { Err(parameter.absent()) }
-}
 
 /// Derivative of the section's stiffness; `None` where it is zero.
 fn stiffness_change(

@@ -337,6 +337,7 @@ impl Chain {
                 let push = match right {
                     // What acts nearer to the base bends nothing here by itself.
                     Right::Push(push) if push.section < k => continue,
+                    Right::Unit { section, .. } if section < k => continue,
                     Right::Push(push) if push.section == k => Some(push),
                     _ => None,
                 };
@@ -347,7 +348,10 @@ impl Chain {
                     let own = match right {
                         Right::Closing => -residual[a],
                         Right::Given(given) => given[k][a],
-                        Right::Tension(_) | Right::Push(_) => 0.0,
+                        Right::Unit { section, coordinate } if section == k && coordinate == a => {
+                            1.0
+                        }
+                        Right::Tension(_) | Right::Push(_) | Right::Unit { .. } => 0.0,
                     };
                     self.column.push(own + through);
                 }
@@ -440,6 +444,27 @@ impl Chain {
         for (q, step) in self.q.iter_mut().flatten().zip(step.iter().flatten()) {
             *q += part * step;
         }
+    }
+
+    /// `∂ℓ/∂q` where it was evaluated last: a row for each cable, section by section.
+    pub fn length_rates(&self, task: &Task<'_>) -> Vec<f64> {
+        let count = task.division.coordinates();
+        let n = count * task.sections.len();
+        let mut rates = vec![0.0; task.tensions.len() * n];
+        let mut pulls = self.pulls.iter();
+        for (k, section) in task.sections.iter().enumerate() {
+            for (passage, pull) in section.passages.iter().zip(&mut pulls) {
+                let at = passage.cable * n + k * count;
+                rates[at..at + count].copy_from_slice(&pull[..count]);
+            }
+        }
+        rates
+    }
+
+    /// What the loads exert on the base more, in the last elimination.
+    pub fn base_response(&self, side: usize) -> Wrench {
+        let [force, moment] = self.beyond[side];
+        Wrench { force, moment }
     }
 
     /// How the coordinates of a section change, of the last elimination.

@@ -10,9 +10,12 @@ use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::contact::model::{Compliant, Push};
 use crate::contact::{self, Unobstructed};
+use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
+use crate::parameter::Parameter;
 use crate::shape::{NoStability, Solution};
 use crate::statics::command::Command;
+use crate::statics::loads::check as check_loads;
 use crate::statics::options::StabilityAnalysis;
 
 /// The backbone is watched at this many places or more from base to tip.
@@ -76,6 +79,32 @@ impl Linkage {
     }
 }
 
+impl Linkage {
+    /// The same, with the derivatives of the answer and the contacts that hold it.
+    pub(super) fn differentiate_among_obstacles(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
+        case.check(&self.robot)?;
+        check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
+        let watched = Watched::new(self);
+        let mut free = FreeChain { model: self, workspace, watched: &watched.places };
+        if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
+            let alone = Case { obstacles: Vec::new(), ..case.clone() };
+            return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
+        }
+        let mut adapter = ContactAdapter::new(self, watched, workspace);
+        let (solution, holding) =
+            contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
+        let pushed = core::mem::take(&mut adapter.case);
+        let derivatives = self.differentiate(&pushed, &holding, parameters, workspace)?;
+        Ok((solution, derivatives))
+    }
+}
+
 /// The chain without obstacles.
 struct FreeChain<'a> {
     model: &'a Linkage,
@@ -135,6 +164,8 @@ struct ContactAdapter<'a> {
     workspace: &'a mut Workspace,
     watched: Watched,
     force_scale: f64,
+    /// The case that it last looked at, with the pushes among its loads.
+    case: Case,
     disks: Vec<Pose>,
     /// At the watched places.
     poses: Vec<Pose>,
@@ -159,6 +190,7 @@ impl<'a> ContactAdapter<'a> {
             model,
             workspace,
             watched,
+            case: Case::default(),
             force_scale: section.length / compliance / (length * length),
             disks: Vec::new(),
             poses: Vec::new(),
@@ -303,7 +335,8 @@ impl Compliant for ContactAdapter<'_> {
 
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
         self.is_linear = false;
-        self.model.accept(&contact::with_pushes(case, pushes), self.workspace)?;
+        self.case = contact::with_pushes(case, pushes);
+        self.model.accept(&self.case, self.workspace)?;
         let Workspace { commands, tensions, .. } = &mut *self.workspace;
         for (tension, command) in tensions.iter_mut().zip(commands) {
             if let Command::Tension(given) = command {

@@ -33,7 +33,6 @@ pub(super) fn sections(
     refusal::without_disks(model, robot)?;
     let at = &robot.disks().arc_lengths;
     let mut sections = Vec::with_capacity(at.len() - 1);
-    let mut lengths = vec![0.0; robot.cables().len()];
     for (pair, passages) in at.windows(2).zip(passages(robot, model)?) {
         let length = pair[1] - pair[0];
         let (stiffness, rest) = means(robot, model, pair[0], pair[1])?;
@@ -54,13 +53,22 @@ pub(super) fn sections(
                 advice: "put more disks on it, or use cosserat",
             });
         }
-        let motion = Motion::new(division, length, &section.rest);
+        sections.push(section);
+    }
+    let lengths = rest_lengths(division, &sections, robot.cables().len());
+    Ok((sections, lengths))
+}
+
+/// The lengths of so many cables on sections at rest in m.
+pub(super) fn rest_lengths(division: &Division, sections: &[Section], cables: usize) -> Vec<f64> {
+    let mut lengths = vec![0.0; cables];
+    for section in sections {
+        let motion = Motion::new(division, section.length, &section.rest);
         for passage in &section.passages {
             lengths[passage.cable] += motion.way(passage).norm();
         }
-        sections.push(section);
     }
-    Ok((sections, lengths))
+    lengths
 }
 
 impl Motion {

@@ -4,12 +4,13 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
-//! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `local` differentiates it;
+//! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `derivatives` differentiates it, `local` at one place;
 //! `places` are cross-sections that wrenches act on, `contact` is the chain among obstacles.
 
 mod chain;
 mod contact;
 mod contact_response;
+mod derivatives;
 pub(crate) mod division;
 mod layout;
 mod loads;
@@ -138,6 +139,10 @@ impl Linkage {
 
     pub(crate) const fn set_budget(&mut self, budget: Budget) {
         self.options.budget = budget;
+    }
+
+    pub(crate) const fn stability_mut(&mut self) -> &mut StabilityAnalysis {
+        &mut self.options.stability
     }
 
     pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {

@@ -78,6 +78,40 @@ impl<'a> Places<'a> {
         }
     }
 
+    /// How each of them moves with the coordinates of the chain, in the frame of the base: six rows for each, those of its point
+    /// first, of so many coordinates to a section.
+    pub fn jacobian(&self, chain: &Chain, count: usize) -> Vec<f64> {
+        let n = count * (self.disks.len() - 1);
+        let mut rows = vec![0.0; 6 * n * self.list.len()];
+        for (place, &(section, ref motion)) in self.list.iter().enumerate() {
+            let at = self.disks[section].transform(motion.end);
+            for k in 0..=section {
+                let (own, end) = match k == section {
+                    true => (motion, at),
+                    false => (chain.motion(k), self.disks[k + 1].position),
+                };
+                let rotation = self.disks[k].rotation;
+                for a in 0..count {
+                    let angular = rotation.rotate(own.turn[a]);
+                    let linear = rotation.rotate(own.shift[a]) + angular.cross(at - end);
+                    for axis in 0..3 {
+                        let column = k * count + a;
+                        rows[(6 * place + axis) * n + column] = linear[axis];
+                        rows[(6 * place + 3 + axis) * n + column] = angular[axis];
+                    }
+                }
+            }
+        }
+        rows
+    }
+
+    /// Where they are, in the frame of the base.
+    pub fn positions(&self) -> Vec<Vec3> {
+        let position =
+            |&(section, ref motion): &(usize, Motion)| self.disks[section].transform(motion.end);
+        self.list.iter().map(position).collect()
+    }
+
     /// How a cross-section of a section moves, at this position, where the disk before it moves like this.
     fn carried(
         &self,

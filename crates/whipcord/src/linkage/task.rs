@@ -53,4 +53,6 @@ pub(super) enum Right<'a> {
     Push(&'a Pushed),
     /// One of its own for each section.
     Given(&'a [Coordinates]),
+    /// A generalised force of 1 on one coordinate of a section.
+    Unit { section: usize, coordinate: usize },
 }

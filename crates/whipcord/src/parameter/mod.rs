@@ -2,6 +2,7 @@
 
 mod path;
 mod route_change;
+mod scale;
 mod section_change;
 
 pub use path::UnknownParameter;
@@ -299,6 +300,21 @@ impl Parameter {
             case: case.clone(),
         };
         self.slots(&mut parts).first().map(|value| **value).ok_or_else(|| self.absent())
+    }
+
+    /// Whether robot and case have such a quantity, and answers depend on it.
+    pub(crate) fn check(&self, robot: &Robot, case: &Case) -> Result<(), RobotError> {
+        let there = match *self {
+            Self::HoleAngle { cable, disk } => robot.cables().get(cable).is_some_and(
+                |c| matches!(&c.routing, Routing::Holes { holes, .. } if disk < holes.len()),
+            ),
+            // The weight of a rod whose density is not given is not known.
+            Self::Gravity { .. } => {
+                robot.backbone().linear_density_at(robot.disks(), 0.0).is_some()
+            }
+            _ => true,
+        };
+        if there && self.value(robot, case).is_ok() { Ok(()) } else { Err(self.absent()) }
     }
 
     /// The error of a robot or case that has no such quantity.

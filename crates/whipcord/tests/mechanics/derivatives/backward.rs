@@ -1,7 +1,7 @@
 //! Backward derivatives are the transpose of the forward ones.
 
 use super::kinds_of_load::under_spread_followers;
-use super::{ROBOTS, Rod, bending_stiffness, by_length, differentiated, parameters, taut};
+use super::{ROBOTS, Tested, bending_stiffness, by_length, differentiated, parameters, taut};
 use crate::common::Wildness;
 use whipcord::derivatives::{Change, Cotangent};
 use whipcord::derivatives::{Hold, Place};
@@ -47,7 +47,7 @@ fn off_scale(change: &Change, cotangent: &Cotangent, robot: &Robot) -> f64 {
         + base.moment.norm() * force / length
 }
 
-fn backward_equals_forward(rod: Rod) {
+fn backward_equals_forward(tested: Tested) {
     let follower = |(robot, mut case): (Robot, Case)| {
         case.loads.tip_follower = true;
         for (i, point) in case.loads.points.iter_mut().enumerate() {
@@ -60,17 +60,18 @@ fn backward_equals_forward(rod: Rod) {
         let case = under_spread_followers(&robot, &case, i % 2 == 0);
         (robot, case)
     };
-    let robots = taut(rod, Wildness::LOADED, ROBOTS)
-        .chain(taut(rod, Wildness::UNLOADED, ROBOTS))
-        .chain(taut(rod, Wildness::LOADED, ROBOTS).map(follower))
-        .chain(taut(rod, Wildness::LOADED, ROBOTS).enumerate().map(spread));
+    let robots = taut(tested, Wildness::LOADED, ROBOTS)
+        .chain(taut(tested, Wildness::UNLOADED, ROBOTS))
+        .chain(taut(tested, Wildness::LOADED, ROBOTS).map(follower))
+        .chain(taut(tested, Wildness::LOADED, ROBOTS).enumerate().map(spread));
     for (i, (robot, case)) in robots.enumerate() {
         let (robot, case) = match i % 3 {
             0 => (robot, case),
-            kind => by_length(rod, &robot, &case, kind == 1),
+            kind => by_length(tested, &robot, &case, kind == 1),
         };
-        let list: Vec<Parameter> = parameters(&robot, &case).into_iter().map(|(p, _)| p).collect();
-        let (_, derivatives) = differentiated(rod, &robot, &case, &list);
+        let list: Vec<Parameter> =
+            parameters(tested, &robot, &case).into_iter().map(|(p, _)| p).collect();
+        let (_, derivatives) = differentiated(tested, &robot, &case, &list);
         let cables = case.commands.len();
         let (length, stiffness) = (robot.backbone().length, bending_stiffness(&robot));
         let mut next = noise(i);
@@ -128,4 +129,4 @@ fn backward_equals_forward(rod: Rod) {
     }
 }
 
-for_both_rods!(backward_equals_forward);
+for_every_model!(backward_equals_forward);

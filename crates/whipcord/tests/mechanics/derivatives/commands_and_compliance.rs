@@ -1,7 +1,7 @@
 //! Commands of both kinds, and the compliance with tensions and with lengths held.
 
 use super::{
-    ROBOTS, Rod, TOLERANCE, bending_stiffness, by_length, check_parameters, differentiated, off,
+    ROBOTS, TOLERANCE, Tested, bending_stiffness, by_length, check_parameters, differentiated, off,
     options, solve_near, taut,
 };
 use crate::common::Wildness;
@@ -10,13 +10,13 @@ use whipcord::derivatives::{Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{Case, PointLoad, Shortening, Solution, Vec3};
 
-fn parameters_with_given_lengths(rod: Rod) {
+fn parameters_with_given_lengths(tested: Tested) {
     let mut failures = String::new();
     let mut checked = 0;
     for wild in [Wildness::LOADED, Wildness::UNLOADED] {
-        for (i, (robot, case)) in taut(rod, wild, ROBOTS).enumerate() {
-            let (robot, case) = by_length(rod, &robot, &case, i % 2 == 0);
-            checked += check_parameters(rod, &robot, &case, &mut failures);
+        for (i, (robot, case)) in taut(tested, wild, ROBOTS).enumerate() {
+            let (robot, case) = by_length(tested, &robot, &case, i % 2 == 0);
+            checked += check_parameters(tested, &robot, &case, &mut failures);
         }
     }
     assert!(failures.is_empty(), "{failures}");
@@ -36,15 +36,15 @@ fn commanded(case: &Case, cable: usize, solution: &Solution, by: f64) -> Case {
     case
 }
 
-fn commands_of_both_kinds(rod: Rod) {
+fn commands_of_both_kinds(tested: Tested) {
     let mut failures = String::new();
     for wild in [Wildness::LOADED, Wildness::UNLOADED] {
-        for (i, (robot, case)) in taut(rod, wild, 2 * ROBOTS).enumerate() {
+        for (i, (robot, case)) in taut(tested, wild, 2 * ROBOTS).enumerate() {
             let (robot, case) = match i % 3 {
                 0 => (robot, case),
-                kind => by_length(rod, &robot, &case, kind == 1),
+                kind => by_length(tested, &robot, &case, kind == 1),
             };
-            let (solution, derivatives) = differentiated(rod, &robot, &case, &[]);
+            let (solution, derivatives) = differentiated(tested, &robot, &case, &[]);
             let jacobian = derivatives.actuation_jacobian(Place::Tip);
             for cable in 0..case.commands.len() {
                 let change = derivatives.command(cable);
@@ -57,7 +57,7 @@ fn commands_of_both_kinds(rod: Rod) {
                 let difference = differentiate(
                     |by| {
                         let case = commanded(&case, cable, &solution, by);
-                        solve_near(rod, &robot, &case, &solution)
+                        solve_near(tested, &robot, &case, &solution)
                     },
                     step,
                 );
@@ -82,17 +82,17 @@ fn pushed(case: &Case, load: usize, component: usize, by: f64) -> Case {
     case
 }
 
-fn compliance_with_tensions_and_with_lengths_held(rod: Rod) {
+fn compliance_with_tensions_and_with_lengths_held(tested: Tested) {
     let mut failures = String::new();
-    for (i, (robot, mut case)) in taut(rod, Wildness::LOADED, ROBOTS).enumerate() {
+    for (i, (robot, mut case)) in taut(tested, Wildness::LOADED, ROBOTS).enumerate() {
         let length = robot.backbone().length;
         // At stations 1 and 2 and at the tip.
         case.loads.points.clear();
         for at in [length / 3.0, length * 2.0 / 3.0, length] {
             case.loads.points.push(PointLoad { at, ..PointLoad::default() });
         }
-        let (robot, locked) = by_length(rod, &robot, &case, true);
-        let (solution, derivatives) = differentiated(rod, &robot, &case, &[]);
+        let (robot, locked) = by_length(tested, &robot, &case, true);
+        let (solution, derivatives) = differentiated(tested, &robot, &case, &[]);
         let stiffness = bending_stiffness(&robot);
         let steps = [stiffness / length.powi(2), stiffness / length].map(|s| 2e-3 * s);
         for (hold, case) in [(Hold::Tensions, &case), (Hold::Lengths, &locked)] {
@@ -111,7 +111,14 @@ fn compliance_with_tensions_and_with_lengths_held(rod: Rod) {
                         assert!((a - b).abs() <= 1e-12 * size);
                     }
                     let difference = differentiate(
-                        |by| solve_near(rod, &robot, &pushed(case, load, component, by), &solution),
+                        |by| {
+                            solve_near(
+                                tested,
+                                &robot,
+                                &pushed(case, load, component, by),
+                                &solution,
+                            )
+                        },
                         steps[component / 3],
                     );
                     let off = off(&change, &difference.unwrap(), &robot);
@@ -127,23 +134,25 @@ fn compliance_with_tensions_and_with_lengths_held(rod: Rod) {
 }
 
 /// Dead forces have a potential.
-fn compliance_is_symmetric_under_dead_forces(rod: Rod) {
-    for (robot, mut case) in taut(rod, Wildness::LOADED, 2 * ROBOTS) {
+fn compliance_is_symmetric_under_dead_forces(tested: Tested) {
+    for (robot, mut case) in taut(tested, Wildness::LOADED, 2 * ROBOTS) {
         case.loads.tip_moment = Vec3::ZERO;
         for point in &mut case.loads.points {
             point.moment = Vec3::ZERO;
         }
         // Fine steps: the discrete solution has no potential of its own.
-        let fine = Options { accuracy: Accuracy::Steps(64), ..options(rod, &case) };
-        let (_, derivatives) = rod.solve_with_derivatives(&robot, &case, &fine, &[]).unwrap();
+        let fine = Options { accuracy: Accuracy::Steps(64), ..options(tested, &case) };
+        let (_, derivatives) = tested.solve_with_derivatives(&robot, &case, &fine, &[]).unwrap();
         let length = robot.backbone().length;
         for hold in [Hold::Tensions, Hold::Lengths] {
             for place in [Place::Tip, Place::Station(1)] {
                 let compliance = derivatives.compliance(place, hold).unwrap();
                 let asymmetry = compliance.asymmetry(length);
                 assert!(asymmetry < 1e-7, "{hold:?} {place:?}: {asymmetry:.1e}");
-                let stiffness = derivatives.stiffness(place, hold).unwrap().unwrap();
-                let asymmetry = stiffness.asymmetry(length);
+                let stiffness = derivatives.stiffness(place, hold).unwrap();
+                // Few sections do not yield in every direction.
+                assert!(stiffness.is_some() || !tested.is_rod());
+                let asymmetry = stiffness.map_or(0.0, |stiffness| stiffness.asymmetry(length));
                 assert!(asymmetry < 1e-4, "{hold:?} {place:?}: {asymmetry:.1e}");
             }
         }
@@ -158,7 +167,7 @@ fn compliance_is_symmetric_under_dead_forces(rod: Rod) {
     }
 }
 
-for_both_rods!(
+for_every_model!(
     parameters_with_given_lengths,
     commands_of_both_kinds,
     compliance_with_tensions_and_with_lengths_held,

@@ -1,23 +1,23 @@
 //! Loads that turn with the robot, that are spread along it, and that are strong.
 
 use super::{
-    ROBOTS, Rod, TOLERANCE, bending_stiffness, by_length, check_parameters, check_parameters_to,
+    ROBOTS, TOLERANCE, Tested, bending_stiffness, by_length, check_parameters, check_parameters_to,
     taut,
 };
 use crate::common::{self, Wildness};
 use whipcord::{Case, DistributedLoad, Profile, Robot, Vec3};
 
-fn follower_loads(rod: Rod) {
+fn follower_loads(tested: Tested) {
     let mut failures = String::new();
-    for (i, (robot, mut case)) in taut(rod, Wildness::LOADED, ROBOTS).enumerate() {
+    for (i, (robot, mut case)) in taut(tested, Wildness::LOADED, ROBOTS).enumerate() {
         case.loads.tip_follower = i % 2 == 0;
         case.loads.tip_force *= 0.5;
         for point in &mut case.loads.points {
             point.follower = true;
         }
-        check_parameters(rod, &robot, &case, &mut failures);
-        let (robot, case) = by_length(rod, &robot, &case, true);
-        check_parameters(rod, &robot, &case, &mut failures);
+        check_parameters(tested, &robot, &case, &mut failures);
+        let (robot, case) = by_length(tested, &robot, &case, true);
+        check_parameters(tested, &robot, &case, &mut failures);
     }
     assert!(failures.is_empty(), "{failures}");
 }
@@ -55,31 +55,31 @@ fn under_spread_loads(robot: &Robot, case: &Case, follower: bool) -> Case {
 }
 
 /// Dead forces and moments that are spread along the robot, and masses that it carries.
-fn spread_dead_loads_and_masses(rod: Rod) {
+fn spread_dead_loads_and_masses(tested: Tested) {
     let mut failures = String::new();
-    for (i, (robot, case)) in taut(rod, Wildness::LOADED, ROBOTS).enumerate() {
+    for (i, (robot, case)) in taut(tested, Wildness::LOADED, ROBOTS).enumerate() {
         let mut case = under_spread_loads(&robot, &case, false);
         let (length, stiffness) = (robot.backbone().length, bending_stiffness(&robot));
         case.loads.gravity = Some(Vec3::new(3.0, -9.0, 2.0));
         let mass = 0.05 * stiffness / length.powi(2) / 9.81;
         let carried = |at| whipcord::PointMass { at, mass };
         case.loads.masses = vec![carried(0.4 * length), carried(length)];
-        check_parameters(rod, &robot, &case, &mut failures);
+        check_parameters(tested, &robot, &case, &mut failures);
         if i % 2 == 0 {
-            let (robot, case) = by_length(rod, &robot, &case, true);
-            check_parameters(rod, &robot, &case, &mut failures);
+            let (robot, case) = by_length(tested, &robot, &case, true);
+            check_parameters(tested, &robot, &case, &mut failures);
         }
     }
     assert!(failures.is_empty(), "{failures}");
 }
 
-fn spread_follower_loads(rod: Rod) {
+fn spread_follower_loads(tested: Tested) {
     let mut failures = String::new();
-    for (i, (robot, case)) in taut(rod, Wildness::LOADED, ROBOTS).enumerate() {
+    for (i, (robot, case)) in taut(tested, Wildness::LOADED, ROBOTS).enumerate() {
         let case = under_spread_followers(&robot, &case, i % 2 == 0);
-        check_parameters(rod, &robot, &case, &mut failures);
-        let (robot, case) = by_length(rod, &robot, &case, true);
-        check_parameters(rod, &robot, &case, &mut failures);
+        check_parameters(tested, &robot, &case, &mut failures);
+        let (robot, case) = by_length(tested, &robot, &case, true);
+        check_parameters(tested, &robot, &case, &mut failures);
     }
     // A rod that is bent far by followers alone.
     let robot = common::paper_robot(vec![]);
@@ -89,12 +89,12 @@ fn spread_follower_loads(rod: Rod) {
         follower: true,
         ..DistributedLoad::uniform(0.18, Vec3::new(8.0 * unit, 3.0 * unit, 0.0))
     }];
-    check_parameters(rod, &robot, &case, &mut failures);
+    check_parameters(tested, &robot, &case, &mut failures);
     assert!(failures.is_empty(), "{failures}");
 }
 
 /// A rod that a single shot misses, pulled and bent by many times the load that would buckle it.
-fn strong_loads(rod: Rod) {
+fn strong_loads(tested: Tested) {
     let mut failures = String::new();
     for force in [Vec3::new(20.0, 5.0, 150.0), Vec3::new(-60.0, 0.0, -80.0)] {
         let robot = common::paper_robot(vec![]);
@@ -102,9 +102,9 @@ fn strong_loads(rod: Rod) {
         let mut case = Case::default();
         case.loads.tip_force = force * unit;
         // The gaps of the chain close to rounding of the greatest moment.
-        check_parameters_to(rod, 20.0 * TOLERANCE, &robot, &case, &mut failures);
+        check_parameters_to(tested, 20.0 * TOLERANCE, &robot, &case, &mut failures);
     }
     assert!(failures.is_empty(), "{failures}");
 }
 
-for_both_rods!(follower_loads, spread_dead_loads_and_masses, spread_follower_loads, strong_loads);
+for_every_model!(follower_loads, spread_dead_loads_and_masses, spread_follower_loads, strong_loads);

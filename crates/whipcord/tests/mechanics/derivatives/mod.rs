@@ -1,20 +1,32 @@
-//! The derivatives of both Cosserat rods against differences of its own solutions on the same steps,
+//! The derivatives of the models in equilibrium under loads against differences of their own solutions on the same steps,
 //! on random robots: every parameter, command and load, both ways of holding cables, forward and
 //! backward.
 
-/// Tests of each rod, under its name.
-macro_rules! for_both_rods {
+/// Tests of each model, under its name.
+macro_rules! for_every_model {
     ($($name:ident),*) => {
         mod continuous_cables {
             $(#[test]
             fn $name() {
-                super::$name(crate::derivatives::Rod::Continuous);
+                super::$name(crate::derivatives::Tested::Continuous);
             })*
         }
         mod from_hole_to_hole {
             $(#[test]
             fn $name() {
-                super::$name(crate::derivatives::Rod::Disks);
+                super::$name(crate::derivatives::Tested::Disks);
+            })*
+        }
+        mod arcs {
+            $(#[test]
+            fn $name() {
+                super::$name(crate::derivatives::Tested::Arcs);
+            })*
+        }
+        mod rigid_bodies {
+            $(#[test]
+            fn $name() {
+                super::$name(crate::derivatives::Tested::RigidBodies);
             })*
         }
     };
@@ -27,24 +39,58 @@ mod kinds_of_load;
 
 use crate::common;
 use crate::common::Wildness;
-use whipcord::cosserat::{self, Accuracy, Cosserat, Options};
-use whipcord::cosserat_disks::{self, CosseratDisks};
-use whipcord::derivatives::Change;
-use whipcord::derivatives::{Derivatives, Hold, Place};
+use whipcord::cosserat::{Accuracy, Options};
+use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::differences::{Difference, differentiate};
 use whipcord::{
-    Cable, CableCommand, Case, DistributedLoad, Parameter, Profile, Robot, Routing, Shortening,
-    Solution, SolveError, StabilityAnalysis, Stations, Stiffness, Twist, Vec3,
+    Cable, CableCommand, Case, DistributedLoad, Linearization, Model, Parameter, Prepared, Profile,
+    Robot, Routing, Shortening, Solution, SolveError, StabilityAnalysis, Stations, Stiffness,
+    Twist, Vec3, piecewise_constant_curvature, pseudo_rigid_body,
 };
 
 /// The model that is differentiated.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Rod {
+enum Tested {
     Continuous,
     Disks,
+    Arcs,
+    RigidBodies,
 }
 
-impl Rod {
+impl Tested {
+    fn prepare(
+        self,
+        robot: &Robot,
+        case: &Case,
+        options: &Options,
+    ) -> Result<Prepared, SolveError> {
+        let stations = options.stations.clone();
+        let (residual, stability) = (SECTION_RESIDUAL, options.stability);
+        let model = match self {
+            Self::Continuous => Model::Cosserat(options.clone()),
+            Self::Disks => Model::CosseratDisks(options.clone()),
+            Self::Arcs => {
+                let options = piecewise_constant_curvature::Options {
+                    stations,
+                    residual,
+                    stability,
+                    ..Default::default()
+                };
+                Model::PiecewiseConstantCurvature(options)
+            }
+            Self::RigidBodies => {
+                let options = pseudo_rigid_body::Options {
+                    stations,
+                    residual,
+                    stability,
+                    ..Default::default()
+                };
+                Model::PseudoRigidBody(options)
+            }
+        };
+        model.prepare(robot, &case.loads)
+    }
+
     fn solve(
         self,
         robot: &Robot,
@@ -52,16 +98,7 @@ impl Rod {
         options: &Options,
         from: Option<&Solution>,
     ) -> Result<Solution, SolveError> {
-        match self {
-            Self::Continuous => {
-                let model = Cosserat::new(robot, &case.loads, options)?;
-                model.solve(case, from, &mut cosserat::Workspace::default())
-            }
-            Self::Disks => {
-                let model = CosseratDisks::new(robot, &case.loads, options)?;
-                model.solve(case, from, &mut cosserat_disks::Workspace::default())
-            }
-        }
+        self.prepare(robot, case, options)?.solve(case, from)
     }
 
     fn solve_with_derivatives(
@@ -70,19 +107,19 @@ impl Rod {
         case: &Case,
         options: &Options,
         parameters: &[Parameter],
-    ) -> Result<(Solution, Derivatives), SolveError> {
-        match self {
-            Self::Continuous => {
-                let model = Cosserat::new(robot, &case.loads, options)?;
-                let mut workspace = cosserat::Workspace::default();
-                model.solve_with_derivatives(case, None, parameters, &mut workspace)
-            }
-            Self::Disks => {
-                let model = CosseratDisks::new(robot, &case.loads, options)?;
-                let mut workspace = cosserat_disks::Workspace::default();
-                model.solve_with_derivatives(case, None, parameters, &mut workspace)
-            }
-        }
+    ) -> Result<(Solution, Linearization), SolveError> {
+        self.prepare(robot, case, options)?.solve_with_derivatives(case, None, parameters)
+    }
+
+    /// Whether it has strains, which may be coupled, along the whole backbone.
+    const fn is_rod(self) -> bool {
+        matches!(self, Self::Continuous | Self::Disks)
+    }
+
+    /// Whether no section of it folds under this.
+    fn stands(self, robot: &Robot, case: &Case) -> bool {
+        let solved = self.solve(&self.takes(robot), case, &options(self, case), None);
+        self.is_rod() || !matches!(solved, Err(SolveError::SectionFolds { .. }))
     }
 
     /// One step between each two places of the robot, so that its measures do not move the steps; between disks a few, because
@@ -90,7 +127,7 @@ impl Rod {
     const fn steps(self) -> usize {
         match self {
             Self::Continuous => 1,
-            Self::Disks => 40,
+            Self::Disks | Self::Arcs | Self::RigidBodies => 40,
         }
     }
 
@@ -118,19 +155,22 @@ fn bending_stiffness(robot: &Robot) -> f64 {
     }
 }
 
+/// What rounding leaves of the equations of sections.
+const SECTION_RESIDUAL: f64 = 1e-14;
+
 const FINE: usize = 192;
 
 const BARE: usize = 24;
 
 /// A prescribed number of steps, so that neighbouring cases are solved on the same ones.
-fn options(rod: Rod, case: &Case) -> Options {
+fn options(tested: Tested, case: &Case) -> Options {
     // Without load it is the rod under no load that is differentiated, which is integrated otherwise:
     // the two agree to the error of discretisation.
     let steps = match case.commands.len() {
         _ if case.loads.is_none() => FINE,
         // Nothing of a bare rod moves the steps.
         0 => BARE,
-        _ => rod.steps(),
+        _ => tested.steps(),
     };
     Options {
         stations: Stations::Equal(4),
@@ -142,28 +182,34 @@ fn options(rod: Rod, case: &Case) -> Options {
 }
 
 fn differentiated(
-    rod: Rod,
+    tested: Tested,
     robot: &Robot,
     case: &Case,
     parameters: &[Parameter],
-) -> (Solution, Derivatives) {
-    rod.solve_with_derivatives(robot, case, &options(rod, case), parameters)
+) -> (Solution, Linearization) {
+    tested
+        .solve_with_derivatives(robot, case, &options(tested, case), parameters)
         .unwrap_or_else(|e| panic!("{e}\n{robot:?}\n{case:?}"))
 }
 
-fn solve_near(rod: Rod, robot: &Robot, case: &Case, at: &Solution) -> Result<Solution, SolveError> {
+fn solve_near(
+    tested: Tested,
+    robot: &Robot,
+    case: &Case,
+    at: &Solution,
+) -> Result<Solution, SolveError> {
     // On the steps of that answer.
     let steps = match case.commands.len() {
         _ if at.diagnostics.steps >= FINE => FINE,
         0 => BARE,
-        _ => rod.steps(),
+        _ => tested.steps(),
     };
     let accuracy = Accuracy::Steps(steps);
-    rod.solve(robot, case, &Options { accuracy, ..options(rod, case) }, Some(at))
+    tested.solve(robot, case, &Options { accuracy, ..options(tested, case) }, Some(at))
 }
 
 /// Everything that a robot and case can be differentiated by, with a step for differences.
-fn parameters(robot: &Robot, case: &Case) -> Vec<(Parameter, f64)> {
+fn parameters(tested: Tested, robot: &Robot, case: &Case) -> Vec<(Parameter, f64)> {
     let length = robot.backbone().length;
     let stiffness = bending_stiffness(robot);
     let (force, moment) = (stiffness / length.powi(2), stiffness / length);
@@ -237,6 +283,11 @@ fn parameters(robot: &Robot, case: &Case) -> Vec<(Parameter, f64)> {
     all.into_iter()
         .filter_map(|p| {
             let value = p.value(robot, case).ok()?;
+            if matches!(p, Parameter::Stiffness { row, column } if row != column)
+                && !tested.is_rod()
+            {
+                return None;
+            }
             // Without density no weight is known.
             if matches!(p, Parameter::Gravity { .. }) {
                 robot.backbone().linear_density_at(robot.disks(), 0.0)?;
@@ -267,8 +318,8 @@ fn parameters(robot: &Robot, case: &Case) -> Vec<(Parameter, f64)> {
         .collect()
 }
 
-/// Largest difference between a change and differences, relative to the largest part of them.
-fn off(change: &Change, difference: &Difference, robot: &Robot) -> f64 {
+/// Largest difference between a change and differences, relative to the largest part of them, or to what counts as nothing.
+fn off_above(floor: f64, change: &Change, difference: &Difference, robot: &Robot) -> f64 {
     let length = robot.backbone().length;
     let moment = bending_stiffness(robot) / length;
     let (mut worst, mut size) = (0.0_f64, 0.0_f64);
@@ -300,38 +351,48 @@ fn off(change: &Change, difference: &Difference, robot: &Robot) -> f64 {
         compare(a.moment[i], b.moment[i], moment);
     }
     assert!(worst.is_finite() && size.is_finite());
-    if size == 0.0 { worst } else { worst / size }
+    worst / size.max(floor)
 }
+
+/// The same of something that matters.
+fn off(change: &Change, difference: &Difference, robot: &Robot) -> f64 {
+    off_above(f64::MIN_POSITIVE, change, difference, robot)
+}
+
+/// What a change of a parameter that matters does, relative to length and bending, counts as nothing below this.
+const NOTHING: f64 = 1e-8;
 
 /// Differences leave about this much, relative to the largest change.
 const TOLERANCE: f64 = 2e-7;
 
-fn check_parameters(rod: Rod, robot: &Robot, case: &Case, failures: &mut String) -> usize {
-    check_parameters_to(rod, TOLERANCE, robot, case, failures)
+fn check_parameters(tested: Tested, robot: &Robot, case: &Case, failures: &mut String) -> usize {
+    check_parameters_to(tested, TOLERANCE, robot, case, failures)
 }
 
 fn check_parameters_to(
-    rod: Rod,
+    tested: Tested,
     tolerance: f64,
     robot: &Robot,
     case: &Case,
     failures: &mut String,
 ) -> usize {
-    let all = parameters(robot, case);
+    let all = parameters(tested, robot, case);
     let list: Vec<Parameter> = all.iter().map(|(p, _)| *p).collect();
-    let (solution, derivatives) = differentiated(rod, robot, case, &list);
+    let (solution, derivatives) = differentiated(tested, robot, case, &list);
     for (i, (parameter, step)) in all.iter().enumerate() {
         let change = derivatives.parameter(i, Hold::Commands);
         let off = |step: f64| {
             let difference = differentiate(
                 |by| {
                     let (robot, case) = parameter.moved(robot, case, by)?;
-                    solve_near(rod, &robot, &case, &solution)
+                    solve_near(tested, &robot, &case, &solution)
                 },
                 step,
             );
             let difference = difference.unwrap_or_else(|e| panic!("{parameter}: {e}\n{robot:?}"));
-            off(&change, &difference, robot)
+            // The steps are this part of changes that matter.
+            let floor = NOTHING * 2e-3 / step;
+            off_above(floor, &change, &difference, robot)
         };
         // Shear, and twist where cables run straight, hardly count: little is left of differences.
         let tolerance = match parameter {
@@ -367,14 +428,16 @@ fn with_room(case: &Case, length: f64) -> Case {
     case
 }
 
-fn check_random(rod: Rod, wild: Wildness, count: usize) {
+fn check_random(tested: Tested, wild: Wildness, count: usize) {
     let mut failures = String::new();
     let mut checked = 0;
-    for (i, (robot, case)) in common::samples(common::robot(wild), count).enumerate() {
-        let robot = rod.takes(&robot);
+    let samples = common::samples(common::robot(wild), 2 * count);
+    let samples = samples.filter(|(robot, case)| tested.stands(robot, case)).take(count);
+    for (i, (robot, case)) in samples.enumerate() {
+        let robot = tested.takes(&robot);
         let case = with_room(&case, robot.backbone().length);
         let before = failures.len();
-        checked += check_parameters(rod, &robot, &case, &mut failures);
+        checked += check_parameters(tested, &robot, &case, &mut failures);
         if failures.len() > before {
             failures += &format!("  of robot {i}: {:?}\n", robot.cables());
         }
@@ -385,16 +448,16 @@ fn check_random(rod: Rod, wild: Wildness, count: usize) {
 
 const ROBOTS: usize = if cfg!(debug_assertions) { 1 } else { 6 };
 
-fn parameters_under_loads(rod: Rod) {
-    check_random(rod, Wildness::LOADED, ROBOTS);
+fn parameters_under_loads(tested: Tested) {
+    check_random(tested, Wildness::LOADED, ROBOTS);
 }
 
-fn parameters_without_load(rod: Rod) {
-    check_random(rod, Wildness::UNLOADED, ROBOTS);
+fn parameters_without_load(tested: Tested) {
+    check_random(tested, Wildness::UNLOADED, ROBOTS);
 }
 
 /// Stiffness that is given itself, with terms beside its diagonal, or along which strains are held.
-fn given_stiffness(rod: Rod) {
+fn given_stiffness(tested: Tested) {
     let matrix = {
         let mut k = [[0.0; 6]; 6];
         for (i, value) in [3e3, 2.5e3, 8e3, 4e-3, 6e-3, 3e-3].into_iter().enumerate() {
@@ -407,7 +470,9 @@ fn given_stiffness(rod: Rod) {
     };
     let diagonal = Stiffness::diagonal([3e3, 2.5e3], 8e3, [4e-3, 6e-3], 3e-3);
     let mut failures = String::new();
-    for (stiffness, extensible) in [(matrix.clone(), true), (matrix, false), (diagonal, true)] {
+    let coupled = [(matrix.clone(), true), (matrix, false)];
+    let coupled = coupled.into_iter().filter(|_| tested.is_rod());
+    for (stiffness, extensible) in coupled.chain([(diagonal, true)]) {
         let backbone = whipcord::Backbone {
             stiffness: Some(stiffness),
             linear_density: Some(0.02.into()),
@@ -422,14 +487,14 @@ fn given_stiffness(rod: Rod) {
         let mut case = Case::with_tensions(&[2.0, 1.5]);
         case.loads.tip_force = Vec3::new(0.05, 0.1, -0.05);
         case.loads.gravity = Some(Vec3::new(0.0, 9.81, 0.0));
-        check_parameters(rod, &robot, &case, &mut failures);
+        check_parameters(tested, &robot, &case, &mut failures);
     }
     assert!(failures.is_empty(), "{failures}");
 }
 
 /// A case in which the cables are as long as they are now, but for every second one, which keeps its
 /// tension, and the robot with some of its cables elastic.
-fn by_length(rod: Rod, robot: &Robot, case: &Case, all: bool) -> (Robot, Case) {
+fn by_length(tested: Tested, robot: &Robot, case: &Case, all: bool) -> (Robot, Case) {
     let elastic = |(i, cable): (usize, &Cable)| Cable {
         axial_stiffness: (i % 3 == 1)
             .then(|| 300.0 * bending_stiffness(robot) / robot.backbone().length.powi(2)),
@@ -437,7 +502,7 @@ fn by_length(rod: Rod, robot: &Robot, case: &Case, all: bool) -> (Robot, Case) {
     };
     let cables = robot.cables().iter().enumerate().map(elastic).collect();
     let robot = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap();
-    let solution = rod.solve(&robot, case, &options(rod, case), None).unwrap();
+    let solution = tested.solve(&robot, case, &options(tested, case), None).unwrap();
     let command = |(i, (state, given)): (usize, (&whipcord::CableState, &CableCommand))| {
         if !all && i % 2 == 1 {
             return *given;
@@ -458,16 +523,17 @@ fn by_length(rod: Rod, robot: &Robot, case: &Case, all: bool) -> (Robot, Case) {
 
 /// Random robots whose cables are all so taut that no difference lets one go slack, and so few that
 /// their lengths are independent.
-fn taut(rod: Rod, wild: Wildness, count: usize) -> impl Iterator<Item = (Robot, Case)> {
+fn taut(tested: Tested, wild: Wildness, count: usize) -> impl Iterator<Item = (Robot, Case)> {
     let wild = Wildness { cables: 3, ..wild };
     common::samples(common::robot(wild), 4 * count)
+        .filter(move |(robot, case)| tested.stands(robot, case))
         .filter(|(robot, case)| {
             let length = robot.backbone().length;
             let unit = bending_stiffness(robot) / length / (0.05 * length);
             case.commands.iter().all(|c| c.tension.unwrap() > 0.05 * unit)
         })
         .take(count)
-        .map(move |(robot, case)| (rod.takes(&robot), case))
+        .map(move |(robot, case)| (tested.takes(&robot), case))
 }
 
-for_both_rods!(parameters_under_loads, parameters_without_load, given_stiffness);
+for_every_model!(parameters_under_loads, parameters_without_load, given_stiffness);

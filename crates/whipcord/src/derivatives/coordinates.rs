@@ -1,0 +1,537 @@
+//! Exact derivatives of models that have generalised coordinates `q` for a rod.
+//!
+//! The coordinates solve `r(q, τ, p) = 0` with the tangent `H = ∂r/∂q`; the lengths of the cables are `ℓ(q, p)`, places move by
+//! `J δq`, and the implicit function theorem gives
+//!
+//! ```text
+//! δq = H⁻¹ f,   f = −Cᵀ δτ + Jᵀ δW − ∂r/∂p δp,   C = ∂ℓ/∂q                              (d12)
+//! ```
+//!
+//! for changes of the tensions, of dead wrenches on the places and of a parameter. Contacts push `δW = K X₀` more when they would
+//! move by `X₀` without this ([`super::touching`]), so that
+//!
+//! ```text
+//! δq = H⁻¹ (f + J_cᵀ K J_c H⁻¹ f)                                                       (d13)
+//! ```
+//!
+//! Tensions of the cables that are held follow as those of a rod do ([`crate::statics::hold`]).
+
+use whipcord_numerics::{Twist, Vec3};
+
+use super::backward::{Cotangent, Gradient};
+use super::change::{Change, Places};
+use super::columns::unit_wrench;
+use super::{NoDerivatives, Place};
+use crate::error::SolveError;
+use crate::kinematics::{Local, Matrix6};
+use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::hold::{Critical, HeldCables, Hold};
+use crate::statics::local::{Column, local_of};
+
+/// The equations of a model at an answer, linearised; matrices by rows.
+#[derive(Clone, Debug)]
+pub(crate) struct LinearSystem {
+    /// Number of coordinates.
+    pub coordinates: usize,
+    /// `H⁻¹`.
+    pub inverse: Vec<f64>,
+    /// `C`: a row for each cable.
+    pub lengths: Vec<f64>,
+    /// How force and moment at the base change with a unit of each generalised force: six rows.
+    pub base: Vec<f64>,
+    /// `J`: six rows for each place, those of its point first, in the frame of the base.
+    pub jacobian: Vec<f64>,
+    /// Where the places are, in the frame of the base.
+    pub positions: Vec<Vec3>,
+}
+
+/// How the equations change with a parameter at constant coordinates and tensions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ParameterChange {
+    /// `−∂r/∂p`.
+    pub force: Vec<f64>,
+    /// Of the cables' lengths.
+    pub lengths: Vec<f64>,
+    /// Of the wrench at the base.
+    pub base: Wrench,
+    /// Of the length that each cable is to keep, with its own stretch at its tension.
+    pub targets: Vec<f64>,
+}
+
+/// A cable of an answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CoordinateCable {
+    pub command: Command,
+    pub is_taut: bool,
+    /// What a tension of 1 N adds to its length in m.
+    pub compliance: f64,
+}
+
+/// An answer, as it is differentiated.
+#[derive(Clone, Debug)]
+pub(crate) struct SolvedCoordinates {
+    pub system: LinearSystem,
+    pub stations: Vec<usize>,
+    pub disks: Vec<usize>,
+    pub cables: Vec<CoordinateCable>,
+    pub parameters: Vec<ParameterChange>,
+    /// Length of the backbone in m.
+    pub length: f64,
+}
+
+/// The contacts that hold an answer.
+#[derive(Clone, Debug, Default)]
+struct Contacts {
+    /// By the number of their places.
+    places: Vec<usize>,
+    /// `K` by rows.
+    gain: Vec<f64>,
+    are_about_to_change: bool,
+}
+
+/// A change at constant tensions.
+#[derive(Clone, Debug, Default)]
+struct Response {
+    /// Of the places.
+    twists: Vec<Twist>,
+    lengths: Vec<f64>,
+    base: Wrench,
+}
+
+/// The derivatives of one answer of a model with generalised coordinates; frames and signs as [`super::Derivatives`] has them.
+#[derive(Clone, Debug)]
+pub struct CoordinateDerivatives {
+    system: LinearSystem,
+    places: Places,
+    cables: Vec<CoordinateCable>,
+    parameters: Vec<ParameterChange>,
+    by_tension: Vec<Response>,
+    held: HeldCables,
+    contacts: Contacts,
+    length: f64,
+}
+
+impl CoordinateDerivatives {
+    /// Of an answer, with contacts at these of its places. `gain` makes `K` of the compliance of those places, both by rows.
+    pub(crate) fn of(
+        solved: SolvedCoordinates,
+        (touching, are_about_to_change): (Vec<usize>, bool),
+        gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
+    ) -> Result<Self, NoDerivatives> {
+        let SolvedCoordinates { system, stations, disks, cables, parameters, length } = solved;
+        let tip = disks.last().copied().unwrap_or(0);
+        let mut derivatives = Self {
+            system,
+            places: Places { stations, disks, tip },
+            cables,
+            parameters,
+            by_tension: Vec::new(),
+            held: HeldCables::default(),
+            contacts: Contacts { are_about_to_change, ..Contacts::default() },
+            length,
+        };
+        if !touching.is_empty() {
+            let gain = gain(&derivatives.compliance_of(&touching))?;
+            let places = touching;
+            derivatives.contacts = Contacts { places, gain, are_about_to_change };
+        }
+        let count = derivatives.cables.len();
+        derivatives.by_tension = (0..count).map(|i| derivatives.by_tension(i)).collect();
+        let lengths = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
+        let cables = &derivatives.cables;
+        derivatives.held = HeldCables::new(
+            count,
+            lengths,
+            |i| cables[i].compliance,
+            |i| cables[i].is_taut,
+            |i| cables[i].command.is_length(),
+        )?;
+        let finite = derivatives.by_tension.iter().all(Response::is_finite);
+        if finite { Ok(derivatives) } else { Err(NoDerivatives::Critical) }
+    }
+
+    /// How the places at these numbers move with each component of a wrench on each of them, by rows, without contacts.
+    fn compliance_of(&self, places: &[usize]) -> Vec<f64> {
+        let n = 6 * places.len();
+        let mut compliance = vec![0.0; n * n];
+        for (j, place) in places.iter().enumerate() {
+            for component in 0..6 {
+                let moved = self.system.solve(self.system.row(*place, component));
+                for (i, other) in places.iter().enumerate() {
+                    for a in 0..6 {
+                        let row = self.system.row(*other, a);
+                        compliance[(6 * i + a) * n + 6 * j + component] = dot(row, &moved);
+                    }
+                }
+            }
+        }
+        compliance
+    }
+
+    /// The change that goes with a generalised force, and with what changes besides at constant coordinates.
+    fn respond(&self, force: &[f64], own: (&[f64], Wrench)) -> Response {
+        let system = &self.system;
+        let mut force = force.to_vec();
+        let mut base = own.1;
+        let mut moved = system.solve(&force);
+        if !self.contacts.places.is_empty() {
+            let motion: Vec<f64> =
+                self.contacts.rows().map(|(k, a)| dot(system.row(k, a), &moved)).collect();
+            let pushes: Vec<f64> = self
+                .contacts
+                .gain
+                .chunks_exact(motion.len())
+                .map(|row| dot(row, &motion))
+                .collect();
+            for ((place, component), push) in self.contacts.rows().zip(pushes) {
+                add(&mut force, push, system.row(place, component));
+                base.add(push, &system.at_base(place, component));
+            }
+            moved = system.solve(&force);
+        }
+        base.add(1.0, &system.base_of(&force));
+        let lengths = system.lengths.chunks_exact(system.coordinates.max(1));
+        let mut lengths: Vec<f64> = lengths.map(|row| dot(row, &moved)).collect();
+        add(&mut lengths, 1.0, own.0);
+        let twists = (0..system.positions.len()).map(|place| {
+            let [x, y, z, u, v, w] = core::array::from_fn(|a| dot(system.row(place, a), &moved));
+            Twist { linear: Vec3::new(x, y, z), angular: Vec3::new(u, v, w) }
+        });
+        Response { twists: twists.collect(), lengths, base }
+    }
+
+    fn by_tension(&self, cable: usize) -> Response {
+        let n = self.system.coordinates;
+        let pull: Vec<f64> =
+            self.system.lengths[cable * n..(cable + 1) * n].iter().map(|c| -c).collect();
+        self.respond(&pull, (&[], Wrench::default()))
+    }
+
+    fn by_wrench(&self, place: usize, component: usize) -> Response {
+        let at_base = self.system.at_base(place, component);
+        self.respond(self.system.row(place, component), (&[], at_base))
+    }
+
+    /// A change at constant tensions completed by the tensions that keep what is held; `targets` is the change of the lengths
+    /// that are to be kept.
+    fn completed(&self, mut response: Response, hold: Hold, targets: &[f64]) -> Change {
+        let right: Vec<f64> = (response.lengths.iter().enumerate())
+            .map(|(i, length)| targets.get(i).copied().unwrap_or(0.0) - length)
+            .collect();
+        let tensions = self.held.tensions(hold, &right);
+        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
+            response.add(tension, column);
+        }
+        self.change(response, tensions)
+    }
+
+    fn change(&self, Response { twists, lengths, base }: Response, tensions: Vec<f64>) -> Change {
+        Change { places: self.places.clone(), twists, strains: Vec::new(), base, lengths, tensions }
+    }
+
+    /// As [`super::Derivatives::command`].
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn command(&self, cable: usize) -> Change {
+        match self.cables[cable].command {
+            Command::Tension(_) => self.pulled(cable, Hold::Commands),
+            Command::Length { .. } => {
+                let targets: Vec<f64> =
+                    (0..self.cables.len()).map(|i| if i == cable { -1.0 } else { 0.0 }).collect();
+                let still = Response {
+                    twists: vec![Twist::default(); self.system.positions.len()],
+                    lengths: vec![0.0; self.cables.len()],
+                    base: Wrench::default(),
+                };
+                self.completed(still, Hold::Commands, &targets)
+            }
+        }
+    }
+
+    fn pulled(&self, cable: usize, hold: Hold) -> Change {
+        let mut change = self.completed(self.by_tension[cable].clone(), hold, &[]);
+        change.tensions[cable] += 1.0;
+        change
+    }
+
+    /// As [`super::Derivatives::tension`].
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn tension(&self, cable: usize) -> Change {
+        self.pulled(cable, Hold::Tensions)
+    }
+
+    /// As [`super::Derivatives::parameter`].
+    ///
+    /// # Panics
+    /// When no parameter has this number.
+    #[must_use]
+    pub fn parameter(&self, index: usize, hold: Hold) -> Change {
+        let parameter = &self.parameters[index];
+        let response = self.respond(&parameter.force, (&parameter.lengths, parameter.base));
+        self.completed(response, hold, &parameter.targets)
+    }
+
+    /// As [`super::Derivatives::wrench`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk, or the component is none of 0 to 5.
+    #[must_use]
+    pub fn wrench(&self, at: Place, component: usize, hold: Hold) -> Change {
+        assert!(component < 6, "a wrench has six components, none of which is {component}");
+        self.completed(self.by_wrench(self.places.number(at), component), hold, &[])
+    }
+
+    /// As [`super::Derivatives::actuation_jacobian`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    #[must_use]
+    pub fn actuation_jacobian(&self, at: Place) -> Vec<Twist> {
+        (0..self.cables.len()).map(|cable| self.command(cable).twist(at)).collect()
+    }
+
+    /// As [`super::Derivatives::length_by_command`].
+    #[must_use]
+    pub fn length_by_command(&self) -> Vec<Vec<f64>> {
+        let by: Vec<Change> = (0..self.cables.len()).map(|cable| self.command(cable)).collect();
+        (0..by.len()).map(|i| by.iter().map(|change| change.lengths[i]).collect()).collect()
+    }
+
+    /// As [`super::Derivatives::tension_jacobian`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    #[must_use]
+    pub fn tension_jacobian(&self, at: Place) -> Vec<Twist> {
+        let number = self.places.number(at);
+        self.by_tension.iter().map(|column| column.twists[number]).collect()
+    }
+
+    /// As [`super::Derivatives::length_by_tension`].
+    #[must_use]
+    pub fn length_by_tension(&self) -> Vec<Vec<f64>> {
+        let row = |i: usize| self.by_tension.iter().map(|column| column.lengths[i]).collect();
+        (0..self.cables.len()).map(row).collect()
+    }
+
+    /// As [`super::Derivatives::compliance`].
+    ///
+    /// # Errors
+    /// [`SolveError::NoDerivatives`] where the robot is so near to buckling that it is not finite.
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    pub fn compliance(&self, at: Place, hold: Hold) -> Result<Matrix6, SolveError> {
+        let columns = core::array::from_fn(|component| self.wrench(at, component, hold).twist(at));
+        let finite = |twist: &Twist| twist.linear.is_finite() && twist.angular.is_finite();
+        if columns.iter().all(finite) {
+            Ok(Matrix6::from_columns(&columns))
+        } else {
+            Err(SolveError::NoDerivatives)
+        }
+    }
+
+    /// As [`super::Derivatives::stiffness`].
+    ///
+    /// # Errors
+    /// As [`Self::compliance`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    pub fn stiffness(&self, at: Place, hold: Hold) -> Result<Option<Matrix6>, SolveError> {
+        Ok(self.compliance(at, hold)?.inverse(self.length))
+    }
+
+    /// As [`super::Derivatives::at`].
+    ///
+    /// # Errors
+    /// As [`Self::compliance`].
+    ///
+    /// # Panics
+    /// When there is no such station or disk.
+    pub fn at(&self, place: Place) -> Result<Local, SolveError> {
+        let number = self.places.number(place);
+        let column = |response: &Response| Column {
+            twist: response.twists[number],
+            lengths: response.lengths.clone(),
+        };
+        let by_tension: Vec<Column> = self.by_tension.iter().map(column).collect();
+        let by_wrench: Vec<Column> =
+            (0..6).map(|component| column(&self.by_wrench(number, component))).collect();
+        let commands: Vec<Command> = self.cables.iter().map(|cable| cable.command).collect();
+        let ends = (|i: usize| self.cables[i].is_taut, |i: usize| self.cables[i].compliance);
+        local_of(&commands, ends, &by_tension, Ok(&by_wrench), self.length)
+    }
+
+    /// Whether a contact of the answer is about to open or to close, to stick or to slide.
+    #[must_use]
+    pub const fn is_contact_about_to_change(&self) -> bool {
+        self.contacts.are_about_to_change
+    }
+
+    /// As [`super::Derivatives::pull_back`].
+    ///
+    /// # Panics
+    /// When the cotangent names a station or disk that there is not.
+    #[must_use]
+    pub fn pull_back(&self, cotangent: &Cotangent, hold: Hold) -> Gradient {
+        let (system, cables) = (&self.system, self.cables.len());
+        let of_cables = |values: &[f64]| -> Vec<f64> {
+            (0..cables).map(|i| values.get(i).copied().unwrap_or(0.0)).collect()
+        };
+        let (tensions, lengths) = (of_cables(&cotangent.tensions), of_cables(&cotangent.lengths));
+        let mut twists = vec![Twist::default(); system.positions.len()];
+        for (at, twist) in &cotangent.places {
+            let sum = &mut twists[self.places.number(*at)];
+            *sum = *sum + *twist;
+        }
+        let at_base = &cotangent.base_wrench;
+        let worth: Vec<f64> = (self.by_tension.iter().zip(&tensions))
+            .map(|(column, own)| own + column.worth(&twists, &lengths, at_base))
+            .collect();
+        let by_length = self.held.pull_back(hold, &worth);
+        let by_commands = self.held.pull_back(Hold::Commands, &worth);
+        let commands = (0..cables)
+            .map(|i| match self.cables[i].command {
+                Command::Length { .. } => -by_commands[i],
+                Command::Tension(_) => worth[i] - dot(&by_commands, &self.by_tension[i].lengths),
+            })
+            .collect();
+        let lengths: Vec<f64> = lengths.iter().zip(&by_length).map(|(a, b)| a - b).collect();
+        // What a unit of each generalised force is worth.
+        let mut by_motion = vec![0.0; system.coordinates];
+        for (place, Twist { linear, angular }) in twists.iter().enumerate() {
+            let parts = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
+            for (component, part) in parts.into_iter().enumerate().filter(|(_, part)| *part != 0.0)
+            {
+                add(&mut by_motion, part, system.row(place, component));
+            }
+        }
+        let rows = system.lengths.chunks_exact(system.coordinates.max(1));
+        for (row, length) in rows.zip(&lengths) {
+            add(&mut by_motion, *length, row);
+        }
+        let mut by_force = system.solve_transposed(&by_motion);
+        let parts = [at_base.force, at_base.moment].map(<[f64; 3]>::from);
+        let of_base = system.base.chunks_exact(system.coordinates.max(1));
+        for (row, part) in of_base.zip(parts.into_iter().flatten()) {
+            add(&mut by_force, part, row);
+        }
+        if !self.contacts.places.is_empty() {
+            let pushes: Vec<f64> = (self.contacts.rows())
+                .map(|(place, component)| {
+                    let own = system.at_base(place, component);
+                    dot(system.row(place, component), &by_force) + own.dot(at_base)
+                })
+                .collect();
+            let mut by_contact = vec![0.0; system.coordinates];
+            let gain = self.contacts.gain.chunks_exact(pushes.len());
+            let mut motion = vec![0.0; pushes.len()];
+            for (row, push) in gain.zip(&pushes) {
+                add(&mut motion, *push, row);
+            }
+            for ((place, component), part) in self.contacts.rows().zip(motion) {
+                add(&mut by_contact, part, system.row(place, component));
+            }
+            add(&mut by_force, 1.0, &system.solve_transposed(&by_contact));
+        }
+        let of_parameter = |parameter: &ParameterChange| {
+            dot(&by_force, &parameter.force)
+                + dot(&lengths, &parameter.lengths)
+                + dot(&by_length, &parameter.targets)
+                + parameter.base.dot(at_base)
+        };
+        let wrench = |place: usize| {
+            let [x, y, z, u, v, w] = core::array::from_fn(|component| {
+                let own = system.at_base(place, component);
+                dot(system.row(place, component), &by_force) + own.dot(at_base)
+            });
+            Wrench { force: Vec3::new(x, y, z), moment: Vec3::new(u, v, w) }
+        };
+        Gradient {
+            commands,
+            parameters: self.parameters.iter().map(of_parameter).collect(),
+            wrenches: (0..system.positions.len()).map(wrench).collect(),
+            places: self.places.clone(),
+        }
+    }
+}
+
+impl Contacts {
+    /// Place and component of each number that a push consists of.
+    fn rows(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.places.iter().flat_map(|&place| (0..6).map(move |component| (place, component)))
+    }
+}
+
+impl LinearSystem {
+    /// How a component of the motion of a place goes with the coordinates.
+    fn row(&self, place: usize, component: usize) -> &[f64] {
+        let (n, at) = (self.coordinates, 6 * place + component);
+        &self.jacobian[at * n..(at + 1) * n]
+    }
+
+    fn solve(&self, force: &[f64]) -> Vec<f64> {
+        self.inverse.chunks_exact(self.coordinates.max(1)).map(|row| dot(row, force)).collect()
+    }
+
+    fn solve_transposed(&self, worth: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.coordinates];
+        for (row, w) in self.inverse.chunks_exact(self.coordinates.max(1)).zip(worth) {
+            add(&mut out, *w, row);
+        }
+        out
+    }
+
+    fn base_of(&self, force: &[f64]) -> Wrench {
+        let row =
+            |a: usize| dot(&self.base[a * self.coordinates..(a + 1) * self.coordinates], force);
+        let [x, y, z, u, v, w] = core::array::from_fn(row);
+        Wrench { force: Vec3::new(x, y, z), moment: Vec3::new(u, v, w) }
+    }
+
+    /// What a component of a wrench on a place exerts on the base.
+    fn at_base(&self, place: usize, component: usize) -> Wrench {
+        let Wrench { force, moment } = unit_wrench(component);
+        Wrench { force, moment: moment + self.positions[place].cross(force) }
+    }
+}
+
+impl Response {
+    fn add(&mut self, f: f64, other: &Self) {
+        if f == 0.0 {
+            return;
+        }
+        for (twist, by) in self.twists.iter_mut().zip(&other.twists) {
+            *twist = *twist + *by * f;
+        }
+        add(&mut self.lengths, f, &other.lengths);
+        self.base.add(f, &other.base);
+    }
+
+    fn worth(&self, twists: &[Twist], lengths: &[f64], base: &Wrench) -> f64 {
+        let moved = |(a, b): (&Twist, &Twist)| a.linear.dot(b.linear) + a.angular.dot(b.angular);
+        let moved: f64 = self.twists.iter().zip(twists).map(moved).sum();
+        moved + dot(&self.lengths, lengths) + self.base.dot(base)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.twists.iter().all(|t| t.linear.is_finite() && t.angular.is_finite())
+            && self.lengths.iter().all(|length| length.is_finite())
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `sum += f · other`.
+fn add(sum: &mut [f64], f: f64, other: &[f64]) {
+    sum.iter_mut().zip(other).for_each(|(sum, x)| *sum += f * x);
+}

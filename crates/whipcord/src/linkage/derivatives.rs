@@ -1,0 +1,256 @@
+//! Exact derivatives of an answer by commands, loads and parameters.
+//!
+//! The tangent of the equilibrium, eq. (5), gives all but what parameters change at constant coordinates: these enter the
+//! equations through stiffness, rest shape, holes and loads, and their part is differentiated by differences of the equations.
+
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3, derivative};
+
+use super::chain::Chain;
+use super::layout::{self, Section};
+use super::loads::AppliedLoads;
+use super::motion::Coordinates;
+use super::places::Places;
+use super::task::{Right, Task};
+use super::{Linkage, Workspace};
+use crate::case::{Case, Shortening};
+use crate::contact::Holding;
+use crate::derivatives::{
+    CoordinateCable, CoordinateDerivatives, LinearSystem, NoDerivatives, ParameterChange,
+    SolvedCoordinates,
+};
+use crate::error::SolveError;
+use crate::parameter::{Parameter, StiffnessPart};
+use crate::robot::{Cable, Robot};
+use crate::shape::{Solution, Wrench};
+
+/// Numbers that the dense equations of an answer may have.
+const MOST_NUMBERS: usize = 1 << 24;
+/// Step of the differences, as a part of a change that matters.
+const STEP: f64 = 2e-3;
+
+impl Linkage {
+    /// [`Self::solve`], with the derivatives of the answer: by tensions or lengths, by loads at any place, and by these
+    /// parameters.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`SolveError::Invalid`] for a parameter that robot and case do not have,
+    /// [`SolveError::Unsupported`] for so many sections and stations that their equations, which are dense, take too much memory,
+    /// and [`SolveError::NoDerivatives`] where the robot is about to buckle.
+    pub fn solve_with_derivatives(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        if case.obstacles.is_empty() {
+            let solution = self.solve(case, warm_start, workspace)?;
+            let derivatives =
+                self.differentiate(case, &Holding::default(), parameters, workspace)?;
+            return Ok((solution, derivatives));
+        }
+        let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
+        workspace.meter.checked(found)
+    }
+
+    /// The derivatives of the answer that the workspace is at, of a case with the pushes of its contacts among its loads.
+    pub(super) fn differentiate(
+        &self,
+        case: &Case,
+        holding: &Holding,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<CoordinateDerivatives, SolveError> {
+        let mut at = self.stations.clone();
+        at.extend(&self.robot.disks().arc_lengths);
+        at.extend(&holding.places);
+        at.sort_by(f64::total_cmp);
+        at.dedup();
+        let number = |s: &f64| at.partition_point(|there| there < s);
+        let system = self.linear_system(&at, workspace)?;
+        let Workspace { scratch, commands, tensions, .. } = &*workspace;
+        let parameters = parameters
+            .iter()
+            .map(|parameter| self.by_parameter(parameter, case, &scratch.chain.q, tensions))
+            .collect::<Result<Vec<_>, _>>()?;
+        let cable = |(i, command): (usize, &_)| CoordinateCable {
+            command: *command,
+            is_taut: tensions[i] > 0.0,
+            compliance: own_compliance(&self.robot.cables()[i], self.rest_lengths[i]),
+        };
+        let solved = SolvedCoordinates {
+            system,
+            stations: self.stations.iter().map(number).collect(),
+            disks: self.robot.disks().arc_lengths.iter().map(number).collect(),
+            cables: commands.iter().enumerate().map(cable).collect(),
+            parameters,
+            length: self.robot.backbone().length,
+        };
+        let touching = holding.places.iter().map(number).collect();
+        let contacts = (touching, holding.is_about_to_change);
+        CoordinateDerivatives::of(solved, contacts, |compliance| holding.gain(compliance)).map_err(
+            |error| match error {
+                NoDerivatives::Parameter(error) => error.into(),
+                NoDerivatives::Critical | NoDerivatives::Fault(_) => SolveError::NoDerivatives,
+            },
+        )
+    }
+
+    /// The equations of the answer, linearised, with these arc lengths as places.
+    fn linear_system(
+        &self,
+        arc_lengths: &[f64],
+        workspace: &mut Workspace,
+    ) -> Result<LinearSystem, SolveError> {
+        let count = self.division.coordinates();
+        let n = count * self.sections.len();
+        if n * (n + 6 * arc_lengths.len()) > MOST_NUMBERS {
+            return Err(SolveError::Unsupported {
+                model: self.kind,
+                path: "a request for derivatives".to_owned(),
+                what: "so many sections and stations that their dense equations take too much memory",
+                advice: "ask for fewer stations, or use cosserat-disks",
+            });
+        }
+        let Workspace { scratch, loads, tensions, meter, .. } = workspace;
+        let chain = &mut scratch.chain;
+        let task = self.task(loads, tensions, meter);
+        chain.evaluate(&task);
+        chain.linearise(&task);
+        let unit = |side: usize| Right::Unit { section: side / count, coordinate: side % count };
+        chain.eliminate_with(&task, 0.0, n, unit).ok_or(SolveError::NoDerivatives)?;
+        let (mut inverse, mut base) = (vec![0.0; n * n], vec![0.0; 6 * n]);
+        for side in 0..n {
+            for k in 0..self.sections.len() {
+                for (a, x) in chain.response(&task, side, k).iter().enumerate() {
+                    inverse[(k * count + a) * n + side] = *x;
+                }
+            }
+            let Wrench { force, moment } = chain.base_response(side);
+            for axis in 0..3 {
+                base[axis * n + side] = force[axis];
+                base[(3 + axis) * n + side] = moment[axis];
+            }
+        }
+        let disks: Vec<Pose> = self.disks(&chain.q).collect();
+        let places = Places::new(self, &chain.q, &disks, arc_lengths);
+        Ok(LinearSystem {
+            coordinates: n,
+            inverse,
+            lengths: chain.length_rates(&task),
+            base,
+            jacobian: places.jacobian(chain, count),
+            positions: places.positions(),
+        })
+    }
+
+    /// How the equations change with a parameter at these coordinates and tensions.
+    fn by_parameter(
+        &self,
+        parameter: &Parameter,
+        case: &Case,
+        q: &[Coordinates],
+        tensions: &[f64],
+    ) -> Result<ParameterChange, SolveError> {
+        parameter.check(&self.robot, case)?;
+        let section = &self.sections[0];
+        let moment = section.stiffness[1] * section.length / self.robot.backbone().length;
+        let step = STEP * parameter.scale(&self.robot, case, moment);
+        let equations = |by: f64| -> Result<Vec<f64>, SolveError> {
+            let (sections, robot, case) = self.moved(parameter, case, by)?;
+            Ok(self.equations(&sections, &robot, &case, q, tensions))
+        };
+        let mut change = derivative(equations, step)?;
+        let (n, cables) = (self.division.coordinates() * q.len(), tensions.len());
+        let base = change.split_off(n + 2 * cables);
+        let targets = change.split_off(n + cables);
+        let lengths = change.split_off(n);
+        change.iter_mut().for_each(|residual| *residual = -*residual);
+        let vector = |at: usize| [base[at], base[at + 1], base[at + 2]].into();
+        let base = Wrench { force: vector(0), moment: vector(3) };
+        Ok(ParameterChange { force: change, lengths, base, targets })
+    }
+
+    /// Sections, robot and case with a parameter changed by this.
+    fn moved(
+        &self,
+        parameter: &Parameter,
+        case: &Case,
+        by: f64,
+    ) -> Result<(Vec<Section>, Robot, Case), SolveError> {
+        let mut sections = self.sections.clone();
+        match *parameter {
+            Parameter::StiffnessScale(part) => {
+                for stiffness in sections.iter_mut().map(|section| &mut section.stiffness) {
+                    match part {
+                        StiffnessPart::Torsion => stiffness[0] *= 1.0 + by,
+                        StiffnessPart::Bending => {
+                            stiffness[1..].iter_mut().for_each(|k| *k *= 1.0 + by);
+                        }
+                        // The sections have no such strains.
+                        StiffnessPart::Shear | StiffnessPart::Extension => {}
+                    }
+                }
+            }
+            Parameter::HoleAngle { cable, disk } => {
+                let turn = UnitQuaternion::exp(Vec3::Z * by);
+                for (k, section) in sections.iter_mut().enumerate() {
+                    for passage in section.passages.iter_mut().filter(|p| p.cable == cable) {
+                        if k == disk {
+                            passage.near = turn.rotate(passage.near);
+                        }
+                        if k + 1 == disk {
+                            passage.far = turn.rotate(passage.far);
+                        }
+                    }
+                }
+            }
+            _ => {
+                let (robot, case) = parameter.moved(&self.robot, case, by)?;
+                let (sections, _) = layout::sections(&robot, self.kind, &self.division)?;
+                return Ok((sections, robot, case));
+            }
+        }
+        Ok((sections, self.robot.clone(), case.clone()))
+    }
+
+    /// Residuals, lengths, the lengths to keep with their own stretch, and the wrench at the base, of these sections.
+    fn equations(
+        &self,
+        sections: &[Section],
+        robot: &Robot,
+        case: &Case,
+        q: &[Coordinates],
+        tensions: &[f64],
+    ) -> Vec<f64> {
+        let mut loads = AppliedLoads::default();
+        loads.gather(robot, &self.division, &case.loads, case.base.rotation);
+        let mut chain = Chain::default();
+        chain.q.extend_from_slice(q);
+        let meter = Default::default();
+        let task = Task { sections, ..self.task(&loads, tensions, &meter) };
+        chain.evaluate(&task);
+        let count = self.division.coordinates();
+        let mut values: Vec<f64> =
+            chain.residuals().iter().flat_map(|residual| residual[..count].to_vec()).collect();
+        values.extend(&chain.lengths);
+        let rest = layout::rest_lengths(&self.division, sections, tensions.len());
+        for (i, &rest) in rest.iter().enumerate() {
+            let asked = match case.commands[i].shortening {
+                Some(Shortening::Fraction(fraction)) => rest * (1.0 - fraction),
+                _ => rest,
+            };
+            values.push(asked + own_compliance(&robot.cables()[i], rest) * tensions[i]);
+        }
+        for v in [chain.base.force, chain.base.moment] {
+            values.extend(<[f64; 3]>::from(v));
+        }
+        values
+    }
+}
+
+/// What a tension of 1 N adds to the length of a cable in m, where that is so long at rest.
+fn own_compliance(cable: &Cable, rest: f64) -> f64 {
+    cable.axial_stiffness.map_or(0.0, |stiffness| rest / stiffness)
+}
