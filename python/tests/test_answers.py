@@ -261,11 +261,19 @@ def agree(case: Case, route: object, force: Array) -> None:
     assert np.abs(solution.rotation - rotation).max() < 1e-6
 
 
-@pytest.mark.parametrize("rod", [models.Cosserat, models.CosseratDisks])
-def test_jacobians_are_those_of_differences(rod: type[models.Cosserat] | type[models.CosseratDisks]) -> None:
+@pytest.mark.parametrize(
+    "model",
+    [
+        # So accurate that differences are.
+        models.Cosserat(tolerance=1e-10),
+        models.CosseratDisks(tolerance=1e-10),
+        "piecewise-constant-curvature",
+        "pseudo-rigid-body",
+    ],
+    ids=str,
+)
+def test_jacobians_are_those_of_differences(model: models.Cosserat | models.CosseratDisks | str) -> None:
     case = whipcord.load("examples/wall-mounted-arm.toml")
-    # So accurate that differences are.
-    model = rod(tolerance=1e-10)
     parameters = ["loads.tip_force[0]", "backbone.young_modulus", "disks.mass"]
     steps = [1e-4, 1e4, 1e-5]
     case = case.replace(loads=case.loads.replace(tip_force=[0.01, 0.02, 0.03]))
@@ -311,6 +319,17 @@ def test_pulling_back_is_the_transpose_of_pushing_forward() -> None:
     assert batch.ok.all() and batch.commands[1] != batch.commands[0]
 
 
+def test_the_four_bar_model_with_a_strain_energy_knows_all_derivatives(case: whipcord.Case) -> None:
+    model = models.FourBar(objective="strain-energy", lengths="free")
+    solution, derivatives = case.differentiate(model=model)
+    assert derivatives.compliance().shape == (6, 6)
+    assert derivatives.length_by_tension[0, 0] < 0
+    tip = case.stiffness(model=model)
+    assert np.allclose(tip.jacobian, derivatives.twist_by_command[-1], rtol=1e-7, atol=1e-9)
+    gradient = derivatives.pull_back(position=np.ones_like(solution.position))
+    assert np.allclose(gradient.commands, derivatives.position_by_command.sum(axis=(0, 1)), rtol=1e-8)
+
+
 def test_compliance_and_stiffness_are_inverse(segment: whipcord.Case) -> None:
     place = segment.stiffness("60 mm")
     assert place.stiffness is not None
@@ -343,7 +362,7 @@ def test_sections_say_how_they_move(case: whipcord.Case) -> None:
         derivatives.compliance,
         lambda: derivatives.pull_back(position=np.ones_like(solution.position)),
     ):
-        with pytest.raises(InputError, match="known to the models cosserat and cosserat-disks, not to four-bar"):
+        with pytest.raises(InputError, match="known to models in equilibrium under loads, not to four-bar"):
             unknown()
     # The same frame as the rod's, and the same numbers at the tip.
     tip = case.stiffness(shortening=shortening, model="four-bar")

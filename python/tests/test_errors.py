@@ -156,7 +156,7 @@ def test_wrong_options(case: whipcord.Case) -> None:
     for call in (case.differentiate, case.pull_back_batch):
         with pytest.raises(InputError, match=r"a list of paths, but is 'backbone\.diameter'"):
             call(parameters="backbone.diameter")
-    with pytest.raises(InputError, match="by parameters are known to the models cosserat and cosserat-disks, not to four-bar"):
+    with pytest.raises(InputError, match="by parameters are known to models in equilibrium under loads, not to four-bar"):
         case.differentiate(model="four-bar", parameters=["backbone.diameter"])
     with pytest.raises(InputError, match="not to pseudo-rigid-body"):
         case.differentiate(model="pseudo-rigid-body")

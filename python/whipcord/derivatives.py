@@ -40,8 +40,9 @@ class Gradient:
 class Derivatives:
     """The exact derivatives of one answer, by :meth:`whipcord.Case.differentiate`.
 
-    The four-bar model knows those by its commands, the shortenings: :attr:`twist_by_command` and
-    :attr:`length_by_command`. All else is asked of the models cosserat and cosserat-disks, or raises :class:`whipcord.errors.InputError`.
+    Every model in equilibrium under loads knows all of them, and so does the four-bar model with the objective
+    ``"strain-energy"`` and the length rule ``"free"``. With other options the four-bar model knows those by its commands, the
+    shortenings: :attr:`twist_by_command` and :attr:`length_by_command`; all else raises :class:`whipcord.errors.InputError`.
 
     What says how stations move is along the axes of the world, as positions are. Rotations are turns
     ``dR = φ̂ R``. Compliance and stiffness are along the axes of the base, as the command

@@ -197,7 +197,9 @@ pub fn pull_back_batch<'py>(
 ) -> PyResult<Pulled<'py>> {
     let count = setup.rows(py, &values)?;
     let (method, limit) = model.begin();
-    if !matches!(method.kind(), ModelKind::Cosserat | ModelKind::CosseratDisks) {
+    if matches!(method.kind(), ModelKind::FourBar | ModelKind::ConstantCurvature)
+        && !method.has_derivatives(&setup.robot)
+    {
         return Err(errors::not_by(py, method.kind(), "gradients"));
     }
     let parameters: Vec<_> =

@@ -1,4 +1,4 @@
-//! Exact derivatives of an answer: of models in equilibrium under loads by all, of the four-bar model by the lengths.
+//! Exact derivatives of an answer: of models in equilibrium under loads by all, of the four-bar model without a strain energy by the lengths.
 
 use std::sync::Arc;
 
@@ -53,6 +53,7 @@ pub fn derivatives(
     let answer = Setup::watched(setup, model, move |prepared| {
         match prepared {
             Prepared::Cosserat(..) | Prepared::CosseratDisks(..) | Prepared::Linkage(..) => {}
+            Prepared::FourBar(model, _) if model.has_linearization() => {}
             Prepared::FourBar(model, workspace) if parameters.is_empty() => {
                 let (solution, inner) = model.solve_with_derivatives(&of, workspace)?;
                 return Ok(Some((solution, Inner::FourBar(inner))));

@@ -33,12 +33,15 @@ pub fn input(py: Python<'_>, path: &str, message: String) -> PyErr {
     exception(py, "InputError", message, |values| values.set_item("path", path))
 }
 
-/// A model is asked for what only the Cosserat model knows.
+/// A model is asked for what only models in equilibrium under loads know.
 pub fn not_by(py: Python<'_>, model: ModelKind, what: &str) -> PyErr {
     input(
         py,
         "model",
-        format!("{what} are known to the models cosserat and cosserat-disks, not to {model}"),
+        format!(
+            "{what} are known to models in equilibrium under loads, not to {model}: use cosserat, cosserat-disks, \
+             piecewise-constant-curvature or pseudo-rigid-body, or four-bar with the objective strain-energy and the length rule free"
+        ),
     )
 }
 

@@ -7,8 +7,9 @@ use crate::derivatives::{
     Change, CoordinateDerivatives, Cotangent, Derivatives, Gradient, Hold, Place,
 };
 use crate::error::SolveError;
+use crate::four_bar;
 use crate::kind::ModelKind;
-use crate::kinematics::{Local, Matrix6};
+use crate::kinematics::{ComplianceUnknown, Local, Matrix6};
 use crate::model::{Model, Prepared};
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Robot};
@@ -197,7 +198,10 @@ impl Model {
                 true
             }
             Self::CosseratDisks(_) => slides(),
-            Self::FourBar(_) | Self::ConstantCurvature(_) => false,
+            Self::FourBar(options) => {
+                four_bar::FourBar::new(robot, options).is_ok_and(|model| model.has_linearization())
+            }
+            Self::ConstantCurvature(_) => false,
         }
     }
 }
@@ -216,12 +220,6 @@ impl Prepared {
         warm_start: Option<&Solution>,
         parameters: &[Parameter],
     ) -> Result<(Solution, Linearization), SolveError> {
-        let unsupported = |model: ModelKind| SolveError::Unsupported {
-            model,
-            path: "a request for derivatives by loads and parameters".to_owned(),
-            what: "it has derivatives by the commands alone",
-            advice: "use cosserat or cosserat-disks, or differences of answers",
-        };
         match self {
             Self::Cosserat(model, workspace) => model
                 .solve_with_derivatives(case, warm_start, parameters, workspace)
@@ -232,8 +230,15 @@ impl Prepared {
             Self::Linkage(model, workspace) => model
                 .solve_with_derivatives(case, warm_start, parameters, workspace)
                 .map(|(solution, of)| (solution, Linearization::Coordinates(Box::new(of)))),
-            Self::FourBar(..) => Err(unsupported(ModelKind::FourBar)),
-            Self::ConstantCurvature(..) => Err(unsupported(ModelKind::ConstantCurvature)),
+            Self::FourBar(model, workspace) => model
+                .solve_and_linearize(case, warm_start, parameters, workspace)
+                .map(|(solution, of)| (solution, Linearization::Coordinates(Box::new(of)))),
+            Self::ConstantCurvature(..) => Err(SolveError::Unsupported {
+                model: ModelKind::ConstantCurvature,
+                path: "a request for derivatives by loads and parameters".to_owned(),
+                what: ComplianceUnknown::NoLoads.reason(),
+                advice: ComplianceUnknown::NoLoads.advice(),
+            }),
         }
     }
 

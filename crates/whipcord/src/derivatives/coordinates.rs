@@ -18,16 +18,22 @@
 
 use whipcord_numerics::{Twist, Vec3};
 
+use super::Place;
 use super::backward::{Cotangent, Gradient};
 use super::change::{Change, Places};
 use super::columns::unit_wrench;
-use super::{NoDerivatives, Place};
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::kinematics::{Local, Matrix6};
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::hold::{Critical, HeldCables, Hold};
 use crate::statics::local::{Column, local_of};
+
+/// Numbers that the dense equations of an answer may have.
+const MOST_NUMBERS: usize = 1 << 24;
+/// Step of the differences that tell what parameters change in the equations, as a part of a change that matters.
+pub(crate) const PARAMETER_STEP: f64 = 2e-3;
 
 /// The equations of a model at an answer, linearised; matrices by rows.
 #[derive(Clone, Debug)]
@@ -68,12 +74,52 @@ pub(crate) struct CoordinateCable {
     pub compliance: f64,
 }
 
+/// The places that derivatives are known of.
+#[derive(Clone, Debug)]
+pub(crate) struct KnownPlaces {
+    /// In m, from the base on.
+    pub arc_lengths: Vec<f64>,
+    /// By their numbers among these.
+    stations: Vec<usize>,
+    disks: Vec<usize>,
+    /// Where contacts hold the answer.
+    contacts: Vec<usize>,
+}
+
+impl KnownPlaces {
+    /// Of these arc lengths in m, for a model that has so many coordinates.
+    ///
+    /// # Errors
+    /// [`SolveError::Unsupported`] where the dense equations of all of them take too much memory.
+    pub fn new(
+        model: ModelKind,
+        coordinates: usize,
+        [stations, disks, contacts]: [&[f64]; 3],
+    ) -> Result<Self, SolveError> {
+        let mut arc_lengths = [stations, disks, contacts].concat();
+        arc_lengths.sort_by(f64::total_cmp);
+        arc_lengths.dedup();
+        if coordinates * (coordinates + 6 * arc_lengths.len()) > MOST_NUMBERS {
+            return Err(SolveError::Unsupported {
+                model,
+                path: "a request for derivatives".to_owned(),
+                what: "so many sections and stations that their dense equations take too much memory",
+                advice: "ask for fewer stations, or use cosserat-disks",
+            });
+        }
+        let numbers = |places: &[f64]| {
+            places.iter().map(|s| arc_lengths.partition_point(|there| there < s)).collect()
+        };
+        let (stations, disks, contacts) = (numbers(stations), numbers(disks), numbers(contacts));
+        Ok(Self { arc_lengths, stations, disks, contacts })
+    }
+}
+
 /// An answer, as it is differentiated.
 #[derive(Clone, Debug)]
 pub(crate) struct SolvedCoordinates {
     pub system: LinearSystem,
-    pub stations: Vec<usize>,
-    pub disks: Vec<usize>,
+    pub places: KnownPlaces,
     pub cables: Vec<CoordinateCable>,
     pub parameters: Vec<ParameterChange>,
     /// Length of the backbone in m.
@@ -113,13 +159,26 @@ pub struct CoordinateDerivatives {
 }
 
 impl CoordinateDerivatives {
-    /// Of an answer, with contacts at these of its places. `gain` makes `K` of the compliance of those places, both by rows.
+    /// Of an answer. `gain` makes `K` of the compliance of the places of its contacts, both by rows.
+    ///
+    /// # Errors
+    /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
     pub(crate) fn of(
         solved: SolvedCoordinates,
-        (touching, are_about_to_change): (Vec<usize>, bool),
+        are_about_to_change: bool,
         gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
-    ) -> Result<Self, NoDerivatives> {
-        let SolvedCoordinates { system, stations, disks, cables, parameters, length } = solved;
+    ) -> Result<Self, SolveError> {
+        Self::linear(solved, are_about_to_change, gain)
+            .map_err(|Critical| SolveError::NoDerivatives)
+    }
+
+    fn linear(
+        solved: SolvedCoordinates,
+        are_about_to_change: bool,
+        gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
+    ) -> Result<Self, Critical> {
+        let SolvedCoordinates { system, places, cables, parameters, length } = solved;
+        let KnownPlaces { stations, disks, contacts: touching, .. } = places;
         let tip = disks.last().copied().unwrap_or(0);
         let mut derivatives = Self {
             system,
@@ -148,7 +207,7 @@ impl CoordinateDerivatives {
             |i| cables[i].command.is_length(),
         )?;
         let finite = derivatives.by_tension.iter().all(Response::is_finite);
-        if finite { Ok(derivatives) } else { Err(NoDerivatives::Critical) }
+        if finite { Ok(derivatives) } else { Err(Critical) }
     }
 
     /// How the places at these numbers move with each component of a wrench on each of them, by rows, without contacts.

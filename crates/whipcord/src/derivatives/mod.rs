@@ -41,7 +41,7 @@ pub(crate) use self::columns::unit_wrench;
 use self::columns::{Raw, Source};
 pub use self::coordinates::CoordinateDerivatives;
 pub(crate) use self::coordinates::{
-    CoordinateCable, LinearSystem, ParameterChange, SolvedCoordinates,
+    CoordinateCable, KnownPlaces, LinearSystem, PARAMETER_STEP, ParameterChange, SolvedCoordinates,
 };
 use self::elimination::Elimination;
 pub(crate) use self::elimination::NodeChange;

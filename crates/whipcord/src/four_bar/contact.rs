@@ -14,8 +14,10 @@ use crate::case::Case;
 use crate::contact;
 use crate::contact::Unobstructed;
 use crate::contact::model::{Compliant, Push};
+use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::parameter::Parameter;
 use crate::shape::{NoStability, Solution, Wrench};
 
 /// The backbone is watched at this many places or more from base to tip.
@@ -47,6 +49,39 @@ impl FourBar {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        self.check_obstacles(case)?;
+        let watched = self.watched();
+        let mut free = FreeChain { model: self, workspace, watched: &watched };
+        if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
+            return Ok(solution);
+        }
+        contact::solve(&mut self.adapter(watched, workspace), &self.robot, case, warm_start)
+    }
+
+    /// The same, with the derivatives of the answer and the contacts that hold it.
+    pub(super) fn linearize_in_contact(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
+        self.check_obstacles(case)?;
+        let watched = self.watched();
+        let mut free = FreeChain { model: self, workspace, watched: &watched };
+        if contact::solve_free(&mut free, &self.robot, case, warm_start)?.is_some() {
+            let alone = Case { obstacles: Vec::new(), ..case.clone() };
+            return self.solve_and_linearize(&alone, None, parameters, workspace);
+        }
+        let mut adapter = self.adapter(watched, workspace);
+        let (solution, holding) =
+            contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
+        let ContactAdapter { found, loads, .. } = adapter;
+        let derivatives = self.linearize(found, &loads, case, &holding, parameters)?;
+        Ok((solution, derivatives))
+    }
+
+    fn check_obstacles(&self, case: &Case) -> Result<(), SolveError> {
         case.check(&self.robot)?;
         refusal::case(&self.robot, case)?;
         if self.options.objective != Objective::StrainEnergy
@@ -65,15 +100,18 @@ impl FourBar {
                 "use cosserat, or a robot of fewer disks",
             ));
         }
-        let watched = self.watched();
-        let mut free = FreeChain { model: self, workspace, watched: &watched };
-        if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
-            return Ok(solution);
-        }
+        Ok(())
+    }
+
+    fn adapter<'a>(
+        &'a self,
+        watched: Vec<f64>,
+        workspace: &'a mut Workspace,
+    ) -> ContactAdapter<'a> {
         let places = watched.iter().map(|&s| self.locate(s)).collect();
         let mut found = ContactResponse::default();
         found.reset(&self.sections, self.initial_lengths.len());
-        let mut adapter = ContactAdapter {
+        ContactAdapter {
             model: self,
             workspace,
             scale: self.tension_scale.unwrap_or(1.0),
@@ -84,8 +122,7 @@ impl FourBar {
             found,
             targets: Vec::new(),
             loads: Vec::new(),
-        };
-        contact::solve(&mut adapter, &self.robot, case, warm_start)
+        }
     }
 
     /// Where the backbone is watched: the disks and equal parts between.

@@ -329,6 +329,46 @@ impl ContactResponse {
         self.lu.is_determinant_negative() == held
     }
 
+    /// How the places of loads move with the coordinates: six rows for each, those of its point first.
+    fn fill_jacobian(&self, sections: &[Section], loads: &[Load], jacobian: &mut Vec<f64>) {
+        let n = 3 * sections.len();
+        jacobian.clear();
+        jacobian.resize(6 * loads.len() * n, 0.0);
+        for (k, load) in loads.iter().enumerate() {
+            let at = self.pose_at(sections, load.section, load.part).position;
+            for s in 0..=load.section {
+                for (a, twist) in self.moved(sections, s, load, at).iter().enumerate() {
+                    let parts = [twist.linear, twist.angular].map(<[f64; 3]>::from);
+                    for (row, value) in parts.into_iter().flatten().enumerate() {
+                        jacobian[(6 * k + row) * n + 3 * s + a] = value;
+                    }
+                }
+            }
+        }
+    }
+
+    /// How places move with the coordinates where it was linearised last, as rows.
+    pub fn jacobian_of(&self, sections: &[Section], places: &[Load]) -> Vec<f64> {
+        let mut jacobian = Vec::new();
+        self.fill_jacobian(sections, places, &mut jacobian);
+        jacobian
+    }
+
+    /// The inverse of the Hessian where it was linearised last, by rows.
+    pub fn inverse(&self) -> Vec<f64> {
+        let n = self.gradient.len();
+        let unit = |j: usize| (0..n).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
+        let mut columns: Vec<Vec<f64>> = (0..n).map(unit).collect();
+        self.lu.solve_columns(&mut columns);
+        let entry = |at: usize| columns[at % n.max(1)][at / n.max(1)];
+        (0..n * n).map(entry).collect()
+    }
+
+    /// Gradients of the lengths of the cables where it was linearised last.
+    pub fn arms(&self) -> &[Vec<f64>] {
+        &self.arms
+    }
+
     /// How the places of the loads that it was linearised with move with each component of a wrench on each of
     /// them, into `compliance` by rows; and how with the step that is left, into `drift`.
     pub fn compliance(
@@ -341,19 +381,7 @@ impl ContactResponse {
         let n = 3 * sections.len();
         let rows = 6 * loads.len();
         let mut jacobian = core::mem::take(&mut self.jacobian);
-        jacobian.clear();
-        jacobian.resize(rows * n, 0.0);
-        for (k, load) in loads.iter().enumerate() {
-            let at = self.pose_at(sections, load.section, load.part).position;
-            for s in 0..=load.section {
-                for (a, twist) in self.moved(sections, s, load, at).iter().enumerate() {
-                    let parts = [twist.linear, twist.angular].map(<[f64; 3]>::from);
-                    for (row, value) in parts.into_iter().flatten().enumerate() {
-                        jacobian[(6 * k + row) * n + 3 * s + a] = value;
-                    }
-                }
-            }
-        }
+        self.fill_jacobian(sections, loads, &mut jacobian);
         drift.clear();
         drift.extend(jacobian.chunks(n).map(|row| dot(row, &self.left)));
         compliance.clear();

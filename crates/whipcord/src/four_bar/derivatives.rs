@@ -98,10 +98,7 @@ impl FourBar {
         let mut solution = Solution::empty(ModelKind::FourBar);
         let compromise = self.solve_and_tell(case, workspace, &mut solution)?;
         if compromise {
-            return Err(unsupported(
-                "of lengths that contradict each other",
-                "give lengths that the cables can have together",
-            ));
+            return Err(contradiction());
         }
         let derivatives = self.derivatives(case.base, workspace)?;
         Ok((solution, derivatives))
@@ -178,6 +175,14 @@ impl FourBar {
         }
         Derivatives { cables, disks, stations, lengths }
     }
+}
+
+/// Lengths that contradict each other have no derivatives.
+pub(super) fn contradiction() -> SolveError {
+    unsupported(
+        "of lengths that contradict each other",
+        "give lengths that the cables can have together",
+    )
 }
 
 fn unsupported(what: &'static str, advice: &'static str) -> SolveError {

@@ -51,7 +51,7 @@ fn turned(rotation: UnitQuaternion, Twist { linear, angular }: Twist) -> Twist {
 
 impl FourBar {
     /// Newtons by the model's own measure of force, or why it says nothing of wrenches.
-    fn newtons(&self) -> Result<f64, ComplianceUnknown> {
+    pub(super) fn newtons(&self) -> Result<f64, ComplianceUnknown> {
         if self.options.objective != Objective::StrainEnergy {
             return Err(ComplianceUnknown::NoEnergy);
         }

@@ -10,6 +10,7 @@ mod contact_response;
 mod derivatives;
 mod joint;
 mod length;
+mod linearization;
 mod local;
 mod measure;
 mod one_cable;

@@ -9,6 +9,7 @@ use super::options::{Chord, Objective};
 use super::plane::{Jet, Vec2};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::parameter::StiffnessPart;
 use crate::robot::Robot;
 
 /// What lies between two neighbouring disks.
@@ -51,6 +52,21 @@ impl Section {
         // The measure is least at rest, and grows with every coordinate.
         let scaled = self.rest_hessian().ldlt().map_or(Vec3::ZERO, |h| h.solve(g));
         (scaled, g.dot(scaled))
+    }
+
+    /// Multiplies a part of its stiffness.
+    pub fn stiffen(&mut self, part: StiffnessPart, factor: f64) {
+        let (Measure::StrainEnergy(weights) | Measure::StrainEnergyFrom(weights, _)) =
+            &mut self.measure
+        else {
+            return;
+        };
+        match part {
+            StiffnessPart::Bending => weights[..2].iter_mut().for_each(|weight| *weight *= factor),
+            StiffnessPart::Torsion => weights[2] *= factor,
+            // The sections have no such strains.
+            StiffnessPart::Shear | StiffnessPart::Extension => {}
+        }
     }
 
     /// Hessian of the measure at rest.

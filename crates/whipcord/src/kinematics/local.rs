@@ -32,25 +32,40 @@ pub struct Compliances {
 
 /// Why a model that says how a place moves does not say how it yields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}: {}", self.reason(), self.advice())]
 pub enum ComplianceUnknown {
     /// No energy is least, so that nothing resists a wrench.
-    #[error(
-        "only lengths and no energy decide where it bends: take the objective strain-energy and the length rule free, or use cosserat"
-    )]
     NoEnergy,
     /// Every section keeps its share of each length: no one tension pulls a cable.
-    #[error(
-        "every section keeps its own part of a cable, which has no one tension: take the length rule free, or use cosserat"
-    )]
     SharedLengths,
     /// An arc of constant curvature bears nothing but its cables.
-    #[error(
-        "the model takes no loads: use piecewise-constant-curvature, cosserat or cosserat-disks"
-    )]
     NoLoads,
     /// Nothing says how stiff the robot is.
-    #[error("its stiffness is not given: give Young's modulus and the cross-section")]
     NoStiffness,
+}
+
+impl ComplianceUnknown {
+    pub(crate) const fn reason(self) -> &'static str {
+        match self {
+            Self::NoEnergy => "only lengths and no energy decide where it bends",
+            Self::SharedLengths => {
+                "every section keeps its own part of a cable, which has no one tension"
+            }
+            Self::NoLoads => "the model takes no loads",
+            Self::NoStiffness => "its stiffness is not given",
+        }
+    }
+
+    pub(crate) const fn advice(self) -> &'static str {
+        match self {
+            Self::NoEnergy => {
+                "take the objective strain-energy and the length rule free, or use cosserat"
+            }
+            Self::SharedLengths => "take the length rule free, or use cosserat",
+            Self::NoLoads => "use piecewise-constant-curvature, cosserat or cosserat-disks",
+            Self::NoStiffness => "give Young's modulus and the cross-section",
+        }
+    }
 }
 
 /// How one place of a robot moves with its cables and yields to a load; see

@@ -15,18 +15,13 @@ use super::{Linkage, Workspace};
 use crate::case::{Case, Shortening};
 use crate::contact::Holding;
 use crate::derivatives::{
-    CoordinateCable, CoordinateDerivatives, LinearSystem, NoDerivatives, ParameterChange,
-    SolvedCoordinates,
+    CoordinateCable, CoordinateDerivatives, KnownPlaces, LinearSystem, PARAMETER_STEP,
+    ParameterChange, SolvedCoordinates,
 };
 use crate::error::SolveError;
 use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::{Cable, Robot};
 use crate::shape::{Solution, Wrench};
-
-/// Numbers that the dense equations of an answer may have.
-const MOST_NUMBERS: usize = 1 << 24;
-/// Step of the differences, as a part of a change that matters.
-const STEP: f64 = 2e-3;
 
 impl Linkage {
     /// [`Self::solve`], with the derivatives of the answer: by tensions or lengths, by loads at any place, and by these
@@ -62,13 +57,10 @@ impl Linkage {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<CoordinateDerivatives, SolveError> {
-        let mut at = self.stations.clone();
-        at.extend(&self.robot.disks().arc_lengths);
-        at.extend(&holding.places);
-        at.sort_by(f64::total_cmp);
-        at.dedup();
-        let number = |s: &f64| at.partition_point(|there| there < s);
-        let system = self.linear_system(&at, workspace)?;
+        let coordinates = self.division.coordinates() * self.sections.len();
+        let at = [&self.stations[..], &self.robot.disks().arc_lengths, &holding.places];
+        let places = KnownPlaces::new(self.kind, coordinates, at)?;
+        let system = self.linear_system(&places.arc_lengths, workspace)?;
         let Workspace { scratch, commands, tensions, .. } = &*workspace;
         let parameters = parameters
             .iter()
@@ -81,20 +73,13 @@ impl Linkage {
         };
         let solved = SolvedCoordinates {
             system,
-            stations: self.stations.iter().map(number).collect(),
-            disks: self.robot.disks().arc_lengths.iter().map(number).collect(),
+            places,
             cables: commands.iter().enumerate().map(cable).collect(),
             parameters,
             length: self.robot.backbone().length,
         };
-        let touching = holding.places.iter().map(number).collect();
-        let contacts = (touching, holding.is_about_to_change);
-        CoordinateDerivatives::of(solved, contacts, |compliance| holding.gain(compliance)).map_err(
-            |error| match error {
-                NoDerivatives::Parameter(error) => error.into(),
-                NoDerivatives::Critical | NoDerivatives::Fault(_) => SolveError::NoDerivatives,
-            },
-        )
+        let change = holding.is_about_to_change;
+        CoordinateDerivatives::of(solved, change, |compliance| holding.gain(compliance))
     }
 
     /// The equations of the answer, linearised, with these arc lengths as places.
@@ -105,14 +90,6 @@ impl Linkage {
     ) -> Result<LinearSystem, SolveError> {
         let count = self.division.coordinates();
         let n = count * self.sections.len();
-        if n * (n + 6 * arc_lengths.len()) > MOST_NUMBERS {
-            return Err(SolveError::Unsupported {
-                model: self.kind,
-                path: "a request for derivatives".to_owned(),
-                what: "so many sections and stations that their dense equations take too much memory",
-                advice: "ask for fewer stations, or use cosserat-disks",
-            });
-        }
         let Workspace { scratch, loads, tensions, meter, .. } = workspace;
         let chain = &mut scratch.chain;
         let task = self.task(loads, tensions, meter);
@@ -156,7 +133,7 @@ impl Linkage {
         parameter.check(&self.robot, case)?;
         let section = &self.sections[0];
         let moment = section.stiffness[1] * section.length / self.robot.backbone().length;
-        let step = STEP * parameter.scale(&self.robot, case, moment);
+        let step = PARAMETER_STEP * parameter.scale(&self.robot, case, moment);
         let equations = |by: f64| -> Result<Vec<f64>, SolveError> {
             let (sections, robot, case) = self.moved(parameter, case, by)?;
             Ok(self.equations(&sections, &robot, &case, q, tensions))

@@ -317,6 +317,24 @@ impl Parameter {
         if there && self.value(robot, case).is_ok() { Ok(()) } else { Err(self.absent()) }
     }
 
+    /// Whether it is one of the loads of a case.
+    #[must_use]
+    pub const fn is_load(&self) -> bool {
+        matches!(
+            self,
+            Self::Gravity { .. }
+                | Self::TipForce { .. }
+                | Self::TipMoment { .. }
+                | Self::PointForce { .. }
+                | Self::PointMoment { .. }
+                | Self::PointMass { .. }
+                | Self::LineForce { .. }
+                | Self::LineMoment { .. }
+                | Self::LineForceAt { .. }
+                | Self::LineMomentAt { .. }
+        )
+    }
+
     /// The error of a robot or case that has no such quantity.
     #[must_use]
     pub fn absent(&self) -> RobotError {

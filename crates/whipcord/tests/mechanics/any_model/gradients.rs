@@ -4,7 +4,8 @@ use crate::common::{helix, paper_robot, straight};
 use whipcord::batch::{BatchError, BatchOptions, Gradients, Rows, Sensitivities, pull_back_batch};
 use whipcord::cosserat::Options;
 use whipcord::{
-    Case, Loads, Model, Parameter, Pose, Robot, SolveError, Statics, UnitQuaternion, Vec3,
+    Actuation, Case, Loads, Model, ModelKind, Parameter, Pose, Robot, SolveError, Statics,
+    Stations, UnitQuaternion, Vec3,
 };
 
 /// On a base that is turned, under a load.
@@ -23,9 +24,9 @@ fn weight(i: usize) -> f64 {
 }
 
 /// The scalar that is differentiated.
-fn scalar(robot: &Robot, tensions: &[f64]) -> f64 {
+fn scalar(model: &Model, robot: &Robot, tensions: &[f64]) -> f64 {
     let case = Case { commands: Case::with_tensions(tensions).commands, ..case() };
-    let solution = Model::Cosserat(Options::default()).solve(robot, &case).unwrap();
+    let solution = model.solve(robot, &case).unwrap();
     let places = solution.shape.positions().flat_map(|p| p.to_array()).enumerate();
     let places: f64 = places.map(|(i, x)| weight(i) * x).sum();
     let lengths = solution.cables.iter().enumerate();
@@ -34,6 +35,18 @@ fn scalar(robot: &Robot, tensions: &[f64]) -> f64 {
 
 #[test]
 fn they_are_those_of_differences() {
+    for kind in [
+        ModelKind::Cosserat,
+        ModelKind::CosseratDisks,
+        ModelKind::PiecewiseConstantCurvature,
+        ModelKind::PseudoRigidBody,
+    ] {
+        let model = Model::new(kind, Stations::default(), Actuation::Natural);
+        check_gradients(&model.with_tolerance(1e-9));
+    }
+}
+
+fn check_gradients(model: &Model) {
     let robot = paper_robot(vec![straight(0.0), helix(90.0, 0.4)]);
     let values = [2.0, 1.0, 1e6, 0.0, 0.5, 1.5];
     let stations = robot.disks().count();
@@ -41,7 +54,7 @@ fn they_are_those_of_differences() {
     let lengths: Vec<f64> = (0..3).flat_map(|_| (0..2).map(|i| weight(i + 5))).collect();
     let (mut commands, mut parameters) = ([f64::NAN; 6], [f64::NAN; 3]);
     let outcomes = pull_back_batch(
-        &Model::Cosserat(Options::default()),
+        model,
         &robot,
         Rows::Tensions { values: &values, case: &case() },
         &[Parameter::YoungModulus],
@@ -59,7 +72,7 @@ fn they_are_those_of_differences() {
             let at = |by: f64| {
                 let mut moved = given;
                 moved[cable] += by;
-                scalar(&robot, &moved)
+                scalar(model, &robot, &moved)
             };
             let expected = (at(1e-4) - at(-1e-4)) / 2e-4;
             let got = commands[2 * row + cable];
@@ -67,7 +80,7 @@ fn they_are_those_of_differences() {
         }
         let at = |by: f64| {
             let moved = Parameter::YoungModulus.moved(&robot, &Case::with_tensions(&given), by);
-            scalar(&moved.unwrap().0, &given)
+            scalar(model, &moved.unwrap().0, &given)
         };
         let expected = (at(1e5) - at(-1e5)) / 2e5;
         let got = parameters[row];

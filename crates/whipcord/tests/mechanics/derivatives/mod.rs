@@ -35,6 +35,7 @@ macro_rules! for_every_model {
 mod backward;
 mod commands_and_compliance;
 mod contact;
+mod four_bar;
 mod kinds_of_load;
 
 use crate::common;
