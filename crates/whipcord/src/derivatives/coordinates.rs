@@ -4,14 +4,14 @@
 //! `J δq`, and the implicit function theorem gives
 //!
 //! ```text
-//! δq = H⁻¹ f,   f = −Cᵀ δτ + Jᵀ δW − ∂r/∂p δp,   C = ∂ℓ/∂q                              (d12)
+//! δq = H⁻¹ f,   f = −Cᵀ δτ + Jᵀ δW − ∂r/∂p δp,   C = ∂ℓ/∂q                              (d8)
 //! ```
 //!
 //! for changes of the tensions, of dead wrenches on the places and of a parameter. Contacts push `δW = K X₀` more when they would
 //! move by `X₀` without this ([`super::touching`]), so that
 //!
 //! ```text
-//! δq = H⁻¹ (f + J_cᵀ K J_c H⁻¹ f)                                                       (d13)
+//! δq = H⁻¹ (f + J_cᵀ K J_c H⁻¹ f)                                                       (d9)
 //! ```
 //!
 //! Tensions of the cables that are held follow as those of a rod do ([`crate::statics::hold`]).
