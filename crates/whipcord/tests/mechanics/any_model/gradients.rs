@@ -4,8 +4,8 @@ use crate::common::{helix, paper_robot, straight};
 use whipcord::batch::{BatchError, BatchOptions, Gradients, Rows, Sensitivities, pull_back_batch};
 use whipcord::cosserat::Options;
 use whipcord::{
-    Actuation, Case, Loads, Model, ModelKind, Parameter, Pose, Robot, SolveError, Statics,
-    Stations, UnitQuaternion, Vec3,
+    Actuation, Case, Loads, Model, ModelKind, Parameter, Pose, Robot, Statics, Stations,
+    UnitQuaternion, Vec3,
 };
 
 /// On a base that is turned, under a load.
@@ -63,7 +63,7 @@ fn check_gradients(model: &Model) {
         Gradients { commands: &mut commands, parameters: &mut parameters },
     )
     .unwrap();
-    assert!(matches!(outcomes[1], Err(SolveError::SectionFolds { .. })));
+    assert!(outcomes[1].is_err(), "{:?}", model.kind());
     assert_eq!((&commands[2..4], parameters[1]), (&[0.0; 2][..], 0.0));
     for row in [0, 2] {
         assert_eq!(outcomes[row], Ok(()));
