@@ -320,7 +320,7 @@ def test_pulling_back_is_the_transpose_of_pushing_forward() -> None:
 
 
 def test_the_four_bar_model_with_a_strain_energy_knows_all_derivatives(case: whipcord.Case) -> None:
-    model = models.FourBar(objective="strain-energy", lengths="free")
+    model = models.FourBar(objective="strain-energy", length_rule="free")
     solution, derivatives = case.differentiate(model=model)
     assert derivatives.compliance().shape == (6, 6)
     assert derivatives.length_by_tension[0, 0] < 0

@@ -158,8 +158,9 @@ def test_wrong_options(case: whipcord.Case) -> None:
             call(parameters="backbone.diameter")
     with pytest.raises(InputError, match="by parameters are known to models in equilibrium under loads, not to four-bar"):
         case.differentiate(model="four-bar", parameters=["backbone.diameter"])
-    with pytest.raises(InputError, match="not to pseudo-rigid-body"):
-        case.differentiate(model="pseudo-rigid-body")
+    straight = whipcord.load("examples/table1/case-1.toml")
+    with pytest.raises(InputError, match="not to constant-curvature"):
+        straight.differentiate(model="constant-curvature")
 
 
 def test_a_model_that_misses_something(case: whipcord.Case) -> None:
