@@ -21,49 +21,13 @@ use whipcord_numerics::{Twist, Vec3};
 use super::Place;
 use super::backward::{Cotangent, Gradient};
 use super::change::{Change, Places};
-use super::columns::unit_wrench;
+use super::linear_system::{KnownPlaces, LinearSystem, ParameterChange, add, dot};
 use crate::error::SolveError;
-use crate::kind::ModelKind;
 use crate::kinematics::{Local, Matrix6};
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::hold::{Critical, HeldCables, Hold};
 use crate::statics::local::{Column, local_of};
-
-/// Numbers that the dense equations of an answer may have.
-const MOST_NUMBERS: usize = 1 << 24;
-/// Step of the differences that tell what parameters change in the equations, as a part of a change that matters.
-pub(crate) const PARAMETER_STEP: f64 = 2e-3;
-
-/// The equations of a model at an answer, linearised; matrices by rows.
-#[derive(Clone, Debug)]
-pub(crate) struct LinearSystem {
-    /// Number of coordinates.
-    pub coordinates: usize,
-    /// `H⁻¹`.
-    pub inverse: Vec<f64>,
-    /// `C`: a row for each cable.
-    pub lengths: Vec<f64>,
-    /// How force and moment at the base change with a unit of each generalised force: six rows.
-    pub base: Vec<f64>,
-    /// `J`: six rows for each place, those of its point first, in the frame of the base.
-    pub jacobian: Vec<f64>,
-    /// Where the places are, in the frame of the base.
-    pub positions: Vec<Vec3>,
-}
-
-/// How the equations change with a parameter at constant coordinates and tensions.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct ParameterChange {
-    /// `−∂r/∂p`.
-    pub force: Vec<f64>,
-    /// Of the cables' lengths.
-    pub lengths: Vec<f64>,
-    /// Of the wrench at the base.
-    pub base: Wrench,
-    /// Of the length that each cable is to keep, with its own stretch at its tension.
-    pub targets: Vec<f64>,
-}
 
 /// A cable of an answer.
 #[derive(Clone, Copy, Debug)]
@@ -72,47 +36,6 @@ pub(crate) struct CoordinateCable {
     pub is_taut: bool,
     /// What a tension of 1 N adds to its length in m.
     pub compliance: f64,
-}
-
-/// The places that derivatives are known of.
-#[derive(Clone, Debug)]
-pub(crate) struct KnownPlaces {
-    /// In m, from the base on.
-    pub arc_lengths: Vec<f64>,
-    /// By their numbers among these.
-    stations: Vec<usize>,
-    disks: Vec<usize>,
-    /// Where contacts hold the answer.
-    contacts: Vec<usize>,
-}
-
-impl KnownPlaces {
-    /// Of these arc lengths in m, for a model that has so many coordinates.
-    ///
-    /// # Errors
-    /// [`SolveError::Unsupported`] where the dense equations of all of them take too much memory.
-    pub fn new(
-        model: ModelKind,
-        coordinates: usize,
-        [stations, disks, contacts]: [&[f64]; 3],
-    ) -> Result<Self, SolveError> {
-        let mut arc_lengths = [stations, disks, contacts].concat();
-        arc_lengths.sort_by(f64::total_cmp);
-        arc_lengths.dedup();
-        if coordinates * (coordinates + 6 * arc_lengths.len()) > MOST_NUMBERS {
-            return Err(SolveError::Unsupported {
-                model,
-                path: "a request for derivatives".to_owned(),
-                what: "so many sections and stations that their dense equations take too much memory",
-                advice: "ask for fewer stations, or use cosserat-disks",
-            });
-        }
-        let numbers = |places: &[f64]| {
-            places.iter().map(|s| arc_lengths.partition_point(|there| there < s)).collect()
-        };
-        let (stations, disks, contacts) = (numbers(stations), numbers(disks), numbers(contacts));
-        Ok(Self { arc_lengths, stations, disks, contacts })
-    }
 }
 
 /// An answer, as it is differentiated.
@@ -529,39 +452,6 @@ impl Contacts {
     }
 }
 
-impl LinearSystem {
-    /// How a component of the motion of a place goes with the coordinates.
-    fn row(&self, place: usize, component: usize) -> &[f64] {
-        let (n, at) = (self.coordinates, 6 * place + component);
-        &self.jacobian[at * n..(at + 1) * n]
-    }
-
-    fn solve(&self, force: &[f64]) -> Vec<f64> {
-        self.inverse.chunks_exact(self.coordinates.max(1)).map(|row| dot(row, force)).collect()
-    }
-
-    fn solve_transposed(&self, worth: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; self.coordinates];
-        for (row, w) in self.inverse.chunks_exact(self.coordinates.max(1)).zip(worth) {
-            add(&mut out, *w, row);
-        }
-        out
-    }
-
-    fn base_of(&self, force: &[f64]) -> Wrench {
-        let row =
-            |a: usize| dot(&self.base[a * self.coordinates..(a + 1) * self.coordinates], force);
-        let [x, y, z, u, v, w] = core::array::from_fn(row);
-        Wrench { force: Vec3::new(x, y, z), moment: Vec3::new(u, v, w) }
-    }
-
-    /// What a component of a wrench on a place exerts on the base.
-    fn at_base(&self, place: usize, component: usize) -> Wrench {
-        let Wrench { force, moment } = unit_wrench(component);
-        Wrench { force, moment: moment + self.positions[place].cross(force) }
-    }
-}
-
 impl Response {
     fn add(&mut self, f: f64, other: &Self) {
         if f == 0.0 {
@@ -584,13 +474,4 @@ impl Response {
         self.twists.iter().all(|t| t.linear.is_finite() && t.angular.is_finite())
             && self.lengths.iter().all(|length| length.is_finite())
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// `sum += f · other`.
-fn add(sum: &mut [f64], f: f64, other: &[f64]) {
-    sum.iter_mut().zip(other).for_each(|(sum, x)| *sum += f * x);
 }

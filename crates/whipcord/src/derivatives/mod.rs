@@ -8,7 +8,7 @@
 //! says where a parameter enters, with `mass_change` and `spread_change`; `touching` adds what the contacts of an answer push; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
 //! what one source changes, `change` is what comes out, `at_place` what is said of one place. Where cables run straight
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. `coordinates` has the same of
-//! models that have generalised coordinates for a rod.
+//! models that have generalised coordinates for a rod, from their `linear_system`.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
 //! [`crate::cosserat::Cosserat::solve`] on the same steps to rounding, and with those of the rod to its
@@ -24,6 +24,7 @@ mod coordinates;
 mod elimination;
 mod forward;
 mod linear;
+mod linear_system;
 mod magnus;
 mod mass_change;
 mod open;
@@ -40,13 +41,12 @@ use self::change::Places;
 pub(crate) use self::columns::unit_wrench;
 use self::columns::{Raw, Source};
 pub use self::coordinates::CoordinateDerivatives;
-pub(crate) use self::coordinates::{
-    CoordinateCable, KnownPlaces, LinearSystem, PARAMETER_STEP, ParameterChange, SolvedCoordinates,
-};
+pub(crate) use self::coordinates::{CoordinateCable, SolvedCoordinates};
 use self::elimination::Elimination;
 pub(crate) use self::elimination::NodeChange;
 use self::forward::Maps;
 use self::linear::Linear;
+pub(crate) use self::linear_system::{Equations, KnownPlaces, LinearSystem, ParameterChange};
 pub(crate) use self::open::{Motion, StepGap};
 use self::partials::{AtRest, Partial, Setting};
 use self::replay::Answer;

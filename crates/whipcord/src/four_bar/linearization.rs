@@ -3,7 +3,7 @@
 //!
 //! What a parameter changes at constant coordinates and tensions is differentiated by differences of the equations.
 
-use whipcord_numerics::{Vec3, derivative};
+use whipcord_numerics::Vec3;
 
 use super::FourBar;
 use super::bend::Bend;
@@ -14,8 +14,8 @@ use super::solve::Workspace;
 use crate::case::{Case, Shortening};
 use crate::contact::Holding;
 use crate::derivatives::{
-    CoordinateCable, CoordinateDerivatives, KnownPlaces, LinearSystem, PARAMETER_STEP,
-    ParameterChange, SolvedCoordinates,
+    CoordinateCable, CoordinateDerivatives, Equations, KnownPlaces, LinearSystem, ParameterChange,
+    SolvedCoordinates,
 };
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -150,16 +150,10 @@ impl FourBar {
             });
         }
         let moment = self.tension_scale.unwrap_or(1.0);
-        let step = PARAMETER_STEP * parameter.scale(&self.robot, case, moment);
-        let equations = |by: f64| -> Result<Vec<f64>, SolveError> {
+        let scale = parameter.scale(&self.robot, case, moment);
+        ParameterChange::by_differences(scale, |by| {
             Ok(self.changed(parameter, case, by)?.equations(case, bends, tensions))
-        };
-        let mut change = derivative(equations, step)?;
-        let (n, cables) = (COORDINATES * bends.len(), tensions.len());
-        let targets = change.split_off(n + cables);
-        let lengths = change.split_off(n);
-        change.iter_mut().for_each(|residual| *residual = -*residual);
-        Ok(ParameterChange { force: change, lengths, base: Wrench::default(), targets })
+        })
     }
 
     /// The model of the robot with a parameter changed by this.
@@ -195,10 +189,10 @@ impl FourBar {
         }
     }
 
-    /// Residuals without the wrenches of contacts, lengths, and the lengths to keep.
-    fn equations(&self, case: &Case, bends: &[Bend], tensions: &[f64]) -> Vec<f64> {
+    /// The equations without the wrenches of contacts, which no parameter changes.
+    fn equations(&self, case: &Case, bends: &[Bend], tensions: &[f64]) -> Equations {
         let scale = self.tension_scale.unwrap_or(1.0);
-        let mut values = Vec::with_capacity(COORDINATES * bends.len() + 2 * tensions.len());
+        let mut residuals = Vec::with_capacity(COORDINATES * bends.len());
         let mut lengths = vec![0.0; tensions.len()];
         let mut rest = vec![0.0; tensions.len()];
         for (section, &bend) in self.sections.iter().zip(bends) {
@@ -210,15 +204,14 @@ impl FourBar {
                 rest[passage.cable] += passage.initial;
                 residual += length.gradient * tensions[passage.cable];
             }
-            values.extend(<[f64; 3]>::from(residual));
+            residuals.extend(<[f64; 3]>::from(residual));
         }
-        values.extend(lengths);
         let target = |(rest, command): (f64, &crate::CableCommand)| match command.shortening {
             Some(Shortening::Fraction(fraction)) => rest * (1.0 - fraction),
             _ => rest,
         };
-        values.extend(rest.into_iter().zip(&case.commands).map(target));
-        values
+        let targets = rest.into_iter().zip(&case.commands).map(target).collect();
+        Equations { residuals, lengths, targets, base: Wrench::default() }
     }
 }
 

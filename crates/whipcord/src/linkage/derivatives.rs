@@ -3,7 +3,7 @@
 //! The tangent of the equilibrium, eq. (5), gives all but what parameters change at constant coordinates: these enter the
 //! equations through stiffness, rest shape, holes and loads, and their part is differentiated by differences of the equations.
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3, derivative};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::Chain;
 use super::layout::{self, Section};
@@ -15,8 +15,8 @@ use super::{Linkage, Workspace};
 use crate::case::{Case, Shortening};
 use crate::contact::Holding;
 use crate::derivatives::{
-    CoordinateCable, CoordinateDerivatives, KnownPlaces, LinearSystem, PARAMETER_STEP,
-    ParameterChange, SolvedCoordinates,
+    CoordinateCable, CoordinateDerivatives, Equations, KnownPlaces, LinearSystem, ParameterChange,
+    SolvedCoordinates,
 };
 use crate::error::SolveError;
 use crate::parameter::{Parameter, StiffnessPart};
@@ -133,20 +133,11 @@ impl Linkage {
         parameter.check(&self.robot, case)?;
         let section = &self.sections[0];
         let moment = section.stiffness[1] * section.length / self.robot.backbone().length;
-        let step = PARAMETER_STEP * parameter.scale(&self.robot, case, moment);
-        let equations = |by: f64| -> Result<Vec<f64>, SolveError> {
+        let scale = parameter.scale(&self.robot, case, moment);
+        ParameterChange::by_differences(scale, |by| {
             let (sections, robot, case) = self.moved(parameter, case, by)?;
             Ok(self.equations(&sections, &robot, &case, q, tensions))
-        };
-        let mut change = derivative(equations, step)?;
-        let (n, cables) = (self.division.coordinates() * q.len(), tensions.len());
-        let base = change.split_off(n + 2 * cables);
-        let targets = change.split_off(n + cables);
-        let lengths = change.split_off(n);
-        change.iter_mut().for_each(|residual| *residual = -*residual);
-        let vector = |at: usize| [base[at], base[at + 1], base[at + 2]].into();
-        let base = Wrench { force: vector(0), moment: vector(3) };
-        Ok(ParameterChange { force: change, lengths, base, targets })
+        })
     }
 
     /// Sections, robot and case with a parameter changed by this.
@@ -192,7 +183,7 @@ impl Linkage {
         Ok((sections, self.robot.clone(), case.clone()))
     }
 
-    /// Residuals, lengths, the lengths to keep with their own stretch, and the wrench at the base, of these sections.
+    /// The equations of these sections.
     fn equations(
         &self,
         sections: &[Section],
@@ -200,7 +191,7 @@ impl Linkage {
         case: &Case,
         q: &[Coordinates],
         tensions: &[f64],
-    ) -> Vec<f64> {
+    ) -> Equations {
         let mut loads = AppliedLoads::default();
         loads.gather(robot, &self.division, &case.loads, case.base.rotation);
         let mut chain = Chain::default();
@@ -209,21 +200,18 @@ impl Linkage {
         let task = Task { sections, ..self.task(&loads, tensions, &meter) };
         chain.evaluate(&task);
         let count = self.division.coordinates();
-        let mut values: Vec<f64> =
+        let residuals =
             chain.residuals().iter().flat_map(|residual| residual[..count].to_vec()).collect();
-        values.extend(&chain.lengths);
         let rest = layout::rest_lengths(&self.division, sections, tensions.len());
-        for (i, &rest) in rest.iter().enumerate() {
+        let target = |(i, &rest): (usize, &f64)| {
             let asked = match case.commands[i].shortening {
                 Some(Shortening::Fraction(fraction)) => rest * (1.0 - fraction),
                 _ => rest,
             };
-            values.push(asked + own_compliance(&robot.cables()[i], rest) * tensions[i]);
-        }
-        for v in [chain.base.force, chain.base.moment] {
-            values.extend(<[f64; 3]>::from(v));
-        }
-        values
+            asked + own_compliance(&robot.cables()[i], rest) * tensions[i]
+        };
+        let targets = rest.iter().enumerate().map(target).collect();
+        Equations { residuals, lengths: chain.lengths, targets, base: chain.base }
     }
 }
 

@@ -1,0 +1,162 @@
+//! The equations of a model with generalised coordinates at an answer, linearised, and how they change with a parameter.
+
+use whipcord_numerics::{Vec3, derivative};
+
+use super::columns::unit_wrench;
+use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::shape::Wrench;
+
+/// Numbers that the dense equations of an answer may have.
+const MOST_NUMBERS: usize = 1 << 24;
+/// Step of the differences that tell what parameters change in the equations, as a part of a change that matters.
+const PARAMETER_STEP: f64 = 2e-3;
+
+/// The equations of a model at an answer, linearised; matrices by rows.
+#[derive(Clone, Debug)]
+pub(crate) struct LinearSystem {
+    /// Number of coordinates.
+    pub coordinates: usize,
+    /// `H⁻¹`.
+    pub inverse: Vec<f64>,
+    /// `C`: a row for each cable.
+    pub lengths: Vec<f64>,
+    /// How force and moment at the base change with a unit of each generalised force: six rows.
+    pub base: Vec<f64>,
+    /// `J`: six rows for each place, those of its point first, in the frame of the base.
+    pub jacobian: Vec<f64>,
+    /// Where the places are, in the frame of the base.
+    pub positions: Vec<Vec3>,
+}
+
+impl LinearSystem {
+    /// How a component of the motion of a place goes with the coordinates.
+    pub fn row(&self, place: usize, component: usize) -> &[f64] {
+        let (n, at) = (self.coordinates, 6 * place + component);
+        &self.jacobian[at * n..(at + 1) * n]
+    }
+
+    pub fn solve(&self, force: &[f64]) -> Vec<f64> {
+        self.inverse.chunks_exact(self.coordinates.max(1)).map(|row| dot(row, force)).collect()
+    }
+
+    pub fn solve_transposed(&self, worth: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.coordinates];
+        for (row, w) in self.inverse.chunks_exact(self.coordinates.max(1)).zip(worth) {
+            add(&mut out, *w, row);
+        }
+        out
+    }
+
+    pub fn base_of(&self, force: &[f64]) -> Wrench {
+        let row =
+            |a: usize| dot(&self.base[a * self.coordinates..(a + 1) * self.coordinates], force);
+        let [x, y, z, u, v, w] = core::array::from_fn(row);
+        Wrench { force: Vec3::new(x, y, z), moment: Vec3::new(u, v, w) }
+    }
+
+    /// What a component of a wrench on a place exerts on the base.
+    pub fn at_base(&self, place: usize, component: usize) -> Wrench {
+        let Wrench { force, moment } = unit_wrench(component);
+        Wrench { force, moment: moment + self.positions[place].cross(force) }
+    }
+}
+
+/// How the equations change with a parameter at constant coordinates and tensions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ParameterChange {
+    /// `−∂r/∂p`.
+    pub force: Vec<f64>,
+    /// Of the cables' lengths.
+    pub lengths: Vec<f64>,
+    /// Of the wrench at the base.
+    pub base: Wrench,
+    /// Of the length that each cable is to keep, with its own stretch at its tension.
+    pub targets: Vec<f64>,
+}
+
+/// The equations at given coordinates and tensions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Equations {
+    /// `r`.
+    pub residuals: Vec<f64>,
+    /// Of the cables.
+    pub lengths: Vec<f64>,
+    /// The length that each cable is to keep, with its own stretch.
+    pub targets: Vec<f64>,
+    pub base: Wrench,
+}
+
+impl ParameterChange {
+    /// By differences of the equations of robots whose parameter differs by so much; `scale` is a change of it that matters.
+    pub fn by_differences(
+        scale: f64,
+        mut equations: impl FnMut(f64) -> Result<Equations, SolveError>,
+    ) -> Result<Self, SolveError> {
+        let (mut coordinates, mut cables) = (0, 0);
+        let values = |by: f64| -> Result<Vec<f64>, SolveError> {
+            let Equations { residuals, lengths, targets, base } = equations(by)?;
+            (coordinates, cables) = (residuals.len(), lengths.len());
+            let base = [base.force, base.moment].map(<[f64; 3]>::from).concat();
+            Ok([residuals, lengths, targets, base].concat())
+        };
+        let mut change = derivative(values, PARAMETER_STEP * scale)?;
+        let base = change.split_off(coordinates + 2 * cables);
+        let targets = change.split_off(coordinates + cables);
+        let lengths = change.split_off(coordinates);
+        change.iter_mut().for_each(|residual| *residual = -*residual);
+        let vector = |at: usize| [base[at], base[at + 1], base[at + 2]].into();
+        let base = Wrench { force: vector(0), moment: vector(3) };
+        Ok(Self { force: change, lengths, base, targets })
+    }
+}
+
+/// The places that derivatives are known of.
+#[derive(Clone, Debug)]
+pub(crate) struct KnownPlaces {
+    /// In m, from the base on.
+    pub arc_lengths: Vec<f64>,
+    /// By their numbers among these.
+    pub stations: Vec<usize>,
+    pub disks: Vec<usize>,
+    /// Where contacts hold the answer.
+    pub contacts: Vec<usize>,
+}
+
+impl KnownPlaces {
+    /// Of these arc lengths in m, for a model that has so many coordinates.
+    ///
+    /// # Errors
+    /// [`SolveError::Unsupported`] where the dense equations of all of them take too much memory.
+    pub fn new(
+        model: ModelKind,
+        coordinates: usize,
+        [stations, disks, contacts]: [&[f64]; 3],
+    ) -> Result<Self, SolveError> {
+        let mut arc_lengths = [stations, disks, contacts].concat();
+        arc_lengths.sort_by(f64::total_cmp);
+        arc_lengths.dedup();
+        if coordinates * (coordinates + 6 * arc_lengths.len()) > MOST_NUMBERS {
+            return Err(SolveError::Unsupported {
+                model,
+                path: "a request for derivatives".to_owned(),
+                what: "so many sections and stations that their dense equations take too much memory",
+                advice: "ask for fewer stations, or use cosserat-disks",
+            });
+        }
+        let numbers = |places: &[f64]| {
+            places.iter().map(|s| arc_lengths.partition_point(|there| there < s)).collect()
+        };
+        let (stations, disks, contacts) = (numbers(stations), numbers(disks), numbers(contacts));
+        Ok(Self { arc_lengths, stations, disks, contacts })
+    }
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `sum += f · other`.
+pub(super) fn add(sum: &mut [f64], f: f64, other: &[f64]) {
+    sum.iter_mut().zip(other).for_each(|(sum, x)| *sum += f * x);
+}
