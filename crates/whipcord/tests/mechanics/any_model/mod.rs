@@ -4,6 +4,7 @@ mod base_pose;
 mod batch;
 mod branches;
 mod cancelled;
+mod capabilities;
 #[allow(clippy::print_stdout, reason = "prints the table of docs/theory/critical-loads.md")]
 mod critical_loads;
 mod driven;
