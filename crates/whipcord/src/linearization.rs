@@ -270,7 +270,8 @@ impl Prepared {
             Self::Cosserat(model, _) => Some(model.stability_mut()),
             Self::CosseratDisks(model, _) => Some(model.stability_mut()),
             Self::Linkage(model, _) => Some(model.stability_mut()),
-            Self::FourBar(..) | Self::ConstantCurvature(..) => None,
+            Self::FourBar(model, _) => model.stability_mut(),
+            Self::ConstantCurvature(..) => None,
         }
     }
 }

@@ -123,7 +123,8 @@ impl Model {
             Self::Cosserat(options) | Self::CosseratDisks(options) => options.stability = analysis,
             Self::PiecewiseConstantCurvature(options) => options.stability = analysis,
             Self::PseudoRigidBody(options) => options.stability = analysis,
-            Self::FourBar(_) | Self::ConstantCurvature(_) => {}
+            Self::FourBar(options) => options.stability = analysis,
+            Self::ConstantCurvature(_) => {}
         }
         self
     }
@@ -256,14 +257,13 @@ impl Prepared {
 
     /// Lets this flag end the next solves, instead of the one before.
     pub fn set_cancel(&mut self, cancel: &Cancel) {
-        let flag = match self {
-            Self::Cosserat(model, _) => model.cancel_mut(),
-            Self::CosseratDisks(model, _) => model.cancel_mut(),
-            Self::FourBar(model, _) => model.cancel_mut(),
-            Self::ConstantCurvature(model, _) => model.cancel_mut(),
-            Self::Linkage(model, _) => model.cancel_mut(),
-        };
-        flag.clone_from(cancel);
+        match self {
+            Self::Cosserat(model, _) => model.cancel_mut().clone_from(cancel),
+            Self::CosseratDisks(model, _) => model.cancel_mut().clone_from(cancel),
+            Self::FourBar(model, _) => model.set_cancel(cancel),
+            Self::ConstantCurvature(model, _) => model.cancel_mut().clone_from(cancel),
+            Self::Linkage(model, _) => model.cancel_mut().clone_from(cancel),
+        }
     }
 
     /// Lets the next solves spend this much each, instead of what the options of the model say.
@@ -401,7 +401,7 @@ impl Prepared {
             Self::Cosserat(model, workspace) => model.branches(case, options, workspace),
             Self::CosseratDisks(model, workspace) => model.branches(case, options, workspace),
             Self::Linkage(model, workspace) => model.branches(case, options, workspace),
-            Self::FourBar(..) => Err(refusal::branches(ModelKind::FourBar)),
+            Self::FourBar(model, workspace) => model.branches(case, options, workspace),
             Self::ConstantCurvature(..) => Err(refusal::branches(ModelKind::ConstantCurvature)),
         }
     }
@@ -523,7 +523,10 @@ impl Model {
             | Self::PiecewiseConstantCurvature(_)
             | Self::PseudoRigidBody(_) => self.at(Stations::At(vec![arc_length])),
             Self::FourBar(options) => {
-                return four_bar::solve_at(options, robot, case, arc_length);
+                match four_bar::FourBar::new(robot, options)?.has_linearization() {
+                    true => self.at(Stations::At(vec![arc_length])),
+                    false => return four_bar::solve_at(options, robot, case, arc_length),
+                }
             }
             Self::ConstantCurvature(options) => {
                 let model = constant_curvature::ConstantCurvature::new(robot, options)?;
@@ -537,10 +540,13 @@ impl Model {
             left = Some(prepared.solve(&step, left.as_ref())?);
         }
         let last = Case { before: Vec::new(), ..case.clone() };
-        if let Prepared::Linkage(model, workspace) = &mut prepared
-            && case.obstacles.is_empty()
-        {
-            return model.solve_at(&last, arc_length, left.as_ref(), workspace);
+        let chain = match &mut prepared {
+            Prepared::Linkage(model, workspace) => Some((&**model, &mut **workspace)),
+            Prepared::FourBar(model, workspace) => model.chain(workspace),
+            _ => None,
+        };
+        if let Some((chain, workspace)) = chain.filter(|_| case.obstacles.is_empty()) {
+            return chain.solve_at(&last, arc_length, left.as_ref(), workspace);
         }
         let (solution, derivatives) = prepared.solve_with_derivatives(&last, left.as_ref(), &[])?;
         let local = derivatives.at(crate::derivatives::Place::Station(0))?;

@@ -13,7 +13,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::statics::grid::{Grid, Layout};
-use crate::statics::passages::{Passage, passages};
+use crate::statics::passages::{Passage, passages_to_disks};
 use crate::statics::scales::Scales;
 
 /// What lies between two neighbouring disks.
@@ -61,7 +61,9 @@ impl Frame {
         let mut spans = Vec::with_capacity(robot.disks().count() - 1);
         let mut count = 0;
         let starts = &robot.disks().arc_lengths;
-        for (&start, passages) in starts.iter().zip(passages(robot, ModelKind::CosseratDisks)?) {
+        for (&start, passages) in
+            starts.iter().zip(passages_to_disks(robot, ModelKind::CosseratDisks)?)
+        {
             let first = count;
             count += passages.len();
             spans.push(Span { start, first, passages });

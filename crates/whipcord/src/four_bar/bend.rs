@@ -1,9 +1,9 @@
 //! Where the upper disk of a section stands relative to the lower one.
 
-use whipcord_numerics::{Pose, Sym3, Twist, UnitQuaternion, Vec3, asin_ratio};
+use whipcord_numerics::{Jet, Pose, Sym3, Twist, UnitQuaternion, Vec3, asin_ratio};
 
 use super::options::Chord;
-use super::plane::{Jet, Vec2};
+use super::plane::Vec2;
 
 /// The three coordinates of a section (`docs/theory/four-bar.md`, eq. (1)): the chord of the
 /// backbone has the direction (p, √(1−‖p‖²)), and ψ is the twist.

@@ -1,10 +1,10 @@
 //! The length of a cable in a section.
 
-use whipcord_numerics::{Sym3, Vec3};
+use whipcord_numerics::{Jet, Sym3, Vec3};
 
 use super::bend::{Bend, Turn, share_of_chord};
 use super::options::Chord;
-use super::plane::{Jet, Vec2};
+use super::plane::Vec2;
 
 /// A cable's straight run through one section: from its hole in the lower disk to that in the
 /// upper one, or to where it is fastened between the two, each in the frame of its own cross-section.

@@ -1,9 +1,9 @@
 //! What is minimised in a section.
 
-use whipcord_numerics::{UnitQuaternion, Vec3, asin_ratio};
+use whipcord_numerics::{Jet, UnitQuaternion, Vec3, asin_ratio};
 
 use super::bend::Turn;
-use super::plane::{Jet, Vec2};
+use super::plane::Vec2;
 
 /// How far a section is from its rest shape.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,12 +5,10 @@
 
 mod as_printed;
 mod bend;
-mod contact;
-mod contact_response;
 mod derivatives;
+mod equilibrium;
 mod joint;
 mod length;
-mod linearization;
 mod local;
 mod measure;
 mod one_cable;
@@ -31,19 +29,24 @@ pub use solve::Workspace;
 use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Case;
+use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::linkage::Linkage;
+use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::Solution;
+use crate::statics::options::StabilityAnalysis;
 use crate::warm_start::{Status, WarmStart};
 
 use section::Section;
 
 /// The four-bar model of one robot.
 ///
-/// It is purely geometric: driven by how much each cable is shortened, blind to loads and to
+/// It is geometric: driven by how much each cable is shortened, blind to loads and to
 /// friction (which changes tensions, not prescribed lengths), and without forces in its answer,
-/// but for the tensions that the strain-energy objective yields. Cables only pull: one that is
+/// but for the tensions that the strain-energy objective yields. With that objective, the length rule `free` and a given
+/// stiffness its sections are a chain in equilibrium, which also takes tensions, loads and elastic cables. Cables only pull: one that is
 /// prescribed to be longer than its path is slack. Under the length rule `free` every other cable
 /// has the prescribed length to 10⁻⁸ of the backbone's, or the solve is refused; when the lengths that
 /// another rule gives a section contradict each other by little,
@@ -78,14 +81,16 @@ pub struct FourBar {
     tension_scale: Option<f64>,
     /// Arc lengths of the stations in m.
     stations: Vec<f64>,
+    /// The same sections in equilibrium with forces, where the strain energy decides on the shape.
+    chain: Option<Linkage>,
 }
 
 impl FourBar {
     /// The model of a robot.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] for what a geometric model cannot take (elastic cables, tension as the
-    /// command, and more with the objective `as-printed`), and
+    /// [`SolveError::Unsupported`] for what a geometric model cannot take (without strain energy and stiffness elastic cables and
+    /// tension as the command, and more with the objective `as-printed`), and
     /// [`SolveError::Missing`] when the strain-energy objective finds no Poisson's ratio.
     pub fn new(robot: &Robot, options: &Options) -> Result<Self, SolveError> {
         refusal::robot(robot, options)?;
@@ -103,9 +108,11 @@ impl FourBar {
         } else {
             None
         };
+        let chain = equilibrium::chain(robot, options)?;
         Ok(Self {
             robot: robot.clone(),
             options: options.clone(),
+            chain,
             sections,
             initial_lengths,
             passages,
@@ -122,10 +129,21 @@ impl FourBar {
 
     pub(crate) const fn set_budget(&mut self, budget: Budget) {
         self.options.budget = budget;
+        if let Some(chain) = &mut self.chain {
+            chain.set_budget(budget);
+        }
     }
 
-    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
-        &mut self.options.cancel
+    pub(crate) fn set_cancel(&mut self, cancel: &Cancel) {
+        self.options.cancel.clone_from(cancel);
+        if let Some(chain) = &mut self.chain {
+            chain.cancel_mut().clone_from(cancel);
+        }
+    }
+
+    /// What is asked of the stability of answers; `None` where no energy decides on them.
+    pub(crate) fn stability_mut(&mut self) -> Option<&mut StabilityAnalysis> {
+        self.chain.as_mut().map(Linkage::stability_mut)
     }
 
     /// Arc lengths of the stations in m.
@@ -134,12 +152,12 @@ impl FourBar {
         &self.stations
     }
 
-    /// The shape under a case. It starts from its own guess, which is close; a warm start changes
+    /// The shape under a case. Of given lengths it starts from its own guess, which is close, and a warm start changes
     /// nothing, but for the contacts with obstacles that it has.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] for loads, [`SolveError::Missing`] for a cable without a
-    /// shortening, [`SolveError::SectionOutOfReach`], [`SolveError::UnreachableLength`] (length
+    /// Where the model knows no forces [`SolveError::Unsupported`] for loads and [`SolveError::Missing`] for a cable without a
+    /// shortening; else what [`Linkage::solve`] says of tensions and loads; [`SolveError::SectionOutOfReach`], [`SolveError::UnreachableLength`] (length
     /// rule `free`) and [`SolveError::CablesConflict`] for lengths that cannot be had,
     /// [`SolveError::NoLever`] for a cable through the centre of a section,
     /// [`SolveError::Invalid`] for a case that does not fit the robot.
@@ -150,7 +168,8 @@ impl FourBar {
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
         let mut solution = Solution::empty(ModelKind::FourBar);
-        self.solve_into(case, warm_start.into(), workspace, &mut solution).map(|_| solution)
+        let status = self.solve_into(case, warm_start.into(), workspace, &mut solution)?;
+        workspace.chain.answered(status, solution)
     }
 
     /// [`Self::solve`] into memory that is at hand: without obstacles and after the first call nothing is allocated where at most
@@ -165,12 +184,41 @@ impl FourBar {
         workspace: &mut Workspace,
         solution: &mut Solution,
     ) -> Result<Status, SolveError> {
-        let outcome = if case.obstacles.is_empty() {
-            self.solve_and_tell(case, workspace, solution).map(|_| ())
-        } else {
-            let solved = self.solve_in_contact(case, from.given(solution), workspace);
-            solved.map(|found| *solution = found)
-        };
+        if let Some(chain) = &self.chain {
+            let takes = chain.knows_forces() && self.is_under_forces(case);
+            if takes || !case.obstacles.is_empty() {
+                refusal::case(&self.robot, &self.options, case, takes)?;
+                return chain.solve_into(case, from, &mut workspace.chain, solution);
+            }
+        }
+        let outcome = self.solve_and_tell(case, workspace, solution).map(|compromise| {
+            if !compromise {
+                self.judge(case, workspace, solution);
+            }
+        });
         workspace.several.meter.checked(outcome).map(|()| Status::Converged)
+    }
+
+    /// Whether it knows how an answer changes with loads and parameters: where the strain energy decides where sections bend, the
+    /// whole length of a cable is prescribed, and the robot's stiffness is given.
+    #[must_use]
+    pub fn has_linearization(&self) -> bool {
+        self.chain.as_ref().is_some_and(Linkage::knows_forces)
+    }
+
+    /// [`Self::solve`], with the derivatives of the answer: by the commands, by tensions, by loads at any place, and by these
+    /// parameters.
+    ///
+    /// # Errors
+    /// As [`Linkage::solve_with_derivatives`]; [`SolveError::Unsupported`] without a strain energy that decides on the shape.
+    pub fn solve_and_linearize(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
+        let (chain, memory) = self.chain(workspace).ok_or_else(|| self.no_linearization())?;
+        chain.solve_with_derivatives(case, warm_start, parameters, memory)
     }
 }

@@ -6,6 +6,7 @@ use core::str::FromStr;
 use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Actuation;
+use crate::statics::options::StabilityAnalysis;
 use crate::stations::Stations;
 
 /// What is minimised, and how lengths are shared out.
@@ -18,12 +19,17 @@ use crate::stations::Stations;
 /// assert_eq!((options.chord, options.lengths), (Chord::Bisector, LengthRule::Proportional));
 /// # Ok::<(), whipcord::four_bar::UnknownOption>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Where the shape is given.
     pub stations: Stations,
-    /// Which command of each cable counts; this model knows shortenings only.
+    /// Which command of each cable counts; by nature the shortening. Tensions drive it where the strain energy decides on the
+    /// shape, under the length rule `free`.
     pub actuation: Actuation,
+    /// What is computed of the stability of the answer, where the strain energy and a given stiffness decide on it.
+    pub stability: StabilityAnalysis,
+    /// Residual at which equilibrium under tensions, loads and contacts counts as met, relative to EI/L and the moments in play.
+    pub residual: f64,
     /// What is minimised.
     pub objective: Objective,
     /// How the backbone runs from disk to disk.
@@ -36,6 +42,30 @@ pub struct Options {
     pub budget: Budget,
     /// Ends a solve from outside.
     pub cancel: Cancel,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            stations: Stations::default(),
+            actuation: Actuation::default(),
+            stability: StabilityAnalysis::default(),
+            residual: 1e-11,
+            objective: Objective::default(),
+            chord: Chord::default(),
+            lengths: LengthRule::default(),
+            conflicts: Conflicts::default(),
+            budget: Budget::default(),
+            cancel: Cancel::default(),
+        }
+    }
+}
+
+impl Options {
+    /// Whether the strain energy decides on the shape.
+    pub(super) fn has_energy(&self) -> bool {
+        self.objective == Objective::StrainEnergy && self.lengths == LengthRule::Free
+    }
 }
 
 /// What is minimised in a section.

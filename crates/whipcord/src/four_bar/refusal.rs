@@ -2,6 +2,7 @@
 
 use whipcord_numerics::Pose;
 
+use super::equilibrium::knows_stiffness;
 use super::options::{Chord, LengthRule, Objective, Options};
 use super::section;
 use crate::case::{Actuation, Case, Loads};
@@ -10,9 +11,9 @@ use crate::kind::ModelKind;
 use crate::refusal;
 use crate::robot::{Robot, Stiffness};
 
-const NO_FORCES: &str = "it takes no forces: leave it out, or use cosserat";
-const GIVE_SHORTENING: &str =
-    "it is driven by lengths: give each cable's shortening, or use cosserat";
+const NO_FORCES: &str = "without a strain energy it takes no forces: take the objective strain-energy with the length rule free, or use cosserat";
+const NO_STIFFNESS: &str = "without a stiffness it takes no forces: give section and young_modulus, or stiffness, or leave it out";
+const GIVE_SHORTENING: &str = "without a strain energy it is driven by lengths: give each cable's shortening, or take the objective strain-energy with the length rule free, or use cosserat";
 
 pub(super) fn unsupported(
     path: impl Into<String>,
@@ -22,11 +23,22 @@ pub(super) fn unsupported(
     SolveError::Unsupported { model: ModelKind::FourBar, path: path.into(), what, advice }
 }
 
+/// Why forces are not taken.
+fn no_forces(options: &Options) -> &'static str {
+    if options.has_energy() { NO_STIFFNESS } else { NO_FORCES }
+}
+
+/// Why tensions are not taken.
+fn give_shortening(options: &Options) -> &'static str {
+    if options.has_energy() { NO_STIFFNESS } else { GIVE_SHORTENING }
+}
+
 /// Refuses a robot or options.
 pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> {
+    let knows_forces = options.has_energy() && matches!(knows_stiffness(robot), Ok(true));
     refusal::without_disks(ModelKind::FourBar, robot)?;
-    if options.actuation == Actuation::Tension {
-        return Err(unsupported("actuation", "tension", GIVE_SHORTENING));
+    if options.actuation == Actuation::Tension && !knows_forces {
+        return Err(unsupported("actuation", "tension", give_shortening(options)));
     }
     if options.objective == Objective::StrainEnergy
         && robot.backbone().stiffness.as_ref().is_some_and(Stiffness::is_coupled)
@@ -38,9 +50,9 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
         ));
     }
     for (i, cable) in robot.cables().iter().enumerate() {
-        if cable.axial_stiffness.is_some() {
+        if cable.axial_stiffness.is_some() && !knows_forces {
             let path = format!("cables[{i}].axial_stiffness");
-            return Err(unsupported(path, "an elastic cable", NO_FORCES));
+            return Err(unsupported(path, "an elastic cable", no_forces(options)));
         }
         if options.lengths == LengthRule::Free && cable.has_friction() {
             return Err(unsupported(
@@ -95,8 +107,13 @@ fn as_printed(robot: &Robot, options: &Options) -> Result<(), SolveError> {
     Ok(())
 }
 
-/// Refuses a case.
-pub(super) fn case(robot: &Robot, case: &Case) -> Result<(), SolveError> {
+/// Refuses a case; of one that gives more than lengths and obstacles where forces are not taken.
+pub(super) fn case(
+    robot: &Robot,
+    options: &Options,
+    case: &Case,
+    takes_forces: bool,
+) -> Result<(), SolveError> {
     let plausible = |command: &crate::case::CableCommand| {
         command.tension.is_none_or(|t| t >= 0.0 && t.is_finite())
             && command.shortening.is_none_or(|s| s.in_metres(1.0).abs() < 1.0)
@@ -107,15 +124,25 @@ pub(super) fn case(robot: &Robot, case: &Case) -> Result<(), SolveError> {
     if !plain || !fits {
         case.check(robot)?;
     }
+    if takes_forces {
+        return Ok(());
+    }
+    if !case.obstacles.is_empty() && !options.has_energy() {
+        return Err(unsupported(
+            "obstacles",
+            "only lengths and no energy decide where it bends",
+            "take the objective strain-energy and the length rule free, or use cosserat",
+        ));
+    }
     if let Some((path, what)) = case.loads.first() {
-        return Err(unsupported(path, what, NO_FORCES));
+        return Err(unsupported(path, what, no_forces(options)));
     }
     for (i, command) in case.commands.iter().enumerate() {
         if command.shortening.is_none() {
             return Err(SolveError::Missing {
                 model: ModelKind::FourBar,
                 path: format!("cables[{i}].shortening"),
-                advice: GIVE_SHORTENING,
+                advice: give_shortening(options),
             });
         }
     }

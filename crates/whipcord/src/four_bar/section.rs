@@ -1,15 +1,14 @@
 //! A section of a robot: what lies between two neighbouring disks.
 
-use whipcord_numerics::{GAUSS_3, Sym3, Vec3};
+use whipcord_numerics::{GAUSS_3, Jet, Sym3, Vec3};
 
 use super::bend::Bend;
 use super::length::Passage;
 use super::measure::Measure;
 use super::options::{Chord, Objective};
-use super::plane::{Jet, Vec2};
+use super::plane::Vec2;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::parameter::StiffnessPart;
 use crate::robot::Robot;
 
 /// What lies between two neighbouring disks.
@@ -52,21 +51,6 @@ impl Section {
         // The measure is least at rest, and grows with every coordinate.
         let scaled = self.rest_hessian().ldlt().map_or(Vec3::ZERO, |h| h.solve(g));
         (scaled, g.dot(scaled))
-    }
-
-    /// Multiplies a part of its stiffness.
-    pub fn stiffen(&mut self, part: StiffnessPart, factor: f64) {
-        let (Measure::StrainEnergy(weights) | Measure::StrainEnergyFrom(weights, _)) =
-            &mut self.measure
-        else {
-            return;
-        };
-        match part {
-            StiffnessPart::Bending => weights[..2].iter_mut().for_each(|weight| *weight *= factor),
-            StiffnessPart::Torsion => weights[2] *= factor,
-            // The sections have no such strains.
-            StiffnessPart::Shear | StiffnessPart::Extension => {}
-        }
     }
 
     /// Hessian of the measure at rest.
@@ -177,7 +161,7 @@ fn measure(
     Ok((Measure::StrainEnergy(weights), x / reference / relative_length))
 }
 
-fn poisson_ratio(robot: &Robot) -> Result<f64, SolveError> {
+pub(super) fn poisson_ratio(robot: &Robot) -> Result<f64, SolveError> {
     robot.backbone().material.poisson_ratio().ok_or_else(|| SolveError::Missing {
         model: ModelKind::FourBar,
         path: "backbone.poisson_ratio".to_owned(),

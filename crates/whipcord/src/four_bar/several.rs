@@ -9,10 +9,9 @@
 //! excess lengths, and among those shapes to the least ΣF, whatever the number of cables and
 //! however dependent their constraints are.
 
-use whipcord_numerics::{DenseLu, Ldlt3, Sym3, Vec3};
+use whipcord_numerics::{DenseLu, Jet, Ldlt3, Sym3, Vec3};
 
 use super::bend::Bend;
-use super::plane::Jet;
 use super::section::{NO_LEVER, Section};
 use crate::budget::Meter;
 

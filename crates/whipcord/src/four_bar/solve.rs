@@ -15,6 +15,7 @@ use super::several::{Ending, Several};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::linkage;
 use crate::shape::{CableState, Diagnostics, NoStability, Solution};
 use crate::stations::Stations;
 
@@ -31,6 +32,8 @@ pub struct Workspace {
     /// Multiplier of each passage, section by section.
     pub(super) pulls: Vec<f64>,
     pub(super) several: Several,
+    /// Of the chain in equilibrium with forces.
+    pub(super) chain: linkage::Workspace,
 }
 
 /// What has been found of one cable.
@@ -68,7 +71,7 @@ impl FourBar {
         workspace: &mut Workspace,
         solution: &mut Solution,
     ) -> Result<bool, SolveError> {
-        refusal::case(&self.robot, case)?;
+        refusal::case(&self.robot, &self.options, case, false)?;
         let count = self.initial_lengths.len();
         workspace.targets.clear();
         for (command, &initial) in case.commands.iter().zip(&self.initial_lengths) {
@@ -93,8 +96,9 @@ impl FourBar {
     /// Every section with its own lengths.
     fn each_section(&self, workspace: &mut Workspace) -> Result<Tally, SolveError> {
         let mut tally = Tally::default();
-        let Workspace { targets, section_targets, multipliers, cables, joints, pulls, several } =
-            workspace;
+        let Workspace {
+            targets, section_targets, multipliers, cables, joints, pulls, several, ..
+        } = workspace;
         section_targets.clear();
         section_targets.resize(targets.len(), f64::INFINITY);
         for (index, section) in self.sections.iter().enumerate() {
@@ -259,34 +263,7 @@ impl FourBar {
         Ok(tally)
     }
 
-    /// The answer whose joints and prescribed lengths are in the workspace, and whose cables have these
-    /// multipliers.
-    pub(super) fn solution_of_joints(
-        &self,
-        base: Pose,
-        workspace: &mut Workspace,
-        multipliers: &[f64],
-    ) -> Solution {
-        let Workspace { targets, cables, joints, .. } = &mut *workspace;
-        cables.clear();
-        let found = |&multiplier: &f64| Found { multiplier, ..Found::default() };
-        cables.extend(multipliers.iter().map(found));
-        for (section, &joint) in self.sections.iter().zip(&*joints) {
-            for (i, length) in joint.lengths(section) {
-                cables[i].length += length;
-            }
-        }
-        let mut tally = Tally::default();
-        tally.count_cables(cables, targets);
-        self.solution(base, workspace, tally)
-    }
-
-    pub(super) fn conflict(
-        &self,
-        (worst, excess): (usize, f64),
-        first: usize,
-        last: usize,
-    ) -> SolveError {
+    fn conflict(&self, (worst, excess): (usize, f64), first: usize, last: usize) -> SolveError {
         SolveError::CablesConflict {
             cable: self.name(worst),
             first_disk: first + 1,
@@ -304,13 +281,6 @@ impl FourBar {
     }
 
     /// Stacks the sections and gathers what became of the cables.
-    fn solution(&self, base: Pose, workspace: &Workspace, tally: Tally) -> Solution {
-        let mut solution = Solution::empty(ModelKind::FourBar);
-        self.write(base, workspace, tally, &mut solution);
-        solution
-    }
-
-    /// The same, into memory that is at hand.
     fn write(&self, base: Pose, workspace: &Workspace, tally: Tally, solution: &mut Solution) {
         let joints = &workspace.joints;
         let mut pose = Pose::IDENTITY;

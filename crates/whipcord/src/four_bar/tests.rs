@@ -1,13 +1,13 @@
 //! Derivatives against central differences, and closed forms against the definitions they stand
 //! for.
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{Jet, Pose, UnitQuaternion, Vec3};
 
 use super::bend::Bend;
 use super::length::Passage;
 use super::measure::Measure;
 use super::options::Chord;
-use super::plane::{Jet, Vec2};
+use super::plane::Vec2;
 
 const CHORDS: [Chord; 2] = [Chord::Bisector, Chord::Arc];
 

@@ -54,6 +54,8 @@ pub(super) struct Chain {
     inner: Vec<Inner>,
     /// `∂ℓ/∂q` of every passage.
     pulls: Vec<Coordinates>,
+    /// The cross-sections that cables are anchored to between two disks, from the base on.
+    anchors: Vec<Motion>,
     matrix: Vec<f64>,
     lu: DenseLu,
     column: Vec<f64>,
@@ -86,8 +88,9 @@ impl Chain {
     /// Evaluates eq. (3) at the coordinates. The size of what is left, relative to the moments in play;
     /// infinite where a cable has folded its section.
     pub fn evaluate(&mut self, task: &Task<'_>) -> f64 {
-        let Self { q, lengths, base, links, pulls, inner, .. } = self;
+        let Self { q, lengths, base, links, pulls, anchors, inner, .. } = self;
         inner.clear();
+        anchors.clear();
         let (division, count) = (task.division, task.division.coordinates());
         links.resize(task.sections.len(), Link::default());
         lengths.clear();
@@ -99,23 +102,29 @@ impl Chain {
         for ((section, link), q) in task.sections.iter().zip(&mut *links).zip(&*q) {
             whole += section.length;
             let motion = Motion::new(division, section.length, q);
-            folded |= bend(q) > MOST_BENT;
-            for a in 0..count {
-                link.residual[a] = section.stiffness[a] * (q[a] - section.rest[a]);
-                softest = softest.min(section.stiffness[a] * section.length);
+            folded |= bend(q) > MOST_BENT || q[0].abs() > division.most_twist();
+            link.residual = section.elastic_moments(division, q);
+            for stiffness in &section.stiffness[..count] {
+                softest = softest.min(stiffness * section.length);
             }
             let mut pulled = 0.0;
             for passage in &section.passages {
-                let way = motion.way(passage);
+                let end = if passage.is_anchored_inside() {
+                    anchors.push(Motion::up_to(division, section.length, q, passage.reach));
+                    anchors.last().unwrap_or(&motion)
+                } else {
+                    &motion
+                };
+                let way = end.way(passage);
                 let length = way.norm();
-                folded |= length <= FOLDED * section.length || !length.is_finite();
+                folded |= length <= FOLDED * section.length * passage.reach || !length.is_finite();
                 let along = way / length;
                 lengths[passage.cable] += length;
                 let tension = task.pull * task.tensions[passage.cable];
-                let arm = motion.rotation * passage.far;
+                let arm = end.rotation * passage.far;
                 let mut pull = [0.0; MOST];
                 for a in 0..count {
-                    pull[a] = along.dot(motion.shift[a] + motion.turn[a].cross(arm));
+                    pull[a] = along.dot(end.shift[a] + end.turn[a].cross(arm));
                     link.residual[a] += tension * pull[a];
                 }
                 pulled += tension * passage.far.norm();
@@ -178,35 +187,46 @@ impl Chain {
     pub fn linearise(&mut self, task: &Task<'_>) {
         let (division, count) = (task.division, task.division.coordinates());
         let mut pulls = self.pulls.iter();
+        let mut anchors = self.anchors.iter();
         let mut inner = self.inner.iter();
-        for (k, (section, link)) in task.sections.iter().zip(&mut self.links).enumerate() {
+        let sections = task.sections.iter().zip(&self.q);
+        for (k, ((section, q), link)) in sections.zip(&mut self.links).enumerate() {
             let Link { motion, wrench, tangent, .. } = link;
             let (mut force, mut moment) = (wrench.force, wrench.moment);
             *tangent = Default::default();
             for (passage, pull) in section.passages.iter().zip(&mut pulls) {
+                let inside = passage.is_anchored_inside().then(|| anchors.next()).flatten();
                 let tension = task.pull * task.tensions[passage.cable];
                 if tension == 0.0 {
                     continue;
                 }
-                let way = motion.way(passage);
+                let end = inside.unwrap_or(motion);
+                let way = end.way(passage);
                 let length = way.norm();
                 let along = way / length;
-                let arm = motion.rotation * passage.far;
-                force -= along * tension;
-                moment -= arm.cross(along) * tension;
+                let arm = end.rotation * passage.far;
+                let pulled =
+                    Wrench { force: along * -tension, moment: arm.cross(along) * -tension };
+                let own = inside
+                    .map(|end| end.second(division, section.length, pulled.moment, pulled.force));
+                if own.is_none() {
+                    force += pulled.force;
+                    moment += pulled.moment;
+                }
                 let moves: Rows<Vec3> =
-                    core::array::from_fn(|a| motion.shift[a] + motion.turn[a].cross(arm));
+                    core::array::from_fn(|a| end.shift[a] + end.turn[a].cross(arm));
                 for a in 0..count {
                     for b in 0..count {
                         let swings = moves[a].dot(moves[b]) - pull[a] * pull[b];
-                        let turned = motion.turn[a].cross(motion.turn[b].cross(arm));
+                        let turned = end.turn[a].cross(end.turn[b].cross(arm));
                         tangent[a][b] += tension * (swings / length + along.dot(turned));
+                        tangent[a][b] -= own.map_or(0.0, |own| own[a][b]);
                     }
                 }
             }
             let second = motion.second(division, section.length, moment, force);
+            section.add_elastic_stiffness(division, q, tangent);
             for a in 0..count {
-                tangent[a][a] += section.stiffness[a];
                 for b in 0..count {
                     tangent[a][b] -= second[a][b];
                 }

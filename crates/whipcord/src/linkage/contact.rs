@@ -295,7 +295,7 @@ impl Compliant for ContactAdapter<'_> {
     }
 
     fn knows_forces(&self) -> bool {
-        true
+        self.model.knows_forces
     }
 
     fn cancel(&self) -> &Cancel {

@@ -168,7 +168,7 @@ impl Linkage {
                         if k == disk {
                             passage.near = turn.rotate(passage.near);
                         }
-                        if k + 1 == disk {
+                        if k + 1 == disk && !passage.is_anchored_inside() {
                             passage.far = turn.rotate(passage.far);
                         }
                     }

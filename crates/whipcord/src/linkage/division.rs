@@ -6,8 +6,30 @@ pub(crate) struct Division {
     /// The rigid link before the first joint, as a fraction of the section's length.
     pub first: f64,
     pub joints: &'static [Joint],
-    /// Whether each joint is an arc along its link, and not a point before it.
-    pub is_arc: bool,
+    /// How it bends at each joint.
+    pub bend: Bend,
+    /// What its stiffness resists.
+    pub energy: Energy,
+}
+
+/// How a section bends at a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Bend {
+    /// At a point, with a rigid link behind it.
+    Point,
+    /// Along an arc that is as long as the link.
+    Arc,
+    /// Along an arc whose chord is as long as the link.
+    Chord,
+}
+
+/// What the stiffness of a section resists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Energy {
+    /// Its twist and its bends, each by itself.
+    Coordinates,
+    /// The rotation vector from its start to its end; of one joint.
+    RotationVector,
 }
 
 /// A place that bends about x and y.
@@ -25,9 +47,23 @@ impl Division {
         1 + 2 * self.joints.len()
     }
 
+    /// Whether it bends along arcs.
+    pub(super) const fn is_arc(&self) -> bool {
+        !matches!(self.bend, Bend::Point)
+    }
+
+    /// A section that twists by more than this in rad has folded.
+    pub(super) const fn most_twist(&self) -> f64 {
+        match self.energy {
+            Energy::Coordinates => f64::INFINITY,
+            // The rotation vector of more has turned over.
+            Energy::RotationVector => core::f64::consts::PI,
+        }
+    }
+
     /// Where along a section, as fractions of it, its curve changes direction at once: the joints between rigid bodies.
     pub(super) fn corners(&self) -> impl Iterator<Item = f64> + '_ {
-        let joints = if self.is_arc { &[] } else { self.joints };
+        let joints = if self.is_arc() { &[] } else { self.joints };
         joints.iter().scan(self.first, |reached, joint| {
             let corner = *reached;
             *reached += joint.link;

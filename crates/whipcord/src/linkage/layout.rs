@@ -3,8 +3,8 @@
 use whipcord_numerics::{GAUSS_3, Vec3};
 
 use super::chain::{MOST_BENT, bend};
-use super::division::Division;
-use super::motion::{Coordinates, MOST, Motion};
+use super::division::{Division, Energy};
+use super::motion::{Coordinates, MOST, Motion, coordinates_of};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
@@ -21,6 +21,8 @@ pub(super) struct Section {
     pub stiffness: Coordinates,
     /// Coordinates at rest.
     pub rest: Coordinates,
+    /// Rotation vector at rest in rad.
+    pub rest_rotation: Vec3,
     pub passages: Vec<Passage>,
 }
 
@@ -33,10 +35,17 @@ pub(super) fn sections(
     refusal::without_disks(model, robot)?;
     let at = &robot.disks().arc_lengths;
     let mut sections = Vec::with_capacity(at.len() - 1);
-    for (pair, passages) in at.windows(2).zip(passages(robot, model)?) {
+    for (pair, passages) in at.windows(2).zip(passages(robot)) {
         let length = pair[1] - pair[0];
         let (stiffness, rest) = means(robot, model, pair[0], pair[1])?;
-        let mut section = Section { length, stiffness: [0.0; MOST], rest: [0.0; MOST], passages };
+        let (rotation, way) = robot.backbone().rest_rotation(robot.disks(), pair[0], pair[1]);
+        let mut section = Section {
+            length,
+            stiffness: [0.0; MOST],
+            rest: [0.0; MOST],
+            rest_rotation: rotation.log(),
+            passages,
+        };
         (section.stiffness[0], section.rest[0]) = (stiffness.z / length, rest.z * length);
         for (k, (joint, share)) in division.joints.iter().zip(division.shares()).enumerate() {
             let (x, y) = (1 + 2 * k, 2 + 2 * k);
@@ -45,7 +54,14 @@ pub(super) fn sections(
             section.rest[x] = share * rest.x * length;
             section.rest[y] = share * rest.y * length;
         }
-        if bend(&section.rest) >= MOST_BENT {
+        let has_turned_over = match division.energy {
+            Energy::Coordinates => bend(&section.rest) >= MOST_BENT,
+            Energy::RotationVector => {
+                section.rest = coordinates_of(division, rotation);
+                way >= MOST_BENT
+            }
+        };
+        if has_turned_over {
             return Err(SolveError::Unsupported {
                 model,
                 path: "backbone.rest_curvature".to_owned(),
@@ -65,14 +81,19 @@ pub(super) fn rest_lengths(division: &Division, sections: &[Section], cables: us
     for section in sections {
         let motion = Motion::new(division, section.length, &section.rest);
         for passage in &section.passages {
-            lengths[passage.cable] += motion.way(passage).norm();
+            let way = if passage.is_anchored_inside() {
+                Motion::up_to(division, section.length, &section.rest, passage.reach).way(passage)
+            } else {
+                motion.way(passage)
+            };
+            lengths[passage.cable] += way.norm();
         }
     }
     lengths
 }
 
 impl Motion {
-    /// A cable's way through the section.
+    /// A cable's way through the section, where this is the cross-section at its end.
     pub fn way(&self, passage: &Passage) -> Vec3 {
         self.end + self.rotation * passage.far - passage.near
     }

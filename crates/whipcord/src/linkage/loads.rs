@@ -141,7 +141,7 @@ impl AppliedLoads {
                         inner.push(load);
                     }
                 };
-                if division.is_arc {
+                if division.is_arc() {
                     GAUSS_5.nodes.into_iter().zip(GAUSS_5.weights).for_each(|(t, w)| at(t, w));
                 } else {
                     GAUSS_3.nodes.into_iter().zip(GAUSS_3.weights).for_each(|(t, w)| at(t, w));

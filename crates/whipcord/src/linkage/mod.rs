@@ -12,6 +12,7 @@ mod contact;
 mod contact_response;
 mod derivatives;
 pub(crate) mod division;
+mod energy;
 mod layout;
 mod loads;
 mod local;
@@ -88,6 +89,8 @@ pub struct Linkage {
     sections: Vec<Section>,
     rest_lengths: Vec<f64>,
     stations: Vec<f64>,
+    /// Whether the stiffness is that of the robot, and so the forces of an answer are.
+    knows_forces: bool,
 }
 
 /// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
@@ -101,6 +104,17 @@ pub struct Workspace {
     search: LengthScratch,
     held: Vec<(usize, f64)>,
     meter: Meter,
+}
+
+impl Workspace {
+    /// The answer of the last solve; where its budget is spent that it is.
+    pub(crate) fn answered(
+        &self,
+        status: Status,
+        solution: Solution,
+    ) -> Result<Solution, SolveError> {
+        self.meter.answered((status, solution))
+    }
 }
 
 impl Linkage {
@@ -128,7 +142,26 @@ impl Linkage {
         }
         let (sections, rest_lengths) = layout::sections(robot, kind, &division)?;
         let stations = options.stations.arc_lengths(robot);
-        Ok(Self { robot: robot.clone(), kind, division, options, sections, rest_lengths, stations })
+        Ok(Self {
+            robot: robot.clone(),
+            kind,
+            division,
+            options,
+            sections,
+            rest_lengths,
+            stations,
+            knows_forces: true,
+        })
+    }
+
+    /// The same of a robot whose stiffness is assumed: its answers tell no forces.
+    pub(crate) fn without_forces(self) -> Self {
+        Self { knows_forces: false, ..self }
+    }
+
+    /// Whether its answers tell forces.
+    pub(crate) const fn knows_forces(&self) -> bool {
+        self.knows_forces
     }
 
     /// The robot this model was built for.
@@ -170,7 +203,7 @@ impl Linkage {
     ) -> Result<Solution, SolveError> {
         let mut solution = Solution::empty(self.kind);
         let status = self.solve_into(case, warm_start.into(), workspace, &mut solution)?;
-        workspace.meter.answered((status, solution))
+        workspace.answered(status, solution)
     }
 
     /// [`Self::solve`] into memory that is at hand: after the first call nothing is allocated where tensions drive the cables.
@@ -391,10 +424,11 @@ impl Linkage {
         for (i, state) in solution.cables.iter_mut().enumerate() {
             let (name, length) = (&cables[i].name, [chain.lengths[i], self.rest_lengths[i]]);
             commands[i].answer(name, tensions[i], length, self.robot.backbone().length, state);
+            state.tension = state.tension.filter(|_| self.knows_forces);
         }
         solution.model = self.kind;
         solution.contacts.clear();
-        solution.base_wrench = Some(chain.base);
+        solution.base_wrench = self.knows_forces.then_some(chain.base);
         solution.diagnostics = Diagnostics {
             iterations: effort.iterations,
             residual: effort.residual,
@@ -403,6 +437,21 @@ impl Linkage {
             ..Diagnostics::default()
         }
         .with_stability(verdict);
+    }
+
+    /// The stability of an answer to a case that was found by other means.
+    pub(crate) fn judge(
+        &self,
+        case: &Case,
+        solution: &Solution,
+        workspace: &mut Workspace,
+    ) -> Result<Verdict, NoStability> {
+        self.accept(case, workspace).map_err(|_| NoStability::Undetermined)?;
+        let Workspace { scratch, tensions, .. } = &mut *workspace;
+        self.start_from(solution, scratch);
+        tensions.clear();
+        tensions.extend(solution.cables.iter().map(|cable| cable.tension.unwrap_or(0.0)));
+        self.stability(case, workspace)
     }
 
     /// Stability by the least eigenvalue of the tangent, or why it is not known.

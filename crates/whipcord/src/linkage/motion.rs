@@ -4,8 +4,8 @@ use core::array;
 
 use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
-use super::division::Division;
-use super::swing::Swing;
+use super::division::{Bend, Division};
+use super::swing::{Swing, arc_over_chord};
 
 /// Coordinates of a section at most: its twist, and two bends of each joint.
 pub(super) const MOST: usize = 7;
@@ -57,10 +57,11 @@ impl Motion {
                 break;
             }
             let part = (left / joint.link).min(1.0);
-            let swing = if division.is_arc {
-                Swing::new(part * q[1 + 2 * k], part * q[2 + 2 * k]).of_part(part)
-            } else {
-                Swing::new(q[1 + 2 * k], q[2 + 2 * k])
+            let (x, y) = (q[1 + 2 * k], q[2 + 2 * k]);
+            let swing = match division.bend {
+                Bend::Point => Swing::new(x, y),
+                Bend::Arc => Swing::new(part * x, part * y).of_part(part),
+                Bend::Chord => Swing::new(part * x, part * y).of_part(part).with_chord(x, y),
             };
             let reached = part * joint.link * length;
             left -= joint.link;
@@ -68,8 +69,8 @@ impl Motion {
             frame = frame * swing.rotation;
             let link = joint.link * length;
             // What a joint moves is rigid beyond its place, what an arc does beyond its end.
-            let rigid = if division.is_arc { place + before * swing.arc * link } else { place };
-            place = if division.is_arc { rigid } else { place + frame.column(2) * reached };
+            let rigid = if division.is_arc() { place + before * swing.arc * link } else { place };
+            place = if division.is_arc() { rigid } else { place + frame.column(2) * reached };
             motion.joints[k] = (before, swing, rigid);
         }
         motion.end = place;
@@ -79,7 +80,7 @@ impl Motion {
             for c in 0..2 {
                 let turn = before * swing.turn[c];
                 let mut shift = turn.cross(place - rigid);
-                if division.is_arc {
+                if division.is_arc() {
                     shift += before * swing.arc_by[c] * (division.joints[k].link * length);
                 }
                 (motion.turn[1 + 2 * k + c], motion.shift[1 + 2 * k + c]) = (turn, shift);
@@ -133,7 +134,7 @@ impl Motion {
         let beyond = self.end - *rigid;
         let turn = *before * swing.turn_by[a % 2][b % 2];
         let mut shift = turn.cross(beyond) + turn_a.cross(turn_b.cross(beyond));
-        if division.is_arc {
+        if division.is_arc() {
             let link = division.joints[joint].link * length;
             shift += *before * swing.arc_by_twice[a % 2][b % 2] * link;
         }
@@ -148,7 +149,7 @@ pub(super) fn pose_at(division: &Division, length: f64, q: &Coordinates, t: f64)
     let along = |reach: f64| Pose { position: Vec3::Z * reach, ..Pose::IDENTITY };
     let mut pose = Pose { rotation: about_z(half), ..Pose::IDENTITY };
     let mut left = t;
-    if !division.is_arc {
+    if !division.is_arc() {
         let reach = left.min(division.first);
         pose = pose * along(reach * length);
         left -= reach;
@@ -158,9 +159,13 @@ pub(super) fn pose_at(division: &Division, length: f64, q: &Coordinates, t: f64)
             break;
         }
         let bend = Vec3::new(q[1 + 2 * k], q[2 + 2 * k], 0.0);
-        if division.is_arc {
+        if division.is_arc() {
             let part = (left / joint.link).min(1.0);
-            let linear = Vec3::Z * (part * joint.link * length);
+            let stretch = match division.bend {
+                Bend::Chord => arc_over_chord(bend.norm_squared())[0],
+                Bend::Point | Bend::Arc => 1.0,
+            };
+            let linear = Vec3::Z * (part * joint.link * length * stretch);
             pose = pose * Pose::exp(whipcord_numerics::Twist { linear, angular: bend * part });
         } else {
             let swing = Pose { rotation: UnitQuaternion::exp(bend), ..Pose::IDENTITY };
@@ -200,8 +205,8 @@ mod tests {
     use crate::piecewise_constant_curvature::ARC;
     use crate::pseudo_rigid_body::Coefficients;
 
-    fn divisions() -> [Division; 2] {
-        [ARC, Coefficients::default().division()]
+    fn divisions() -> [Division; 3] {
+        [ARC, Division { bend: Bend::Chord, ..ARC }, Coefficients::default().division()]
     }
 
     const Q: Coordinates = [0.4, 0.3, -0.2, 0.15, 0.5, -0.4, 0.1];

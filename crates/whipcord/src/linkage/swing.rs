@@ -63,6 +63,52 @@ impl Swing {
         self.arc_by_twice = self.arc_by_twice.map(|row| row.map(|v| v * (square * part)));
         self
     }
+
+    /// The same where the arc is longer, by what makes its chord for the whole bend `b = (x, y)` as long as the link.
+    pub fn with_chord(mut self, x: f64, y: f64) -> Self {
+        let [stretch, slope, curve] = arc_over_chord(x * x + y * y);
+        let by = [x, y].map(|part| 2.0 * part * slope);
+        let (arc, arc_by) = (self.arc, self.arc_by);
+        for a in 0..2 {
+            self.arc_by[a] = arc_by[a] * stretch + arc * by[a];
+            for c in 0..2 {
+                let same = if a == c { 2.0 * slope } else { 0.0 };
+                let twice = 4.0 * [x, y][a] * [x, y][c] * curve + same;
+                self.arc_by_twice[a][c] = self.arc_by_twice[a][c] * stretch
+                    + arc_by[a] * by[c]
+                    + arc_by[c] * by[a]
+                    + arc * twice;
+            }
+        }
+        self.arc *= stretch;
+        self
+    }
+}
+
+/// `(β/2)/sin(β/2)`, how much longer an arc is than its chord, and its first two derivatives by `x = β²`.
+pub(super) fn arc_over_chord(x: f64) -> [f64; 3] {
+    let [_, [f, d, e]] = half_bend(x);
+    let inverse = 1.0 / f;
+    let square = inverse * inverse;
+    [inverse, -d * square, (2.0 * d * d * inverse - e) * square]
+}
+
+/// `cos(β/2)` and `sin(β/2)/(β/2)`, each with its first two derivatives by `x = β²`.
+pub(super) fn half_bend(x: f64) -> [[f64; 3]; 2] {
+    const SERIES: f64 = 1.0;
+    let quarter = 0.25 * x;
+    let [f0, f1] = if quarter < SERIES {
+        [series::<0>(quarter), series::<1>(quarter)]
+    } else {
+        let half = quarter.sqrt();
+        let (sin, cos) = half.sin_cos();
+        let f1 = sin / half;
+        // `2x f₁′ = f₀ − f₁` and `2f₀′ = −f₁`.
+        let d1 = (cos - f1) / (2.0 * quarter);
+        let d0 = -0.5 * f1;
+        [[cos, d0, -0.5 * d1], [f1, d1, (d0 - 3.0 * d1) / (2.0 * quarter)]]
+    };
+    [f0, f1].map(|[f, d, e]| [f, 0.25 * d, 0.0625 * e])
 }
 
 /// Of `c₂ = (1 − cos β)/β²` and `c₃ = (β − sin β)/β³` the value and two derivatives by `x = β²`.
@@ -70,7 +116,7 @@ fn coefficients(x: f64) -> [[f64; 3]; 2] {
     // Below, the closed forms lose digits; the series is exact to rounding up to there.
     const SERIES: f64 = 1.0;
     if x < SERIES {
-        return [series(2.0, x), series(3.0, x)];
+        return [series::<2>(x), series::<3>(x)];
     }
     // With `f_n = Σ (−x)^k/(2k + n)!`: `2x f_n′ = f_{n−1} − n f_n`.
     let beta = x.sqrt();
@@ -84,10 +130,11 @@ fn coefficients(x: f64) -> [[f64; 3]; 2] {
     [[f2, d2, (d1 - 4.0 * d2) * half], [f3, d3, (d2 - 5.0 * d3) * half]]
 }
 
-/// `Σ (−x)^k/(2k + n)!` and its first two derivatives, for n = 2 or 3.
-fn series(n: f64, x: f64) -> [f64; 3] {
+/// `Σ (−x)^k/(2k + N)!` and its first two derivatives, for N up to 3.
+fn series<const N: usize>(x: f64) -> [f64; 3] {
     const TERMS: usize = 11;
-    let mut term = if n == 2.0 { 0.5 } else { 1.0 / 6.0 };
+    let n = N as f64;
+    let mut term = [1.0, 1.0, 0.5, 1.0 / 6.0][N];
     let mut sum = [0.0; 3];
     let mut powers = [1.0, 0.0, 0.0];
     for k in 0..TERMS {

@@ -5,14 +5,18 @@
 
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::linkage::division::{Division, Joint};
+use crate::linkage::division::{Bend, Division, Energy, Joint};
 use crate::robot::Robot;
 
 pub use crate::linkage::{Linkage, Options, Workspace};
 
 /// The whole section is one arc, as stiff as the backbone.
-pub(crate) const ARC: Division =
-    Division { first: 0.0, joints: &[Joint { stiffness: 1.0, link: 1.0 }], is_arc: true };
+pub(crate) const ARC: Division = Division {
+    first: 0.0,
+    joints: &[Joint { stiffness: 1.0, link: 1.0 }],
+    bend: Bend::Arc,
+    energy: Energy::Coordinates,
+};
 
 /// The model of a robot: each section bends about two axes and twists, and does not stretch or shear.
 ///

@@ -11,7 +11,7 @@ use crate::cancel::Cancel;
 use crate::case::Actuation;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::linkage::division::{Division, Joint};
+use crate::linkage::division::{Bend, Division, Energy, Joint};
 use crate::linkage::{self, Linkage};
 use crate::robot::Robot;
 use crate::statics::options::StabilityAnalysis;
@@ -70,7 +70,8 @@ const SU: Division = Division {
         Joint { stiffness: 2.99, link: 0.4 },
         Joint { stiffness: 2.58, link: 0.15 },
     ],
-    is_arc: false,
+    bend: Bend::Point,
+    energy: Energy::Coordinates,
 };
 
 /// The lengths as printed add up to 0.999 of a section; here the last body reaches its end.
@@ -81,7 +82,8 @@ const RAO: Division = Division {
         Joint { stiffness: 2.84, link: 0.388 },
         Joint { stiffness: 2.95, link: 0.137 },
     ],
-    is_arc: false,
+    bend: Bend::Point,
+    energy: Energy::Coordinates,
 };
 
 impl Coefficients {

@@ -79,8 +79,14 @@ impl Command {
         initial: f64,
     ) -> Result<Self, SolveError> {
         let command = &case.commands[cable];
-        let tension = command.tension.filter(|_| actuation != Actuation::Shortening);
-        let shortening = command.shortening.filter(|_| actuation != Actuation::Tension);
+        let (tension, shortening) = match (actuation, model.natural_actuation()) {
+            (Actuation::Tension, _) => (command.tension, None),
+            (Actuation::Shortening, _) => (None, command.shortening),
+            (Actuation::Natural, Actuation::Shortening) => {
+                (command.tension.filter(|_| command.shortening.is_none()), command.shortening)
+            }
+            (Actuation::Natural, _) => (command.tension, command.shortening),
+        };
         match (tension, shortening) {
             (Some(tension), _) => Ok(Self::Tension(tension)),
             (None, Some(shortening)) => Ok(Self::Length {

@@ -13,26 +13,56 @@ pub(crate) struct Passage {
     pub cable: usize,
     /// Its hole in the disk nearer the base, in m.
     pub near: Vec3,
-    /// Its hole in the next disk, in m.
+    /// Where it ends, in the frame of the cross-section there: its hole in the next disk, or its anchor, in m.
     pub far: Vec3,
+    /// The part of the span's length at which that is: 1 at the next disk, less at an anchor before it.
+    pub reach: f64,
 }
 
-/// The cables' straight pieces between each two disks, of which cables are anchored at disks only.
-pub(crate) fn passages(robot: &Robot, model: ModelKind) -> Result<Vec<Vec<Passage>>, SolveError> {
-    let at = &robot.disks().arc_lengths;
-    let mut anchors = Vec::with_capacity(robot.cables().len());
-    for (i, (cable, route)) in robot.cables().iter().zip(robot.routes()).enumerate() {
-        let tolerance = 1e-10 * robot.backbone().length;
-        let disk = at.iter().position(|&s| (s - route.end()).abs() <= tolerance);
-        let anchor = disk.filter(|&disk| disk > 0).ok_or_else(|| between_disks(model, i, cable))?;
-        anchors.push(anchor);
+impl Passage {
+    /// Whether it ends before the next disk.
+    pub fn is_anchored_inside(&self) -> bool {
+        self.reach < 1.0
     }
-    let of_span = |k: usize| {
-        let through =
-            |i: usize| Passage { cable: i, near: hole(robot, i, k), far: hole(robot, i, k + 1) };
-        (0..anchors.len()).filter(|&i| anchors[i] > k).map(through).collect()
+}
+
+/// The cables' straight pieces between each two disks.
+pub(crate) fn passages(robot: &Robot) -> Vec<Vec<Passage>> {
+    let disks = robot.disks();
+    let at = &disks.arc_lengths;
+    let tolerance = 1e-10 * robot.backbone().length;
+    // The last span of each cable, and the part of it at which it ends.
+    let end = |end: f64| match at[1..].iter().position(|&s| (s - end).abs() <= tolerance) {
+        Some(span) => (span, 1.0),
+        None => disks.locate(end),
     };
-    Ok((0..at.len() - 1).map(of_span).collect())
+    let ends: Vec<(usize, f64)> = robot.routes().iter().map(|route| end(route.end())).collect();
+    let of_span = |k: usize| {
+        let through = |i: usize| {
+            let (last, part) = ends[i];
+            let near = hole(robot, i, k);
+            if k < last || part == 1.0 {
+                return Passage { cable: i, near, far: hole(robot, i, k + 1), reach: 1.0 };
+            }
+            let route = &robot.routes()[i];
+            Passage { cable: i, near, far: route.at(route.end()).offset, reach: part }
+        };
+        (0..ends.len()).filter(|&i| k <= ends[i].0).map(through).collect()
+    };
+    (0..at.len() - 1).map(of_span).collect()
+}
+
+/// [`passages`] of cables that are anchored at disks only.
+pub(crate) fn passages_to_disks(
+    robot: &Robot,
+    model: ModelKind,
+) -> Result<Vec<Vec<Passage>>, SolveError> {
+    let passages = passages(robot);
+    let inside = passages.iter().flatten().find(|passage| passage.is_anchored_inside());
+    match inside {
+        Some(passage) => Err(between_disks(model, passage.cable, &robot.cables()[passage.cable])),
+        None => Ok(passages),
+    }
 }
 
 /// Where the cable passes a disk: the hole of its list, whatever course it takes between them.

@@ -1,6 +1,6 @@
 //! Where the base is and how it is turned there, for every model.
 
-use crate::common::{fine_options, paper_robot, straight};
+use crate::common::{fine_options, model_with_forces, paper_robot, straight};
 use whipcord::case::Piece;
 use whipcord::{
     Actuation, Backbone, Case, DistributedLoad, LoadFrame, Loads, Material, Model, ModelKind,
@@ -160,8 +160,10 @@ fn sections_and_their_loads_turn_with_the_base() {
         loads.points[1].at = 0.06;
         loads
     };
-    for kind in [ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody] {
-        let model = Model::new(kind, Stations::Equal(30), Actuation::Natural);
+    for kind in
+        [ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody, ModelKind::FourBar]
+    {
+        let model = model_with_forces(kind, Stations::Equal(30), Actuation::Natural);
         let solve = |case: &Case| model.solve(&robot(), case).unwrap();
         let fixed = Case { loads: at_disks(LoadFrame::Base), ..Case::with_tensions(&[2.0, 1.0]) };
         let on_wall = Case { base: base(), ..fixed.clone() };

@@ -6,13 +6,16 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 use whipcord::{
     Actuation, Backbone, BranchOptions, Branches, Cable, CableCommand, Case, CriticalKind, Disks,
-    DistributedLoad, Form, Loads, Model, ModelKind, Obstacle, Pose, RestCurvature, Robot, Routing,
+    DistributedLoad, Form, Loads, ModelKind, Obstacle, Pose, RestCurvature, Robot, Routing,
     Shortening, Solution, SolveError, StabilityAnalysis, Stations, Stiffness, Vec3,
 };
 
+use crate::common::model_with_forces;
+
 const PCC: ModelKind = ModelKind::PiecewiseConstantCurvature;
 const PRB: ModelKind = ModelKind::PseudoRigidBody;
-const ALL: [ModelKind; 4] = [ModelKind::Cosserat, ModelKind::CosseratDisks, PCC, PRB];
+const ALL: [ModelKind; 5] =
+    [ModelKind::Cosserat, ModelKind::CosseratDisks, PCC, PRB, ModelKind::FourBar];
 
 /// Su 2009, table of optimal parameters: bodies by the length of a section, joints by EI over it.
 const BODIES: [f64; 4] = [0.1, 0.35, 0.4, 0.15];
@@ -45,7 +48,7 @@ fn pushed(x: f64, z: f64) -> Case {
 }
 
 fn try_branches(kind: ModelKind, robot: &Robot, case: &Case) -> Result<Branches, SolveError> {
-    let model = Model::new(kind, Stations::Disks, Actuation::Natural);
+    let model = model_with_forces(kind, Stations::Disks, Actuation::Natural);
     model.prepare(robot, &case.loads)?.branches(case, &BranchOptions::default())
 }
 
@@ -101,6 +104,14 @@ fn arcs_buckle_at(sections: usize, n: usize) -> f64 {
     6.0 * count * count * (1.0 - cos) / (2.0 + cos)
 }
 
+/// The same of rigid links from disk to disk that make equal angles with both: the angles of the disks are `sin(iθ)`, with
+/// `4/h² tan²(θ/2)` and the same θ.
+fn links_buckle_at(sections: usize, n: usize) -> f64 {
+    let count = sections as f64;
+    let half = (2 * n - 1) as f64 * PI / (4.0 * count);
+    4.0 * count * count * half.tan().powi(2)
+}
+
 #[test]
 fn columns_buckle_at_the_loads_of_their_discrete_models() {
     let euler = |n: usize| ((2 * n - 1) as f64 * FRAC_PI_2).powi(2);
@@ -109,10 +120,12 @@ fn columns_buckle_at_the_loads_of_their_discrete_models() {
             let exact = |n: usize| match kind {
                 PCC => arcs_buckle_at(sections, n),
                 PRB => chain_buckles_at(&chain_of_bodies(sections), n),
+                ModelKind::FourBar => links_buckle_at(sections, n),
                 _ => euler(n),
             };
             // One arc has a single bend.
-            let modes = if sections == 1 && kind == PCC { 1 } else { 2 };
+            let has_one_bend = sections == 1 && matches!(kind, PCC | ModelKind::FourBar);
+            let modes = if has_one_bend { 1 } else { 2 };
             let load = 1.2 * exact(modes);
             let found = branches(kind, &blade(sections, 0.0, vec![]), &pushed(0.0, -load));
             let path = found.critical_points.iter().filter(|point| point.branch == 0);
@@ -296,7 +309,7 @@ fn equilibria_on_branches_are_those_of_solves() {
         for kind in ALL {
             let found = branches(kind, &robot, &case);
             assert!(found.complete, "{name}, {kind}: {:?}", found.critical_points);
-            let model = Model::new(kind, Stations::Disks, Actuation::Natural);
+            let model = model_with_forces(kind, Stations::Disks, Actuation::Natural);
             let mut solving = model.prepare(&robot, &case.loads).unwrap();
             let is_near =
                 |a: &Solution, b: &Solution| a.disks.distances(&b.disks).all(|d| d < 2e-6);
@@ -379,7 +392,8 @@ fn what_has_no_branches_says_what_to_use_instead() {
             }
             other => panic!("{kind}: {other:?}"),
         };
-    for kind in [ModelKind::FourBar, ModelKind::ConstantCurvature] {
+    {
+        let kind = ModelKind::ConstantCurvature;
         assert!(refused(kind, &robot, &case).contains("cosserat"));
     }
     let rubbing = cables.into_iter().map(|cable| Cable { friction: Some(0.1), ..cable }).collect();

@@ -1,12 +1,12 @@
 //! What every model can be asked: each cell of the table of `docs/theory/README.md`.
 
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
-use whipcord::four_bar::{LengthRule, Objective};
 use whipcord::{
     Actuation, BranchOptions, Cable, Case, DistributedLoad, Model, ModelKind, Obstacle, Parameter,
-    PointLoad, Profile, Robot, Shortening, Solution, SolveError, Stations, Vec3, four_bar,
+    PointLoad, Profile, Robot, Shortening, Solution, SolveError, Stations, Vec3,
 };
 
+use crate::common::model_with_forces;
 use crate::contact::{among, finger, wall};
 
 const MODELS: [ModelKind; 6] = [
@@ -20,14 +20,7 @@ const MODELS: [ModelKind; 6] = [
 
 /// The four-bar model is the one with a strain energy.
 fn model(kind: ModelKind) -> Model {
-    match kind {
-        ModelKind::FourBar => Model::FourBar(four_bar::Options {
-            objective: Objective::StrainEnergy,
-            lengths: LengthRule::Free,
-            ..four_bar::Options::default()
-        }),
-        kind => Model::new(kind, Stations::default(), Actuation::Natural),
-    }
+    model_with_forces(kind, Stations::default(), Actuation::Natural)
 }
 
 fn solve(kind: ModelKind, robot: &Robot, case: &Case) -> Result<Solution, SolveError> {

@@ -6,12 +6,14 @@
 use proptest::prelude::*;
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, DistributedLoad, Form, LoadFrame, Loads, Material,
-    Model, ModelKind, Obstacle, PointLoad, PointMass, Pose, Profile, Robot, Shortening, Solution,
-    Statics, Stations, UnitQuaternion, Vec3, Wrench,
+    ModelKind, Obstacle, PointLoad, PointMass, Pose, Profile, Robot, Shortening, Solution, Statics,
+    Stations, UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::common::load_kind::burdened;
-use crate::common::{Wildness, ball, bending_stiffness, paper_backbone, samples, straight};
+use crate::common::{
+    Wildness, ball, bending_stiffness, model_with_forces, paper_backbone, samples, straight,
+};
 
 /// Of the points of a Gauss rule between two arc lengths, where they are and their weights.
 fn gauss(from: f64, to: f64) -> [(f64, f64); 3] {
@@ -139,11 +141,12 @@ fn left(robot: &Robot, case: &Case, solution: &Solution, rule: &[(f64, f64)]) ->
     ]
 }
 
-const MODELS: [ModelKind; 4] = [
+const MODELS: [ModelKind; 5] = [
     ModelKind::Cosserat,
     ModelKind::CosseratDisks,
     ModelKind::PiecewiseConstantCurvature,
     ModelKind::PseudoRigidBody,
+    ModelKind::FourBar,
 ];
 
 /// Random robots with every kind of load, moved to disks where a load sits at one place.
@@ -180,8 +183,8 @@ fn load_kinds() -> impl Strategy<Value = (Robot, Case)> {
 }
 
 fn assert_in_equilibrium(kinds: &[ModelKind], cases: usize, actuation: Actuation) {
-    let mut worst = [[0.0_f64; 2]; 4];
-    let mut solved = [0; 4];
+    let mut worst = [[0.0_f64; 2]; 5];
+    let mut solved = [0; 5];
     for (robot, mut case) in samples(load_kinds(), cases) {
         if actuation == Actuation::Shortening {
             for command in &mut case.commands {
@@ -192,7 +195,7 @@ fn assert_in_equilibrium(kinds: &[ModelKind], cases: usize, actuation: Actuation
         let rule = rule(&robot, &case.loads, 4);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
         for (k, &kind) in kinds.iter().enumerate() {
-            let model = Model::new(kind, stations.clone(), actuation);
+            let model = model_with_forces(kind, stations.clone(), actuation);
             let solution = match model.solve(&robot, &case) {
                 Ok(solution) => solution,
                 Err(_) => continue,
@@ -261,7 +264,7 @@ fn the_base_bears_each_kind_of_load() {
         let rule = rule(&robot, &case.loads, 4);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
         for kind in MODELS {
-            let model = Model::new(kind, stations.clone(), Actuation::Tension);
+            let model = model_with_forces(kind, stations.clone(), Actuation::Tension);
             let solution = model.solve(&robot, &case).unwrap();
             let off = left(&robot, &case, &solution, &rule);
             assert!(off.iter().all(|&off| off < 1e-6), "{kind}: {off:?} {:?}", case.loads);
@@ -309,7 +312,7 @@ fn the_base_bears_the_contacts_too() {
         let rule = rule(&robot, &case.loads, 1);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
         for kind in MODELS {
-            let model = Model::new(kind, stations.clone(), Actuation::Tension);
+            let model = model_with_forces(kind, stations.clone(), Actuation::Tension);
             let solution = model.solve(&robot, &case).unwrap();
             assert!(!solution.contacts.is_empty());
             let off = left(&robot, &case, &solution, &rule);

@@ -15,8 +15,8 @@ use proptest::test_runner::{RngSeed, TestRunner};
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
     Actuation, Along, Backbone, Cable, CableCommand, Case, Disks, Interpolation, Loads, Material,
-    Model, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution, SolveError,
-    StabilityAnalysis, Statics, Stations, Vec3,
+    Model, ModelKind, PointLoad, RestCurvature, Robot, Routing, Section, Shortening, Solution,
+    SolveError, StabilityAnalysis, Statics, Stations, Vec3, four_bar,
 };
 
 /// As many cases as are given, the same in every run.
@@ -465,4 +465,16 @@ fn assemble(wild: Wildness, parts: Parts) -> (Robot, Case) {
 /// The more cables there may be, the less each of them pulls.
 fn cables_share(cables: usize) -> f64 {
     (cables as f64).sqrt().max(1.0)
+}
+
+/// The model in its variant that takes forces.
+pub fn model_with_forces(kind: ModelKind, stations: Stations, actuation: Actuation) -> Model {
+    match Model::new(kind, stations, actuation) {
+        Model::FourBar(options) => Model::FourBar(four_bar::Options {
+            objective: four_bar::Objective::StrainEnergy,
+            lengths: four_bar::LengthRule::Free,
+            ..options
+        }),
+        model => model,
+    }
 }

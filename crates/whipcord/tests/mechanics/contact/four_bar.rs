@@ -131,7 +131,8 @@ fn the_answer_to_the_same_case_starts_where_it_ends() {
     }
 }
 
-/// What touches nothing has the answer without obstacles, to the last bit, from a known answer too and wherever the base is.
+/// What touches nothing has the answer without obstacles, from a known answer too and wherever the base is. The lengths are met by
+/// another method then, to what it leaves of the equations.
 #[test]
 fn what_touches_nothing_is_solved_alone() {
     let robot = finger(9);
@@ -145,9 +146,16 @@ fn what_touches_nothing_is_solved_alone() {
         let far = moved(&sphere(Vec3::new(-0.1, 0.0, 0.1), 0.03), &base);
         let alone = solve(&robot, &free).unwrap();
         let case = among(free, vec![far]);
-        assert_eq!(alone, solve(&robot, &case).unwrap());
+        let same = |answer: &Solution| {
+            let apart = answer.disks.distances(&alone.disks).fold(0.0, f64::max);
+            let diagnostics = &answer.diagnostics;
+            assert!(apart < 1e-9 * LENGTH && answer.contacts.is_empty(), "{apart:e}");
+            assert_eq!(answer.base_wrench, alone.base_wrench);
+            assert_eq!(diagnostics.stable, alone.diagnostics.stable);
+        };
+        same(&solve(&robot, &case).unwrap());
         let before = solve(&robot, &shortened(0.9 * millimetres, vec![])).unwrap();
         let warm = model.solve(&case, Some(&before), &mut Workspace::default()).unwrap();
-        assert_eq!(alone, warm);
+        same(&warm);
     }
 }

@@ -2,11 +2,12 @@
 
 use whipcord::derivatives::{Cotangent, Hold, Place};
 use whipcord::{
-    Actuation, Case, Linearization, Model, ModelKind, Obstacle, Parameter, Prepared, Robot,
-    Shortening, Solution, Stations, Twist, Vec3,
+    Actuation, Case, Linearization, ModelKind, Obstacle, Parameter, Prepared, Robot, Shortening,
+    Solution, Stations, Twist, Vec3,
 };
 
 use super::Tested;
+use crate::common::model_with_forces;
 use crate::contact::{among, finger, sphere, wall};
 
 for_every_model!(
@@ -30,12 +31,14 @@ impl Tested {
             Self::Disks => ModelKind::CosseratDisks,
             Self::Arcs => ModelKind::PiecewiseConstantCurvature,
             Self::RigidBodies => ModelKind::PseudoRigidBody,
+            Self::FourBar => ModelKind::FourBar,
         }
     }
 
     fn prepared(self, robot: &Robot, case: &Case) -> Prepared {
         let stations = Stations::At(vec![0.03, 0.095, 0.18]);
-        let model = Model::new(self.kind(), stations, Actuation::Natural).with_tolerance(1e-8);
+        let model =
+            model_with_forces(self.kind(), stations, Actuation::Natural).with_tolerance(1e-8);
         model.prepare(robot, &case.loads).unwrap()
     }
 

@@ -232,14 +232,8 @@ fn contacts_hold_it() {
 }
 
 #[test]
-fn loads_as_parameters_are_refused() {
+fn without_a_strain_energy_they_are_refused() {
     let robot = paper_robot(vec![straight(0.0)]);
-    let mut prepared = model().prepare(&robot, &Default::default()).unwrap();
-    let refused = prepared
-        .solve_with_derivatives(&case(&[0.004]), None, &[Parameter::TipForce { axis: 0 }])
-        .unwrap_err()
-        .to_string();
-    assert!(refused.contains("takes no loads"), "{refused}");
     let mut by_angles =
         Model::FourBar(Options::default()).prepare(&robot, &Default::default()).unwrap();
     let refused =

@@ -2,6 +2,7 @@
 
 mod at_a_place;
 mod derivatives;
+mod equilibrium;
 mod free_lengths;
 mod many_sections;
 mod one_cable;

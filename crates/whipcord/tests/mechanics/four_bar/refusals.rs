@@ -50,7 +50,7 @@ fn what_a_geometric_model_cannot_take_is_named() {
         "{text}"
     );
     let text = refused(&plain(), &Options { actuation: Actuation::Tension, ..options.clone() });
-    assert!(text.contains("give each cable's shortening, or use cosserat"), "{text}");
+    assert!(text.contains("give each cable's shortening, or take the objective"), "{text}");
     let strain = Options { objective: Objective::StrainEnergy, ..options.clone() };
     let text = refused(&plain(), &strain);
     assert!(text.contains("needs `backbone.poisson_ratio`"), "{text}");
@@ -102,7 +102,8 @@ fn loads_and_missing_commands_are_named() {
     assert_eq!(
         solve(&tension),
         "the four-bar model needs `shortening` of cable 1: \
-         it is driven by lengths: give each cable's shortening, or use cosserat"
+         without a strain energy it is driven by lengths: give each cable's shortening, \
+         or take the objective strain-energy with the length rule free, or use cosserat"
     );
     // A tension beside the shortening does no harm.
     assert!(

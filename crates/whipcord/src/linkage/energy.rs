@@ -1,0 +1,74 @@
+//! What the stiffness of a section resists.
+
+use whipcord_numerics::{Jet, Vec3, asin_ratio};
+
+use super::division::{Division, Energy};
+use super::layout::Section;
+use super::motion::{Coordinates, MOST};
+use super::swing::half_bend;
+
+/// Keeps the derivatives finite at a rotation by half a turn.
+const MOST_SINE: f64 = 1.0 - 1e-12;
+
+impl Section {
+    /// Gradient of the elastic energy by the coordinates in N·m.
+    pub fn elastic_moments(&self, division: &Division, q: &Coordinates) -> Coordinates {
+        match division.energy {
+            Energy::Coordinates => {
+                core::array::from_fn(|a| self.stiffness[a] * (q[a] - self.rest[a]))
+            }
+            Energy::RotationVector => {
+                let Vec3 { x, y, z } = self.energy_of_rotation(q).gradient;
+                [x, y, z, 0.0, 0.0, 0.0, 0.0]
+            }
+        }
+    }
+
+    /// Adds the second derivatives of the elastic energy in N·m.
+    pub fn add_elastic_stiffness(
+        &self,
+        division: &Division,
+        q: &Coordinates,
+        tangent: &mut [[f64; MOST]; MOST],
+    ) {
+        match division.energy {
+            Energy::Coordinates => {
+                for a in 0..division.coordinates() {
+                    tangent[a][a] += self.stiffness[a];
+                }
+            }
+            Energy::RotationVector => {
+                let h = self.energy_of_rotation(q).hessian;
+                let rows = [[h.xx, h.yx, h.zx], [h.yx, h.yy, h.zy], [h.zx, h.zy, h.zz]];
+                for (row, own) in tangent.iter_mut().zip(rows) {
+                    row.iter_mut().zip(own).for_each(|(x, own)| *x += own);
+                }
+            }
+        }
+    }
+
+    /// `½ Σ kᵢ (ωᵢ − ωᵢ*)²` with the rotation vector ω of the section, by `(ψ, b_x, b_y)`: eqs. (5) and (13) of the page on
+    /// four-bar sections.
+    fn energy_of_rotation(&self, q: &Coordinates) -> Jet {
+        let twist = Jet::linear(q[0], Vec3::X);
+        let (x, y) = (Jet::linear(q[1], Vec3::Y), Jet::linear(q[2], Vec3::Z));
+        let square = x * x + y * y;
+        let [cos_bend, sine_ratio] = half_bend(square.value).map(|f| square.compose(f));
+        let (sin, cos) = (0.5 * q[0]).sin_cos();
+        let sin_twist = twist.compose([sin, 0.5 * cos, -0.25 * sin]);
+        // The vector part of the section's quaternion.
+        let across = sine_ratio * 0.5;
+        let vector = [across * x, across * y, cos_bend * sin_twist];
+        let squared_sine = vector.into_iter().map(|v| v * v).fold(Jet::default(), |a, b| a + b);
+        let [a, da, dda] = asin_ratio(squared_sine.value.min(MOST_SINE));
+        let factor = squared_sine.compose([2.0 * a, 2.0 * da, 2.0 * dda]);
+        let [about_z, about_x, about_y, ..] = self.stiffness;
+        let stiffness = [about_x, about_y, about_z];
+        let mut energy = Jet::default();
+        for ((v, rest), k) in vector.into_iter().zip(self.rest_rotation.to_array()).zip(stiffness) {
+            let change = factor * v + Jet::linear(-rest, Vec3::ZERO);
+            energy = energy + change * change * (0.5 * k);
+        }
+        energy
+    }
+}
