@@ -401,7 +401,8 @@ class Case(Description):
         tension, shortening, actuation
             As for :meth:`solve`.
         model
-            Any model of an equilibrium under loads: not four-bar, nor constant-curvature.
+            Any model of an equilibrium under loads: not constant-curvature, and four-bar only with the objective
+            ``"strain-energy"`` and the length rule ``"free"``.
         timeout
             Seconds after which the search is ended; by default as long as it takes.
         """

@@ -41,7 +41,7 @@ pub(crate) fn branches(model: ModelKind) -> SolveError {
         model,
         path: "a request for branches".to_owned(),
         what: "it takes no loads, and its shapes are no equilibria under forces",
-        advice: "use cosserat, cosserat-disks, piecewise-constant-curvature or pseudo-rigid-body",
+        advice: "use cosserat, cosserat-disks, piecewise-constant-curvature or pseudo-rigid-body, or four-bar with the objective strain-energy and the length rule free",
     }
 }
 

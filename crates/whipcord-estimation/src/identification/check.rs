@@ -9,6 +9,7 @@ use whipcord::case::Actuation;
 use whipcord::kind::ModelKind;
 use whipcord::model::Model;
 use whipcord::robot::Robot;
+use whipcord::{constant_curvature, four_bar};
 
 pub(super) fn check(
     robot: &Robot,
@@ -178,12 +179,11 @@ fn driven_by_tension(experiment: &Experiment, cable: usize, model: &Model) -> Op
         Model::Cosserat(options) | Model::CosseratDisks(options) => {
             is_driven_by_tension(&experiment.case, cable, options.actuation)
         }
-        Model::FourBar(_) => is_driven_by_tension(&experiment.case, cable, Actuation::Shortening),
-        Model::ConstantCurvature(options) => {
-            let by_nature = options.actuation == Actuation::Natural;
+        Model::FourBar(four_bar::Options { actuation, .. })
+        | Model::ConstantCurvature(constant_curvature::Options { actuation, .. }) => {
+            let by_nature = *actuation == Actuation::Natural;
             let given = experiment.case.commands[cable].shortening.is_some();
-            let actuation =
-                if by_nature && given { Actuation::Shortening } else { options.actuation };
+            let actuation = if by_nature && given { Actuation::Shortening } else { *actuation };
             is_driven_by_tension(&experiment.case, cable, actuation)
         }
         Model::PiecewiseConstantCurvature(options) => {

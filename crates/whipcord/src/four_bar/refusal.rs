@@ -11,9 +11,9 @@ use crate::kind::ModelKind;
 use crate::refusal;
 use crate::robot::{Robot, Stiffness};
 
-const NO_FORCES: &str = "without a strain energy it takes no forces: take the objective strain-energy with the length rule free, or use cosserat";
-const NO_STIFFNESS: &str = "without a stiffness it takes no forces: give section and young_modulus, or stiffness, or leave it out";
-const GIVE_SHORTENING: &str = "without a strain energy it is driven by lengths: give each cable's shortening, or take the objective strain-energy with the length rule free, or use cosserat";
+const NO_FORCES: &str = "it takes no forces without a strain energy: take the objective strain-energy with the length rule free, or use cosserat";
+const NO_STIFFNESS: &str = "it takes no forces without a stiffness: give section and young_modulus, or stiffness, or leave it out";
+const GIVE_SHORTENING: &str = "it is driven by lengths without a strain energy: give each cable's shortening, or take the objective strain-energy with the length rule free, or use cosserat";
 
 pub(super) fn unsupported(
     path: impl Into<String>,

@@ -102,7 +102,7 @@ fn loads_and_missing_commands_are_named() {
     assert_eq!(
         solve(&tension),
         "the four-bar model needs `shortening` of cable 1: \
-         without a strain energy it is driven by lengths: give each cable's shortening, \
+         it is driven by lengths without a strain energy: give each cable's shortening, \
          or take the objective strain-energy with the length rule free, or use cosserat"
     );
     // A tension beside the shortening does no harm.
