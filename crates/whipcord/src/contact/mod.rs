@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `model` | the interface to a model |
 //! | `pushed_places` | the cross-sections that are pushed, and their compliance |
-//! | `rod`, `rod_response`, `refinement` | what both Cosserat rods have of it |
+//! | `rod`, `rod_response`, `refinement`, `dense_output` | what both Cosserat rods have of it |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
 //! | `friction` | stick and slip of a contact |
@@ -18,6 +18,7 @@
 
 mod body;
 mod complementarity;
+mod dense_output;
 mod free_path;
 mod friction;
 mod holding;
@@ -32,6 +33,7 @@ mod rod_response;
 mod scene;
 mod step;
 
+pub(crate) use dense_output::DenseOutput;
 pub(crate) use free_path::{Unobstructed, solve_free};
 pub(crate) use holding::Holding;
 pub(crate) use model::{is_same_shape, with_pushes};

@@ -43,10 +43,10 @@ pub(crate) trait PushedRod: Default {
     /// What is left of its equations.
     fn gap(&self) -> f64;
 
-    /// The frame of a station or place of a push, in the frame of the base.
+    /// The frame of a cross-section, in the frame of the base.
     fn pose(&self, arc_length: f64) -> Pose;
 
-    /// The frame of a cross-section where it was kept, between two nodes on the line that joins them.
+    /// The frame of a cross-section where it was kept.
     fn pose_before(kept: &Self::Kept, arc_length: f64) -> Pose;
 
     /// Linearises the equations where it stands, with these places of pushes.
@@ -106,7 +106,7 @@ pub(crate) struct RodAdapter<'a, R: PushedRod> {
     /// As the user wants the answer.
     options: &'a Options,
     watched: Vec<f64>,
-    /// Those, and where the user wants the shape.
+    /// Where steps end: at the disks, and where the user wants the shape.
     stations: Vec<f64>,
     initial_lengths: Vec<f64>,
     force_scale: f64,
@@ -127,7 +127,7 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
     ) -> Self {
         let length = robot.backbone().length;
         let watched = watched(robot);
-        let mut stations = watched.clone();
+        let mut stations = robot.disks().arc_lengths.clone();
         stations.extend(options.stations.arc_lengths(robot));
         stations.sort_by(f64::total_cmp);
         stations.dedup();

@@ -7,13 +7,13 @@
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Chain, Task};
-use super::loaded::{Target, Trajectory};
+use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
 use super::model::{Cosserat, Workspace};
 use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{PushedRod, Refinement, RodResponse};
+use crate::contact::{DenseOutput, PushedRod, Refinement, RodResponse};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StepGap};
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -27,6 +27,7 @@ use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::Failure;
 use crate::statics::outcome::Found;
+use crate::statics::runge_kutta::STAGES;
 use crate::statics::scales::Scales;
 use crate::stations::Stations;
 
@@ -40,8 +41,8 @@ pub(super) struct ContactResponse {
     chain: Chain,
     trajectory: Trajectory,
     workspace: Workspace,
-    /// Frames at the ends of all steps, in the frame of the base.
-    pub poses: Vec<Pose>,
+    /// Its frames.
+    shape: DenseOutput,
     /// What is left of its equations.
     pub gap: f64,
     linear: Option<RodResponse>,
@@ -54,7 +55,7 @@ pub(super) struct Kept {
     contact_grid: Option<ContactGrid>,
     state: State,
     trajectory: Trajectory,
-    poses: Vec<Pose>,
+    shape: DenseOutput,
 }
 
 /// Where its nodes are.
@@ -105,7 +106,7 @@ impl ContactResponse {
             commands,
             tensions,
             taut,
-            poses: &self.poses,
+            poses: &self.shape.poses,
             base_wrench: Wrench { force: base_force, ..starts[0] },
             starts: &known,
             strains: self.trajectory.strains(),
@@ -180,8 +181,9 @@ impl PushedRod for ContactResponse {
                 let rest = vec![0.0; commands.len()];
                 let unloaded = &mut scratch.unloaded;
                 unloaded.sweep(grid, &rest, false, false).map_err(|f| fault(&rest, f))?;
-                unloaded.integrate(grid, &mut self.poses);
-                self.chain.state = State { load: 1.0, ..State::unloaded(&self.poses, &rest) };
+                unloaded.integrate(grid, &mut self.shape.poses);
+                let poses = &self.shape.poses;
+                self.chain.state = State { load: 1.0, ..State::unloaded(poses, &rest) };
                 self.trajectory.seed(grid, &unloaded.strains);
             }
         }
@@ -209,7 +211,11 @@ impl PushedRod for ContactResponse {
         let looked = self.chain.shoot(&task, &mut self.trajectory);
         self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
         self.trajectory.measure(grid);
-        self.chain.poses(&mut self.poses);
+        self.shape.ends = grid.ends();
+        self.chain.poses(&mut self.shape.poses);
+        self.shape.strains.clear();
+        let strains = self.trajectory.strains().chunks_exact(STAGES);
+        self.shape.strains.extend(strains.map(|of_step| SAMPLED_STAGES.map(|i| of_step[i])));
         Ok(())
     }
 
@@ -219,7 +225,7 @@ impl PushedRod for ContactResponse {
     }
 
     fn pose_before(kept: &Kept, arc_length: f64) -> Pose {
-        kept.pose(arc_length)
+        kept.shape.pose(arc_length)
     }
 
     fn solve_free(
@@ -236,10 +242,8 @@ impl PushedRod for ContactResponse {
         self.contact_grid.as_ref().map_or(0, |contact_grid| contact_grid.grid.len())
     }
 
-    /// The frame of a station or place of a push.
     fn pose(&self, arc_length: f64) -> Pose {
-        let Some(contact_grid) = &self.contact_grid else { return Pose::IDENTITY };
-        self.poses[contact_grid.node(arc_length)]
+        self.shape.pose(arc_length)
     }
 
     /// Linearises the equations where it stands.
@@ -340,7 +344,7 @@ impl PushedRod for ContactResponse {
         kept.contact_grid.clone_from(&self.contact_grid);
         kept.state.clone_from(&self.chain.state);
         kept.trajectory.clone_from(&self.trajectory);
-        kept.poses.clone_from(&self.poses);
+        kept.shape.clone_from(&self.shape);
     }
 
     fn go_back(&mut self, kept: &Kept) {
@@ -348,7 +352,7 @@ impl PushedRod for ContactResponse {
         self.contact_grid.clone_from(&kept.contact_grid);
         self.chain.state.clone_from(&kept.state);
         self.trajectory.clone_from(&kept.trajectory);
-        self.poses.clone_from(&kept.poses);
+        self.shape.clone_from(&kept.shape);
     }
 
     /// Halves the steps if the answer is not yet known to the tolerance; `false` if it is, or if the steps
@@ -360,7 +364,7 @@ impl PushedRod for ContactResponse {
         };
         let ContactGrid { grid, pushes, model, .. } = contact_grid;
         let tolerance = tolerance * model.robot.backbone().length;
-        let answer = (grid, &self.poses[..], &self.trajectory.lengths[..]);
+        let answer = (grid, &self.shape.poses[..], &self.trajectory.lengths[..]);
         self.refinement.refine(tolerance, answer, pushes)
     }
 
@@ -368,7 +372,7 @@ impl PushedRod for ContactResponse {
     fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
         let Some(ContactGrid { model, grid, .. }) = &self.contact_grid else { return Ok(None) };
         let scratch = &mut self.workspace.scratch;
-        scratch.poses.clone_from(&self.poses);
+        scratch.poses.clone_from(&self.shape.poses);
         scratch.lengths.clone_from(&self.trajectory.lengths);
         scratch.tensions.clone_from(&self.chain.state.tensions);
         let base = self.chain.state.nodes[0];
@@ -376,22 +380,6 @@ impl PushedRod for ContactResponse {
             Wrench { force: scratch.applied.base_force() + base.force, moment: base.moment };
         let found = Found { iterations: 0, residual: self.gap, lost_at: None };
         model.solution(grid, case, &mut self.workspace, found, self.refinement.error).map(Some)
-    }
-}
-
-impl Kept {
-    /// The frame of a cross-section, between two nodes on the line that joins them.
-    pub fn pose(&self, arc_length: f64) -> Pose {
-        let Some(contact_grid) = &self.contact_grid else { return Pose::IDENTITY };
-        let arcs = contact_grid.grid.ends();
-        let after = arcs.partition_point(|&s| s < arc_length).clamp(1, arcs.len() - 1);
-        let (a, b) = (self.poses[after - 1], self.poses[after]);
-        let part = (arc_length - arcs[after - 1]) / (arcs[after] - arcs[after - 1]);
-        let turn = (a.rotation.conjugate() * b.rotation).log();
-        Pose {
-            position: a.position + (b.position - a.position) * part,
-            rotation: a.rotation * UnitQuaternion::exp(turn * part),
-        }
     }
 }
 

@@ -27,7 +27,7 @@ use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES, State, pack, unpack};
 use whipcord_numerics::weighted_sum;
 
 /// Stages at the start, in the middle and at the end of a step.
-const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
+pub(super) const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
 /// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] the samples sit at.
 pub(super) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
 

@@ -11,7 +11,7 @@ use super::model::{CosseratDisks, Workspace};
 use super::unloaded::From;
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{PushedRod, Refinement, RodResponse};
+use crate::contact::{DenseOutput, PushedRod, Refinement, RodResponse};
 use crate::derivatives::{
     Cables, Derivatives, Motion, NoDerivatives, NodeChange, Solved, StepGap, StraightCables,
 };
@@ -19,7 +19,7 @@ use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::section::{BodyWrench, Fault};
-use crate::shape::{Shape, Solution, Wrench};
+use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
@@ -35,8 +35,8 @@ pub(super) struct ContactResponse {
     contact_mesh: Option<ContactMesh>,
     chain: Chain,
     workspace: Workspace,
-    /// Frames at the ends of all steps, in the frame of the base.
-    poses: Vec<Pose>,
+    /// Its frames.
+    shape: DenseOutput,
     /// What is left of its equations.
     gap: f64,
     linear: Option<RodResponse>,
@@ -49,7 +49,7 @@ pub(super) struct Kept {
     contact_mesh: Option<ContactMesh>,
     nodes: Vec<Node>,
     tensions: Vec<f64>,
-    poses: Vec<Pose>,
+    shape: DenseOutput,
 }
 
 /// Where its steps end.
@@ -146,16 +146,21 @@ impl ContactResponse {
         self.chain.start_from(&contact_mesh.task(&self.workspace), &disks, base);
     }
 
-    /// Frames at the ends of all steps, from disk to disk.
+    /// Frames at the ends of all steps, from disk to disk, and the strains between them.
     fn place(&mut self, mesh: &Mesh) {
-        self.poses.clear();
-        self.poses.push(Pose::IDENTITY);
+        let DenseOutput { ends, poses, strains } = &mut self.shape;
+        *ends = mesh.grid.ends();
+        poses.clear();
+        poses.push(Pose::IDENTITY);
         let mut position = Vec3::ZERO;
         for (node, steps) in self.chain.nodes.iter().zip(&mesh.spans) {
             let disk = Pose { position, rotation: node.rotation };
-            self.poses.extend(self.chain.poses[steps.clone()].iter().map(|pose| disk * *pose));
-            position = self.poses[steps.end].position;
+            poses.extend(self.chain.poses[steps.clone()].iter().map(|pose| disk * *pose));
+            position = poses[steps.end].position;
         }
+        strains.clear();
+        let samples = self.chain.samples.chunks_exact(3);
+        strains.extend(samples.map(|of_step| [0, 1, 2].map(|i: usize| of_step[i].strain)));
     }
 
     fn fault(&self, contact_mesh: &ContactMesh, fault: Fault) -> SolveError {
@@ -235,7 +240,7 @@ impl ContactResponse {
             commands,
             tensions: &chain.tensions,
             taut,
-            poses: &self.poses,
+            poses: &self.shape.poses,
             base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
             starts: &chain.starts(mesh, loads),
             strains: &[],
@@ -329,14 +334,11 @@ impl PushedRod for ContactResponse {
     }
 
     fn pose(&self, arc_length: f64) -> Pose {
-        let Some(contact_mesh) = &self.contact_mesh else { return Pose::IDENTITY };
-        self.poses[contact_mesh.node(arc_length)]
+        self.shape.pose(arc_length)
     }
 
     fn pose_before(kept: &Kept, arc_length: f64) -> Pose {
-        let Some(contact_mesh) = &kept.contact_mesh else { return Pose::IDENTITY };
-        let shape = Shape { arc_length: contact_mesh.mesh.grid.ends(), poses: kept.poses.clone() };
-        shape.at(arc_length)
+        kept.shape.pose(arc_length)
     }
 
     fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError> {
@@ -415,14 +417,14 @@ impl PushedRod for ContactResponse {
         kept.contact_mesh.clone_from(&self.contact_mesh);
         kept.nodes.clone_from(&self.chain.nodes);
         kept.tensions.clone_from(&self.chain.tensions);
-        kept.poses.clone_from(&self.poses);
+        kept.shape.clone_from(&self.shape);
     }
 
     fn go_back(&mut self, kept: &Kept) {
         self.linear = None;
         self.contact_mesh.clone_from(&kept.contact_mesh);
         self.chain.nodes.clone_from(&kept.nodes);
-        self.poses.clone_from(&kept.poses);
+        self.shape.clone_from(&kept.shape);
         if let Some(contact_mesh) = &self.contact_mesh {
             self.chain.pull(&contact_mesh.groups, &kept.tensions);
         }
@@ -435,7 +437,7 @@ impl PushedRod for ContactResponse {
         };
         let ContactMesh { mesh, pushes, model, .. } = contact_mesh;
         let tolerance = tolerance * model.robot().backbone().length;
-        let answer = (&mesh.grid, &self.poses[..], &self.chain.lengths[..]);
+        let answer = (&mesh.grid, &self.shape.poses[..], &self.chain.lengths[..]);
         self.refinement.refine(tolerance, answer, pushes)
     }
 
@@ -445,7 +447,7 @@ impl PushedRod for ContactResponse {
         let force = self.workspace.loads().base_force() + base.force;
         let base_wrench = Wrench { force, moment: base.moment };
         let Chain { tensions, lengths, .. } = &self.chain;
-        self.workspace.adopt(&self.poses, tensions, lengths, base_wrench);
+        self.workspace.adopt(&self.shape.poses, tensions, lengths, base_wrench);
         let found = Found { iterations: 0, residual: self.gap, lost_at: None };
         let ContactMesh { model, mesh, .. } = contact_mesh;
         let cases = core::slice::from_ref(case);

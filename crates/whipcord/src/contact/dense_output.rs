@@ -1,0 +1,131 @@
+//! The frames of a rod between the ends of its integration steps.
+
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+
+use crate::section::Strain;
+
+/// A rod as its steps leave it: frames at their ends, and strains at start, middle and end of each.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct DenseOutput {
+    /// Arc lengths of the ends of all steps in m, one more than there are steps.
+    pub ends: Vec<f64>,
+    /// In the frame of the base.
+    pub poses: Vec<Pose>,
+    /// Of each step.
+    pub strains: Vec<[Strain; 3]>,
+}
+
+impl DenseOutput {
+    /// The frame of a cross-section: at the end of a step what integration has found, within it the polynomial of degree five
+    /// through position, tangent and its derivative at both ends, and of degree three for the rotation vector.
+    pub fn pose(&self, arc_length: f64) -> Pose {
+        let steps = self.strains.len();
+        let Some(&first) = self.poses.first().filter(|_| steps > 0) else {
+            return Pose::IDENTITY;
+        };
+        let after = self.ends.partition_point(|&end| end < arc_length);
+        if self.ends.get(after) == Some(&arc_length) {
+            return self.poses[after];
+        }
+        if after == 0 {
+            return first;
+        }
+        let k = (after - 1).min(steps - 1);
+        let (start, end) = (&self.poses[k], &self.poses[k + 1]);
+        let h = self.ends[k + 1] - self.ends[k];
+        let t = ((arc_length - self.ends[k]) / h).min(1.0);
+        within(start, end, &self.strains[k], h, t)
+    }
+}
+
+/// The frame at the fraction `t` of a step of length `h` with these strains at start, middle and end.
+fn within(start: &Pose, end: &Pose, strains: &[Strain; 3], h: f64, t: f64) -> Pose {
+    let [first, middle, last] = strains;
+    // `p′ = R v` and `p″ = R (u × v + v′)`, with v′ from the parabola through the three strains.
+    let slopes = [
+        (middle.linear * 4.0 - first.linear * 3.0 - last.linear) / h,
+        (first.linear - middle.linear * 4.0 + last.linear * 3.0) / h,
+    ];
+    let tangent = |pose: &Pose, strain: &Strain| pose.rotation.rotate(strain.linear) * h;
+    let bend = |pose: &Pose, strain: &Strain, slope: Vec3| {
+        pose.rotation.rotate(strain.angular.cross(strain.linear) + slope) * (h * h)
+    };
+    let (t2, u) = (t * t, 1.0 - t);
+    let (t3, u2) = (t2 * t, u * u);
+    let u3 = u2 * u;
+    let position = start.position * (u3 * (1.0 + 3.0 * t + 6.0 * t2))
+        + tangent(start, first) * (t * u3 * (1.0 + 3.0 * t))
+        + bend(start, first, slopes[0]) * (0.5 * t2 * u3)
+        + end.position * (t3 * (1.0 + 3.0 * u + 6.0 * u2))
+        - tangent(end, last) * (u * t3 * (1.0 + 3.0 * u))
+        + bend(end, last, slopes[1]) * (0.5 * u2 * t3);
+    let turn = (start.rotation.conjugate() * end.rotation).log();
+    // The rate of the rotation vector at the end: the inverse of the right Jacobian.
+    let across = turn.cross(last.angular);
+    let rates =
+        [first.angular * h, (last.angular + across * 0.5 + turn.cross(across) * (1.0 / 12.0)) * h];
+    let vector = rates[0] * (t * u2) + turn * (t2 * (3.0 - 2.0 * t)) - rates[1] * (t2 * u);
+    let rotation = (start.rotation * UnitQuaternion::exp(vector)).renormalized();
+    Pose { position, rotation }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whipcord_numerics::{Twist, magnus_6};
+
+    /// A rod whose strains vary along it, in so many steps.
+    fn rod(steps: usize) -> DenseOutput {
+        let strain = |s: f64| Strain {
+            linear: Vec3::new(0.01 * s, -0.02 * (1.0 - s), 1.0 - 0.03 * s * s),
+            angular: Vec3::new(0.7 * (2.0 * s).cos(), 1.1 - s, 0.4 * s * s),
+        };
+        let h = 1.0 / steps as f64;
+        let mut dense =
+            DenseOutput { ends: vec![0.0], poses: vec![Pose::IDENTITY], ..Default::default() };
+        for k in 0..steps {
+            let start = k as f64 * h;
+            let mut pose = dense.poses[k];
+            let fine = h / 16.0;
+            for j in 0..16 {
+                let from = start + j as f64 * fine;
+                let nodes = whipcord_numerics::GAUSS_3.nodes.map(|node| {
+                    let Strain { linear, angular } = strain(from + node * fine);
+                    Twist { linear: linear * fine, angular: angular * fine }
+                });
+                pose = pose * magnus_6(&nodes);
+            }
+            dense.poses.push(pose);
+            dense.ends.push(start + h);
+            dense.strains.push([0.0, 0.5, 1.0].map(|t| strain(start + t * h)));
+        }
+        dense
+    }
+
+    #[test]
+    fn it_is_exact_to_the_sixth_order() {
+        let exact = rod(240);
+        let off = |steps: usize| {
+            let dense = rod(steps);
+            let apart = |&s: &f64| {
+                let (a, b) = (dense.pose(s), exact.pose(s));
+                let turn = (a.rotation.conjugate() * b.rotation).log().norm();
+                [(a.position - b.position).norm(), turn]
+            };
+            let places = exact.ends.iter().map(apart);
+            places.fold([0.0, 0.0], |worst, [p, r]| [f64::max(worst[0], p), f64::max(worst[1], r)])
+        };
+        let (coarse, fine) = (off(6), off(12));
+        assert!(fine[0] < 2e-8 && fine[1] < 1e-5, "{fine:?}");
+        // v′ is known to the second order, and the rotation vector to the fourth.
+        assert!(coarse[0] / fine[0] > 12.0 && coarse[1] / fine[1] > 12.0, "{coarse:?} {fine:?}");
+    }
+
+    #[test]
+    fn ends_of_steps_are_themselves() {
+        let dense = rod(5);
+        for (&end, pose) in dense.ends.iter().zip(&dense.poses) {
+            assert_eq!(dense.pose(end), *pose);
+        }
+    }
+}
