@@ -19,54 +19,93 @@ impl DenseOutput {
     /// The frame of a cross-section: at the end of a step what integration has found, within it the polynomial of degree five
     /// through position, tangent and its derivative at both ends, and of degree three for the rotation vector.
     pub fn pose(&self, arc_length: f64) -> Pose {
-        let steps = self.strains.len();
-        let Some(&first) = self.poses.first().filter(|_| steps > 0) else {
-            return Pose::IDENTITY;
-        };
+        match self.find(arc_length) {
+            Place::End(k) => self.poses.get(k).copied().unwrap_or_default(),
+            Place::Within(inside) => {
+                Pose { position: inside.position(), rotation: inside.rotation() }
+            }
+        }
+    }
+
+    /// The centre of a cross-section.
+    pub fn centre(&self, arc_length: f64) -> Vec3 {
+        match self.find(arc_length) {
+            Place::End(k) => self.poses.get(k).map_or(Vec3::ZERO, |pose| pose.position),
+            Place::Within(inside) => inside.position(),
+        }
+    }
+
+    fn find(&self, arc_length: f64) -> Place<'_> {
         let after = self.ends.partition_point(|&end| end < arc_length);
-        if self.ends.get(after) == Some(&arc_length) {
-            return self.poses[after];
+        if after == 0 || self.ends.get(after) == Some(&arc_length) {
+            return Place::End(after);
         }
-        if after == 0 {
-            return first;
+        let k = after - 1;
+        match (self.strains.get(k), self.poses.get(k..k + 2)) {
+            (Some(strains), Some([start, end])) => {
+                let length = self.ends[k + 1] - self.ends[k];
+                let part = (arc_length - self.ends[k]) / length;
+                Place::Within(Inside { start, end, strains, length, part })
+            }
+            // Beyond the tip.
+            _ => Place::End(self.poses.len().saturating_sub(1)),
         }
-        let k = (after - 1).min(steps - 1);
-        let (start, end) = (&self.poses[k], &self.poses[k + 1]);
-        let h = self.ends[k + 1] - self.ends[k];
-        let t = ((arc_length - self.ends[k]) / h).min(1.0);
-        within(start, end, &self.strains[k], h, t)
     }
 }
 
-/// The frame at the fraction `t` of a step of length `h` with these strains at start, middle and end.
-fn within(start: &Pose, end: &Pose, strains: &[Strain; 3], h: f64, t: f64) -> Pose {
-    let [first, middle, last] = strains;
-    // `p′ = R v` and `p″ = R (u × v + v′)`, with v′ from the parabola through the three strains.
-    let slopes = [
-        (middle.linear * 4.0 - first.linear * 3.0 - last.linear) / h,
-        (first.linear - middle.linear * 4.0 + last.linear * 3.0) / h,
-    ];
-    let tangent = |pose: &Pose, strain: &Strain| pose.rotation.rotate(strain.linear) * h;
-    let bend = |pose: &Pose, strain: &Strain, slope: Vec3| {
-        pose.rotation.rotate(strain.angular.cross(strain.linear) + slope) * (h * h)
-    };
-    let (t2, u) = (t * t, 1.0 - t);
-    let (t3, u2) = (t2 * t, u * u);
-    let u3 = u2 * u;
-    let position = start.position * (u3 * (1.0 + 3.0 * t + 6.0 * t2))
-        + tangent(start, first) * (t * u3 * (1.0 + 3.0 * t))
-        + bend(start, first, slopes[0]) * (0.5 * t2 * u3)
-        + end.position * (t3 * (1.0 + 3.0 * u + 6.0 * u2))
-        - tangent(end, last) * (u * t3 * (1.0 + 3.0 * u))
-        + bend(end, last, slopes[1]) * (0.5 * u2 * t3);
-    let turn = (start.rotation.conjugate() * end.rotation).log();
-    // The rate of the rotation vector at the end: the inverse of the right Jacobian.
-    let across = turn.cross(last.angular);
-    let rates =
-        [first.angular * h, (last.angular + across * 0.5 + turn.cross(across) * (1.0 / 12.0)) * h];
-    let vector = rates[0] * (t * u2) + turn * (t2 * (3.0 - 2.0 * t)) - rates[1] * (t2 * u);
-    let rotation = (start.rotation * UnitQuaternion::exp(vector)).renormalized();
-    Pose { position, rotation }
+/// Where a cross-section is.
+enum Place<'a> {
+    /// At the end of a step.
+    End(usize),
+    Within(Inside<'a>),
+}
+
+/// A cross-section within a step, at a part of its length in m.
+struct Inside<'a> {
+    start: &'a Pose,
+    end: &'a Pose,
+    strains: &'a [Strain; 3],
+    length: f64,
+    part: f64,
+}
+
+impl Inside<'_> {
+    fn position(&self) -> Vec3 {
+        let Self { start, end, strains: [first, middle, last], length: h, part: t } = *self;
+        // `p′ = R v` and `p″ = R (u × v + v′)`, with v′ from the parabola through the three strains.
+        let slopes = [
+            (middle.linear * 4.0 - first.linear * 3.0 - last.linear) * (1.0 / h),
+            (first.linear - middle.linear * 4.0 + last.linear * 3.0) * (1.0 / h),
+        ];
+        let (t2, u) = (t * t, 1.0 - t);
+        let (t3, u2) = (t2 * t, u * u);
+        let u3 = u2 * u;
+        // What is seen from the frame at an end.
+        let seen = |strain: &Strain, slope: Vec3, tangent: f64, bend: f64| {
+            strain.linear * (tangent * h)
+                + (strain.angular.cross(strain.linear) + slope) * (bend * h * h)
+        };
+        let from = seen(first, slopes[0], t * u3 * (1.0 + 3.0 * t), 0.5 * t2 * u3);
+        let to = seen(last, slopes[1], -u * t3 * (1.0 + 3.0 * u), 0.5 * u2 * t3);
+        start.position * (u3 * (1.0 + 3.0 * t + 6.0 * t2))
+            + start.rotation.rotate(from)
+            + end.position * (t3 * (1.0 + 3.0 * u + 6.0 * u2))
+            + end.rotation.rotate(to)
+    }
+
+    fn rotation(&self) -> UnitQuaternion {
+        let Self { start, end, strains: [first, _, last], length: h, part: t } = *self;
+        let turn = (start.rotation.conjugate() * end.rotation).log();
+        // The rate of the rotation vector at the end: the inverse of the right Jacobian.
+        let across = turn.cross(last.angular);
+        let rates = [
+            first.angular * h,
+            (last.angular + across * 0.5 + turn.cross(across) * (1.0 / 12.0)) * h,
+        ];
+        let (t2, u) = (t * t, 1.0 - t);
+        let vector = rates[0] * (t * u * u) + turn * (t2 * (3.0 - 2.0 * t)) - rates[1] * (t2 * u);
+        (start.rotation * UnitQuaternion::exp(vector)).renormalized()
+    }
 }
 
 #[cfg(test)]

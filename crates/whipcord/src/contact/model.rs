@@ -63,6 +63,11 @@ pub(crate) trait Compliant {
     /// Pose of a cross-section that is watched, or pushed when the model last looked.
     fn pose(&self, arc_length: f64) -> Pose;
 
+    /// Centre of the watched place of this number.
+    fn centre(&self, place: usize) -> Vec3 {
+        self.pose(self.watched()[place]).position
+    }
+
     /// How each pushed cross-section moves with each component of each push, into `compliance` by
     /// rows: the velocity of its centre and its angular velocity by force and moment. Into `drift`, how it
     /// moves to equilibrium while the pushes stay as they are.

@@ -5,7 +5,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::body::{Body, Nearest, wrench_of};
 use super::friction::Grip;
 use super::model::{Compliant, Push};
-use super::scene::Scene;
+use super::scene::{DistanceBound, Scene};
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
 use crate::shape::{Contact, Part, Solution, Wrench};
@@ -178,17 +178,31 @@ impl Pairs {
         within: f64,
     ) -> bool {
         let watched = model.watched();
-        let gap =
-            |i: usize| obstacle.surface(model.pose(watched[i]).position).distance - self.radii[i];
         let mut added = Vec::new();
         let last = watched.len() - 1;
-        let mut gaps = [f64::INFINITY, f64::INFINITY, gap(1)];
+        let mut distance = DistanceBound::new(obstacle);
+        // The gap at the place before, where it is known.
+        let mut known_before = None;
         for i in 1..=last {
-            gaps = [gaps[1], gaps[2], if i < last { gap(i + 1) } else { f64::INFINITY }];
-            let [before, here, after] = gaps;
-            if here > within || here > before || here >= after {
+            let centre = model.centre(i);
+            if distance.least(centre) - self.radii[i] > within {
+                known_before = None;
                 continue;
             }
+            let here = distance.measure(centre) - self.radii[i];
+            let before_here = known_before.replace(here);
+            if here > within {
+                continue;
+            }
+            let gap = |i: usize| obstacle.surface(model.centre(i)).distance - self.radii[i];
+            // The base is clamped and does not count.
+            let before =
+                if i == 1 { f64::INFINITY } else { before_here.unwrap_or_else(|| gap(i - 1)) };
+            let after = if i < last { gap(i + 1) } else { f64::INFINITY };
+            if here > before || here >= after {
+                continue;
+            }
+            let gaps = [before, here, after];
             // At a corner the gap may be least without being flat there.
             let is_smooth = i < last && before.is_finite() && model.corner(i).is_none();
             let (arc_length, least) = if is_smooth {
@@ -355,8 +369,8 @@ impl Pairs {
                     note(k, member.part, member.arc_length, nearest.gap);
                 }
             }
-            for (&s, radius) in model.watched().iter().zip(&self.radii).skip(1) {
-                let surface = obstacle.surface(model.pose(s).position);
+            for (i, (&s, radius)) in model.watched().iter().zip(&self.radii).enumerate().skip(1) {
+                let surface = obstacle.surface(model.centre(i));
                 note(k, Part::Backbone, s, surface.distance - radius);
             }
         }

@@ -6,7 +6,7 @@ use super::holding::Holding;
 use super::homotopy::Homotopy;
 use super::model::{Compliant, Push};
 use super::pairs::{OVERLAP, Pair, Pairs};
-use super::scene::{Scene, is_pipe};
+use super::scene::{DistanceBound, Scene, is_pipe};
 use super::step::{NoStep, Scratch, turned};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
@@ -146,9 +146,9 @@ pub(crate) fn solve_holding(
     }
     gone?;
     while tracker.model.refine()? {
-        let watched = tracker.model.watched().to_vec();
-        let here: Vec<Vec3> = watched.iter().map(|&s| tracker.model.pose(s).position).collect();
-        if let Err(stop) = tracker.touch(&at(1.0), &watched, &here) {
+        let here: Vec<Vec3> =
+            (0..tracker.model.watched().len()).map(|k| tracker.model.centre(k)).collect();
+        if let Err(stop) = tracker.touch(&at(1.0), &here) {
             return Err(tracker.obstructed(1.0, Some(stop)));
         }
     }
@@ -241,7 +241,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         drawn_back: impl Fn(f64) -> f64,
     ) -> Result<(), SolveError> {
         let (mut way, mut step) = (0.0, 1.0_f64);
-        let watched = self.model.watched().to_vec();
+        let watched = self.model.watched().len();
         let mut before: Vec<Vec3> = Vec::new();
         loop {
             self.model.keep();
@@ -255,8 +255,8 @@ impl<M: Compliant> PathTracker<'_, M> {
                 self.pairs.begin_step(self.model, &self.scene);
             }
             // Where they were, as the base sees it from where it will be.
-            before.extend(watched.iter().map(|&s| self.scene.carried(self.model.pose(s)).position));
-            let stop = match self.touch(&at(next), &watched, &before) {
+            before.extend((0..watched).map(|k| self.scene.carried_point(self.model.centre(k))));
+            let stop = match self.touch(&at(next), &before) {
                 Ok(None) => {
                     way = next;
                     if way == 1.0 {
@@ -270,6 +270,10 @@ impl<M: Compliant> PathTracker<'_, M> {
                     step *= 2.0;
                     if self.is_touching() {
                         step = step.min(LONGEST_STEP);
+                    }
+                    // What would be left for a short last step is taken along.
+                    if way + 1.5 * step >= 1.0 {
+                        step = 1.0 - way;
                     }
                     continue;
                 }
@@ -319,12 +323,7 @@ impl<M: Compliant> PathTracker<'_, M> {
 
     /// The equilibrium under a case with the obstacles. `Some(part)` where the robot would move too far at
     /// once: a shorter step, by this part, is in order.
-    fn touch(
-        &mut self,
-        case: &Case,
-        watched: &[f64],
-        before: &[Vec3],
-    ) -> Result<Option<f64>, Stop> {
+    fn touch(&mut self, case: &Case, before: &[Vec3]) -> Result<Option<f64>, Stop> {
         let (mut least, mut since) = (f64::INFINITY, 0);
         let mut looked = false;
         for _ in 0..STEPS {
@@ -333,7 +332,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.model.consider(case, &self.pushes).map_err(Stop::Model)?;
             self.iterations += 1;
             self.charge()?;
-            if let Some(part) = self.too_far(watched, before) {
+            if let Some(part) = self.too_far(before) {
                 return Ok(Some(part));
             }
             self.pairs.refresh(self.model, &self.scene);
@@ -446,20 +445,26 @@ impl<M: Compliant> PathTracker<'_, M> {
 
     /// By which part the step was too long, if any cross-section could have passed through an obstacle or a
     /// side of one. It has not where the free balls around its centre before and after cover the way, eq. (7).
-    fn too_far(&self, watched: &[f64], before: &[Vec3]) -> Option<f64> {
+    fn too_far(&self, before: &[Vec3]) -> Option<f64> {
         let least = LEAST_REACH * self.length;
         let room = |distance: f64| if distance > -least { distance.max(least) } else { 0.0 };
         let mut part = f64::INFINITY;
-        for (&s, old) in watched.iter().zip(before).skip(1) {
-            let new = self.model.pose(s).position;
-            let way = (new - *old).norm();
-            if way <= least {
-                continue;
+        for (k, old) in before.iter().enumerate().skip(1) {
+            let way = (self.model.centre(k) - *old).norm();
+            if way > least {
+                part = part.min(STRIDE * self.length / way);
             }
-            part = part.min(STRIDE * self.length / way);
-            for (_, obstacle) in self.scene.iter().filter(|(_, o)| !is_pipe(o)) {
-                let [before, after] =
-                    [*old, new].map(|point| room(obstacle.surface(point).distance));
+        }
+        for (_, obstacle) in self.scene.iter().filter(|(_, o)| !is_pipe(o)) {
+            let mut distances = [DistanceBound::new(obstacle); 2];
+            for (k, old) in before.iter().enumerate().skip(1) {
+                let points = [*old, self.model.centre(k)];
+                let way = (points[1] - points[0]).norm();
+                let bound = |i: usize| distances[i].least(points[i]);
+                if way <= least || bound(0).min(bound(1)) > 0.5 * way {
+                    continue;
+                }
+                let [before, after] = [0, 1].map(|i| room(distances[i].measure(points[i])));
                 if before + after < way || after == 0.0 {
                     part = part.min((before + after) / way);
                 }

@@ -22,6 +22,15 @@ pub(crate) struct Refinement {
 }
 
 impl Refinement {
+    /// Takes the answer if this is its estimated error in m and meets a tolerance.
+    pub fn accept(&mut self, error: Option<f64>, tolerance: f64) -> bool {
+        let is_met = error.is_some_and(|error| error <= tolerance);
+        if is_met {
+            self.error = error;
+        }
+        is_met
+    }
+
     /// Halves the steps if the answer, with frames at the ends of the steps of this grid, lengths of the cables and places of contact
     /// in m, is not yet known to a tolerance in m; `false` if it is.
     pub fn refine(

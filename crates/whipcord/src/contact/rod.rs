@@ -1,7 +1,8 @@
 //! Cosserat rods among obstacles: what [`Compliant`] asks, of a rod that takes one step of Newton's method at a time.
 
-use whipcord_numerics::{Pose, equally_spaced};
+use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
+use super::dense_output::DenseOutput;
 use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use crate::cancel::Cancel;
@@ -43,8 +44,8 @@ pub(crate) trait PushedRod: Default {
     /// What is left of its equations.
     fn gap(&self) -> f64;
 
-    /// The frame of a cross-section, in the frame of the base.
-    fn pose(&self, arc_length: f64) -> Pose;
+    /// Its frames, in the frame of the base.
+    fn shape(&self) -> &DenseOutput;
 
     /// The frame of a cross-section where it was kept.
     fn pose_before(kept: &Self::Kept, arc_length: f64) -> Pose;
@@ -84,9 +85,9 @@ pub(crate) trait PushedRod: Default {
     /// Goes back to where it was kept.
     fn go_back(&mut self, kept: &Self::Kept);
 
-    /// Halves the steps if the answer is not yet known to the tolerance; `false` if it is, or if the steps
+    /// Halves the steps if the answer to a case is not yet known to the tolerance; `false` if it is, or if the steps
     /// are given.
-    fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError>;
+    fn refine(&mut self, case: &Case, accuracy: Accuracy) -> Result<bool, SolveError>;
 
     /// The answer where it stands.
     fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError>;
@@ -114,6 +115,8 @@ pub(crate) struct RodAdapter<'a, R: PushedRod> {
     case: Case,
     warm: Option<Solution>,
     found: R,
+    /// Of the watched places.
+    centres: Vec<Vec3>,
     kept: R::Kept,
 }
 
@@ -127,6 +130,7 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
     ) -> Self {
         let length = robot.backbone().length;
         let watched = watched(robot);
+        let count = watched.len();
         let mut stations = robot.disks().arc_lengths.clone();
         stations.extend(options.stations.arc_lengths(robot));
         stations.sort_by(f64::total_cmp);
@@ -141,12 +145,20 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
             case: Case::default(),
             warm: None,
             found: R::default(),
+            centres: vec![Vec3::ZERO; count],
             kept: R::Kept::default(),
         }
     }
 }
 
 impl<R: PushedRod> RodAdapter<'_, R> {
+    /// Notes where the watched places are.
+    fn see(&mut self) {
+        let shape = self.found.shape();
+        self.centres.clear();
+        self.centres.extend(self.watched.iter().map(|&s| shape.centre(s)));
+    }
+
     /// The derivatives of the answer that it stands at, with the contacts that hold it.
     pub fn differentiate(
         &self,
@@ -209,7 +221,7 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {
-        self.found.refine(self.options.accuracy)
+        self.found.refine(&self.case, self.options.accuracy)
     }
 
     fn reset(&mut self) {
@@ -226,11 +238,17 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
         let places: Vec<f64> = pushes.iter().map(|push| push.arc_length).collect();
         let warm = self.warm.take();
         let at = (&self.stations[..], &places[..]);
-        self.found.look(self.robot, self.options, &self.case, at, warm.as_ref())
+        self.found.look(self.robot, self.options, &self.case, at, warm.as_ref())?;
+        self.see();
+        Ok(())
     }
 
     fn pose(&self, arc_length: f64) -> Pose {
-        self.found.pose(arc_length)
+        self.found.shape().pose(arc_length)
+    }
+
+    fn centre(&self, place: usize) -> Vec3 {
+        self.centres[place]
     }
 
     fn unsettled(&self) -> f64 {
@@ -269,6 +287,7 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
 
     fn go_back(&mut self) {
         self.found.go_back(&self.kept);
+        self.see();
     }
 
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {

@@ -47,8 +47,12 @@ impl Scene {
 
     /// A pose of when the step began, carried along with the obstacles since.
     pub fn carried(&self, pose: Pose) -> Pose {
-        let by = Vec3::Z * (self.drawn_back - self.began_at);
-        Pose { position: pose.position + by, ..pose }
+        Pose { position: self.carried_point(pose.position), ..pose }
+    }
+
+    /// A point likewise.
+    pub fn carried_point(&self, point: Vec3) -> Vec3 {
+        point + Vec3::Z * (self.drawn_back - self.began_at)
     }
 
     /// Leaves out all obstacles that the robot is not inserted into, or takes them in again.
@@ -75,6 +79,32 @@ impl Scene {
     pub fn iter(&self) -> impl Iterator<Item = (usize, &Obstacle)> {
         let counts = |obstacle: &Obstacle| !self.only_pipes || is_pipe(obstacle);
         self.obstacles.iter().enumerate().filter(move |(_, obstacle)| counts(obstacle))
+    }
+}
+
+/// What is known of the distance of an obstacle from a point that moves: it changes by no more than the point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DistanceBound<'a> {
+    obstacle: &'a Obstacle,
+    at: Vec3,
+    distance: f64,
+}
+
+impl<'a> DistanceBound<'a> {
+    /// Of an obstacle of which nothing is known.
+    pub fn new(obstacle: &'a Obstacle) -> Self {
+        Self { obstacle, at: Vec3::ZERO, distance: f64::NEG_INFINITY }
+    }
+
+    /// No less than this is the distance of a point.
+    pub fn least(&self, point: Vec3) -> f64 {
+        self.distance - (point - self.at).norm()
+    }
+
+    /// The distance of a point, from which others are bounded.
+    pub fn measure(&mut self, point: Vec3) -> f64 {
+        (self.at, self.distance) = (point, self.obstacle.surface(point).distance);
+        self.distance
     }
 }
 

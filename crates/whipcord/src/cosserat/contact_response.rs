@@ -27,6 +27,7 @@ use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::Failure;
 use crate::statics::outcome::Found;
+use crate::statics::refinement::Coarse;
 use crate::statics::runge_kutta::STAGES;
 use crate::statics::scales::Scales;
 use crate::stations::Stations;
@@ -63,12 +64,42 @@ pub(super) struct Kept {
 struct ContactGrid {
     model: Cosserat,
     grid: Grid,
+    /// How many steps there are at least, and how often each is halved.
+    steps: usize,
     halvings: usize,
     stations: Vec<f64>,
     pushes: Vec<f64>,
 }
 
 impl ContactResponse {
+    /// How much the answer to a case would change in m if each of its steps were halved, estimated from one shot in such steps
+    /// from the base: where that ends elsewhere, and what the rod gives way by under the wrench that it leaves at the tip.
+    fn change_on_halved_steps(&self, contact_grid: &ContactGrid, case: &Case) -> Option<f64> {
+        let ContactGrid { model, grid, steps, halvings, .. } = contact_grid;
+        let fine = Grid::refined(&model.robot, &model.layout, *steps, halvings + 1).ok()?;
+        let mut loads = AppliedLoads::default();
+        loads.gather(&fine, &case.loads, case.base.rotation);
+        let base = self.chain.state.nodes.first()?;
+        let target = Target {
+            tensions: &self.chain.state.tensions,
+            base_moment: base.moment,
+            follower_force: base.force,
+            load: 1.0,
+            sample: false,
+        };
+        let mut shot = Trajectory::default();
+        shot.steps_left = usize::MAX;
+        shot.shoot(&fine, &loads, &target).ok()?;
+        shot.measure(&fine);
+        let mut coarse = Coarse::default();
+        coarse.keep(grid, &self.shape.poses, &self.trajectory.lengths);
+        let length = model.robot.backbone().length;
+        let scales = Scales::of(grid, length);
+        let Wrench { force, moment } = shot.excess;
+        let gives_way = moment.norm() / scales.moment + force.norm() / scales.force;
+        Some(coarse.change(&fine, &shot.poses, &shot.lengths) + length * gives_way)
+    }
+
     /// Which cables are taut, in the order of the grid.
     fn taut(&self, contact_grid: &ContactGrid) -> Vec<bool> {
         let tensions = &self.chain.state.tensions;
@@ -242,8 +273,8 @@ impl PushedRod for ContactResponse {
         self.contact_grid.as_ref().map_or(0, |contact_grid| contact_grid.grid.len())
     }
 
-    fn pose(&self, arc_length: f64) -> Pose {
-        self.shape.pose(arc_length)
+    fn shape(&self) -> &DenseOutput {
+        &self.shape
     }
 
     /// Linearises the equations where it stands.
@@ -357,13 +388,16 @@ impl PushedRod for ContactResponse {
 
     /// Halves the steps if the answer is not yet known to the tolerance; `false` if it is, or if the steps
     /// are given.
-    fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError> {
+    fn refine(&mut self, case: &Case, accuracy: Accuracy) -> Result<bool, SolveError> {
         let (Accuracy::Tolerance(tolerance), Some(contact_grid)) = (accuracy, &self.contact_grid)
         else {
             return Ok(false);
         };
         let ContactGrid { grid, pushes, model, .. } = contact_grid;
         let tolerance = tolerance * model.robot.backbone().length;
+        if self.refinement.accept(self.change_on_halved_steps(contact_grid, case), tolerance) {
+            return Ok(false);
+        }
         let answer = (grid, &self.shape.poses[..], &self.trajectory.lengths[..]);
         self.refinement.refine(tolerance, answer, pushes)
     }
@@ -411,7 +445,14 @@ impl ContactGrid {
             0 => model.grid.clone(),
             _ => Grid::refined(robot, &model.layout, steps, halvings)?,
         };
-        Ok(Self { model, grid, halvings, stations: stations.to_vec(), pushes: pushes.to_vec() })
+        Ok(Self {
+            model,
+            grid,
+            steps,
+            halvings,
+            stations: stations.to_vec(),
+            pushes: pushes.to_vec(),
+        })
     }
 
     /// The node of a station or a push.

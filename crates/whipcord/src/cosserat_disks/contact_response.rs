@@ -24,6 +24,7 @@ use crate::statics::command::Command;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::path::Step;
+use crate::statics::refinement::Coarse;
 use crate::stations::Stations;
 
 /// No disk turns by more in one step, in rad.
@@ -57,6 +58,8 @@ pub(super) struct Kept {
 struct ContactMesh {
     model: CosseratDisks,
     mesh: Mesh,
+    /// How many steps there are at least, and how often each is halved.
+    steps: usize,
     halvings: usize,
     stations: Vec<f64>,
     pushes: Vec<f64>,
@@ -92,7 +95,7 @@ impl ContactMesh {
         let passages = model.frame().spans.iter().flat_map(|span| &span.passages);
         let groups = passages.map(|passage| passage.cable).collect();
         let (stations, pushes) = (stations.to_vec(), pushes.to_vec());
-        Ok(Self { model, mesh, halvings, stations, pushes, groups })
+        Ok(Self { model, mesh, steps, halvings, stations, pushes, groups })
     }
 
     /// The node of a station or a push.
@@ -161,6 +164,28 @@ impl ContactResponse {
         strains.clear();
         let samples = self.chain.samples.chunks_exact(3);
         strains.extend(samples.map(|of_step| [0, 1, 2].map(|i: usize| of_step[i].strain)));
+    }
+
+    /// How much the answer to a case would change in m if each of its steps were halved, estimated from where its spans end in such
+    /// steps, and the gaps that they leave.
+    fn change_on_halved_steps(&self, contact_mesh: &ContactMesh, case: &Case) -> Option<f64> {
+        let ContactMesh { model, mesh, steps, halvings, groups, .. } = contact_mesh;
+        let fine = ContactMesh {
+            mesh: model.frame().mesh(*steps, halvings + 1).ok()?,
+            ..contact_mesh.clone()
+        };
+        let mut other = Self::default();
+        other.workspace.meter_mut().start(&model.options().cancel, Budget::UNLIMITED);
+        model.accept(case, &fine.mesh, &mut other.workspace).ok()?;
+        other.chain.nodes.clone_from(&self.chain.nodes);
+        other.chain.pull(groups, &self.chain.tensions);
+        let gap = other.chain.measure(&fine.task(&other.workspace)).ok()?;
+        other.place(&fine.mesh);
+        let mut coarse = Coarse::default();
+        coarse.keep(&mesh.grid, &self.shape.poses, &self.chain.lengths);
+        let moved = coarse.change(&fine.mesh.grid, &other.shape.poses, &other.chain.lengths);
+        let spans = mesh.spans.len() as f64;
+        Some(moved + spans * gap * model.robot().backbone().length)
     }
 
     fn fault(&self, contact_mesh: &ContactMesh, fault: Fault) -> SolveError {
@@ -333,8 +358,8 @@ impl PushedRod for ContactResponse {
         self.gap
     }
 
-    fn pose(&self, arc_length: f64) -> Pose {
-        self.shape.pose(arc_length)
+    fn shape(&self) -> &DenseOutput {
+        &self.shape
     }
 
     fn pose_before(kept: &Kept, arc_length: f64) -> Pose {
@@ -430,13 +455,16 @@ impl PushedRod for ContactResponse {
         }
     }
 
-    fn refine(&mut self, accuracy: Accuracy) -> Result<bool, SolveError> {
+    fn refine(&mut self, case: &Case, accuracy: Accuracy) -> Result<bool, SolveError> {
         let (Accuracy::Tolerance(tolerance), Some(contact_mesh)) = (accuracy, &self.contact_mesh)
         else {
             return Ok(false);
         };
         let ContactMesh { mesh, pushes, model, .. } = contact_mesh;
         let tolerance = tolerance * model.robot().backbone().length;
+        if self.refinement.accept(self.change_on_halved_steps(contact_mesh, case), tolerance) {
+            return Ok(false);
+        }
         let answer = (&mesh.grid, &self.shape.poses[..], &self.chain.lengths[..]);
         self.refinement.refine(tolerance, answer, pushes)
     }
