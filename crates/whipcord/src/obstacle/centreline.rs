@@ -231,7 +231,9 @@ impl Centreline {
         if nearest == last && growth(high).0 <= 0.0 {
             return end(last, self.tangents[last]);
         }
-        let mut u = self.at[nearest];
+        // The parameter is a length, nearly: what the point is ahead of the sample along the tangent is a start.
+        let ahead = (point - self.samples[nearest]).dot(self.tangents[nearest]);
+        let mut u = (self.at[nearest] + ahead).clamp(low, high);
         for _ in 0..STEPS {
             let (g, dg) = growth(u);
             if g == 0.0 {
