@@ -52,7 +52,7 @@ from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
-from .solution import Branches, CableState, Contact, CriticalPoint, Diagnostics, Equilibrium, Shape, Solution
+from .solution import Branches, CableState, Contact, CriticalPoint, Diagnostics, Equilibrium, Grasp, Shape, Solution
 from .viewing import Viewer
 from .warning import WhipcordWarning
 
@@ -88,6 +88,7 @@ __all__ = [
     "FitError",
     "Gradient",
     "Gradients",
+    "Grasp",
     "HeldOut",
     "InputError",
     "Loads",

@@ -118,6 +118,28 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class Grasp:
+    """What the robot exerts on an obstacle that it touches, all contacts together."""
+
+    obstacle: str
+    """Name of the obstacle."""
+    contacts: int
+    """How many contacts there are."""
+    sliding: int
+    """How many of them slide, or are about to; without friction all of them are free to."""
+    normal_force: float | None
+    """Sum of the normal forces in N: how hard the robot presses; None from a model that knows no forces."""
+    force: Array | None
+    """(3,) force on the obstacle in N, in the world; None from a model that knows no forces."""
+    moment: Array | None
+    """(3,) moment on the obstacle in N·m, about the origin of the obstacle's frame; None from a model that knows no
+    forces."""
+    slip_margin: float | None
+    """One minus the force along the surface over the greatest that friction can hold, of the contact that is nearest to
+    sliding: 0 where one slides. None without friction, and from a model that knows no forces."""
+
+
+@dataclass(frozen=True)
 class Diagnostics:
     """How an answer was obtained."""
 
@@ -272,6 +294,27 @@ class Solution:
                 }
             )
             for touch in self._answer.contacts
+        )
+
+    @cached_property
+    def grasps(self) -> tuple[Grasp, ...]:
+        """What the robot exerts on each obstacle that it touches.
+
+        Examples
+        --------
+        >>> import whipcord
+        >>> finger = whipcord.load("examples/contact/gripping-finger.toml")
+        >>> (ball,) = finger.solve().grasps
+        >>> f"{ball.contacts} contacts press the {ball.obstacle} with {ball.normal_force:.1f} N"
+        '3 contacts press the ball with 5.5 N'
+        """
+
+        def array(values: list[float] | None) -> Array | None:
+            return None if values is None else np.array(values)
+
+        return tuple(
+            Grasp(**{**grasp, "force": array(grasp["force"]), "moment": array(grasp["moment"])})
+            for grasp in self._answer.grasps
         )
 
     @cached_property

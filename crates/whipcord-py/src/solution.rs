@@ -6,8 +6,8 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
-    CableState, Case, Contact, Diagnostics, ModelKind, NoStability, Part, Pose, Robot, Shape,
-    SlipState, UnitQuaternion, Vec3, Wrench,
+    CableState, Case, Contact, Diagnostics, Grasp, ModelKind, NoStability, Part, Pose, Robot,
+    Shape, SlipState, UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::convert::{array, flat};
@@ -150,6 +150,24 @@ impl Solution {
             values.set_item("friction", touch.friction.map(|friction| friction.to_array()))?;
             values.set_item("sticks", touch.sticks)?;
             values.set_item("gap", touch.gap)?;
+            list.append(values)?;
+        }
+        Ok(list)
+    }
+
+    /// What it exerts on each obstacle that it touches.
+    #[getter]
+    fn grasps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        for grasp in Grasp::all(&self.inner, &self.case.obstacles) {
+            let values = PyDict::new(py);
+            values.set_item("obstacle", &self.case.obstacles[grasp.obstacle].name)?;
+            values.set_item("contacts", grasp.contacts)?;
+            values.set_item("sliding", grasp.sliding)?;
+            values.set_item("normal_force", grasp.normal_force)?;
+            values.set_item("force", grasp.wrench.map(|wrench| wrench.force.to_array()))?;
+            values.set_item("moment", grasp.wrench.map(|wrench| wrench.moment.to_array()))?;
+            values.set_item("slip_margin", grasp.slip_margin)?;
             list.append(values)?;
         }
         Ok(list)

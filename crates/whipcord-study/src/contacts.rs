@@ -1,8 +1,8 @@
 //! Where a robot touches obstacles, for people.
 
-use whipcord::{Contact, Obstacle, Part, Solution};
+use whipcord::{Contact, Grasp, Obstacle, Part, Solution, Vec3};
 
-use crate::quantity::{fixed, fixed_millimetres, newtons, number};
+use crate::quantity::{fixed, fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
 
 /// All places where an answer touches the obstacles of its case; `None` where it touches none.
@@ -52,4 +52,47 @@ pub fn table(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
         table.row(row);
     }
     Some(table)
+}
+
+/// What the robot exerts on each obstacle that it touches, all contacts together; `None` where it touches none, and where the
+/// model knows no forces.
+pub fn grasps(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
+    let grasps = Grasp::all(solution, obstacles);
+    let any_friction = grasps.iter().any(|grasp| grasp.slip_margin.is_some());
+    let mut columns = vec![
+        ("on", Align::Left),
+        ("contacts", Align::Right),
+        ("pressed with", Align::Right),
+        ("force x, y, z (N)", Align::Right),
+        ("moment x, y, z (N·mm)", Align::Right),
+    ];
+    if any_friction {
+        columns.push(("slip margin", Align::Right));
+    }
+    let mut table = Table::new(columns);
+    table.group();
+    let mut any = false;
+    for grasp in &grasps {
+        let (Some(normal), Some(wrench)) = (grasp.normal_force, grasp.wrench) else { continue };
+        any = true;
+        let numbers = |v: Vec3| v.to_array().map(|x| number(x, 4)).join(", ");
+        let mut row = vec![
+            obstacles[grasp.obstacle].name.clone(),
+            grasp.contacts.to_string(),
+            newtons(normal),
+            numbers(wrench.force),
+            numbers(wrench.moment * 1e3),
+        ];
+        if any_friction {
+            row.push(match grasp.slip_margin {
+                Some(margin) if grasp.sliding > 0 => {
+                    format!("{}, {} of {} slide", percent(margin), grasp.sliding, grasp.contacts)
+                }
+                Some(margin) => percent(margin),
+                None => "–".to_owned(),
+            });
+        }
+        table.row(row);
+    }
+    any.then_some(table)
 }

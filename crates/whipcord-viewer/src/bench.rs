@@ -6,8 +6,8 @@ use std::time::Instant;
 use whipcord::kinematics::principal_axes;
 use whipcord::warning::of_answer;
 use whipcord::{
-    Actuation, Cancel, Case, Differentiable as _, Model, ModelKind, ModelPreset, Prepared, Robot,
-    Shape, Shortening, Solution, Vec3, Warning,
+    Actuation, Cancel, Case, Differentiable as _, Model, ModelKind, ModelPreset, Obstacle,
+    Prepared, Robot, Shape, Shortening, Solution, Vec3, Warning,
 };
 use whipcord_io::CaseFile;
 
@@ -75,7 +75,7 @@ impl Bench {
         let answers = self.found(&request.presets()?, &case).into_iter().map(|(preset, found)| {
             let answer = found.and_then(|found| {
                 let compliance = request.compliance.then(|| self.compliance(preset, &found));
-                solved(&self.file.robot, preset, &found, compliance).ok_or_else(|| {
+                solved(&self.file, preset, &found, compliance).ok_or_else(|| {
                     "the answer holds a number that is none; please report the robot file"
                         .to_owned()
                 })
@@ -227,12 +227,13 @@ fn shortened(case: &Case, shares: &[f64]) -> Case {
 
 /// A solution as the page gets it; `None` where a number of it is none.
 fn solved(
-    robot: &Robot,
+    file: &CaseFile,
     preset: ModelPreset,
     found: &Found,
     compliance: Option<Compliance>,
 ) -> Option<Solved> {
     let Found { solution, solve_time, .. } = found;
+    let robot = &file.robot;
     let shape = &solution.shape;
     let diagnostics = &solution.diagnostics;
     let cables = solution.cables.iter().zip(robot.cables()).map(|(cable, given)| CableState {
@@ -259,6 +260,7 @@ fn solved(
         strains: strains(shape),
         cables: cables.collect(),
         contacts: contacts.collect(),
+        grasps: grasps(solution, &file.case.obstacles),
         residual: diagnostics.residual,
         iterations: diagnostics.iterations,
         stability: diagnostics.stability,
@@ -269,6 +271,24 @@ fn solved(
         warnings: warnings(robot, solution),
     };
     solved.is_finite().then_some(solved)
+}
+
+/// What the robot exerts on each obstacle that it touches, where the model knows forces.
+fn grasps(solution: &Solution, obstacles: &[Obstacle]) -> Vec<protocol::Grasp> {
+    let all = whipcord::Grasp::all(solution, obstacles);
+    let known = |grasp: &whipcord::Grasp| {
+        let wrench = grasp.wrench?;
+        Some(protocol::Grasp {
+            obstacle: grasp.obstacle,
+            contacts: grasp.contacts,
+            sliding: grasp.sliding,
+            normal_force: grasp.normal_force?,
+            force: array(wrench.force),
+            moment: array(wrench.moment),
+            slip_margin: grasp.slip_margin,
+        })
+    };
+    all.iter().filter_map(known).collect()
 }
 
 /// Warnings about an answer, except those that the page has a field for.
@@ -313,6 +333,12 @@ impl Solved {
                     && finite(&touch.normal)
                     && touch.force.is_none_or(f64::is_finite)
                     && touch.friction.is_none_or(|friction| finite(&friction))
+            })
+            && self.grasps.iter().all(|grasp| {
+                finite(&[grasp.normal_force])
+                    && finite(&grasp.force)
+                    && finite(&grasp.moment)
+                    && grasp.slip_margin.is_none_or(f64::is_finite)
             })
             && finite(&[self.residual, self.solve_time])
             && self.stability.is_none_or(f64::is_finite)

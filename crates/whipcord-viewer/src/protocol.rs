@@ -313,6 +313,8 @@ pub struct Solved {
     pub cables: Vec<CableState>,
     /// Where it touches obstacles.
     pub contacts: Vec<Contact>,
+    /// What it exerts on each obstacle that it touches, where the model knows forces.
+    pub grasps: Vec<Grasp>,
     /// What is left of the equations, relative to their scale.
     pub residual: f64,
     /// Newton iterations.
@@ -329,6 +331,25 @@ pub struct Solved {
     pub compliance: Option<Compliance>,
     /// Warnings about the shape, except that it is unstable: [`Self::unstable`] says that.
     pub warnings: Vec<Warning>,
+}
+
+/// What the robot exerts on an obstacle, all contacts together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grasp {
+    /// Number of the obstacle.
+    pub obstacle: usize,
+    /// How many contacts there are, and how many of them slide.
+    pub contacts: usize,
+    /// See [`Self::contacts`].
+    pub sliding: usize,
+    /// Sum of the normal forces in N.
+    pub normal_force: f64,
+    /// Force on the obstacle in N.
+    pub force: [f64; 3],
+    /// Moment on the obstacle about the origin of its frame in N·m.
+    pub moment: [f64; 3],
+    /// How far the contact nearest to sliding is from that: 0 where it slides, 1 where nothing pulls it; none without friction.
+    pub slip_margin: Option<f64>,
 }
 
 /// What became of a cable.

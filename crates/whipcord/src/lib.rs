@@ -23,6 +23,7 @@ pub mod differences;
 pub mod error;
 pub mod format;
 pub mod four_bar;
+mod grasp;
 pub mod kind;
 pub mod kinematics;
 mod linearization;
@@ -49,6 +50,7 @@ pub use case::{
     Profile, Shortening,
 };
 pub use error::{LengthMiss, Obstruction, SolveError};
+pub use grasp::Grasp;
 pub use kind::{CommandDerivatives, ModelKind};
 pub use linearization::Linearization;
 pub use model::{Differentiable, Model, Prepared, at_rest};

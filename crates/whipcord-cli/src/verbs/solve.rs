@@ -270,7 +270,8 @@ fn summary(
         rubbing::table(steps.iter().map(|(step, _)| step))
     };
     let touching = contacts::table(solution, &file.case.obstacles);
-    for table in [rubbing, touching].into_iter().flatten() {
+    let grasps = contacts::grasps(solution, &file.case.obstacles);
+    for table in [rubbing, touching, grasps].into_iter().flatten() {
         text += &format!("\n{}", table.text(style));
     }
     text.push('\n');

@@ -1,5 +1,7 @@
 use serde_json::{Map, Number, Value, json};
-use whipcord::{CableState, Contact, Diagnostics, Obstacle, Pose, Shape, Solution, Vec3};
+use whipcord::{
+    CableState, Contact, Diagnostics, Grasp, Obstacle, Pose, Shape, Solution, Vec3, Wrench,
+};
 
 use super::NonFinite;
 
@@ -47,6 +49,9 @@ pub fn solution_json(
         "base_wrench": wrench.transpose()?,
         "contacts": solution.contacts.iter().enumerate()
             .map(|(i, of)| touch(i, of, obstacles))
+            .collect::<Result<Vec<_>, _>>()?,
+        "grasps": Grasp::all(solution, obstacles).iter().enumerate()
+            .map(|(i, of)| grasp(i, of, obstacles))
             .collect::<Result<Vec<_>, _>>()?,
         "diagnostics": diagnostics(&solution.diagnostics, solve_time)?,
     }))
@@ -99,6 +104,25 @@ fn touch(index: usize, touch: &Contact, obstacles: &[Obstacle]) -> Result<Value,
         },
         "sticks": touch.sticks,
         "gap": number(|| path("gap"), touch.gap)?,
+    }))
+}
+
+/// What the robot exerts on an obstacle, all its contacts together.
+fn grasp(index: usize, grasp: &Grasp, obstacles: &[Obstacle]) -> Result<Value, NonFinite> {
+    let path = |name: &str| format!("grasps[{index}].{name}");
+    let part = |name: &str, of: fn(Wrench) -> Vec3| match grasp.wrench {
+        Some(wrench) => vector(|| path(name), of(wrench)),
+        None => Ok(Value::Null),
+    };
+    Ok(json!({
+        "obstacle": grasp.obstacle,
+        "name": obstacles.get(grasp.obstacle).map(|obstacle| obstacle.name.as_str()),
+        "contacts": grasp.contacts,
+        "sliding": grasp.sliding,
+        "normal_force": optional(|| path("normal_force"), grasp.normal_force)?,
+        "force": part("force", |wrench| wrench.force)?,
+        "moment": part("moment", |wrench| wrench.moment)?,
+        "slip_margin": optional(|| path("slip_margin"), grasp.slip_margin)?,
     }))
 }
 

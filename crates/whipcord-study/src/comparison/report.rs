@@ -86,9 +86,12 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
         }
     }
     for (run, solved) in study.solved() {
-        if let Some(contacts) = contacts::table(&solved.solution, &file.case.obstacles) {
+        if let Some(touches) = contacts::table(&solved.solution, &file.case.obstacles) {
             html += &format!("<h3>Contact: {}</h3>\n", escape(&run.label()));
-            html += &contacts.html();
+            html += &touches.html();
+            if let Some(grasps) = contacts::grasps(&solved.solution, &file.case.obstacles) {
+                html += &grasps.html();
+            }
         }
     }
     html += &list(&case_notes(study));

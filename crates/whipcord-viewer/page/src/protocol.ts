@@ -119,6 +119,18 @@ export interface Contact {
   sticks: boolean;
 }
 
+/** What the robot exerts on an obstacle, all contacts together. */
+export interface Grasp {
+  obstacle: number;
+  contacts: number;
+  sliding: number;
+  normal_force: number;
+  force: Vector;
+  moment: Vector;
+  /** 0 where a contact slides, 1 where nothing pulls along the surface. */
+  slip_margin: number | null;
+}
+
 export type Compliance =
   | { status: "known"; values: Vector; directions: [Vector, Vector, Vector] }
   | { status: "unknown"; message: string };
@@ -131,6 +143,7 @@ export interface Solved {
   strains: Vector[];
   cables: CableState[];
   contacts: Contact[];
+  grasps: Grasp[];
   residual: number;
   iterations: number;
   stability: number | null;

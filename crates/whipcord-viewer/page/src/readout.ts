@@ -5,7 +5,7 @@ import { element } from "./dom";
 import { spans, strainsOf } from "./geometry";
 import { keys, swatch } from "./legend";
 import { chart, type Line } from "./plots";
-import type { Answer, Scene, Solved } from "./protocol";
+import type { Answer, Grasp, Scene, Solved } from "./protocol";
 import { duration, fixed, significant } from "./units";
 
 const mm = (metres: number): string => fixed(metres * 1e3, 3);
@@ -41,6 +41,7 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
   if (answer.stability !== null) facts.push(["stability", significant(answer.stability, 3)]);
   if (answer.driven_by !== null) facts.push(["driven by", `the cable lengths of ${answer.driven_by}`]);
   if (answer.contacts.length > 0) facts.push(["touches", contacts(answer)]);
+  for (const grasp of answer.grasps) facts.push([`on ${scene.obstacles[grasp.obstacle]!.name}`, pushed(grasp)]);
   if (answer.compliance?.status === "known") {
     facts.push(["compliance", `${answer.compliance.values.map((v) => significant(v * 1e3, 3)).join(", ")} mm/N, tensions held`]);
     if (answer.compliance.values.every((v) => v > 0)) {
@@ -67,6 +68,11 @@ function contacts({ contacts: all }: Solved): string {
   const stuck = all.filter((touch) => touch.sticks).length;
   const points = `${count(all.length, "point")}${stuck > 0 ? ` (${stuck} stuck by friction)` : ""}`;
   return all.some((touch) => touch.force !== null) ? `${points}, ${significant(total, 3)} N in all` : points;
+}
+
+function pushed({ force, moment, slip_margin }: Grasp): string {
+  const margin = slip_margin === null ? "" : `, slip margin ${significant(100 * slip_margin, 3)} %`;
+  return `${significant(Math.hypot(...force), 3)} N, ${significant(1e3 * Math.hypot(...moment), 3)} N mm${margin}`;
 }
 
 function count(n: number, one: string): string {

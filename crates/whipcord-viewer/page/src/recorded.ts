@@ -236,6 +236,7 @@ export class Recorded implements Source {
       }),
       // Those of the nearest frame: contact comes and goes, and has no mean.
       contacts: contacts[nearest]!,
+      grasps: [],
       residual: recorded.greatest_residual,
       iterations: 0,
       stability: null,

@@ -1165,6 +1165,25 @@ export const toPage: ToPage[] = [
             "sticks": true
           }
         ],
+        "grasps": [
+          {
+            "obstacle": 0,
+            "contacts": 1,
+            "sliding": 0,
+            "normal_force": 0.3,
+            "force": [
+              -0.3,
+              -0.05,
+              0.0
+            ],
+            "moment": [
+              0.0,
+              0.0,
+              0.001
+            ],
+            "slip_margin": 0.4
+          }
+        ],
         "residual": 1e-12,
         "iterations": 3,
         "stability": 0.9,
@@ -1250,6 +1269,7 @@ export const toPage: ToPage[] = [
           }
         ],
         "contacts": [],
+        "grasps": [],
         "residual": 1e-12,
         "iterations": 3,
         "stability": null,

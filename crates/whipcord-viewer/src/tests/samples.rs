@@ -5,7 +5,7 @@ use std::path::Path;
 use std::{env, fs};
 
 use crate::protocol::{
-    Answer, Cable, CableState, Command, Compliance, Contact, Disk, Form, Frame, FromPage,
+    Answer, Cable, CableState, Command, Compliance, Contact, Disk, Form, Frame, FromPage, Grasp,
     ModelChoice, Obstacle, Pose, Ranges, Request, Scene, Section, Solved, ToPage, Warning, read,
 };
 
@@ -115,6 +115,15 @@ fn frame() -> Frame {
             friction: Some([0.0, 0.05, 0.0]),
             sticks: true,
         }],
+        grasps: vec![Grasp {
+            obstacle: 0,
+            contacts: 1,
+            sliding: 0,
+            normal_force: 0.3,
+            force: [-0.3, -0.05, 0.0],
+            moment: [0.0, 0.0, 0.001],
+            slip_margin: Some(0.4),
+        }],
         residual: 1e-12,
         iterations: 3,
         stability: Some(0.9),
@@ -138,6 +147,7 @@ fn frame() -> Frame {
             span_tensions: vec![],
         }],
         contacts: vec![],
+        grasps: vec![],
         stability: None,
         driven_by: Some("cosserat".to_owned()),
         compliance: Some(Compliance::Unknown { message: "why".to_owned() }),

@@ -107,7 +107,7 @@ pub(crate) struct RodAdapter<'a, R: PushedRod> {
     /// As the user wants the answer.
     options: &'a Options,
     watched: Vec<f64>,
-    /// Where steps end: at the disks, and where the user wants the shape.
+    /// Where steps end.
     stations: Vec<f64>,
     initial_lengths: Vec<f64>,
     force_scale: f64,
@@ -131,15 +131,11 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
         let length = robot.backbone().length;
         let watched = watched(robot);
         let count = watched.len();
-        let mut stations = robot.disks().arc_lengths.clone();
-        stations.extend(options.stations.arc_lengths(robot));
-        stations.sort_by(f64::total_cmp);
-        stations.dedup();
         Self {
             robot,
             options,
             watched,
-            stations,
+            stations: robot.disks().arc_lengths.clone(),
             initial_lengths,
             force_scale: stiffness / (length * length),
             case: Case::default(),
@@ -152,6 +148,14 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
 }
 
 impl<R: PushedRod> RodAdapter<'_, R> {
+    /// The same with steps that end at the stations too, so that these can be differentiated.
+    pub fn with_stations(mut self) -> Self {
+        self.stations.extend(self.options.stations.arc_lengths(self.robot));
+        self.stations.sort_by(f64::total_cmp);
+        self.stations.dedup();
+        self
+    }
+
     /// Notes where the watched places are.
     fn see(&mut self) {
         let shape = self.found.shape();
@@ -300,9 +304,8 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
             return Ok(free);
         }
         let asked = self.options.stations.arc_lengths(self.robot);
-        let shape = &mut solution.shape;
-        let at = |&s: &f64| shape.poses[shape.arc_length.partition_point(|&there| there < s)];
-        (shape.poses, shape.arc_length) = (asked.iter().map(at).collect(), asked);
+        let shape = self.found.shape();
+        solution.shape.set(&asked, asked.iter().map(|&s| shape.pose(s)), case.base);
         if self.options.stability != StabilityAnalysis::Off {
             let absent = if touching { NoStability::Touching } else { NoStability::Undetermined };
             solution.diagnostics.stability_absent = Some(absent);

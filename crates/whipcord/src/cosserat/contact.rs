@@ -38,7 +38,7 @@ impl Cosserat {
             let alone = Case { obstacles: Vec::new(), ..case.clone() };
             return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
         }
-        let mut adapter = self.adapter();
+        let mut adapter = self.adapter().with_stations();
         let (solution, holding) =
             contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
         Ok((solution, adapter.differentiate(&holding, parameters)?))

@@ -1,11 +1,13 @@
 //! A finger that closes round a ball.
 
-use super::{among, assert_clear, pushes_of, sphere};
+use super::{among, assert_clear, finger, pushes_of, sphere, wall};
+use crate::common::model_with_forces;
 use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::four_bar::{FourBar, LengthRule, Objective};
 use whipcord::{
-    Actuation, Backbone, Cable, Case, Disks, Material, Model, ModelKind, Part, Robot, Routing,
-    Section, Shortening, Solution, SolveError, Stations, Vec3,
+    Actuation, Backbone, Cable, Case, Contact, Disks, Grasp, Material, Model, ModelKind, Obstacle,
+    Part, Robot, Routing, Section, Shortening, Solution, SolveError, Statics as _, Stations, Vec3,
+    Wrench,
 };
 
 const LENGTH: f64 = 0.12;
@@ -89,4 +91,47 @@ fn a_grasp_that_nothing_holds_is_refused() {
     let SolveError::Obstructed { reached, touching, .. } = &error else { panic!("{error}") };
     assert!((0.5..0.9).contains(reached), "{reached}");
     assert_eq!(touching, &["ball"]);
+}
+
+/// What the robot exerts on each obstacle is what the contacts exert on it, turned round: together with the base they leave
+/// nothing of a robot without loads.
+#[test]
+fn grasps_balance_what_the_base_bears() {
+    let rubbing = Obstacle { friction: 0.3, ..wall(0.03) };
+    let ball = sphere(Vec3::new(0.03, 0.02, 0.17), 0.012);
+    for kind in [
+        ModelKind::Cosserat,
+        ModelKind::CosseratDisks,
+        ModelKind::PiecewiseConstantCurvature,
+        ModelKind::PseudoRigidBody,
+        ModelKind::FourBar,
+    ] {
+        let model = model_with_forces(kind, Stations::Disks, Actuation::Shortening);
+        let obstacles = vec![rubbing.clone(), ball.clone()];
+        let case = Case { obstacles, ..Case::with_shortenings(&[Shortening::Length(0.006)]) };
+        let solution = model.solve(&finger(9), &case).unwrap_or_else(|e| panic!("{kind}: {e}"));
+        let grasps = Grasp::all(&solution, &case.obstacles);
+        assert_eq!(grasps[0].obstacle, 0, "{kind}");
+        let (mut force, mut moment) = (Vec3::ZERO, Vec3::ZERO);
+        let mut pressed = 0.0;
+        for grasp in &grasps {
+            let Wrench { force: f, moment: m } = grasp.wrench.unwrap();
+            force += f;
+            moment += m + case.obstacles[grasp.obstacle].pose.position.cross(f);
+            pressed += grasp.normal_force.unwrap();
+        }
+        // Dead forces on the robot end in the base.
+        let base = solution.base_wrench.unwrap();
+        assert!((base.force + force).norm() < 1e-6 * pressed, "{kind}: {base:?} {force:?}");
+        assert!((base.moment + moment).norm() < 1e-6 * pressed * 0.18, "{kind}");
+        let of_wall: Vec<_> =
+            solution.contacts.iter().filter(|touch| touch.obstacle == 0).collect();
+        assert_eq!(grasps[0].contacts, of_wall.len());
+        let margin =
+            |touch: &&Contact| 1.0 - touch.friction.unwrap().norm() / (0.3 * touch.force.unwrap());
+        let least = of_wall.iter().map(margin).fold(1.0, f64::min).max(0.0);
+        assert!((grasps[0].slip_margin.unwrap() - least).abs() < 1e-9, "{kind}");
+        assert_eq!(grasps[0].sliding > 0, least < 1e-6, "{kind}: {:?}", grasps[0]);
+        assert!(grasps.iter().skip(1).all(|grasp| grasp.slip_margin.is_none()));
+    }
 }
