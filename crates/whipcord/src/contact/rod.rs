@@ -17,6 +17,9 @@ use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
 
+/// So many stations cost little as ends of steps; more are interpolated where nothing is differentiated.
+const FEW_STATIONS: usize = 24;
+
 /// A rod that stands where it is, in equilibrium or not, under loads and wrenches on places of it. Under the wrenches of its
 /// contacts alone a robot may buckle though the contacts hold it, so that an equilibrium under given wrenches cannot be asked
 /// for: it takes one step of Newton's method at a time, and [`crate::contact`] changes the wrenches along with the shape.
@@ -131,7 +134,7 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
         let length = robot.backbone().length;
         let watched = watched(robot);
         let count = watched.len();
-        Self {
+        let adapter = Self {
             robot,
             options,
             watched,
@@ -143,6 +146,11 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
             found: R::default(),
             centres: vec![Vec3::ZERO; count],
             kept: R::Kept::default(),
+        };
+        if options.stations.arc_lengths(robot).len() <= FEW_STATIONS {
+            adapter.with_stations()
+        } else {
+            adapter
         }
     }
 }
