@@ -40,5 +40,5 @@ pub(crate) use model::{is_same_shape, with_pushes};
 pub(crate) use path::{solve, solve_holding};
 pub(crate) use pushed_places::PushedPlaces;
 pub(crate) use refinement::{Refinement, centres};
-pub(crate) use rod::{PushedRod, RodAdapter, watched};
+pub(crate) use rod::{PushedRod, RodAdapter, on_few_steps_or_more, watched};
 pub(crate) use rod_response::RodResponse;

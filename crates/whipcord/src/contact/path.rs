@@ -36,11 +36,10 @@ const INSERTED: f64 = 1.02;
 const LONGEST_STEP: f64 = 0.2;
 /// The least step on the way.
 const LEAST_STEP: f64 = 1e-4;
-/// What a solve may spend over the whole way, in iterations of a robot of ordinary size with few contacts: a few seconds. The
-/// catheter in a bent pipe of the examples takes about 800.
-const BUDGET: f64 = 4000.0;
-/// So many contacts double the cost of an iteration.
-const COSTLY: f64 = 20.0;
+/// The columns of so many contacts double the cost of an iteration.
+const COSTLY: f64 = 10.0;
+/// The dense equations of so many contacts cost as much as an iteration without contacts.
+const DENSE: f64 = 22.0;
 
 /// Why the robot does not get on.
 enum Stop {
@@ -62,7 +61,7 @@ struct PathTracker<'a, M> {
     pushes: Vec<Push>,
     scratch: Scratch,
     iterations: usize,
-    /// Of [`BUDGET`].
+    /// Of [`Compliant::budget`].
     spent: f64,
     residual: f64,
     /// Whether the contacts change an odd number of directions from stable to unstable or back; `None` until a
@@ -382,9 +381,10 @@ impl<M: Compliant> PathTracker<'_, M> {
         if contacts > most {
             return Err(Stop::Spent(Obstruction::TooManyContacts { contacts, most }));
         }
-        let share = contacts as f64 / COSTLY;
-        self.spent += self.model.effort() * (1.0 + share * share);
-        if self.spent > BUDGET {
+        let contacts_now = contacts as f64;
+        let columns = 1.0 + contacts_now / COSTLY;
+        self.spent += self.model.effort() * columns + (contacts_now / DENSE).powi(3);
+        if self.spent > self.model.budget() {
             let Self { iterations, residual, .. } = *self;
             return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts, residual }));
         }

@@ -13,6 +13,8 @@ const MAX_HALVINGS: usize = 5;
 /// How fine the steps are, and what the last ones gave.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Refinement {
+    /// How many there are at least.
+    pub steps: usize,
     /// How often they are halved.
     pub halvings: usize,
     /// The answer on steps twice as long, and the places of its contacts.

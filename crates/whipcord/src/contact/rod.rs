@@ -5,6 +5,7 @@ use whipcord_numerics::{Pose, Vec3, equally_spaced};
 use super::dense_output::DenseOutput;
 use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
+use super::refinement::Refinement;
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::derivatives::Derivatives;
@@ -17,6 +18,22 @@ use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
 
+/// Steps from base to tip at least, where the accuracy that is asked for does not say: few are quick, and where the way to the
+/// answer is lost on them more find it.
+const CONTACT_STEPS: [usize; 2] = [24, 96];
+
+/// What `solve` finds on few steps, or on more where that is no answer; it is given how many there are.
+pub(crate) fn on_few_steps_or_more<T>(
+    accuracy: Accuracy,
+    mut solve: impl FnMut(usize) -> Result<T, SolveError>,
+) -> Result<T, SolveError> {
+    let [few, more] = CONTACT_STEPS;
+    match (solve(few), accuracy) {
+        (Err(SolveError::Obstructed { .. }), Accuracy::Tolerance(_)) => solve(more),
+        (found, _) => found,
+    }
+}
+
 /// So many stations cost little as ends of steps; more are interpolated where nothing is differentiated.
 const FEW_STATIONS: usize = 24;
 
@@ -26,6 +43,9 @@ const FEW_STATIONS: usize = 24;
 pub(crate) trait PushedRod: Default {
     /// Where it stands, to go back to.
     type Kept: Default;
+
+    /// How fine its steps are.
+    fn refinement(&mut self) -> &mut Refinement;
 
     /// Forgets where it stands.
     fn reset(&mut self);
@@ -121,20 +141,23 @@ pub(crate) struct RodAdapter<'a, R: PushedRod> {
     /// Of the watched places.
     centres: Vec<Vec3>,
     kept: R::Kept,
+    steps: usize,
 }
 
 impl<'a, R: PushedRod> RodAdapter<'a, R> {
-    /// A rod whose cables have these lengths in m before actuation; `stiffness` is that of bending at the base.
+    /// A rod whose cables have these lengths in m before actuation; `stiffness` is that of bending at the base, and it has at least
+    /// so many steps where the accuracy that is asked for does not say how many.
     pub fn new(
         robot: &'a Robot,
         options: &'a Options,
         initial_lengths: Vec<f64>,
         stiffness: f64,
+        steps: usize,
     ) -> Self {
         let length = robot.backbone().length;
         let watched = watched(robot);
         let count = watched.len();
-        let adapter = Self {
+        let mut adapter = Self {
             robot,
             options,
             watched,
@@ -146,7 +169,9 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
             found: R::default(),
             centres: vec![Vec3::ZERO; count],
             kept: R::Kept::default(),
+            steps,
         };
+        adapter.found.refinement().steps = steps;
         if options.stations.arc_lengths(robot).len() <= FEW_STATIONS {
             adapter.with_stations()
         } else {
@@ -229,7 +254,12 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn effort(&self) -> f64 {
-        self.found.steps().max(self.watched.len()) as f64 / 100.0
+        // To look at a watched place costs a tenth of a step.
+        (self.found.steps() as f64 + 0.1 * self.watched.len() as f64) / 100.0
+    }
+
+    fn budget(&self) -> f64 {
+        if self.steps == CONTACT_STEPS[0] { 1500.0 } else { 5000.0 }
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {
@@ -242,6 +272,7 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
 
     fn start_from(&mut self, answer: &Solution) {
         self.found = R::default();
+        self.found.refinement().steps = self.steps;
         self.warm = Some(answer.clone());
     }
 

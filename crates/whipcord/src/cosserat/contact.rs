@@ -23,7 +23,9 @@ impl Cosserat {
         if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
             return Ok(solution);
         }
-        contact::solve(&mut self.adapter(), &self.robot, case, warm_start)
+        contact::on_few_steps_or_more(self.options.accuracy, |steps| {
+            contact::solve(&mut self.adapter(steps), &self.robot, case, warm_start)
+        })
     }
 
     /// The same, with the derivatives of the answer and the contacts that hold it.
@@ -38,10 +40,12 @@ impl Cosserat {
             let alone = Case { obstacles: Vec::new(), ..case.clone() };
             return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
         }
-        let mut adapter = self.adapter().with_stations();
-        let (solution, holding) =
-            contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
-        Ok((solution, adapter.differentiate(&holding, parameters)?))
+        contact::on_few_steps_or_more(self.options.accuracy, |steps| {
+            let mut adapter = self.adapter(steps).with_stations();
+            let (solution, holding) =
+                contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
+            Ok((solution, adapter.differentiate(&holding, parameters)?))
+        })
     }
 
     /// The shape of a robot that keeps clear of the obstacles; `None` where it might not.
@@ -67,10 +71,10 @@ impl Cosserat {
         initial_lengths
     }
 
-    fn adapter(&self) -> RodAdapter<'_, ContactResponse> {
+    fn adapter(&self, steps: usize) -> RodAdapter<'_, ContactResponse> {
         let at_base = self.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let stiffness = at_base.column(0).x;
-        RodAdapter::new(&self.robot, &self.options, self.initial_lengths(), stiffness)
+        RodAdapter::new(&self.robot, &self.options, self.initial_lengths(), stiffness, steps)
     }
 }
 

@@ -9,7 +9,6 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 use super::chain::{Chain, Task};
 use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
 use super::model::{Cosserat, Workspace};
-use super::refinement::COARSE_STEPS;
 use super::state::{Direction, Node, State};
 use crate::budget::Budget;
 use crate::case::Case;
@@ -156,6 +155,10 @@ impl ContactResponse {
 impl PushedRod for ContactResponse {
     type Kept = Kept;
 
+    fn refinement(&mut self) -> &mut Refinement {
+        &mut self.refinement
+    }
+
     fn reset(&mut self) {
         (self.contact_grid, self.linear) = (None, None);
     }
@@ -171,7 +174,7 @@ impl PushedRod for ContactResponse {
         warm: Option<&Solution>,
     ) -> Result<(), SolveError> {
         self.linear = None;
-        let halvings = self.refinement.halvings;
+        let Refinement { steps: least, halvings, .. } = self.refinement;
         let stands = |contact_grid: &ContactGrid| {
             contact_grid.halvings == halvings
                 && contact_grid.pushes == pushes
@@ -183,8 +186,14 @@ impl PushedRod for ContactResponse {
                 None
             }
             before => {
-                self.contact_grid =
-                    Some(ContactGrid::new(robot, options, case, halvings, stations, pushes)?);
+                self.contact_grid = Some(ContactGrid::new(
+                    robot,
+                    options,
+                    case,
+                    (least, halvings),
+                    stations,
+                    pushes,
+                )?);
                 Some(before)
             }
         };
@@ -422,7 +431,7 @@ impl ContactGrid {
         robot: &Robot,
         options: &Options,
         case: &Case,
-        halvings: usize,
+        (least, halvings): (usize, usize),
         stations: &[f64],
         pushes: &[f64],
     ) -> Result<Self, SolveError> {
@@ -432,7 +441,7 @@ impl ContactGrid {
         places.dedup();
         let steps = match options.accuracy {
             Accuracy::Steps(steps) => steps,
-            Accuracy::Tolerance(_) => COARSE_STEPS,
+            Accuracy::Tolerance(_) => least,
         };
         let options = Options {
             stations: Stations::At(places),

@@ -24,7 +24,9 @@ impl CosseratDisks {
         if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
             return Ok(solution);
         }
-        contact::solve(&mut self.adapter()?, self.robot(), case, warm_start)
+        contact::on_few_steps_or_more(self.options().accuracy, |steps| {
+            contact::solve(&mut self.adapter(steps)?, self.robot(), case, warm_start)
+        })
     }
 
     /// The same, with the derivatives of the answer and the contacts that hold it.
@@ -39,10 +41,12 @@ impl CosseratDisks {
             let alone = Case { obstacles: Vec::new(), ..case.clone() };
             return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
         }
-        let mut adapter = self.adapter()?.with_stations();
-        let (solution, holding) =
-            contact::solve_holding(&mut adapter, self.robot(), case, warm_start)?;
-        Ok((solution, adapter.differentiate(&holding, parameters)?))
+        contact::on_few_steps_or_more(self.options().accuracy, |steps| {
+            let mut adapter = self.adapter(steps)?.with_stations();
+            let (solution, holding) =
+                contact::solve_holding(&mut adapter, self.robot(), case, warm_start)?;
+            Ok((solution, adapter.differentiate(&holding, parameters)?))
+        })
     }
 
     /// The shape of a robot that keeps clear of the obstacles; `None` where it might not.
@@ -64,10 +68,11 @@ impl CosseratDisks {
         contact::solve_free(&mut free, self.robot(), case, warm_start)
     }
 
-    fn adapter(&self) -> Result<RodAdapter<'_, ContactResponse>, SolveError> {
+    fn adapter(&self, steps: usize) -> Result<RodAdapter<'_, ContactResponse>, SolveError> {
         let at_base = self.mesh(0)?.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let initial = self.frame().rest_lengths.clone();
-        Ok(RodAdapter::new(self.robot(), self.options(), initial, at_base.column(0).x))
+        let stiffness = at_base.column(0).x;
+        Ok(RodAdapter::new(self.robot(), self.options(), initial, stiffness, steps))
     }
 }
 

@@ -72,7 +72,7 @@ impl ContactMesh {
         robot: &Robot,
         options: &Options,
         case: &Case,
-        halvings: usize,
+        (least, halvings): (usize, usize),
         stations: &[f64],
         pushes: &[f64],
     ) -> Result<Self, SolveError> {
@@ -82,7 +82,7 @@ impl ContactMesh {
         places.dedup();
         let steps = match options.accuracy {
             Accuracy::Steps(steps) => steps,
-            Accuracy::Tolerance(_) => 1,
+            Accuracy::Tolerance(_) => least,
         };
         let options = Options {
             stations: Stations::At(places),
@@ -317,6 +317,10 @@ impl ContactResponse {
 impl PushedRod for ContactResponse {
     type Kept = Kept;
 
+    fn refinement(&mut self) -> &mut Refinement {
+        &mut self.refinement
+    }
+
     fn reset(&mut self) {
         (self.contact_mesh, self.linear) = (None, None);
     }
@@ -341,7 +345,8 @@ impl PushedRod for ContactResponse {
         let contact_mesh = match before.filter(stands) {
             Some(contact_mesh) => contact_mesh,
             None => {
-                ContactMesh::new(robot, options, case, self.refinement.halvings, stations, pushes)?
+                let Refinement { steps, halvings, .. } = self.refinement;
+                ContactMesh::new(robot, options, case, (steps, halvings), stations, pushes)?
             }
         };
         contact_mesh.model.accept(case, &contact_mesh.mesh, &mut self.workspace)?;

@@ -303,7 +303,9 @@ impl Compliant for ContactAdapter<'_> {
     }
 
     fn effort(&self) -> f64 {
-        self.watched.places.len() as f64 / 100.0
+        // A coordinate costs a third of a step of a rod, and to look at a watched place a tenth.
+        let coordinates = self.model.division.coordinates() * self.model.sections.len();
+        (coordinates as f64 / 3.0 + 0.1 * self.watched.places.len() as f64) / 100.0
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {

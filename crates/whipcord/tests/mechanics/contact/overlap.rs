@@ -3,11 +3,14 @@
 
 #![allow(clippy::print_stdout, reason = "a study tells what it found")]
 
+use std::collections::BTreeMap;
+use std::time::Instant;
+
 use proptest::prelude::*;
 use whipcord::four_bar::{FourBar, LengthRule, Objective, Options, Workspace};
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Model, ModelKind, Obstacle,
-    Part, Pose, Robot, Routing, Section, Shortening, Solution, SolveError, Stations,
+    Obstruction, Part, Pose, Robot, Routing, Section, Shortening, Solution, SolveError, Stations,
     UnitQuaternion, Vec3,
 };
 
@@ -405,4 +408,52 @@ fn study_of_arcs() {
 fn study_of_bodies() {
     study(bodies_by_tension);
     study(bodies_by_length);
+}
+
+/// Of every model: how many of 1,000 robots have an answer, why the others have none, and how long they take.
+/// `cargo test --release -p whipcord --test mechanics contact::overlap::study_of_outcomes -- --ignored --nocapture`
+#[test]
+#[ignore = "a study, which takes minutes"]
+fn study_of_outcomes() {
+    let all: [(&str, Solve); 8] = [
+        ("cosserat by tension", by_tension),
+        ("cosserat by length", by_length),
+        ("cosserat-disks by tension", disks_by_tension),
+        ("cosserat-disks by length", disks_by_length),
+        ("arcs by tension", arcs_by_tension),
+        ("arcs by length", arcs_by_length),
+        ("rigid bodies by length", bodies_by_length),
+        ("four-bar by length", four_bar),
+    ];
+    for (name, solve) in all {
+        let mut times = Vec::new();
+        let mut outcomes = BTreeMap::new();
+        for scenario in samples(scenario(), 125) {
+            let Some(case) = placed(solve, &scenario) else { continue };
+            let start = Instant::now();
+            let outcome = match solve(&scenario.robot, &case) {
+                Ok(_) => "solved",
+                Err(SolveError::ObstacleInTheWay { .. }) => "overlap at rest",
+                Err(SolveError::Obstructed { why, .. }) => match why {
+                    Obstruction::Slips => "slip off",
+                    Obstruction::Leaps => "jump away",
+                    Obstruction::NotConverged { .. } => "touch on without an equilibrium",
+                    Obstruction::BudgetSpent { .. } => "given up",
+                    Obstruction::TooManyContacts { .. } => "too many contacts",
+                    Obstruction::Model(_) => "no shape under the contacts",
+                },
+                Err(_) => "no shape",
+            };
+            times.push(start.elapsed().as_secs_f64());
+            *outcomes.entry(outcome).or_insert(0) += 1;
+        }
+        times.sort_by(f64::total_cmp);
+        let part = |p: usize| 1e3 * times[(times.len() - 1) * p / 100];
+        println!(
+            "{name}: p50 {:.1} ms, p90 {:.0} ms, worst {:.0} ms, {outcomes:?}",
+            part(50),
+            part(90),
+            part(100)
+        );
+    }
 }
