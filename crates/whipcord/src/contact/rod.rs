@@ -20,7 +20,7 @@ const WATCHED: usize = 80;
 
 /// Steps from base to tip at least, where the accuracy that is asked for does not say: few are quick, and where the way to the
 /// answer is lost on them more find it.
-const CONTACT_STEPS: [usize; 2] = [24, 96];
+const CONTACT_STEPS: [usize; 2] = [10, 96];
 
 /// What `solve` finds on few steps, or on more where that is no answer; it is given how many there are.
 pub(crate) fn on_few_steps_or_more<T>(
@@ -29,7 +29,16 @@ pub(crate) fn on_few_steps_or_more<T>(
 ) -> Result<T, SolveError> {
     let [few, more] = CONTACT_STEPS;
     match (solve(few), accuracy) {
-        (Err(SolveError::Obstructed { .. }), Accuracy::Tolerance(_)) => solve(more),
+        (
+            Err(
+                SolveError::Obstructed { .. }
+                | SolveError::NotConverged { .. }
+                | SolveError::StepsTooCoarse { .. }
+                | SolveError::NoDerivatives
+                | SolveError::SectionFolds { .. },
+            ),
+            Accuracy::Tolerance(_),
+        ) => solve(more),
         (found, _) => found,
     }
 }
