@@ -80,6 +80,45 @@ fn a_finger_closes_round_a_ball() {
     assert!((base.moment - total.moment).norm() < 1e-6 * STIFFNESS / LENGTH);
 }
 
+/// An obstacle that is not touched has no grasp, a ball without friction is not turned about its centre, and one with friction
+/// bears no more along its surface than Coulomb's law allows.
+#[test]
+fn the_grasp_of_a_ball_balances_the_base() {
+    for friction in [0.0, 0.3] {
+        let ball = Obstacle { friction, ..sphere(Vec3::new(0.031, 0.0, 0.030), 0.022) };
+        let away = sphere(Vec3::new(1.0, 0.0, 0.0), 0.01);
+        let case = Case::with_shortenings(&[Shortening::Length(0.01837)]);
+        let case = among(case, vec![away, ball.clone()]);
+        let robot = strip(24);
+        let kinds = [ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody];
+        let mut answers = kinds.map(|kind| by_sections(kind, &robot, &case).unwrap()).to_vec();
+        answers.push(by_rod(&robot, &case).unwrap());
+        for solution in answers {
+            let grasps = Grasp::all(&solution, &case.obstacles);
+            let [grasp] = grasps.as_slice() else { panic!("{grasps:?}") };
+            assert_eq!((grasp.obstacle, grasp.contacts), (1, solution.contacts.len()));
+            let Wrench { force, moment } = grasp.wrench.unwrap();
+            let pressed = grasp.normal_force.unwrap();
+            let base = solution.base_wrench.unwrap();
+            let scale = STIFFNESS / (LENGTH * LENGTH);
+            let about_base = moment + ball.pose.position.cross(force);
+            assert!((base.force + force).norm() < 1e-6 * scale);
+            assert!((base.moment + about_base).norm() < 1e-6 * scale * LENGTH);
+            if friction > 0.0 {
+                let margin = grasp.slip_margin.unwrap();
+                assert!((0.0..=1.0).contains(&margin));
+                assert_eq!(grasp.sliding > 0, margin < 1e-6, "{grasp:?}");
+                // Normal forces of a ball have no moment about its centre, so all of it is friction at the radius.
+                assert!(moment.norm() > 1e-6 * pressed * LENGTH, "{grasp:?}");
+                assert!(moment.norm() <= friction * 0.022 * pressed * (1.0 + 1e-6), "{grasp:?}");
+            } else {
+                assert_eq!(grasp.slip_margin, None);
+                assert!(moment.norm() < 1e-6 * pressed * LENGTH, "{grasp:?}");
+            }
+        }
+    }
+}
+
 /// Pulled harder, the disks roll off sideways: their rims push towards the strip, and it twists.
 #[test]
 fn a_grasp_that_nothing_holds_is_refused() {
