@@ -17,7 +17,7 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::layout::{Frame, Mesh, Span};
 use super::linear_step::Column;
-use super::loaded_span::{Gap, Link, Taut};
+use super::loaded_span::{Angles, Gap, Link, Slope, Taut};
 use super::rod::{self, InSpan, Sample};
 use super::span::{self, Chord, Vanished};
 use crate::budget::Meter;
@@ -177,6 +177,10 @@ pub(super) struct Chain {
     pub(super) links: Vec<Link>,
     /// Changes of the chords by what [`Link::by`] counts and by the load, span after span.
     pub(super) rows: Vec<f64>,
+    /// By how the pieces of cable are directed, the angles that they enclose in the holes; empty where these do not count.
+    pub(super) slopes: Vec<Slope>,
+    /// Changes of those angles by what [`Link::by`] counts, span after span: in the near holes, then in the far ones.
+    pub(super) angle_rows: Vec<f64>,
     pub(super) kept: Vec<Node>,
     pub(super) kept_tensions: Vec<f64>,
     pub(super) kept_load: f64,
@@ -191,6 +195,8 @@ pub(super) struct Chain {
 
 /// Rows of [`Chain::rows`] for each passage.
 pub(super) const ROWS: usize = 10;
+/// Rows of [`Chain::angle_rows`] for each passage.
+pub(super) const ANGLE_ROWS: usize = 18;
 
 /// [`Chain::measure`] with the instructions that the processor has, to the same bits.
 struct Measure<'a> {
@@ -362,6 +368,7 @@ impl Chain {
         let frame = task.frame;
         self.links.resize(frame.spans.len(), Link::default());
         self.rows.resize(ROWS * frame.passages, 0.0);
+        self.angle_rows.resize(ANGLE_ROWS * self.slopes.len(), 0.0);
         for (k, span) in frame.spans.iter().enumerate() {
             let steps = &task.mesh.spans[k];
             let passages = span.first..span.first + span.passages.len();
@@ -372,7 +379,15 @@ impl Chain {
                 tensions: &self.pulled[passages.clone()],
             };
             let rows = &mut self.rows[ROWS * passages.start..ROWS * passages.end];
-            match Link::new(task, k, self.nodes[k].rotation, &self.gaps[k], &taut, rows) {
+            let angles = match self.slopes.get(passages.clone()) {
+                Some(slopes) => {
+                    let rows = ANGLE_ROWS * passages.start..ANGLE_ROWS * passages.end;
+                    Angles { slopes, rows: &mut self.angle_rows[rows] }
+                }
+                None => Angles::default(),
+            };
+            let rotation = self.nodes[k].rotation;
+            match Link::new(task, k, rotation, &self.gaps[k], &taut, (rows, angles)) {
                 Some(link) => self.links[k] = link,
                 None => {
                     self.links.clear();

@@ -16,14 +16,15 @@
 //! ```
 //!
 //! says all of this in one equation for each hole; where a length is given, `D₀` takes the place of
-//! the one at the base. A semismooth Newton method solves them for the tension of every piece of
-//! cable, with the angles of the last iterate.
+//! the one at the base. [`super::friction_newton`] solves them together with the shape. Where that does not converge, a semismooth
+//! Newton method solves them here for the tension of every piece of cable, with the angles of the last iterate.
 
 use whipcord_numerics::{DenseLu, Pose, Vec3};
 
+use super::friction_newton::Law;
 use super::layout::Frame;
 use super::span::Chord;
-use super::statics::Rod;
+use super::statics::{Closed, Rod};
 use crate::shape::SlipState;
 use crate::statics::command::Command;
 use crate::statics::lengths::{Effort, TensionResponse as _};
@@ -73,7 +74,7 @@ const STUCK: &str =
 
 impl Holes {
     /// `Dᵢ` of every passage at these lengths and tensions of passages.
-    fn beyond(&self, lengths: &[f64], tensions: &[f64], beyond: &mut [f64]) {
+    pub(super) fn beyond(&self, lengths: &[f64], tensions: &[f64], beyond: &mut [f64]) {
         for passages in &self.of_cable {
             let mut sum = 0.0;
             for &p in passages.iter().rev() {
@@ -183,6 +184,12 @@ fn newton(
             }
         }
     }
+    let law = Law { holes, commands, before: &history.beyond, kappa, length };
+    if let Some(closed) = rod.close_with_friction(&law, &tensions) {
+        let Closed { tensions, beyond, turns, found } = closed;
+        history.advance(holes, commands, (tensions, beyond, &turns), SLIDES * length);
+        return Ok(found);
+    }
     let (mut beyond, mut lu) = (vec![0.0; n], DenseLu::default());
     let (mut matrix, mut right) = (vec![0.0; n * n], vec![0.0; n]);
     let mut last = f64::INFINITY;
@@ -257,27 +264,7 @@ fn newton(
         }
         let rounded = worst <= ROUNDING * length && worst > 0.3 * last;
         if worst <= TOLERANCE * length || rounded {
-            for (slip_state, (before, now)) in
-                history.slip_states.iter_mut().zip(history.beyond.iter().zip(&beyond))
-            {
-                *slip_state = SlipState::after(before - now, SLIDES * length);
-            }
-            for (cable, command) in commands.iter().enumerate() {
-                let first = holes.of_cable[cable][0];
-                let (wrap, tension) = (holes.coefficients[cable] * turns[first], tensions[first]);
-                let (least, most) = (tension * (-wrap).exp(), tension * wrap.exp());
-                history.base[cable] = match (*command, history.slip_states[first]) {
-                    (Command::Tension(given), _) => given,
-                    // Pulled in, the base bears more than the first piece.
-                    (Command::Length { .. }, SlipState::Pulled) => most,
-                    (Command::Length { .. }, SlipState::Released) => least,
-                    (Command::Length { .. }, SlipState::Sticks) => {
-                        history.base[cable].clamp(least, most)
-                    }
-                };
-            }
-            history.beyond.clone_from(&beyond);
-            history.tensions = tensions;
+            history.advance(holes, commands, (tensions, beyond, &turns), SLIDES * length);
             let (iterations, residual) = (iteration + 1, worst / length);
             return Ok(Found::with(Effort { iterations, residual }));
         }
@@ -327,6 +314,33 @@ fn by_material(rod: &Rod<'_>, holes: &Holes, passages: &[usize], row: &mut [f64]
 }
 
 impl History {
+    /// Moves on to these tensions, `Dᵢ` and `φᵢ` of all passages; a slip of less than `least` in m is none.
+    fn advance(
+        &mut self,
+        holes: &Holes,
+        commands: &[Command],
+        (tensions, beyond, turns): (Vec<f64>, Vec<f64>, &[f64]),
+        least: f64,
+    ) {
+        let slips = self.beyond.iter().zip(&beyond).map(|(before, now)| before - now);
+        for (slip_state, slip) in self.slip_states.iter_mut().zip(slips) {
+            *slip_state = SlipState::after(slip, least);
+        }
+        for (cable, command) in commands.iter().enumerate() {
+            let first = holes.of_cable[cable][0];
+            let (wrap, tension) = (holes.coefficients[cable] * turns[first], tensions[first]);
+            let (least, most) = (tension * (-wrap).exp(), tension * wrap.exp());
+            self.base[cable] = match (*command, self.slip_states[first]) {
+                (Command::Tension(given), _) => given,
+                // Pulled in, the base bears more than the first piece.
+                (Command::Length { .. }, SlipState::Pulled) => most,
+                (Command::Length { .. }, SlipState::Released) => least,
+                (Command::Length { .. }, SlipState::Sticks) => self.base[cable].clamp(least, most),
+            };
+        }
+        (self.beyond, self.tensions) = (beyond, tensions);
+    }
+
     /// What the holes did since `before`.
     fn compare(&mut self, before: &Self, least: f64) {
         let beyond = before.beyond.iter().zip(&self.beyond);

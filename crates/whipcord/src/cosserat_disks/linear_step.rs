@@ -19,7 +19,7 @@ pub(super) enum Column {
 
 impl Chain {
     /// What a column changes at a span, beside its start.
-    fn push(&self, task: &Task<'_>, k: usize, column: Column) -> Push {
+    pub(super) fn push(&self, task: &Task<'_>, k: usize, column: Column) -> Push {
         let link = &self.links[k];
         let mut push = Push::default();
         match column {
@@ -34,7 +34,7 @@ impl Chain {
     }
 
     /// How a span ends short of the next disk by a column, at the same start.
-    fn end(&self, task: &Task<'_>, k: usize, column: Column) -> Change {
+    pub(super) fn end(&self, task: &Task<'_>, k: usize, column: Column) -> Change {
         let link = &self.links[k];
         let passed = link.pass(&self.push(task, k, column)).1;
         match (column, task.step) {

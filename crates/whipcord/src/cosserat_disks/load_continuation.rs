@@ -194,7 +194,7 @@ pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effor
 }
 
 impl Raise<'_> {
-    fn task<'a>(
+    pub fn task<'a>(
         &'a self,
         groups: &'a [usize],
         loads: &'a crate::statics::loads::AppliedLoads,

@@ -3,6 +3,7 @@
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Node, Task};
+use super::layout::Span;
 use super::rod::{self, By, End, InSpan, Sample, Variation};
 use super::span::{self, Answer, Chord, Factors};
 use super::unloaded_span;
@@ -33,6 +34,40 @@ pub(super) struct Taut<'a> {
     pub pose: Pose,
     pub chords: &'a [Chord],
     pub tensions: &'a [f64],
+}
+
+/// How the angles that a piece of cable encloses with its neighbours hang on its direction, in rad.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slope {
+    /// The angle in the near hole, by the direction in the frame of the near disk.
+    pub near: Vec3,
+    /// The angle in the far hole, by the direction in the frame of the far disk.
+    pub far: Vec3,
+}
+
+/// What becomes of those angles.
+#[derive(Debug, Default)]
+pub(super) struct Angles<'a> {
+    /// Of each passage; empty where the angles do not count.
+    pub slopes: &'a [Slope],
+    /// Takes their changes: in the near holes by each of nine variations, then in the far ones.
+    pub rows: &'a mut [f64],
+}
+
+impl Angles<'_> {
+    /// The changes by variation `c` of the rod.
+    fn vary(&mut self, c: usize, span: &Span, taut: &Taut<'_>, variation: &Variation) {
+        let cables = self.slopes.len();
+        let to_far = taut.pose.rotation.conjugate();
+        for (i, (slope, passage)) in self.slopes.iter().zip(&span.passages).enumerate() {
+            let Chord { along, length } = taut.chords[i];
+            let t = to_far.rotate(along);
+            let way = variation.shift + variation.turn.cross(passage.far);
+            let tilt = (way - t * t.dot(way)) * (1.0 / length);
+            self.rows[c * cables + i] = slope.near.dot(taut.pose.rotation.rotate(tilt));
+            self.rows[(9 + c) * cables + i] = slope.far.dot(tilt - variation.turn.cross(t));
+        }
+    }
 }
 
 /// A linearised span.
@@ -141,8 +176,8 @@ impl Gap {
 }
 
 impl Link {
-    /// Linearises span `k`; `rows` takes the changes of the chords, the last of them by the load where that is free.
-    /// `None` where eq. (3) is singular.
+    /// Linearises span `k`; `rows` takes the changes of the chords, the last of them by the load where that is free, and
+    /// `angles` those of the angles in the holes. `None` where eq. (3) is singular.
     #[inline(always)]
     pub fn new(
         task: &Task<'_>,
@@ -150,11 +185,11 @@ impl Link {
         rotation: UnitQuaternion,
         gap: &Gap,
         taut: &Taut<'_>,
-        rows: &mut [f64],
+        (rows, angles): (&mut [f64], Angles<'_>),
     ) -> Option<Self> {
         let start = task.mesh.spans[k].start;
         let inside = InSpan::at(task.loads, task.load, rotation, start);
-        let by = answers(task, k, taut, &inside, rows);
+        let by = answers(task, k, taut, &inside, (&mut *rows, angles));
         let Gap { total_force, followers, applied, follower, .. } = *gap;
         let (factors, turn) = (Factors::new(&by)?, taut.pose.rotation);
         let by_load = None;
@@ -204,6 +239,11 @@ impl Link {
         (residual, Change { turn, moment, force })
     }
 
+    /// From the near disk to the far one.
+    pub fn far_frame(&self) -> UnitQuaternion {
+        self.turn.conjugate()
+    }
+
     /// Whether the determinant of what is eliminated is negative.
     pub const fn is_negative(&self) -> bool {
         self.factors.is_negative
@@ -244,7 +284,7 @@ fn answers(
     k: usize,
     taut: &Taut<'_>,
     inside: &InSpan<'_>,
-    rows: &mut [f64],
+    (rows, mut angles): (&mut [f64], Angles<'_>),
 ) -> [Answer; 9] {
     let Taut { samples, ref pose, chords, tensions } = *taut;
     let span = &task.frame.spans[k];
@@ -255,6 +295,7 @@ fn answers(
     let mut answer = |c: usize, out: &mut Answer, variation: &Variation| {
         let row = &mut rows[c * cables..(c + 1) * cables];
         *out = span::answer(span, pose, chords, tensions, variation, row);
+        angles.vary(c, span, taut, variation);
     };
     if inside.acts(steps.clone()) {
         for (c, out) in out.iter_mut().enumerate() {
@@ -277,6 +318,9 @@ fn answers(
             answer(c, out, &Variation { force: Vec3::ZERO, ..*variation });
         }
         rows[6 * cables..].fill(0.0);
+        for half in angles.rows.chunks_exact_mut(9 * cables.max(1)) {
+            half[6 * cables..].fill(0.0);
+        }
     }
     out
 }

@@ -13,7 +13,7 @@
 //! | `chain`, `linear_step`, `newton` | the loaded robot as a chain of spans, its linear step, and Newton's method |
 //! | `path`, `branches` | the chain as an equilibrium path, and all equilibria that are connected to the unloaded shape |
 //! | `statics`, `load_continuation` | equilibrium on one mesh, and continuation of the load |
-//! | `friction` | friction at the holes |
+//! | `friction`, `friction_newton` | friction at the holes: steps of actuation; chain and tensions in one Newton's method |
 //! | `refinement` | halving of the steps to a tolerance |
 //! | `stability`, `stability_check` | the second variation of the energy, and the decision |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
@@ -23,6 +23,7 @@ mod chain;
 mod contact;
 mod contact_response;
 mod friction;
+mod friction_newton;
 pub(crate) mod layout;
 mod linear_step;
 mod load_continuation;

@@ -4,6 +4,7 @@ use whipcord_numerics::{Pose, UnitQuaternion};
 
 use super::chain::{self, Chain, State};
 use super::friction::{self, History, Holes};
+use super::friction_newton::{FrictionScratch, Law};
 use super::layout::{Frame, Mesh};
 use super::load_continuation::{self, Raise};
 use super::rod::Sample;
@@ -108,6 +109,8 @@ pub(super) struct Scratch {
     pub(super) open: Option<Effort>,
     /// Tensions of all passages of the last answer with friction, for a finer mesh.
     coarse_tensions: Vec<f64>,
+    /// Of the holes in Newton's method for shape and tensions together.
+    holes: FrictionScratch,
     pub(super) applied: AppliedLoads,
     pub(super) unloaded: Unloaded,
     pub(super) chain: Chain,
@@ -239,6 +242,16 @@ fn with_friction(
     Ok(found)
 }
 
+/// An equilibrium of the robot with its holes, by passage.
+pub(super) struct Closed {
+    pub tensions: Vec<f64>,
+    /// `Dᵢ` in m.
+    pub beyond: Vec<f64>,
+    /// `φᵢ` in rad.
+    pub turns: Vec<f64>,
+    pub found: Found,
+}
+
 /// The robot as what answers tensions with a shape.
 pub(super) struct Rod<'a> {
     problem: &'a Problem<'a>,
@@ -302,6 +315,37 @@ impl<'a> Rod<'a> {
             (&unloaded.poses, &unloaded.chords)
         };
         turns(self.problem, holes, poses, chords)
+    }
+
+    /// Newton's method for shape and tensions of all passages together, from the chain as it stands or from the robot at these
+    /// tensions; `None` where it does not converge.
+    pub fn close_with_friction(&mut self, law: &Law<'_>, start: &[f64]) -> Option<Closed> {
+        let Problem { frame, mesh, .. } = *self.problem;
+        if !(self.loaded && self.closed) {
+            self.respond_with(start, true, false).ok()?;
+        }
+        let raise = Raise { problem: self.problem, commands: &[], derivatives: false };
+        let Scratch { chain, groups, unloaded, applied, holes, .. } = &mut *self.scratch;
+        chain.pull(groups, start);
+        if !self.loaded {
+            chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
+        }
+        let task = raise.task(groups, applied, 1.0);
+        let closed = chain.newton_with_friction(&task, law, holes);
+        self.closed &= closed.is_ok();
+        let (iterations, residual) = closed.ok()?;
+        let tensions = chain.tensions.clone();
+        let (beyond, turns) = (holes.beyond.clone(), holes.turns.clone());
+        if self.loaded {
+            self.expand(&tensions);
+            self.gather(tensions.len(), false);
+        } else {
+            unloaded.adopt(chain.nodes.iter().map(|node| node.wrench), frame);
+            self.from = unloaded::From::Neighbour;
+            self.respond_with(&tensions, true, false).ok()?;
+        }
+        let found = Found::with(Effort { iterations, residual });
+        Some(Closed { tensions, beyond, turns, found })
     }
 
     fn expand(&mut self, tensions: &[f64]) {

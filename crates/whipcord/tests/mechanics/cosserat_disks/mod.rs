@@ -3,6 +3,7 @@
 
 mod compliance;
 mod friction;
+mod friction_study;
 mod loads;
 mod reference;
 mod stability;

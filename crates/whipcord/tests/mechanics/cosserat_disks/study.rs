@@ -22,7 +22,7 @@ const LENGTH: f64 = 0.2;
 const RADIUS: f64 = 0.009;
 
 /// One to six cables of any routing that the files know, anchored at a disk; six to fifteen sections.
-fn robots() -> impl Strategy<Value = (Robot, Case)> {
+pub fn robots() -> impl Strategy<Value = (Robot, Case)> {
     (7..=16_usize, 1..=6_usize)
         .prop_flat_map(|(disks, cables)| {
             (
@@ -76,7 +76,7 @@ fn robots() -> impl Strategy<Value = (Robot, Case)> {
 
 /// The case with its tensions scaled so that the cables alone turn the backbone by about `target`;
 /// `None` where they fold it before.
-fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> {
+pub fn bent_by(robot: &Robot, case: &Case, target: f64) -> Option<(Case, Solution)> {
     let model =
         Model::CosseratDisks(Options { stability: StabilityAnalysis::Off, ..Options::default() });
     let mut scaled = Case { loads: Loads::default(), ..case.clone() };
