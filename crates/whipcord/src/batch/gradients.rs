@@ -1,7 +1,7 @@
 //! Gradients of scalars by the commands of every row, and by parameters of the robot.
 
-use super::BatchOptions;
 use super::error::BatchError;
+use super::options::BatchOptions;
 use super::rows::Rows;
 use super::run::run;
 use crate::derivatives::Cotangent;

@@ -46,15 +46,15 @@
 mod arrays;
 mod error;
 mod gradients;
+mod options;
 mod piece;
 mod rows;
 mod run;
 
-use core::num::NonZeroUsize;
-
 pub use arrays::{Arrays, Batch, Row, Solved};
 pub use error::BatchError;
 pub use gradients::{Gradients, Sensitivities, pull_back_batch};
+pub use options::{BatchOptions, PATH_ROWS, Progress};
 pub use rows::Rows;
 pub use whipcord_numerics::lanes::Width;
 
@@ -65,30 +65,6 @@ use crate::robot::Robot;
 use crate::shape::Solution;
 use piece::solve_rows;
 use run::run;
-
-/// Called with the number of rows that are done so far and of all rows, from any of the threads;
-/// `false` stops the batch.
-pub type Progress<'a> = &'a (dyn Fn(usize, usize) -> bool + Sync);
-
-/// How a batch is worked off.
-#[derive(Clone, Copy, Default)]
-pub struct BatchOptions<'a> {
-    /// How many threads share the rows. `None`: the pool of rayon that the caller is in, by default
-    /// as many as there are processors. Without the cargo feature `parallel` there is one.
-    pub threads: Option<NonZeroUsize>,
-    /// Whether the rows follow a path, so that each may start from the answer before it. Pieces of
-    /// [`PATH_ROWS`] rows start cold, and so does a row after one without an answer.
-    pub warm_path: bool,
-    /// Solve row by row without vectors, with the same answers.
-    pub no_lanes: bool,
-    /// How many rows at a time the vectors carry, with the same answers.
-    pub width: Width,
-    /// Called after every row that is solved by itself, and after every piece that is solved in vectors.
-    pub progress: Option<Progress<'a>>,
-}
-
-/// Rows of a path that one thread solves in order, the first of them cold.
-pub const PATH_ROWS: usize = 64;
 
 /// Solves all rows of one robot.
 ///

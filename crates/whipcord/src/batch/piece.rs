@@ -2,9 +2,9 @@
 
 use super::arrays::{Arrays, Solved};
 use super::error::BatchError;
+use super::options::{BatchOptions, PATH_ROWS};
 use super::rows::Rows;
 use super::run::{Tally, run};
-use super::{BatchOptions, PATH_ROWS};
 use crate::case::{CableCommand, Case, Loads};
 use crate::cosserat::UnloadedLanes;
 use crate::error::SolveError;

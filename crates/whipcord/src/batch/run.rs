@@ -4,7 +4,7 @@ use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::error::BatchError;
-use super::{BatchOptions, Progress};
+use super::options::{BatchOptions, Progress};
 use crate::cancel::Cancel;
 
 /// How far a batch is, and whether it goes on.

@@ -3,8 +3,8 @@
 
 use whipcord_numerics::{BUTCHER_5, UnitQuaternion, Vec3};
 
+use super::effect::Forcing;
 use super::elimination::StepPull;
-use super::forward::Forcing;
 use super::replay::{Ends, Replay, Spread, Stage, Swing};
 use crate::statics::grid::Step;
 use crate::statics::runge_kutta::STAGES;

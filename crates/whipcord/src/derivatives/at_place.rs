@@ -2,8 +2,10 @@
 
 use whipcord_numerics::Twist;
 
-use super::elimination::NodeChange;
-use super::{Derivatives, Place, Source};
+use super::change::Place;
+use super::column::Source;
+use super::node_change::NodeChange;
+use super::rod::Derivatives;
 use crate::kinematics::{Compliance, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6};
 use crate::statics::command::Command;
 use crate::statics::hold::Hold;

@@ -2,12 +2,13 @@
 
 use whipcord_numerics::{Twist, Vec3};
 
-use super::change::Places;
-use super::columns::unit_wrench;
-use super::elimination::{NodeChange, StepPull};
-use super::forward::Effect;
+use super::change::{Place, Places};
+use super::column::unit_wrench;
+use super::effect::Effect;
+use super::elimination::StepPull;
+use super::node_change::NodeChange;
+use super::rod::Derivatives;
 use super::spans::Spans;
-use super::{Derivatives, Place};
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::hold::Hold;

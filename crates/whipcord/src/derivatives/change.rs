@@ -2,7 +2,6 @@
 
 use whipcord_numerics::Twist;
 
-use super::Place;
 use crate::section::Strain;
 use crate::shape::Wrench;
 
@@ -76,4 +75,15 @@ impl Places {
             Place::Tip => self.tip,
         }
     }
+}
+
+/// A place of the answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A station of [`crate::Solution::shape`], from 0.
+    Station(usize),
+    /// A disk, from 0 at the base.
+    Disk(usize),
+    /// The tip.
+    Tip,
 }

@@ -18,9 +18,8 @@
 
 use whipcord_numerics::{Twist, Vec3};
 
-use super::Place;
 use super::backward::{Cotangent, Gradient};
-use super::change::{Change, Places};
+use super::change::{Change, Place, Places};
 use super::linear_system::{KnownPlaces, LinearSystem, ParameterChange, add, dot};
 use crate::error::SolveError;
 use crate::kinematics::{Local, Matrix6};

@@ -13,9 +13,11 @@
 //! does not magnify errors as a single shot does, and costs one 3×3 inverse to a step where loads
 //! are dead. [`Elimination::pull_back`] is the same run backwards, operation by operation.
 
-use whipcord_numerics::{Mat3, Twist, Vec3};
+use whipcord_numerics::{Mat3, Vec3};
 
-use super::forward::{Effect, Maps, StepMap};
+use super::effect::Effect;
+use super::forward::{Maps, StepMap};
+use super::node_change::NodeChange;
 use crate::shape::Wrench;
 use crate::statics::hold::Critical;
 
@@ -39,17 +41,6 @@ struct Eliminated {
     coupled: bool,
 }
 
-/// How a node moves, base frame: with something that changes, or the other way round the
-/// sensitivity of something to it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct NodeChange {
-    pub turn: Vec3,
-    pub position: Vec3,
-    /// Of moment and force just behind the node.
-    pub moment: Vec3,
-    pub force: Vec3,
-}
-
 /// The sensitivity of something to what acts within a step and at its end.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct StepPull {
@@ -57,29 +48,6 @@ pub(super) struct StepPull {
     pub effect: Effect,
     /// To the wrench added at the node at its end.
     pub added: Wrench,
-}
-
-impl NodeChange {
-    /// `self += f · other`.
-    pub fn add(&mut self, f: f64, other: &Self) {
-        self.turn += f * other.turn;
-        self.position += f * other.position;
-        self.moment += f * other.moment;
-        self.force += f * other.force;
-    }
-
-    /// The motion of the node.
-    pub fn twist(&self) -> Twist {
-        Twist { linear: self.position, angular: self.turn }
-    }
-
-    /// What a change is worth where the other is a sensitivity.
-    pub fn dot(&self, other: &Self) -> f64 {
-        self.turn.dot(other.turn)
-            + self.position.dot(other.position)
-            + self.moment.dot(other.moment)
-            + self.force.dot(other.force)
-    }
 }
 
 impl Elimination {

@@ -16,6 +16,7 @@ use whipcord_numerics::{BUTCHER_5, Mat3, Vec3};
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::effect::{Effect, Forcing};
 use super::replay::{AXES, Replay, Spread, Stage, Swing};
 use crate::section::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
 use crate::statics::grid::Step;
@@ -105,63 +106,6 @@ impl StepMap {
 
 /// Of the force, where nothing turns with the rod.
 const NO_FOLLOWERS: [Mat3; 3] = [Mat3::ZERO, Mat3::ZERO, Mat3::IDENTITY];
-
-/// How the end of a step moves with something that acts within it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Effect {
-    pub turn: Vec3,
-    pub moment: Vec3,
-    pub shift: Vec3,
-    pub force: Vec3,
-}
-
-impl Effect {
-    pub fn plus(self, other: &Self) -> Self {
-        Self {
-            turn: self.turn + other.turn,
-            moment: self.moment + other.moment,
-            shift: self.shift + other.shift,
-            force: self.force + other.force,
-        }
-    }
-
-    /// With what turns with the section there.
-    pub fn with_follower(mut self, [by_moment, by_force]: &[Mat3; 2]) -> Self {
-        self.moment += *by_moment * self.turn;
-        self.force += *by_force * self.turn;
-        self
-    }
-
-    /// What an effect is worth where the other is a sensitivity.
-    pub fn dot(&self, other: &Self) -> f64 {
-        self.turn.dot(other.turn)
-            + self.moment.dot(other.moment)
-            + self.shift.dot(other.shift)
-            + self.force.dot(other.force)
-    }
-}
-
-/// What acts within a stage: the explicit change `e` of the section equations, that of the force, and
-/// those of the rates of moment and force, in the base frame.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Forcing {
-    pub force_balance: Vec3,
-    pub moment_balance: Vec3,
-    pub force: Vec3,
-    pub torque: Vec3,
-    pub rate: Vec3,
-}
-
-impl Forcing {
-    /// What a forcing is worth where the other is a sensitivity.
-    pub fn dot(&self, other: &Self) -> f64 {
-        self.force_balance.dot(other.force_balance)
-            + self.moment_balance.dot(other.moment_balance)
-            + self.force.dot(other.force)
-            + self.torque.dot(other.torque)
-            + self.rate.dot(other.rate)
-    }
-}
 
 /// The maps of all steps.
 #[derive(Clone, Debug, Default)]

@@ -4,8 +4,9 @@
 use whipcord_numerics::{BUTCHER_5, GAUSS_3, Mat3, Vec3};
 
 use super::adjoint::stage_pulls;
+use super::effect::Forcing;
 use super::elimination::StepPull;
-use super::forward::{Forcing, Maps};
+use super::forward::Maps;
 use super::quadrature::{POINTS, Quadrature};
 use super::replay::{Answer, Replay, Stage};
 use super::spans::{Spans, StraightSpan};

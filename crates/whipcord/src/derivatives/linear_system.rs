@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Vec3, derivative};
 
-use super::columns::unit_wrench;
+use super::column::unit_wrench;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::shape::Wrench;

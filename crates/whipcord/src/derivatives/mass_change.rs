@@ -2,7 +2,7 @@
 
 use whipcord_numerics::GAUSS_3;
 
-use super::partials::Setting;
+use super::setting::Setting;
 use crate::parameter::Parameter;
 
 /// Change of the mass at and beyond the end of each step; empty where there is none.

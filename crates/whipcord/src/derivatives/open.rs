@@ -5,10 +5,10 @@
 
 use whipcord_numerics::{UnitQuaternion, Vec3};
 
-use super::Derivatives;
-use super::columns::Raw;
-use super::elimination::NodeChange;
-use super::forward::Effect;
+use super::column::Raw;
+use super::effect::Effect;
+use super::node_change::NodeChange;
+use super::rod::Derivatives;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::elimination::Change;

@@ -1,57 +1,21 @@
 //! Where a parameter enters: the explicit change `e` of the section equations, of the force, of the
 //! loads between steps and of the cables' lengths, at constant strain and shape.
 
-use whipcord_numerics::{GAUSS_3, Mat3, Pose, Twist, UnitQuaternion, Vec3};
+use whipcord_numerics::{GAUSS_3, Mat3, Twist, Vec3};
 
-use super::Cables;
-use super::forward::Forcing;
+use super::effect::Forcing;
 use super::linear::Linear;
 use super::mass_change::MassChange;
 use super::replay::AXES;
+use super::setting::{AtRest, Setting};
 use super::spread_change::SpreadChange;
-use crate::case::{Case, Shortening};
+use crate::case::Shortening;
 use crate::parameter::RouteChange;
 use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::{Robot, RobotError, SectionProperties};
 use crate::section::{BodyWrench, Crossing, Stiffness, Strain};
 use crate::shape::Wrench;
-use crate::statics::grid::{Grid, Node, SHOOTING_NODES, Step};
-
-/// The robot and case of an answer, as the partial derivatives need them.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Setting<'a> {
-    pub robot: &'a Robot,
-    pub case: &'a Case,
-    pub cables: Cables<'a>,
-    pub grid: &'a Grid,
-    pub tensions: &'a [f64],
-    /// Frames at the ends of all steps.
-    pub poses: &'a [Pose],
-    /// The rod at rest, where cables run straight between disks.
-    pub at_rest: Option<&'a AtRest<'a>>,
-}
-
-/// The rod at rest, bearing nothing, on a grid of its own.
-#[derive(Clone, Debug)]
-pub(super) struct AtRest<'a> {
-    pub grid: &'a Grid,
-    pub linear: Linear,
-}
-
-impl Setting<'_> {
-    /// From the frame of the dead loads to that of the base.
-    fn turn(&self) -> UnitQuaternion {
-        self.case.loads.to_base(self.case.base.rotation)
-    }
-
-    /// What the robot carries at and beyond the end of step `k`, in kg.
-    fn carried_beyond(&self, k: usize) -> f64 {
-        let loads = &self.case.loads;
-        let places = &self.grid.loads[loads.points.len()..];
-        let beyond = loads.masses.iter().zip(places).filter(|(_, place)| **place > k);
-        beyond.map(|(mass, _)| mass.mass).sum()
-    }
-}
+use crate::statics::grid::{Node, SHOOTING_NODES, Step};
 
 /// A section of the linearised answer.
 #[derive(Clone, Copy, Debug)]

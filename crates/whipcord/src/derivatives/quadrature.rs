@@ -15,8 +15,9 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{GAUSS_3, Mat3, Pose, Vec3};
 
+use super::effect::{Effect, Forcing};
 use super::elimination::StepPull;
-use super::forward::{Effect, Forcing, Maps, StepMap};
+use super::forward::{Maps, StepMap};
 use super::magnus::{LaneMotion, LaneTwist, end_by_twists};
 use super::replay::{Answer, Stage};
 use crate::section::Fault;

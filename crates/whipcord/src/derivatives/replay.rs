@@ -7,8 +7,8 @@
 
 use whipcord_numerics::{BUTCHER_5, Mat3, Pose, UnitQuaternion, Vec3};
 
-use super::elimination::NodeChange;
-use super::forward::Forcing;
+use super::effect::Forcing;
+use super::node_change::NodeChange;
 use crate::section::Fault;
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::shape::Wrench;

@@ -18,8 +18,10 @@ use core::ops::Range;
 
 use whipcord_numerics::{Mat3, Vec3};
 
-use super::elimination::{NodeChange, invert};
-use super::forward::{Effect, Forcing, Maps, StepMap, set_column};
+use super::effect::{Effect, Forcing};
+use super::elimination::invert;
+use super::forward::{Maps, StepMap, set_column};
+use super::node_change::NodeChange;
 use super::replay::{AXES, Answer, Replay};
 use crate::section::Fault;
 use crate::shape::Wrench;

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Mat3, UnitQuaternion, Vec3};
 
-use super::forward::Forcing;
+use super::effect::Forcing;
 use super::replay::AXES;
 use crate::case::{Loads, Profile};
 use crate::parameter::Parameter;

@@ -3,11 +3,11 @@
 
 use whipcord_numerics::{Ldlt3, Pose, SingularValues, Sym3, Twist, Vec3};
 
-use super::FourBar;
 use super::bend::Bend;
+use super::model::FourBar;
 use super::options::{LengthRule, Objective};
 use super::section::Section;
-use super::solve::{LOOSE, Workspace};
+use super::workspace::{LOOSE, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;

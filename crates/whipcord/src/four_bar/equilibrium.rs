@@ -3,16 +3,11 @@
 
 use super::options::{Chord, Options};
 use super::section;
-use super::{FourBar, Workspace};
-use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::linkage::division::{Bend, Division, Energy, Joint};
 use crate::linkage::{self, Linkage};
-use crate::refusal;
 use crate::robot::{Robot, Stiffness};
-use crate::shape::{Solution, Wrench};
-use crate::statics::path::branches::{BranchOptions, Branches};
 
 /// One arc from disk to disk, whose energy is that of eqs. (5) and (13).
 const fn division(chord: Chord) -> Division {
@@ -70,53 +65,4 @@ fn with_assumed_stiffness(robot: &Robot) -> Result<Robot, SolveError> {
         }
     }
     Ok(Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec())?)
-}
-
-impl FourBar {
-    /// Whether the answer to a case is an equilibrium of given forces, and not only of given lengths.
-    pub(super) fn is_under_forces(&self, case: &Case) -> bool {
-        let is_pulled = || match self.options.actuation {
-            Actuation::Tension => true,
-            Actuation::Shortening => false,
-            Actuation::Natural => case.commands.iter().any(|c| c.shortening.is_none()),
-        };
-        let is_elastic = || self.robot.cables().iter().any(|c| c.axial_stiffness.is_some());
-        !case.loads.is_none() || is_pulled() || is_elastic()
-    }
-
-    /// The chain in equilibrium, where the model knows the forces, and its memory.
-    pub(crate) fn chain<'a>(
-        &'a self,
-        workspace: &'a mut Workspace,
-    ) -> Option<(&'a Linkage, &'a mut linkage::Workspace)> {
-        let chain = self.chain.as_ref().filter(|chain| chain.knows_forces());
-        chain.map(|chain| (chain, &mut workspace.chain))
-    }
-
-    /// All equilibria under the load of a case, as [`Linkage::branches`] finds them.
-    ///
-    /// # Errors
-    /// As [`Linkage::branches`]; [`SolveError::Unsupported`] where the model knows no forces.
-    pub fn branches(
-        &self,
-        case: &Case,
-        options: &BranchOptions,
-        workspace: &mut Workspace,
-    ) -> Result<Branches, SolveError> {
-        match self.chain(workspace) {
-            Some((chain, memory)) => chain.branches(case, options, memory),
-            None => Err(refusal::branches(ModelKind::FourBar)),
-        }
-    }
-
-    /// Completes an answer of given lengths by what the strain energy says of it: nothing but the cables loads the base, and
-    /// whether it is stable.
-    pub(super) fn judge(&self, case: &Case, workspace: &mut Workspace, solution: &mut Solution) {
-        if let Some((chain, memory)) = self.chain(workspace) {
-            let verdict = chain.judge(case, solution, memory);
-            let diagnostics = core::mem::take(&mut solution.diagnostics);
-            solution.diagnostics = diagnostics.with_stability(verdict);
-            solution.base_wrench = Some(Wrench::default());
-        }
-    }
 }

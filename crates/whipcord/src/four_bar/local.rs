@@ -2,9 +2,9 @@
 
 use whipcord_numerics::{Twist, UnitQuaternion};
 
-use super::FourBar;
+use super::model::FourBar;
 use super::options::{LengthRule, Objective, Options};
-use super::solve::Workspace;
+use super::workspace::Workspace;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;

@@ -3,6 +3,7 @@
 //!
 //! `docs/theory/four-bar.md` derives the equations whose numbers stand in the code.
 
+mod answer;
 mod as_printed;
 mod bend;
 mod derivatives;
@@ -11,6 +12,7 @@ mod joint;
 mod length;
 mod local;
 mod measure;
+mod model;
 mod one_cable;
 mod options;
 mod plane;
@@ -20,205 +22,11 @@ mod several;
 mod solve;
 #[cfg(test)]
 mod tests;
+mod under_forces;
+mod workspace;
 
 pub use derivatives::Derivatives;
 pub(crate) use local::solve_at;
+pub use model::FourBar;
 pub use options::{Chord, Conflicts, LengthRule, Objective, Options, UnknownOption};
-pub use solve::Workspace;
-
-use crate::budget::Budget;
-use crate::cancel::Cancel;
-use crate::case::Case;
-use crate::derivatives::CoordinateDerivatives;
-use crate::error::SolveError;
-use crate::kind::ModelKind;
-use crate::linkage::Linkage;
-use crate::parameter::Parameter;
-use crate::robot::Robot;
-use crate::shape::Solution;
-use crate::statics::options::StabilityAnalysis;
-use crate::warm_start::{Status, WarmStart};
-
-use section::Section;
-
-/// The four-bar model of one robot.
-///
-/// It is geometric: driven by how much each cable is shortened, blind to loads and to
-/// friction (which changes tensions, not prescribed lengths), and without forces in its answer,
-/// but for the tensions that the strain-energy objective yields. With that objective, the length rule `free` and a given
-/// stiffness its sections are a chain in equilibrium, which also takes tensions, loads and elastic cables. Cables only pull: one that is
-/// prescribed to be longer than its path is slack. Under the length rule `free` every other cable
-/// has the prescribed length to 10⁻⁸ of the backbone's, or the solve is refused; when the lengths that
-/// another rule gives a section contradict each other by little,
-/// the answer is the least-squares one, and [`Diagnostics::residual`](crate::Diagnostics::residual)
-/// is the largest difference from a prescribed length, relative to the length of the backbone.
-///
-/// ```
-/// use whipcord::four_bar::{FourBar, Options, Workspace};
-/// use whipcord::{Backbone, Cable, Case, Disks, Robot, Routing, Shortening};
-///
-/// // One section of 20 mm, a straight cable at 8 mm, shortened by 1 mm.
-/// let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
-/// let disks = Disks::equally_spaced(0.02, 2, 0.008);
-/// let robot = Robot::new(Backbone::new(0.02), disks, vec![cable])?;
-/// let model = FourBar::new(&robot, &Options::default())?;
-/// let case = Case::with_shortenings(&[Shortening::Length(0.001)]);
-/// let solution = model.solve(&case, None, &mut Workspace::default())?;
-/// let bend = solution.shape.tip().rotation.log().norm();
-/// assert!((bend - 2.0 * f64::asin(0.001 / 0.016)).abs() < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct FourBar {
-    robot: Robot,
-    options: Options,
-    sections: Vec<Section>,
-    /// Initial length of each cable in m.
-    initial_lengths: Vec<f64>,
-    /// Number of sections each cable passes.
-    passages: Vec<usize>,
-    /// Tension in N of a multiplier of 1 rad²/m, eq. (10), where it is known.
-    tension_scale: Option<f64>,
-    /// Arc lengths of the stations in m.
-    stations: Vec<f64>,
-    /// The same sections in equilibrium with forces, where the strain energy decides on the shape.
-    chain: Option<Linkage>,
-}
-
-impl FourBar {
-    /// The model of a robot.
-    ///
-    /// # Errors
-    /// [`SolveError::Unsupported`] for what a geometric model cannot take (without strain energy and stiffness elastic cables and
-    /// tension as the command, and more with the objective `as-printed`), and
-    /// [`SolveError::Missing`] when the strain-energy objective finds no Poisson's ratio.
-    pub fn new(robot: &Robot, options: &Options) -> Result<Self, SolveError> {
-        refusal::robot(robot, options)?;
-        let sections = section::sections(robot, options.objective, options.chord)?;
-        let mut initial_lengths = vec![0.0; robot.cables().len()];
-        let mut passages = vec![0; robot.cables().len()];
-        for passage in sections.iter().flat_map(|section| &section.passages) {
-            initial_lengths[passage.cable] += passage.initial;
-            passages[passage.cable] += 1;
-        }
-        let tension_scale = if options.objective == Objective::StrainEnergy {
-            let reference = section::reference_stiffness(robot)?;
-            let stiffness = section::modulus(robot).zip(reference).map(|(e, i)| e * i);
-            stiffness.map(|stiffness| stiffness / (2.0 * robot.backbone().length))
-        } else {
-            None
-        };
-        let chain = equilibrium::chain(robot, options)?;
-        Ok(Self {
-            robot: robot.clone(),
-            options: options.clone(),
-            chain,
-            sections,
-            initial_lengths,
-            passages,
-            tension_scale,
-            stations: options.stations.arc_lengths(robot),
-        })
-    }
-
-    /// The robot this model was built for.
-    #[must_use]
-    pub fn robot(&self) -> &Robot {
-        &self.robot
-    }
-
-    pub(crate) const fn set_budget(&mut self, budget: Budget) {
-        self.options.budget = budget;
-        if let Some(chain) = &mut self.chain {
-            chain.set_budget(budget);
-        }
-    }
-
-    pub(crate) fn set_cancel(&mut self, cancel: &Cancel) {
-        self.options.cancel.clone_from(cancel);
-        if let Some(chain) = &mut self.chain {
-            chain.cancel_mut().clone_from(cancel);
-        }
-    }
-
-    /// What is asked of the stability of answers; `None` where no energy decides on them.
-    pub(crate) fn stability_mut(&mut self) -> Option<&mut StabilityAnalysis> {
-        self.chain.as_mut().map(Linkage::stability_mut)
-    }
-
-    /// Arc lengths of the stations in m.
-    #[must_use]
-    pub fn stations(&self) -> &[f64] {
-        &self.stations
-    }
-
-    /// The shape under a case. Of given lengths it starts from its own guess, which is close, and a warm start changes
-    /// nothing, but for the contacts with obstacles that it has.
-    ///
-    /// # Errors
-    /// Where the model knows no forces [`SolveError::Unsupported`] for loads and [`SolveError::Missing`] for a cable without a
-    /// shortening; else what [`Linkage::solve`] says of tensions and loads; [`SolveError::SectionOutOfReach`], [`SolveError::UnreachableLength`] (length
-    /// rule `free`) and [`SolveError::CablesConflict`] for lengths that cannot be had,
-    /// [`SolveError::NoLever`] for a cable through the centre of a section,
-    /// [`SolveError::Invalid`] for a case that does not fit the robot.
-    pub fn solve(
-        &self,
-        case: &Case,
-        warm_start: Option<&Solution>,
-        workspace: &mut Workspace,
-    ) -> Result<Solution, SolveError> {
-        let mut solution = Solution::empty(ModelKind::FourBar);
-        let status = self.solve_into(case, warm_start.into(), workspace, &mut solution)?;
-        workspace.chain.answered(status, solution)
-    }
-
-    /// [`Self::solve`] into memory that is at hand: without obstacles and after the first call nothing is allocated where at most
-    /// one cable passes each section.
-    ///
-    /// # Errors
-    /// As [`Self::solve`].
-    pub fn solve_into(
-        &self,
-        case: &Case,
-        from: WarmStart<'_>,
-        workspace: &mut Workspace,
-        solution: &mut Solution,
-    ) -> Result<Status, SolveError> {
-        if let Some(chain) = &self.chain {
-            let takes = chain.knows_forces() && self.is_under_forces(case);
-            if takes || !case.obstacles.is_empty() {
-                refusal::case(&self.robot, &self.options, case, takes)?;
-                return chain.solve_into(case, from, &mut workspace.chain, solution);
-            }
-        }
-        let outcome = self.solve_and_tell(case, workspace, solution).map(|compromise| {
-            if !compromise {
-                self.judge(case, workspace, solution);
-            }
-        });
-        workspace.several.meter.checked(outcome).map(|()| Status::Converged)
-    }
-
-    /// Whether it knows how an answer changes with loads and parameters: where the strain energy decides where sections bend, the
-    /// whole length of a cable is prescribed, and the robot's stiffness is given.
-    #[must_use]
-    pub fn has_linearization(&self) -> bool {
-        self.chain.as_ref().is_some_and(Linkage::knows_forces)
-    }
-
-    /// [`Self::solve`], with the derivatives of the answer: by the commands, by tensions, by loads at any place, and by these
-    /// parameters.
-    ///
-    /// # Errors
-    /// As [`Linkage::solve_with_derivatives`]; [`SolveError::Unsupported`] without a strain energy that decides on the shape.
-    pub fn solve_and_linearize(
-        &self,
-        case: &Case,
-        warm_start: Option<&Solution>,
-        parameters: &[Parameter],
-        workspace: &mut Workspace,
-    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
-        let (chain, memory) = self.chain(workspace).ok_or_else(|| self.no_linearization())?;
-        chain.solve_with_derivatives(case, warm_start, parameters, memory)
-    }
-}
+pub use workspace::Workspace;

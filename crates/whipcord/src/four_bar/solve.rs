@@ -4,47 +4,20 @@ use core::slice;
 
 use whipcord_numerics::Pose;
 
-use super::FourBar;
 use super::as_printed::{self, Unsolvable};
 use super::bend::Bend;
 use super::joint::Joint;
+use super::model::FourBar;
 use super::one_cable;
 use super::options::{Conflicts, LengthRule, Objective};
 use super::refusal;
 use super::several::{Ending, Several};
+use super::workspace::{Found, LOOSE, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::linkage;
 use crate::shape::{CableState, Diagnostics, NoStability, Solution};
 use crate::stations::Stations;
-
-/// Scratch memory of a solve.
-#[derive(Clone, Debug, Default)]
-pub struct Workspace {
-    /// Prescribed length of each cable, in all and in one section.
-    pub(super) targets: Vec<f64>,
-    section_targets: Vec<f64>,
-    /// By cable, for one section.
-    multipliers: Vec<f64>,
-    cables: Vec<Found>,
-    pub(super) joints: Vec<Joint>,
-    /// Multiplier of each passage, section by section.
-    pub(super) pulls: Vec<f64>,
-    pub(super) several: Several,
-    /// Of the chain in equilibrium with forces.
-    pub(super) chain: linkage::Workspace,
-}
-
-/// What has been found of one cable.
-#[derive(Clone, Copy, Debug, Default)]
-struct Found {
-    length: f64,
-    /// Multiplier conjugate to the total length, rad²/m.
-    multiplier: f64,
-    /// Whether the cable is as long as prescribed in some section.
-    binds: bool,
-}
 
 /// What the diagnostics report.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,10 +28,6 @@ struct Tally {
     /// Whether some lengths were met in the least-squares sense only.
     compromise: bool,
 }
-
-/// Excess of the prescribed length over the path above which a cable hangs loose, relative to its
-/// initial length: well above the error of a length, well below what anyone can measure.
-pub(super) const LOOSE: f64 = 1e-10;
 
 /// Whole lengths are met to this under the length rule `free`, relative to the length of the backbone.
 pub(super) const MET: f64 = 1e-8;

@@ -3,7 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
-use super::{Parameter, StiffnessPart};
+use super::quantity::{Parameter, StiffnessPart};
 
 /// The path of the quantity in the terms of the robot file.
 impl fmt::Display for Parameter {

@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use whipcord_numerics::{PiecewiseCubic, Vec3};
 
-use super::Parameter;
+use super::quantity::Parameter;
 use crate::robot::fourier::Fourier;
 use crate::robot::route::{Curve, Route, plane, polynomial, unwrapped_angles};
 use crate::robot::{Interpolation, Robot, Routing};

@@ -1,6 +1,6 @@
 //! How large a change of a parameter matters.
 
-use super::Parameter;
+use super::quantity::Parameter;
 use crate::case::Case;
 use crate::robot::Robot;
 

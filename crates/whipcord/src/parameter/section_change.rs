@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use whipcord_numerics::Vec3;
 
-use super::Parameter;
+use super::quantity::Parameter;
 use crate::robot::section::torsion_series;
 use crate::robot::{Along, Backbone, Disks, Section, SectionProperties};
 

@@ -1,6 +1,5 @@
 use whipcord_numerics::equally_spaced;
 
-use super::backbone::Backbone;
 use super::error::{Problem, RobotError};
 use super::limits::{COORDINATE, LEAST_PITCH, LENGTH, MASS, MOST_DISKS, check_count};
 
@@ -85,7 +84,7 @@ impl Disks {
         (i, (arc_length - s[i]) / (s[i + 1] - s[i]))
     }
 
-    pub(super) fn check(&self, backbone: &Backbone) -> Result<(), RobotError> {
+    pub(super) fn check(&self, length: f64) -> Result<(), RobotError> {
         let s = &self.arc_lengths;
         if s.len() < 2 {
             return Err(RobotError::new(
@@ -106,9 +105,9 @@ impl Disks {
                 return Err(RobotError::new(path, problem));
             }
         }
-        for (i, expected) in [(0, 0.0), (s.len() - 1, backbone.length)] {
+        for (i, expected) in [(0, 0.0), (s.len() - 1, length)] {
             // Positions written in millimetres differ from the length by rounding.
-            if (s[i] - expected).abs() > 1e-12 * backbone.length {
+            if (s[i] - expected).abs() > 1e-12 * length {
                 let problem = Problem::NotAtEnd { value: s[i], expected };
                 return Err(RobotError::new(format!("disks.positions[{i}]"), problem));
             }
@@ -131,8 +130,12 @@ impl Disks {
         MASS.check("disks.mass", self.mass)
     }
 
-    /// Disks do not reach into one another, and half of the thickness, which rounds the rim, is no more than the radius.
-    pub(super) fn check_thickness(&self, backbone: &Backbone) -> Result<(), RobotError> {
+    /// Disks do not reach into one another, and half of the thickness, which rounds the rim, is no more than the radius, which is
+    /// at least that of the backbone at the arc length of the disk.
+    pub(super) fn check_thickness(
+        &self,
+        backbone_radius: impl Fn(f64) -> f64,
+    ) -> Result<(), RobotError> {
         // Numbers written in millimetres differ by rounding.
         const ROUNDING: f64 = 1e-9;
         let Some(thickness) = self.thickness else { return Ok(()) };
@@ -144,7 +147,7 @@ impl Disks {
             }
         }
         for (disk, &arc_length) in self.arc_lengths.iter().enumerate() {
-            let radius = self.rim_radius(disk).max(backbone.outer_radius_at(self, arc_length));
+            let radius = self.rim_radius(disk).max(backbone_radius(arc_length));
             if radius > 0.0 && thickness > 2.0 * radius * (1.0 + ROUNDING) {
                 return refused(Problem::ThickerThanWide { thickness, radius, disk });
             }
@@ -153,9 +156,9 @@ impl Disks {
     }
 
     /// Sets the first and the last disk, whose positions may differ from the ends of the backbone by rounding, exactly there.
-    pub(super) fn snap_to_ends(&mut self, backbone: &Backbone) {
+    pub(super) fn snap_to_ends(&mut self, length: f64) {
         if let [first, .., last] = &mut self.arc_lengths[..] {
-            (*first, *last) = (0.0, backbone.length);
+            (*first, *last) = (0.0, length);
         }
     }
 }

@@ -2,7 +2,7 @@ use thiserror::Error;
 
 use whipcord_numerics::Vec3;
 
-use super::limits::{Range, number};
+use super::range::{Range, number};
 use crate::format::{Round, millimetres};
 
 /// A quantity of a robot or a case that cannot be.

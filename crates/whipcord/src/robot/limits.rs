@@ -1,23 +1,10 @@
 //! What a quantity may be. The limits lie far beyond every robot, and so near that no power or
 //! quotient of quantities within them leaves the range of floating-point numbers.
 
-use core::fmt;
-
-use super::error::{Problem, RobotError};
 use whipcord_numerics::{Pose, Vec3};
 
-/// The values that a quantity may have, in SI.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    /// Least value,
-    pub least: f64,
-    /// which may itself be left out.
-    pub above: bool,
-    /// Greatest value.
-    pub greatest: f64,
-    /// Unit, empty for a plain number.
-    pub unit: &'static str,
-}
+use super::error::{Problem, RobotError};
+pub use super::range::{Range, number};
 
 /// A length that must not vanish, such as the backbone's or a diameter: 1 nm to 1000 km.
 pub const LENGTH: Range = Range::from(1e-9, 1e6, "m");
@@ -98,14 +85,6 @@ const LARGEST_COEFFICIENT: f64 = 1e100;
 pub(crate) const LEAST_PITCH: f64 = 1e-15;
 
 impl Range {
-    const fn from(least: f64, greatest: f64, unit: &'static str) -> Self {
-        Self { least, above: false, greatest, unit }
-    }
-
-    const fn either_way(greatest: f64, unit: &'static str) -> Self {
-        Self::from(-greatest, greatest, unit)
-    }
-
     /// The range of the coefficient of `s^power` of a cable's coordinate on a backbone of this
     /// length: the term stays a [`COORDINATE`] all along it.
     pub(crate) fn of_coefficient(power: usize, length: f64) -> Self {
@@ -146,23 +125,6 @@ impl Range {
             None => Ok(()),
         }
     }
-
-    /// A value in the range's unit.
-    pub(super) fn with_unit(self, value: f64) -> String {
-        let space = if self.unit.is_empty() { "" } else { " " };
-        format!("{}{space}{}", number(value), self.unit)
-    }
-
-    /// The end of the range beyond which a value lies.
-    pub(super) fn end_passed(self, value: f64) -> String {
-        if value > self.greatest {
-            format!("at most {}", self.with_unit(self.greatest))
-        } else if self.above {
-            format!("greater than {}", self.with_unit(self.least))
-        } else {
-            format!("at least {}", self.with_unit(self.least))
-        }
-    }
 }
 
 /// Refuses a list of more than `most` entries.
@@ -171,28 +133,6 @@ pub(crate) fn check_count(path: &str, given: usize, most: usize) -> Result<(), R
         return Err(RobotError::new(path, Problem::TooMany { given, most }));
     }
     Ok(())
-}
-
-/// What may be given: "from 1e-9 m to 1e6 m".
-impl fmt::Display for Range {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let greatest = self.with_unit(self.greatest);
-        if self.above {
-            write!(f, "greater than {} and at most {greatest}", self.with_unit(self.least))
-        } else {
-            write!(f, "from {} to {greatest}", self.with_unit(self.least))
-        }
-    }
-}
-
-/// A number as it is written in a message: very large and very small ones with an exponent.
-#[must_use]
-pub fn number(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() || (1e-6..1e6).contains(&value.abs()) {
-        value.to_string()
-    } else {
-        format!("{value:e}")
-    }
 }
 
 /// How far the norm of a unit quaternion may be from 1 by rounding.

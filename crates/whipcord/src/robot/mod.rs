@@ -7,6 +7,7 @@ mod disks;
 mod error;
 pub(crate) mod fourier;
 pub mod limits;
+mod range;
 pub(crate) mod route;
 pub(crate) mod section;
 mod stiffness;
@@ -60,10 +61,10 @@ impl Robot {
     ) -> Result<Self, RobotError> {
         limits::check_count("cables", cables.len(), limits::MOST_CABLES)?;
         backbone.check(&disks)?;
-        disks.check(&backbone)?;
-        disks.snap_to_ends(&backbone);
+        disks.check(backbone.length)?;
+        disks.snap_to_ends(backbone.length);
         backbone.check_with(&disks)?;
-        disks.check_thickness(&backbone)?;
+        disks.check_thickness(|s| backbone.outer_radius_at(&disks, s))?;
         let mut routes = Vec::with_capacity(cables.len());
         for (index, cable) in cables.iter().enumerate() {
             if let Some(first) = cables[..index].iter().position(|c| c.name == cable.name) {

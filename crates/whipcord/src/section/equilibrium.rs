@@ -2,9 +2,11 @@
 
 use whipcord_numerics::Vec3;
 
+use super::crossing::{BodyWrench, Crossing, Strain};
+use super::fault::{FOLDED, SectionFault};
+use super::one_cable;
+use super::properties::Section;
 use super::tangent::Hessian;
-use super::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Strain};
-use crate::section::one_cable;
 
 /// A Newton step this small, as a strain, leaves an error of its square.
 pub(crate) const STEP_TOLERANCE: f64 = 2e-7;

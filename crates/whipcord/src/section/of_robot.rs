@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Mat3, Vec3};
 
-use super::{Coupling, Section, Stiffness};
+use super::properties::{Coupling, Section, Stiffness};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::{self, Robot, StiffnessMatrix};

@@ -12,7 +12,9 @@
 
 use whipcord_numerics::Vec3;
 
-use super::{BodyWrench, Crossing, FOLDED, Section, SectionFault, Stiffness, Strain};
+use super::crossing::{BodyWrench, Crossing, Strain};
+use super::fault::{FOLDED, SectionFault};
+use super::properties::{Section, Stiffness};
 
 /// The answer, with what a quadrature needs of it.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,11 @@
-//! The Hessian of a section's potential in 3×3 blocks, and its inverse.
+//! The Hessian of a section's potential in 3×3 blocks, its inverse, and what that of the rod alone gives.
 
 use whipcord_numerics::{Ldlt3, Mat3, Vec3};
 
-use super::{BodyWrench, Crossing, Section, SectionFault, Strain};
-use crate::section::lanes::{LaneVec, times, transpose_times};
+use super::crossing::{BodyWrench, Crossing, Strain};
+use super::fault::SectionFault;
+use super::lanes::{LaneVec, times, transpose_times};
+use super::properties::Section;
 
 /// The Hessian of the potential, factored: `[A B; Bᵀ C]` by its Schur complement `S = C − BᵀA⁻¹B`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -141,5 +143,41 @@ impl Hessian {
             Vec3::new(s20, s21, c2.z - b2.dot(w2)),
         );
         Some(Tangent { force, coupling, moment: reduced.ldlt()?, reduced })
+    }
+}
+
+impl Section {
+    /// Stiffness against bending and twist of the section alone when forces are held: `K_bt`, less
+    /// what a coupling with shear and extension takes of it.
+    pub fn bending_stiffness(&self) -> Mat3 {
+        let diagonal = Mat3::diagonal(self.stiffness.bending);
+        if self.coupling.is_none() {
+            return diagonal;
+        }
+        Hessian::of(self).factor().map_or(diagonal, |tangent| tangent.reduced)
+    }
+
+    /// Strain of the rod alone, without cables, under a wrench.
+    #[inline(always)]
+    pub fn bare_strain(&self, wrench: BodyWrench) -> Strain {
+        self.rest_strain() + self.yielding(wrench)
+    }
+
+    /// What the rod alone adds to its strain under an additional wrench, `K⁻¹ w`.
+    #[inline(always)]
+    pub fn yielding(&self, wrench: BodyWrench) -> Strain {
+        if self.coupling.is_some() {
+            return self.yielding_coupled(wrench);
+        }
+        Strain {
+            linear: self.compliance.shear.scale(wrench.linear),
+            angular: self.compliance.bending.scale(wrench.angular),
+        }
+    }
+
+    #[cold]
+    fn yielding_coupled(&self, wrench: BodyWrench) -> Strain {
+        // A stiffness that a robot may have is positive definite.
+        Hessian::of(self).factor().map_or_else(Strain::default, |h| h.solve(wrench))
     }
 }

@@ -1,6 +1,7 @@
 use whipcord_numerics::{Mat3, Vec3};
 
 use super::equilibrium::damped_equilibrium;
+use super::properties::Coupling;
 use super::*;
 
 fn section() -> Section {

@@ -13,7 +13,8 @@
 //! to give.
 
 use super::command::Command;
-use super::lengths::{Given, LengthScratch, TensionResponse, attempt, release};
+use super::length_newton::{LengthScratch, attempt};
+use super::length_problem::{Given, TensionResponse, release};
 
 /// `c` of the first attempt, relative to what the rod itself gives, and what it falls by.
 const FIRST_COMPLIANCE: f64 = 1.0;

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `options` | discretisation and actuation of a rod |
 //! | `command` | actuation of a cable: its tension or its length |
-//! | `lengths`, `length_step` | tensions that give prescribed cable lengths, eq. (6) |
+//! | `lengths`, `length_problem`, `length_newton`, `length_step` | tensions that give prescribed cable lengths, eq. (6) |
 //! | `infeasible_lengths` | lengths that exclude one another |
 //! | `rank` | redundant cables |
 //! | `active_set` | which cables are taut at the end of a Newton step, eq. (13) |
@@ -31,6 +31,8 @@ pub(crate) mod elimination;
 pub(crate) mod grid;
 pub(crate) mod hold;
 mod infeasible_lengths;
+mod length_newton;
+mod length_problem;
 mod length_step;
 pub(crate) mod lengths;
 pub(crate) mod loads;

@@ -1,7 +1,6 @@
 //! How a solve on one grid ended.
 
 use super::command::Command;
-use super::lengths::Effort;
 use crate::error::{LengthMiss, SolveError};
 use crate::section::{Fault, SectionFault};
 
@@ -135,4 +134,12 @@ impl Failure {
             }
         }
     }
+}
+
+/// Effort and quality of an answer.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Effort {
+    pub iterations: usize,
+    /// Largest length left over, relative to the backbone's length.
+    pub residual: f64,
 }

@@ -1,19 +1,10 @@
 //! Steps along an equilibrium path by its arc length, and what lies between them.
 
 use super::corner;
-use super::state::{Direction, Part, State};
-use super::{DirectionOf, EquilibriumPath, StateOf, Step};
-
-/// A point of the path and the way on from it.
-#[derive(Clone, Debug)]
-pub(crate) struct PathPoint<N: Part> {
-    pub state: State<N>,
-    /// Of length 1.
-    pub tangent: Direction<N::Change>,
-    /// The number of directions in which the equilibrium is unstable; under followers, whether it
-    /// is odd.
-    pub unstable: usize,
-}
+pub(crate) use super::point::PathPoint;
+use super::point::path_point;
+use super::state::{Part, State};
+use super::{DirectionOf, EquilibriumPath, StateOf};
 
 /// What lies between two points.
 #[derive(Clone, Debug)]
@@ -47,20 +38,6 @@ const CORNER_STEP: f64 = 1e-3;
 const RESIDUAL: f64 = 1e-9;
 /// Halvings that locate a limit point or a bifurcation.
 pub(super) const HALVINGS: usize = 24;
-
-impl<N: Part> PathPoint<N> {
-    /// Whether a cable is slack here and pulls there.
-    fn changes_cables(&self, other: &Self) -> bool {
-        let tensions = self.state.tensions.iter().zip(&other.state.tensions);
-        tensions.into_iter().any(|(&a, &b)| (a > 0.0) != (b > 0.0))
-    }
-
-    /// Whether the point is a corner where a cable goes slack, and its tangent still that of the taut cable.
-    fn is_before_corner(&self) -> bool {
-        let tensions = self.state.tensions.iter().zip(&self.tangent.tensions);
-        tensions.into_iter().any(|(&tension, &rate)| tension == 0.0 && rate < 0.0)
-    }
-}
 
 impl<N: Part> PathTracker<N> {
     /// From an equilibrium, in the direction that goes along with `along`.
@@ -222,17 +199,4 @@ fn step<P: EquilibriumPath>(
     path.step_from(&from.state, length, &from.tangent);
     let iterations = path.converge(Some(&from.tangent), RESIDUAL)?;
     Some((path_point(path, &from.tangent)?, iterations))
-}
-
-/// The point at the equilibrium that a path holds.
-pub(super) fn path_point<P: EquilibriumPath>(
-    path: &mut P,
-    along: &DirectionOf<P>,
-) -> Option<PathPoint<P::Part>> {
-    let mut tangent = path.direction(Step::Along(along))?;
-    if !path.normalize(&mut tangent) {
-        return None;
-    }
-    let unstable = path.unstable_directions()?;
-    Some(PathPoint { state: path.state(), tangent, unstable })
 }

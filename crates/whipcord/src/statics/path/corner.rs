@@ -6,7 +6,7 @@
 //! makes a sharp angle with the old one, and no step across the corner finds it.
 
 use super::EquilibriumPath;
-use super::arc_length::{PathPoint, path_point};
+use super::point::{PathPoint, path_point};
 use crate::statics::command::Command;
 
 /// How far along a tangent slackness is looked at, to see whether it grows.

@@ -9,7 +9,7 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | `state` | points of a path and directions along it |
+//! | `state`, `point` | states along a path, directions, and points with their tangents |
 //! | `arc_length` | steps along a path, and the limit points and bifurcations between them |
 //! | `corner` | corners of a path, where a cable goes slack or taut |
 //! | `switch` | the other branch at a bifurcation |
@@ -22,6 +22,7 @@ pub(crate) mod branches;
 mod corner;
 pub(crate) mod newton;
 pub(crate) mod next_stable;
+mod point;
 pub(crate) mod state;
 mod switch;
 

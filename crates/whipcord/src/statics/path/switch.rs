@@ -1,6 +1,7 @@
 //! The other branch at a bifurcation.
 
-use super::arc_length::{HALVINGS, PathPoint, path_point};
+use super::arc_length::HALVINGS;
+use super::point::{PathPoint, path_point};
 use super::state::State;
 use super::{DirectionOf, EquilibriumPath, StateOf, Step};
 

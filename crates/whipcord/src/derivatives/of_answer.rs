@@ -1,0 +1,216 @@
+//! From an answer, as the solver left it, to its derivatives.
+
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3, magnus_6};
+
+use super::cables::Cables;
+use super::change::Places;
+use super::column::{Raw, Source};
+use super::elimination::Elimination;
+use super::linear::Linear;
+use super::partials::Partial;
+use super::replay::Answer;
+use super::rod::{CableEnd, Derivatives, NoDerivatives};
+use super::setting::{AtRest, Setting};
+use super::spans::StraightSpan;
+use super::touching::{Touching, motion};
+use crate::case::{Case, Loads};
+use crate::parameter::Parameter;
+use crate::robot::Robot;
+use crate::section::Strain;
+use crate::shape::Wrench;
+use crate::statics::command::Command;
+use crate::statics::grid::Grid;
+use crate::statics::hold::{Critical, HeldCables};
+use crate::statics::loads::AppliedLoads;
+
+/// The answer that is differentiated, as the solver left it.
+pub(crate) struct Solved<'a> {
+    pub robot: &'a Robot,
+    pub case: &'a Case,
+    pub cables: Cables<'a>,
+    pub grid: &'a Grid,
+    pub loads: &'a AppliedLoads,
+    pub commands: &'a [Command],
+    pub tensions: &'a [f64],
+    /// Which cables are taut.
+    pub taut: &'a [bool],
+    pub poses: &'a [Pose],
+    pub base_wrench: Wrench,
+    /// Moment, and force beyond that of the dead loads, in the base frame at the starts of steps where they are known.
+    pub starts: &'a [Option<Wrench>],
+    pub strains: &'a [Strain],
+    /// Nodes of the grid that are asked for beside the disks, where cables run straight between these.
+    pub nodes: &'a [usize],
+}
+
+impl Derivatives {
+    pub(crate) fn of(solved: &Solved<'_>, parameters: &[Parameter]) -> Result<Self, NoDerivatives> {
+        let Solved { robot, case, cables: of_robot, grid, loads, tensions, .. } = *solved;
+        let answer = Answer {
+            grid,
+            loads,
+            tensions,
+            poses: solved.poses,
+            base_moment: solved.base_wrench.moment,
+            follower_force: loads.follower_share(solved.base_wrench.force),
+            starts: solved.starts,
+            strains: solved.strains,
+        };
+        let mut linear =
+            Linear::of(&answer, of_robot.straight.map(|straight| (straight.spans, solved.nodes)))?;
+        let rest = of_robot.straight.and_then(|straight| straight.rest);
+        let rest = rest.map(|(grid, spans)| at_rest(grid, spans, tensions)).transpose()?;
+        let poses = solved.poses;
+        let setting = Setting {
+            robot,
+            case,
+            cables: of_robot,
+            grid,
+            tensions,
+            poses,
+            at_rest: rest.as_ref(),
+        };
+        let partials = parameters
+            .iter()
+            .map(|parameter| Partial::new(&setting, &linear, parameter))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(NoDerivatives::Parameter)?;
+        let cables = tensions.len();
+        let per_step = linear.per_step();
+        let forcing = |k: usize, i: usize, p: usize| partials[p].forcing(per_step * k + i);
+        let holes =
+            |p: usize, cable: usize, span: usize| partials[p].moved_holes(robot, cable, span);
+        let mut maps = linear.maps(grid, cables, partials.len(), &forcing, &holes)?;
+        let mut elimination = Elimination::default();
+        elimination.eliminate(&mut maps, |step| {
+            let node = linear.spans().map_or(step + 1, |spans| spans.far_disk(step));
+            let Wrench { force, moment } = *loads.follower(node);
+            let rotation = poses[node].rotation;
+            Wrench { force: rotation.rotate(force), moment: rotation.rotate(moment) }
+        })?;
+        let mut place_of = vec![0; cables];
+        for (place, &cable) in of_robot.order.iter().enumerate() {
+            place_of[cable] = place;
+        }
+        let mut derivatives = Self {
+            places: Places {
+                stations: grid.stations.clone(),
+                disks: grid.disks.clone(),
+                tip: grid.len(),
+            },
+            steps: grid.steps.clone(),
+            linear,
+            maps,
+            elimination,
+            partials,
+            place_of,
+            commands: solved.commands.to_vec(),
+            by_tension: Vec::new(),
+            held: HeldCables::default(),
+            cables: Vec::new(),
+            touching: Touching::default(),
+            length: robot.backbone().length,
+        };
+        derivatives.by_tension =
+            (0..cables).map(|place| derivatives.raw(Source::Tension(place))).collect();
+        let end = |(place, &is_taut): (usize, &bool)| {
+            let stiffness = robot.cables()[of_robot.order[place]].axial_stiffness;
+            let compliance = stiffness.map_or(0.0, |k| of_robot.rest_lengths[place] / k);
+            CableEnd { compliance, is_taut }
+        };
+        derivatives.cables = solved.taut.iter().enumerate().map(end).collect();
+        derivatives.hold()?;
+        let tip = derivatives.raw(Source::Wrench { node: grid.len(), component: 0 });
+        let finite = derivatives.by_tension.iter().chain([&tip]).all(Raw::is_finite);
+        if finite { Ok(derivatives) } else { Err(NoDerivatives::Critical) }
+    }
+
+    fn hold(&mut self) -> Result<(), NoDerivatives> {
+        let cables = self.cables.len();
+        let compliance = |place: usize| self.cables[place].compliance;
+        let taut = |place: usize| self.cables[place].is_taut;
+        let driven = |place: usize| matches!(self.commands[place], Command::Length { .. });
+        let matrix = |i: usize, j: usize| self.by_tension[j].lengths[i];
+        self.held = HeldCables::new(cables, matrix, compliance, taut, driven)?;
+        Ok(())
+    }
+}
+
+/// The rod at rest, bearing nothing.
+fn at_rest<'a>(
+    grid: &'a Grid,
+    spans: &[StraightSpan<'_>],
+    tensions: &[f64],
+) -> Result<AtRest<'a>, NoDerivatives> {
+    let mut pose = Pose::IDENTITY;
+    let mut poses = vec![pose];
+    for (k, step) in grid.steps.iter().enumerate() {
+        let strain = |j: usize| grid.gauss.at(k, j, 0).0.section.rest_strain() * step.length;
+        pose = pose * magnus_6(&[strain(0), strain(1), strain(2)]);
+        poses.push(pose);
+    }
+    let mut loads = AppliedLoads::default();
+    loads.gather(grid, &Loads::default(), UnitQuaternion::IDENTITY);
+    let answer = Answer {
+        grid,
+        loads: &loads,
+        tensions,
+        poses: &poses,
+        base_moment: Vec3::ZERO,
+        follower_force: Vec3::ZERO,
+        starts: &[],
+        strains: &[],
+    };
+    Ok(AtRest { grid, linear: Linear::of(&answer, Some((spans, &[])))? })
+}
+
+impl Derivatives {
+    /// The derivatives of an answer that touches obstacles at these nodes, from those of the robot alone under what pushes there.
+    /// `gain` makes `K` of the compliance of the nodes, both by rows with a force and a moment to a node.
+    pub(crate) fn touching(
+        mut self,
+        nodes: Vec<usize>,
+        gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
+        is_about_to_change: bool,
+    ) -> Result<Self, NoDerivatives> {
+        if nodes.is_empty() {
+            self.touching.is_about_to_change = is_about_to_change;
+            return Ok(self);
+        }
+        let sources = nodes.iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
+        let column = |(node, component)| self.raw(Source::Wrench { node, component });
+        let columns: Vec<Raw> = sources.map(column).collect();
+        let n = columns.len();
+        let mut compliance = vec![0.0; n * n];
+        for (j, column) in columns.iter().enumerate() {
+            for (k, &node) in nodes.iter().enumerate() {
+                for (a, moved) in motion(column, node).into_iter().enumerate() {
+                    compliance[(6 * k + a) * n + j] = moved;
+                }
+            }
+        }
+        let gain = gain(&compliance)?;
+        self.touching = Touching { nodes, columns, gain, is_about_to_change };
+        let cables = self.place_of.len();
+        self.by_tension = (0..cables).map(|place| self.raw(Source::Tension(place))).collect();
+        self.hold()?;
+        if self.by_tension.iter().all(Raw::is_finite) {
+            Ok(self)
+        } else {
+            Err(NoDerivatives::Critical)
+        }
+    }
+
+    /// The same with other stations, by their nodes.
+    pub(crate) fn at_stations(mut self, nodes: Vec<usize>) -> Self {
+        self.places.stations = nodes;
+        self
+    }
+
+    /// Whether a contact of the answer is about to open or to close, to stick or to slide: it has a kink there, and these are the
+    /// derivatives of the side that the answer is on.
+    #[must_use]
+    pub const fn is_contact_about_to_change(&self) -> bool {
+        self.touching.is_about_to_change
+    }
+}
