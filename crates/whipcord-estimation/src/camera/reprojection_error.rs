@@ -2,7 +2,8 @@
 
 use whipcord_numerics::Vec3;
 
-use super::{Camera, Ray, ViewError};
+use super::error::ViewError;
+use super::view::{Camera, Ray};
 
 /// How far a point is from where it was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,9 @@
 
 use super::build::{is_driven_by_tension, present};
 use super::error::{IdentifyError, Misfit};
+use super::experiment::{Experiment, Unknown};
 use super::quantity::Quantity;
-use super::{Experiment, Settings, Unknown};
+use super::settings::Settings;
 use crate::observation::{Observation, Place, Seen};
 use whipcord::case::Actuation;
 use whipcord::kind::ModelKind;

@@ -3,11 +3,12 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use super::build;
-use super::columns::DerivativeMethod;
 use super::error::{IdentifyError, NoAnswer, NoAnswerReason};
+use super::experiment::{Experiment, Unknown};
+use super::method::DerivativeMethod;
 use super::outcome::Unstable;
 use super::quantity::Quantity;
-use super::{Experiment, Settings, Unknown};
+use super::settings::Settings;
 use crate::camera::Camera;
 use crate::observation::{Observation, Seen};
 use whipcord::case::Case;

@@ -1,7 +1,7 @@
 //! The numbers that are searched: what must be positive is sought by its logarithm, in which a product that
 //! alone is seen, as `E d⁴`, is a straight valley.
 
-use super::Unknown;
+use super::experiment::Unknown;
 
 /// Between the unknowns `x` and what is searched, `y = 1 + ln(x/x₀)` of those that must be positive, and
 /// `y = x` of the others.

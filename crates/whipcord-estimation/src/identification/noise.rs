@@ -4,9 +4,9 @@ use whipcord_numerics::least_squares::{
     Loss, NoResiduals, Options, Outcome, Residuals, Status, Workspace, minimise,
 };
 
-use super::Robustness;
 use super::error::{IdentifyError, NoAnswer, NoAnswerReason};
 use super::problem::Problem;
+use super::settings::Robustness;
 
 /// How a fit ended.
 pub(super) struct Fitted {

@@ -1,8 +1,10 @@
 //! The same measurements fitted by several models.
 
 use super::error::IdentifyError;
+use super::experiment::{Experiment, Unknown};
+use super::identify::identify;
 use super::outcome::Identified;
-use super::{Experiment, Settings, Unknown, identify};
+use super::settings::Settings;
 use whipcord::kind::ModelKind;
 use whipcord::model::Model;
 use whipcord::robot::Robot;

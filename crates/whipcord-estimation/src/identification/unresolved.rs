@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::Unknown;
+use super::experiment::Unknown;
 use crate::uncertainty::Weak;
 
 /// Unknowns that can change together so that little or nothing of what was seen changes.

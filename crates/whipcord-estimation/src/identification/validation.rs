@@ -1,9 +1,11 @@
 //! How well a fit says what it has not seen.
 
-use super::check;
+use super::check::check;
 use super::error::{IdentifyError, NoAnswer};
+use super::experiment::{Experiment, Unknown};
 use super::forward::{Forward, measured};
-use super::{Experiment, Settings, Unknown, identify};
+use super::identify::identify;
+use super::settings::Settings;
 use crate::observation::Observation;
 use whipcord::robot::Robot;
 
@@ -68,7 +70,7 @@ pub fn cross_validate(
     unknowns: &[Unknown],
     settings: &Settings,
 ) -> Result<Validated, IdentifyError> {
-    check::check(robot, experiments, unknowns, settings)?;
+    check(robot, experiments, unknowns, settings)?;
     let folds = parts(experiments, unknowns);
     if folds.len() < 2 {
         return Err(IdentifyError::NothingToHoldOut);

@@ -3,8 +3,9 @@
 use thiserror::Error;
 use whipcord_numerics::{Pose, Vec3};
 
+use super::order::is_reversed;
 use super::places::places_in_steps;
-use super::{Observation, Place, Seen, is_reversed};
+use super::seen::{Observation, Place, Seen};
 use crate::registration::{Alignment, RegistrationError, align};
 use whipcord::case::Case;
 use whipcord::error::SolveError;

@@ -3,7 +3,9 @@
 use whipcord_numerics::Vec3;
 
 use super::distances::root_mean_square;
-use super::{Observation, Place, Seen, is_reversed, places};
+use super::order::is_reversed;
+use super::places::places;
+use super::seen::{Observation, Place, Seen};
 use crate::camera::{Camera, ReprojectionError};
 use whipcord::case::Case;
 use whipcord::error::SolveError;

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
-use super::{Observation, Place};
+use super::seen::{Observation, Place};
 use whipcord::case::{Actuation, Case};
 use whipcord::error::SolveError;
 use whipcord::kind::ModelKind;

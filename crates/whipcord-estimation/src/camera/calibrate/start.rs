@@ -1,8 +1,9 @@
 use whipcord_numerics::Vec3;
 
-use super::CalibrateError;
+use super::error::CalibrateError;
+use crate::camera::distortion::Distortion;
+use crate::camera::lens::Pinhole;
 use crate::camera::locate::{Cloud, Sighting, plane_columns};
-use crate::camera::{Distortion, Pinhole};
 
 /// Eq. (k1): the focal lengths from the homographies of the boards, with the principal point at the
 /// centre of the image; none where they say nothing of it.

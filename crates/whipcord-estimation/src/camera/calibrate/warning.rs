@@ -1,7 +1,7 @@
 use thiserror::Error;
 
-use super::{Calibrated, FreeParameters};
-use crate::camera::Sighting;
+use super::calibrated::{Calibrated, FreeParameters};
+use crate::camera::locate::Sighting;
 
 /// What speaks against relying on a calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]

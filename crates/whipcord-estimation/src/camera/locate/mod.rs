@@ -3,14 +3,16 @@
 
 mod error;
 mod refine;
+mod sighting;
 mod start;
 
 use whipcord_numerics::{Pose, Vec3};
 
 use super::lens::{Lens, Orthographic, Pinhole};
-use super::{Camera, check_range};
+use super::view::{Camera, check_range};
 pub use error::LocateError;
 pub(super) use refine::{Freedoms, InImage};
+pub use sighting::{Alternative, Sighting};
 pub(super) use start::{Cloud, plane_columns};
 
 /// Poses that are turned by less than this against one another, in rad, are the same minimum.
@@ -18,15 +20,6 @@ const SAME: f64 = 1e-4;
 
 /// Nothing is measured more exactly than to this, in pixels.
 const SAME_PIXEL: f64 = 1e-3;
-
-/// A point of the world, and where it was seen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sighting {
-    /// The point, in m.
-    pub point: Vec3,
-    /// Column and row.
-    pub pixel: [f64; 2],
-}
 
 /// A camera in its place, and how well it explains what was seen.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,15 +33,6 @@ pub struct Located {
     /// The next best pose, where there is one: a plane, or a robot that is far away, looks much the
     /// same from two sides.
     pub other: Option<Alternative>,
-}
-
-/// Another pose that explains what was seen as well as its neighbours do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Alternative {
-    /// The camera there.
-    pub camera: Camera,
-    /// Root mean square distance in pixels.
-    pub rms: f64,
 }
 
 impl Located {

@@ -3,8 +3,11 @@
 use whipcord_numerics::least_squares::{Options, Residuals, Workspace, minimise};
 use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
-use super::{Alternative, Sighting};
-use crate::camera::{Camera, Lens, Orthographic, ViewError};
+use super::sighting::{Alternative, Sighting};
+use super::start::across;
+use crate::camera::error::ViewError;
+use crate::camera::lens::{Lens, Orthographic};
+use crate::camera::view::Camera;
 
 /// How the camera may move: shifts along, and turns about, directions of the world; and whether its
 /// scale is sought.
@@ -37,20 +40,6 @@ impl Freedoms {
     fn count(&self) -> usize {
         self.shifts.len() + self.turns.len() + usize::from(self.scale)
     }
-}
-
-/// Two directions that are across a unit vector and one another.
-pub(super) fn across(axis: Vec3) -> (Vec3, Vec3) {
-    let least = if axis.x.abs() <= axis.y.abs().min(axis.z.abs()) {
-        Vec3::X
-    } else if axis.y.abs() <= axis.z.abs() {
-        Vec3::Y
-    } else {
-        Vec3::Z
-    };
-    let a = axis.cross(least);
-    let a = a / a.norm();
-    (a, axis.cross(a))
 }
 
 /// What is made small: the distances in the image, while the camera moves about the points' centre.

@@ -2,8 +2,8 @@
 
 use whipcord_numerics::{Mat3, Pose, SingularValues, UnitQuaternion, Vec3};
 
-use super::refine::across;
-use super::{LocateError, Sighting};
+use super::error::LocateError;
+use super::sighting::Sighting;
 use crate::registration::nearest_rotation;
 
 /// Spreads below this part of the largest are none.
@@ -307,4 +307,18 @@ pub(super) fn along_view(
     let turn = UnitQuaternion::exp(view * -angle);
     let axes = Mat3::from_columns(turn.rotate(right), turn.rotate(down), view);
     Ok((scale, Pose { position: Vec3::ZERO, rotation: nearest_rotation(&axes) }))
+}
+
+/// Two directions that are across a unit vector and one another.
+pub(super) fn across(axis: Vec3) -> (Vec3, Vec3) {
+    let least = if axis.x.abs() <= axis.y.abs().min(axis.z.abs()) {
+        Vec3::X
+    } else if axis.y.abs() <= axis.z.abs() {
+        Vec3::Y
+    } else {
+        Vec3::Z
+    };
+    let a = axis.cross(least);
+    let a = a / a.norm();
+    (a, axis.cross(a))
 }

@@ -1,0 +1,99 @@
+//! The search for the unknowns.
+
+use whipcord_numerics::least_squares::{Options, Workspace};
+
+use super::check::check;
+use super::error::IdentifyError;
+use super::experiment::{Experiment, Unknown};
+use super::forward::Forward;
+use super::logarithm::Logarithms;
+use super::noise;
+use super::outcome::Identified;
+use super::problem::Problem;
+use super::settings::Settings;
+use super::summary;
+use whipcord::robot::Robot;
+
+/// Estimates the unknowns.
+///
+/// ```
+/// use whipcord_estimation::identification::{Experiment, Quantity, Settings, Unknown, identify};
+/// use whipcord::{
+///     Backbone, Cable, Case, Disks, Material, Model, ModelKind, Parameter, Robot, Routing,
+///     Section, Statics, Vec3,
+/// };
+/// use whipcord_estimation::{Observation, Place, Seen};
+/// # let robot = |young: f64| {
+/// #     let backbone = Backbone {
+/// #         section: Some(Section::circle(0.003)),
+/// #         material: Material { young_modulus: Some(young), poisson_ratio: Some(0.3), ..Default::default() },
+/// #         ..Backbone::new(0.18)
+/// #     };
+/// #     let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+/// #     Robot::new(backbone, Disks::equally_spaced(0.18, 10, 0.008), vec![cable])
+/// # };
+/// // The real robot is stiffer than its file says: 1.3 GPa.
+/// let (real, file) = (robot(1.3e9)?, robot(1.1e9)?);
+/// let model = Model::new(ModelKind::Cosserat, Default::default(), Default::default());
+/// let case = Case::with_tensions(&[3.0]);
+/// let seen = model.solve(&real, &case)?;
+/// let observations = (0..10).map(|disk| Observation {
+///     step: 0,
+///     place: Place::Disk(disk),
+///     offset: Vec3::ZERO,
+///     // Seen to 0.1 mm.
+///     seen: Seen::Position(seen.disks.poses[disk].position + Vec3::new(1e-4, 0.0, 0.0) * (-1f64).powi(disk as i32)),
+///     deviation: None,
+/// });
+/// let experiment = Experiment { case, cameras: Vec::new(), observations: observations.collect() };
+/// let unknown = Unknown::new(Quantity::Parameter(Parameter::YoungModulus));
+/// let found = identify(&file, &[experiment], &[unknown], &Settings::new(model))?;
+/// let young = &found.estimates[0];
+/// assert!((young.value - 1.3e9).abs() < 5e6);
+/// assert!(young.interval.is_some_and(|[low, high]| low < 1.3e9 && 1.3e9 < high));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`IdentifyError`] where the measurements are not enough or contradict robot and case, where an unknown is
+/// none of the robot's, and where the model has no answer at the start.
+pub fn identify(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Result<Identified, IdentifyError> {
+    let found = search(robot, experiments, unknowns, settings);
+    // What a search that was broken off says is of no use.
+    if settings.model.cancel().is_cancelled() { Err(IdentifyError::Cancelled) } else { found }
+}
+
+fn search(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Result<Identified, IdentifyError> {
+    check(robot, experiments, unknowns, settings)?;
+    let mut forward = Forward::new(robot, experiments, unknowns, settings)?;
+    let mut x = forward.start()?;
+    let scales = forward.scales(&x);
+    let mut workspace = Workspace::default();
+    let logarithms = Logarithms::new(unknowns, &x);
+    let bound = |of: fn(&Unknown) -> f64| {
+        unknowns
+            .iter()
+            .enumerate()
+            .map(|(j, unknown)| logarithms.searched(j, of(unknown)))
+            .collect()
+    };
+    let options = Options {
+        lower: bound(Unknown::least),
+        upper: bound(Unknown::greatest),
+        iterations: settings.iterations,
+        ..Options::default()
+    };
+    let mut problem = Problem::new(&mut forward, &logarithms, &scales);
+    let fitted = noise::fit(&mut problem, &mut x, &options, settings.robustness, &mut workspace)?;
+    summary::tell(&mut forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
+}
