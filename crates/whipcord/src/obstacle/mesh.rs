@@ -2,8 +2,8 @@
 
 use whipcord_numerics::Vec3;
 
-use super::Surface;
 use super::nearest::{Part, Pseudonormals, Tree};
+use super::surface::Surface;
 use super::topology;
 use crate::robot::{Problem, RobotError, limits};
 

@@ -9,6 +9,7 @@ mod nearest;
 mod pipe;
 mod solid;
 mod superellipsoid;
+mod surface;
 mod topology;
 
 use std::sync::Arc;
@@ -22,6 +23,7 @@ pub use centreline::Bends;
 pub use mesh::{Mesh, MeshFile};
 pub use pipe::Pipe;
 pub use superellipsoid::Superellipsoid;
+pub use surface::Surface;
 
 /// A rigid body, fixed in the world, that the robot must not enter.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,15 +73,6 @@ pub enum Form {
     Superellipsoid(Superellipsoid),
     /// A body that triangles enclose.
     Mesh(Arc<Mesh>),
-}
-
-/// The surface of an obstacle as a point sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
-    /// Distance of the point from the surface in m, negative inside the obstacle.
-    pub distance: f64,
-    /// Gradient of the distance: a unit vector out of the obstacle.
-    pub normal: Vec3,
 }
 
 impl Obstacle {

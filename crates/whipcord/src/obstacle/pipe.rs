@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use whipcord_numerics::Vec3;
 
-use super::Surface;
 use super::centreline::{Bends, Centreline, Foot, Where};
+use super::surface::Surface;
 use crate::robot::{Problem, RobotError, limits};
 
 /// A bore of circular section through a body that surrounds it on all sides and ends where it ends:

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
-use super::Surface;
+use super::surface::Surface;
 
 /// A ball about the origin.
 pub(super) fn ball(radius: f64, point: Vec3) -> Surface {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use whipcord_numerics::Vec3;
 
-use super::Surface;
+use super::surface::Surface;
 use crate::robot::{RobotError, limits};
 
 /// The body ((|x/a|^(2/ε₂) + |y/b|^(2/ε₂))^(ε₂/ε₁) + |z/c|^(2/ε₁)) ≤ 1 (A. H. Barr, Superquadrics
