@@ -52,7 +52,18 @@ from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
-from .solution import Branches, CableState, Contact, CriticalPoint, Diagnostics, Equilibrium, Grasp, Shape, Solution
+from .solution import (
+    Branches,
+    CableOverlap,
+    CableState,
+    Contact,
+    CriticalPoint,
+    Diagnostics,
+    Equilibrium,
+    Grasp,
+    Shape,
+    Solution,
+)
 from .viewing import Viewer
 from .warning import WhipcordWarning
 
@@ -64,6 +75,7 @@ __all__ = [
     "Benchmark",
     "Branches",
     "Cable",
+    "CableOverlap",
     "CableState",
     "Calibration",
     "CalibrationError",

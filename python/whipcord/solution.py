@@ -140,6 +140,30 @@ class Grasp:
 
 
 @dataclass(frozen=True)
+class CableOverlap:
+    """A taut cable that passes through an obstacle: the deepest place in one span between two disks. Cables have no contact
+    there, so that the answer leaves out what the obstacle would push the cable with."""
+
+    cable: str
+    """Name of the cable."""
+    obstacle: str
+    """Name of the obstacle."""
+    span: int
+    """The span between two disks, from 0 at the base."""
+    arc_length: float
+    """Arc length of the deepest place in m."""
+    point: Array
+    """(3,) the deepest place in m, in the world."""
+    normal: Array
+    """(3,) unit normal out of the obstacle, in the world."""
+    depth: float
+    """How deep it is inside the obstacle, in m."""
+    force: float | None
+    """The force in N that the cable would press the obstacle with if its holes stayed where they are. None from a model that
+    knows no forces, and of a cable that does not run straight between disks."""
+
+
+@dataclass(frozen=True)
 class Diagnostics:
     """How an answer was obtained."""
 
@@ -315,6 +339,22 @@ class Solution:
         return tuple(
             Grasp(**{**grasp, "force": array(grasp["force"]), "moment": array(grasp["moment"])})
             for grasp in self._answer.grasps
+        )
+
+    @cached_property
+    def cable_overlaps(self) -> tuple[CableOverlap, ...]:
+        """The cables that pass through obstacles between disks, where they have no contact: by cable, span and obstacle.
+
+        Examples
+        --------
+        >>> import whipcord
+        >>> finger = whipcord.load("examples/contact/gripping-finger.toml")
+        >>> finger.solve(model="cosserat-disks").cable_overlaps
+        ()
+        """
+        return tuple(
+            CableOverlap(**{**overlap, "point": np.array(overlap["point"]), "normal": np.array(overlap["normal"])})
+            for overlap in self._case._setup.cable_overlaps(self._answer)
         )
 
     @cached_property

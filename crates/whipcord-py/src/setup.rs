@@ -164,7 +164,7 @@ impl Setup {
 
     /// The same about an answer.
     fn answer_warnings<'py>(&self, py: Python<'py>, of: &Solution) -> PyResult<Bound<'py, PyList>> {
-        let found = py.detach(|| of_answer(&self.robot, &of.inner));
+        let found = py.detach(|| of_answer(&self.robot, &of.case, &of.inner));
         notices(py, &found)
     }
 
@@ -308,6 +308,15 @@ impl Setup {
                 array(py, points, [count, 3])
             })
             .collect()
+    }
+
+    /// The cables that pass through obstacles in an answer.
+    fn cable_overlaps<'py>(
+        &self,
+        py: Python<'py>,
+        solution: &Solution,
+    ) -> PyResult<Bound<'py, PyList>> {
+        solution.cable_overlaps(py, &self.robot)
     }
 
     /// The robot with what was asked of it for an answer.

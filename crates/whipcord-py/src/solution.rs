@@ -6,8 +6,8 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
-    CableState, Case, Contact, Diagnostics, Grasp, ModelKind, NoStability, Part, Pose, Robot,
-    Shape, SlipState, UnitQuaternion, Vec3, Wrench,
+    CableOverlap, CableState, Case, Contact, Diagnostics, Grasp, ModelKind, NoStability, Part,
+    Pose, Robot, Shape, SlipState, UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::convert::{array, flat};
@@ -274,6 +274,29 @@ impl Solution {
 }
 
 impl Solution {
+    /// The cables that pass through the obstacles of the case.
+    pub fn cable_overlaps<'py>(
+        &self,
+        py: Python<'py>,
+        robot: &Robot,
+    ) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        let all = py.detach(|| CableOverlap::all(robot, &self.inner, &self.case.obstacles));
+        for overlap in all {
+            let values = PyDict::new(py);
+            values.set_item("cable", &robot.cables()[overlap.cable].name)?;
+            values.set_item("obstacle", &self.case.obstacles[overlap.obstacle].name)?;
+            values.set_item("span", overlap.span)?;
+            values.set_item("arc_length", overlap.arc_length)?;
+            values.set_item("point", overlap.point.to_array())?;
+            values.set_item("normal", overlap.normal.to_array())?;
+            values.set_item("depth", overlap.depth)?;
+            values.set_item("force", overlap.force)?;
+            list.append(values)?;
+        }
+        Ok(list)
+    }
+
     /// (m, 3) points of each cable: at the stations as far as it goes, or in the holes of the disks where
     /// the model has it run straight between them.
     pub fn cable_paths(&self, robot: &Robot) -> Vec<Vec<f64>> {

@@ -1,6 +1,6 @@
 //! Where a robot touches obstacles, for people.
 
-use whipcord::{Contact, Grasp, Obstacle, Part, Solution, Vec3};
+use whipcord::{CableOverlap, Contact, Grasp, Obstacle, Part, Robot, Solution, Vec3};
 
 use crate::quantity::{fixed, fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
@@ -95,4 +95,34 @@ pub fn grasps(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
         table.row(row);
     }
     any.then_some(table)
+}
+
+/// The cables that pass through obstacles, in each span between two disks; `None` where none does.
+pub fn cable_overlaps(robot: &Robot, solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
+    let overlaps = CableOverlap::all(robot, solution, obstacles);
+    if overlaps.is_empty() {
+        return None;
+    }
+    let mut table = Table::new(vec![
+        ("cable", Align::Left),
+        ("passes through", Align::Left),
+        ("between disks", Align::Left),
+        ("arc length", Align::Right),
+        ("at x, y, z (mm)", Align::Right),
+        ("depth", Align::Right),
+        ("force left out", Align::Right),
+    ]);
+    table.group();
+    for overlap in &overlaps {
+        table.row(vec![
+            robot.cables()[overlap.cable].name.clone(),
+            obstacles[overlap.obstacle].name.clone(),
+            format!("{} and {}", overlap.span + 1, overlap.span + 2),
+            format!("{} mm", fixed_millimetres(overlap.arc_length, 2)),
+            overlap.point.to_array().map(|x| fixed_millimetres(x, 3)).join(", "),
+            format!("{} mm", number(overlap.depth * 1e3, 3)),
+            overlap.force.map_or_else(|| "–".to_owned(), newtons),
+        ]);
+    }
+    Some(table)
 }

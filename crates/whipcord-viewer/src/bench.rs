@@ -268,7 +268,7 @@ fn solved(
         solve_time: *solve_time,
         driven_by: found.driven_by.map(|model| model.name().to_owned()),
         compliance,
-        warnings: warnings(robot, solution),
+        warnings: warnings(robot, &file.case, solution),
     };
     solved.is_finite().then_some(solved)
 }
@@ -292,8 +292,8 @@ fn grasps(solution: &Solution, obstacles: &[Obstacle]) -> Vec<protocol::Grasp> {
 }
 
 /// Warnings about an answer, except those that the page has a field for.
-fn warnings(robot: &Robot, solution: &Solution) -> Vec<protocol::Warning> {
-    let others = of_answer(robot, solution).into_iter();
+fn warnings(robot: &Robot, case: &Case, solution: &Solution) -> Vec<protocol::Warning> {
+    let others = of_answer(robot, case, solution).into_iter();
     others
         .filter(|warning| !matches!(warning, Warning::Unstable { .. }))
         .map(|warning| protocol::Warning { message: warning.to_string(), help: warning.help() })

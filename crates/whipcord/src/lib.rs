@@ -12,6 +12,7 @@
 
 pub mod batch;
 mod budget;
+mod cable_overlap;
 mod cancel;
 pub mod case;
 pub mod constant_curvature;
@@ -44,6 +45,7 @@ mod warm_start;
 pub mod warning;
 
 pub use budget::Budget;
+pub use cable_overlap::CableOverlap;
 pub use cancel::Cancel;
 pub use case::{
     Actuation, CableCommand, Case, DistributedLoad, LoadFrame, Loads, PointLoad, PointMass,

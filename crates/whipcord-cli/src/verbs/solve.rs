@@ -129,6 +129,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
             steps: &answers,
             branches: branches.as_ref(),
             trace: trace.as_deref(),
+            robot: Some(&file.robot),
             obstacles: &file.case.obstacles,
         };
         let json = answer_json(&file.title, solution, timed.solve.median, &beside);
@@ -271,7 +272,8 @@ fn summary(
     };
     let touching = contacts::table(solution, &file.case.obstacles);
     let grasps = contacts::grasps(solution, &file.case.obstacles);
-    for table in [rubbing, touching, grasps].into_iter().flatten() {
+    let overlaps = contacts::cable_overlaps(&file.robot, solution, &file.case.obstacles);
+    for table in [rubbing, touching, grasps, overlaps].into_iter().flatten() {
         text += &format!("\n{}", table.text(style));
     }
     text.push('\n');

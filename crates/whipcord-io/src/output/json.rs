@@ -1,12 +1,14 @@
 use serde_json::{Map, Number, Value, json};
 use whipcord::{
-    CableState, Contact, Diagnostics, Grasp, Obstacle, Pose, Shape, Solution, Vec3, Wrench,
+    CableOverlap, CableState, Contact, Diagnostics, Grasp, Obstacle, Pose, Robot, Shape, Solution,
+    Vec3, Wrench,
 };
 
 use super::NonFinite;
 
 /// A solution as the JSON object that `whipcord solve --json` prints. `solve_time` is in s, as
-/// everything is in SI; the obstacles are those of the case, whose names the touches have.
+/// everything is in SI; the obstacles are those of the case, whose names the touches have. Where the robot is given, the cables
+/// that pass through obstacles are listed.
 ///
 /// # Errors
 /// [`NonFinite`] with the place of a number that is not finite.
@@ -14,6 +16,7 @@ pub fn solution_json(
     title: &str,
     solution: &Solution,
     solve_time: f64,
+    robot: Option<&Robot>,
     obstacles: &[Obstacle],
 ) -> Result<Value, NonFinite> {
     let stations = &solution.shape;
@@ -30,6 +33,8 @@ pub fn solution_json(
             "moment": vector(|| "base_wrench.moment".to_owned(), wrench.moment)?,
         }))
     });
+    let overlaps =
+        robot.map_or_else(Vec::new, |robot| CableOverlap::all(robot, solution, obstacles));
     Ok(json!({
         "title": title,
         "model": solution.model.name(),
@@ -52,6 +57,9 @@ pub fn solution_json(
             .collect::<Result<Vec<_>, _>>()?,
         "grasps": Grasp::all(solution, obstacles).iter().enumerate()
             .map(|(i, of)| grasp(i, of, obstacles))
+            .collect::<Result<Vec<_>, _>>()?,
+        "cable_overlaps": overlaps.iter().enumerate()
+            .map(|(i, of)| cable_overlap(i, of, solution, obstacles))
             .collect::<Result<Vec<_>, _>>()?,
         "diagnostics": diagnostics(&solution.diagnostics, solve_time)?,
     }))
@@ -123,6 +131,27 @@ fn grasp(index: usize, grasp: &Grasp, obstacles: &[Obstacle]) -> Result<Value, N
         "force": part("force", |wrench| wrench.force)?,
         "moment": part("moment", |wrench| wrench.moment)?,
         "slip_margin": optional(|| path("slip_margin"), grasp.slip_margin)?,
+    }))
+}
+
+/// A cable that passes through an obstacle; spans count from 0.
+fn cable_overlap(
+    index: usize,
+    overlap: &CableOverlap,
+    solution: &Solution,
+    obstacles: &[Obstacle],
+) -> Result<Value, NonFinite> {
+    let path = |name: &str| format!("cable_overlaps[{index}].{name}");
+    Ok(json!({
+        "cable": solution.cables.get(overlap.cable).map(|cable| cable.name.as_str()),
+        "span": overlap.span,
+        "obstacle": overlap.obstacle,
+        "name": obstacles.get(overlap.obstacle).map(|obstacle| obstacle.name.as_str()),
+        "arc_length": number(|| path("arc_length"), overlap.arc_length)?,
+        "point": vector(|| path("point"), overlap.point)?,
+        "normal": vector(|| path("normal"), overlap.normal)?,
+        "depth": number(|| path("depth"), overlap.depth)?,
+        "force": optional(|| path("force"), overlap.force)?,
     }))
 }
 
@@ -265,7 +294,7 @@ mod tests {
 
     #[test]
     fn a_solution_has_the_keys_of_the_contract() {
-        let mut value = solution_json("Case III", &solution(), 4.1e-6, &[ball()]).unwrap();
+        let mut value = solution_json("Case III", &solution(), 4.1e-6, None, &[ball()]).unwrap();
         value["diagnostics"]["version"] = json!("x.y.z");
         insta::assert_json_snapshot!(value);
     }
@@ -274,11 +303,11 @@ mod tests {
     fn a_number_that_is_none_is_an_error_and_not_null() {
         let mut bad = solution();
         bad.shape.poses[1].position.y = f64::NAN;
-        let error = solution_json("", &bad, 0.0, &[]).unwrap_err();
+        let error = solution_json("", &bad, 0.0, None, &[]).unwrap_err();
         assert_eq!(error.path, "shape.position[1][1]");
         bad = solution();
         bad.cables[0].tension = Some(f64::INFINITY);
-        let error = solution_json("", &bad, 0.0, &[]).unwrap_err();
+        let error = solution_json("", &bad, 0.0, None, &[]).unwrap_err();
         assert_eq!(error.to_string(), "cables[0].tension is inf, which is no result");
     }
 }

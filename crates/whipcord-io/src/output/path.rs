@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use whipcord::cosserat::TraceEvent;
-use whipcord::{Branches, CriticalKind, CriticalPoint, Obstacle, Solution};
+use whipcord::{Branches, CriticalKind, CriticalPoint, Obstacle, Robot, Solution};
 
 use super::NonFinite;
 use super::json::{number, numbers, solution_json, vector};
@@ -17,6 +17,8 @@ pub struct Beside<'a> {
     pub branches: Option<&'a Branches>,
     /// The iterations of its solve.
     pub trace: Option<&'a [TraceEvent]>,
+    /// The robot, whose cables may pass through obstacles.
+    pub robot: Option<&'a Robot>,
     /// What stands in the way in the case.
     pub obstacles: &'a [Obstacle],
 }
@@ -33,7 +35,8 @@ pub fn answer_json(
     solve_time: f64,
     beside: &Beside<'_>,
 ) -> Result<Value, NonFinite> {
-    let of = |solution: &Solution, time| solution_json(title, solution, time, beside.obstacles);
+    let Beside { robot, obstacles, .. } = *beside;
+    let of = |solution: &Solution, time| solution_json(title, solution, time, robot, obstacles);
     let mut object = of(solution, solve_time)?;
     if !beside.steps.is_empty() {
         let steps = beside.steps.iter().map(|&(step, time)| of(step, time));

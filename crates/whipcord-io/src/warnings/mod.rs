@@ -128,7 +128,7 @@ impl CaseFile {
     ) -> Vec<FileWarning> {
         let mut all: Vec<FileWarning> = Vec::new();
         for (answer, solution) in answers {
-            for warning in of_answer(robot, solution) {
+            for warning in of_answer(robot, &self.case, solution) {
                 match all.iter_mut().find(|known| known.warning.code() == warning.code()) {
                     Some(known) => known.more += 1,
                     None => all.push(FileWarning { answer, ..self.placed(warning) }),

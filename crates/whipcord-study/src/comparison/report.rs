@@ -86,6 +86,11 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
         }
     }
     for (run, solved) in study.solved() {
+        let obstacles = &file.case.obstacles;
+        if let Some(overlaps) = contacts::cable_overlaps(&file.robot, &solved.solution, obstacles) {
+            html += &format!("<h3>Cables through obstacles: {}</h3>\n", escape(&run.label()));
+            html += &overlaps.html();
+        }
         if let Some(touches) = contacts::table(&solved.solution, &file.case.obstacles) {
             html += &format!("<h3>Contact: {}</h3>\n", escape(&run.label()));
             html += &touches.html();

@@ -28,8 +28,19 @@ pub(super) struct Nearest {
     pub local: [f64; 2],
 }
 
+/// What the rim of a body sees of an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Rim {
+    /// The body is a ball or too far away, or its flat inside is nearer.
+    Unseen,
+    /// The greatest and the least distance of the rim from the obstacle differ by this part of the rim's radius.
+    Spread(f64),
+}
+
 /// Places at which the rim is looked at first.
 const RIM: usize = 12;
+/// Distances of the rim that differ by less than this part of its radius differ by rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// A disk whose flat inside has less than this part of its radius counts as a ball.
 const BALL: f64 = 1e-6;
@@ -56,16 +67,22 @@ impl Body {
 
     /// All places that are nearer to an obstacle than their neighbours, and no farther than
     /// `within`, into `found`.
-    pub fn nearest(&self, obstacle: &Obstacle, pose: &Pose, within: f64, found: &mut Vec<Nearest>) {
+    pub fn nearest(
+        &self,
+        obstacle: &Obstacle,
+        pose: &Pose,
+        within: f64,
+        found: &mut Vec<Nearest>,
+    ) -> Rim {
         found.clear();
         let centre = obstacle.surface(pose.position);
         // The distance changes by no more than the way.
         if centre.distance > self.reach() + within {
-            return;
+            return Rim::Unseen;
         }
         if self.is_ball() {
             found.push(self.at(pose, centre, [0.0, 0.0]));
-            return;
+            return Rim::Unseen;
         }
         let rim = core::array::from_fn::<_, RIM, _>(|k| {
             let local = on_rim(self.flat, angle(k));
@@ -74,13 +91,37 @@ impl Body {
         for k in 0..RIM {
             let [before, here, after] = [k + RIM - 1, k, k + 1].map(|i| rim[i % RIM].1);
             // Of a plateau the first.
-            if here < before && here <= after {
+            if here < before - ROUNDING * self.flat && here <= after {
                 self.add(self.track(obstacle, pose, rim[k].0), within, found);
             }
         }
         if found.is_empty() {
             self.add(self.track(obstacle, pose, [0.0, 0.0]), within, found);
         }
+        let lowest = rim.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(rim[0], |place| *place);
+        let highest = rim.iter().map(|place| place.1).fold(f64::NEG_INFINITY, f64::max);
+        if found.is_empty() {
+            // A plateau all around.
+            self.add(self.at_place(obstacle, pose, lowest.0), within, found);
+        }
+        let inside = |place: &Nearest| {
+            place.local[0].hypot(place.local[1]) < 0.99 * self.flat
+                && place.gap + self.rounding < lowest.1 - ROUNDING * self.flat
+        };
+        if found.iter().any(inside) {
+            return Rim::Unseen;
+        }
+        Rim::Spread((highest - lowest.1) / self.flat)
+    }
+
+    /// A place of the body, wherever others are nearer.
+    pub fn at_place(&self, obstacle: &Obstacle, pose: &Pose, local: [f64; 2]) -> Nearest {
+        self.at(pose, obstacle.surface(place(pose, local)), local)
+    }
+
+    /// The place of the rim at an angle from the axis x of the cross-section.
+    pub fn on_rim(&self, angle: f64) -> [f64; 2] {
+        on_rim(self.flat, angle)
     }
 
     fn add(&self, nearest: Nearest, within: f64, found: &mut Vec<Nearest>) {

@@ -73,7 +73,7 @@ impl Holding {
         let s = pair.member.arc_length;
         let (pose, body) = (model.pose(s), &pair.member.body);
         let rounding = body.rounding;
-        let at = |pose: &Pose| body.track(scene.get(pair.obstacle), pose, pair.nearest.local);
+        let at = |pose: &Pose| pair.look(scene.get(pair.obstacle), pose);
         let traction = |normal: Vec3| {
             let Some(grip) = &pair.grip else { return Vec3::ZERO };
             let along = grip.traction - normal * normal.dot(grip.traction);

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::body::{Body, Nearest, wrench_of};
+use super::body::{Body, Nearest, Rim, wrench_of};
 use super::friction::Grip;
 use super::model::{Compliant, Push};
 use super::scene::{DistanceBound, Scene};
@@ -24,6 +24,9 @@ pub(super) struct Pair {
     pub obstacle: usize,
     pub member: Member,
     pub nearest: Nearest,
+    /// Whether it keeps its place on the body: where a rim is about as near to the obstacle all around, as in a narrow bore,
+    /// the nearest place is not defined well enough to be followed.
+    pub keeps_place: bool,
     /// Force along the normal in N, not negative.
     pub force: f64,
     /// Force and moment on the cross-section that the model was last given.
@@ -58,6 +61,13 @@ pub(super) const OVERLAP: f64 = 1e-8;
 const BETWEEN: f64 = 0.05;
 /// Least distance of two contacts of the backbone, as a part of its length.
 const APART: f64 = 1e-5;
+/// A rim is about as near all around where its distances from the obstacle differ by less than this part of its radius; and
+/// remains so until they differ by more than the other.
+const ALL_AROUND: [f64; 2] = [0.05, 0.1];
+/// The largest angle in rad between two places of such a rim that are looked at; four or five are on each rim.
+const BETWEEN_PLACES: f64 = 0.6 * core::f64::consts::PI;
+/// The least angle in rad between two of them.
+const APART_ON_RIM: f64 = 1e-4;
 
 impl Pairs {
     pub fn new(robot: &Robot, watched: &[f64]) -> Self {
@@ -98,11 +108,9 @@ impl Pairs {
     pub fn refresh(&mut self, model: &impl Compliant, scene: &Scene) {
         for pair in &mut self.near {
             let pose = model.pose(pair.member.arc_length);
-            let obstacle = scene.get(pair.obstacle);
-            let body = &pair.member.body;
-            pair.nearest = body.track(obstacle, &pose, pair.nearest.local);
+            pair.nearest = pair.look(scene.get(pair.obstacle), &pose);
             if let Some(grip) = &mut pair.grip {
-                grip.refresh(&pose, &pair.nearest, body.rounding);
+                grip.refresh(&pose, &pair.nearest, pair.member.body.rounding);
             }
         }
         self.merge();
@@ -119,6 +127,8 @@ impl Pairs {
                 let [dx, dy] = [0, 1].map(|i| pair.nearest.local[i] - of.nearest.local[i]);
                 pair.obstacle == of.obstacle
                     && pair.member.part == of.member.part
+                    && !pair.keeps_place
+                    && !of.keeps_place
                     && !of.member.body.is_ball()
                     && dx.hypot(dy) < 1e-3 * of.member.body.flat
             };
@@ -144,7 +154,18 @@ impl Pairs {
         for member in &self.disks {
             let pose = model.pose(member.arc_length);
             for (k, obstacle) in scene.iter() {
-                member.body.nearest(obstacle, &pose, within, &mut found);
+                let rim = member.body.nearest(obstacle, &pose, within, &mut found);
+                let of_rim = |pair: &Pair| pair.obstacle == k && pair.member.part == member.part;
+                if is_all_around(rim, self.near.iter().filter(|pair| of_rim(pair))) {
+                    let overlap = OVERLAP * self.length;
+                    let places = RimPlaces { member, pose: &pose, obstacle: (k, obstacle) };
+                    let grip = grip(model, scene, k, member.arc_length);
+                    places.add(&found, (within, overlap), grip, &mut self.near);
+                    continue;
+                }
+                for pair in self.near.iter_mut().filter(|pair| of_rim(pair)) {
+                    pair.keeps_place = false;
+                }
                 for nearest in &found {
                     let known = |pair: &Pair| {
                         let [dx, dy] = [0, 1].map(|i| pair.nearest.local[i] - nearest.local[i]);
@@ -304,6 +325,7 @@ impl Pairs {
 
     /// A step on the way begins where the robot is: what touches has not slid yet.
     pub fn begin_step(&mut self, model: &impl Compliant, scene: &Scene) {
+        self.near.retain(|pair| pair.force > 0.0 || !pair.keeps_place);
         for pair in &mut self.near {
             if let Some(grip) = &mut pair.grip {
                 grip.from = scene.carried(model.pose_before(pair.member.arc_length));
@@ -344,6 +366,17 @@ impl Pairs {
             Grip { traction, sticks: touch.sticks, ..Grip::new(coefficient, from) }
         });
         let mut pair = Pair { force, grip, ..Pair::new(touch.obstacle, member, nearest) };
+        if let Part::Disk(k) = touch.part
+            && let Some(pose) = answer.disks.poses.get(k)
+        {
+            let rim = member.body.nearest(
+                scene.get(touch.obstacle),
+                &(*to_base * *pose),
+                NEAR * self.length,
+                &mut Vec::new(),
+            );
+            pair.keeps_place = is_all_around(rim, core::iter::empty());
+        }
         pair.given = pair.push();
         self.near.push(pair);
     }
@@ -420,7 +453,30 @@ const THICKNESS: f64 = 0.1;
 
 impl Pair {
     fn new(obstacle: usize, member: Member, nearest: Nearest) -> Self {
-        Self { obstacle, member, nearest, force: 0.0, given: [0.0; 6], grip: None }
+        Self {
+            obstacle,
+            member,
+            nearest,
+            keeps_place: false,
+            force: 0.0,
+            given: [0.0; 6],
+            grip: None,
+        }
+    }
+
+    /// Where it is nearest to its obstacle at a pose of the cross-section.
+    pub fn look(&self, obstacle: &Obstacle, pose: &Pose) -> Nearest {
+        let (body, local) = (&self.member.body, self.nearest.local);
+        if self.keeps_place {
+            body.at_place(obstacle, pose, local)
+        } else {
+            body.track(obstacle, pose, local)
+        }
+    }
+
+    /// Angle on the rim.
+    fn angle(&self) -> f64 {
+        self.nearest.local[1].atan2(self.nearest.local[0])
     }
 
     /// The force along the surface on the robot, in N.
@@ -442,6 +498,101 @@ impl Pair {
             let next = grip.traction + (traction - grip.traction) * part;
             grip.traction = if touches { next } else { Vec3::ZERO };
             grip.sticks = sticks && touches;
+        }
+    }
+}
+
+/// Whether a rim is about as near to an obstacle all around, as these pairs of it have seen it before.
+fn is_all_around<'a>(rim: Rim, mut pairs: impl Iterator<Item = &'a Pair>) -> bool {
+    let [least, most] = ALL_AROUND;
+    let Rim::Spread(spread) = rim else { return false };
+    spread < least || spread < most && pairs.any(|pair| pair.keeps_place)
+}
+
+/// The places of a rim that is about as near to an obstacle all around: each is a contact that keeps its place, so that its gap
+/// is linear in small motions however narrow a bore is.
+struct RimPlaces<'a> {
+    member: &'a Member,
+    pose: &'a Pose,
+    obstacle: (usize, &'a Obstacle),
+}
+
+impl RimPlaces<'_> {
+    /// Adds places so that no part of the rim is left out, and one wherever the rim overlaps between those that are known.
+    fn add(
+        &self,
+        found: &[Nearest],
+        (within, overlap): (f64, f64),
+        grip: Option<Grip>,
+        near: &mut Vec<Pair>,
+    ) {
+        use core::f64::consts::TAU;
+        let is_of_rim =
+            |pair: &Pair| pair.obstacle == self.obstacle.0 && pair.member.part == self.member.part;
+        // By angle, with the forces.
+        let mut known: Vec<(f64, f64)> = Vec::new();
+        for pair in near.iter_mut().filter(|pair| is_of_rim(pair)) {
+            pair.keeps_place = true;
+            known.push((pair.angle(), pair.force));
+        }
+        let lowest = found.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
+        let Some(lowest) = lowest else { return };
+        let mut more: Vec<f64> = Vec::new();
+        let angle = |nearest: &Nearest| nearest.local[1].atan2(nearest.local[0]);
+        if known.is_empty() {
+            let first = angle(lowest);
+            known.push((first, 0.0));
+            more.push(first);
+        }
+        let apart = |a: f64, b: f64| {
+            let turn = (a - b).rem_euclid(TAU);
+            turn.min(TAU - turn)
+        };
+        for overlapping in found.iter().filter(|nearest| nearest.gap < -overlap) {
+            let at = angle(overlapping);
+            let beside = |ahead: bool| {
+                let way =
+                    |other: f64| (if ahead { other - at } else { at - other }).rem_euclid(TAU);
+                let pushing = known.iter().filter(|(_, force)| *force > 0.0);
+                pushing
+                    .map(|&(other, force)| (way(other), other, force))
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+            };
+            // Where two places beside it push, the rim touches where their resultant points.
+            let place = match (beside(true), beside(false)) {
+                (Some((ahead, a, f)), Some((behind, b, g))) if ahead + behind < 0.5 * TAU => {
+                    let (x, y) = (f * a.cos() + g * b.cos(), f * a.sin() + g * b.sin());
+                    y.atan2(x)
+                }
+                _ => at,
+            };
+            let is_free = |place: f64, least: f64| {
+                known.iter().all(|&(other, _)| apart(place, other) > least)
+            };
+            for place in [place, at] {
+                if is_free(place, APART_ON_RIM) {
+                    more.push(place);
+                    known.push((place, 0.0));
+                    break;
+                }
+            }
+        }
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for k in 0..known.len() {
+            let (from, next) = (known[k].0, known[(k + 1) % known.len()].0);
+            let turn = (next - from).rem_euclid(TAU);
+            let turn = if turn == 0.0 { TAU } else { turn };
+            let parts = (turn / BETWEEN_PLACES).ceil();
+            more.extend((1..parts as usize).map(|i| from + turn * i as f64 / parts));
+        }
+        for angle in more {
+            let (number, obstacle) = self.obstacle;
+            let body = &self.member.body;
+            let nearest = body.at_place(obstacle, self.pose, body.on_rim(angle));
+            if nearest.gap <= within {
+                let pair = Pair::new(number, *self.member, nearest);
+                near.push(Pair { grip, keeps_place: true, ..pair });
+            }
         }
     }
 }

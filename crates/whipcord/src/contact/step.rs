@@ -198,7 +198,7 @@ fn add_lines(
     let Some(grip) = &pair.grip else { return };
     let rounding = member.body.rounding;
     let slip = |pose: &Pose| {
-        let nearest = member.body.track(scene.get(pair.obstacle), pose, nearest.local);
+        let nearest = pair.look(scene.get(pair.obstacle), pose);
         [grip.slip_at(pose, &nearest, rounding)]
     };
     let rates = differences(6, &model.pose(member.arc_length), member.body.reach(), slip);
@@ -229,7 +229,7 @@ fn geometric(pair: &Pair, model: &impl Compliant, scene: &Scene) -> [[f64; 6]; 6
     let body = &pair.member.body;
     let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
     let push = |pose: &Pose| {
-        let nearest = body.track(scene.get(pair.obstacle), pose, pair.nearest.local);
+        let nearest = pair.look(scene.get(pair.obstacle), pose);
         let normal = nearest.push();
         let drag = wrench_of(traction, nearest.lever(body.rounding));
         let [x, y, z, u, v, w] = core::array::from_fn(|a| pair.force * normal[a] + drag[a]);

@@ -5,18 +5,36 @@ use core::f64::consts::PI;
 use super::geometry::Extent;
 use super::kinds::{LARGE_STRAIN, NEAR_CRITICAL, Warning};
 use super::{intersection, span};
+use crate::cable_overlap::CableOverlap;
+use crate::case::Case;
 use crate::robot::Robot;
 use crate::shape::{Diagnostics, Shape, Solution};
 use whipcord_numerics::{Pose, Twist, Vec3};
 
-/// Warnings about an answer of this robot.
+/// Warnings about an answer of this robot to this case.
 #[must_use]
-pub fn of_answer(robot: &Robot, solution: &Solution) -> Vec<Warning> {
+pub fn of_answer(robot: &Robot, case: &Case, solution: &Solution) -> Vec<Warning> {
     let mut found = Vec::new();
     found.extend(stability(&solution.diagnostics));
     found.extend(intersection::warnings(robot, solution));
+    found.extend(cables(robot, case, solution));
     found.extend(strain(robot, solution));
     found
+}
+
+/// The deepest place of a cable in an obstacle.
+fn cables(robot: &Robot, case: &Case, solution: &Solution) -> Option<Warning> {
+    let overlaps = CableOverlap::all(robot, solution, &case.obstacles);
+    let deepest = overlaps.iter().max_by(|a, b| a.depth.total_cmp(&b.depth))?;
+    Some(Warning::CableInObstacle {
+        cable: robot.cables()[deepest.cable].name.clone(),
+        obstacle: case.obstacles[deepest.obstacle].name.clone(),
+        span: deepest.span,
+        arc_length: deepest.arc_length,
+        depth: deepest.depth,
+        force: deepest.force,
+        others: overlaps.len() - 1,
+    })
 }
 
 fn stability(diagnostics: &Diagnostics) -> Option<Warning> {

@@ -135,6 +135,23 @@ pub enum Warning {
         /// What of it is in the same place.
         second: Place,
     },
+    /// A taut cable that passes through an obstacle.
+    CableInObstacle {
+        /// Name of the cable.
+        cable: String,
+        /// Name of the obstacle.
+        obstacle: String,
+        /// The span between two disks where it is deepest, from 0 at the base.
+        span: usize,
+        /// Arc length in m of the deepest place.
+        arc_length: f64,
+        /// How deep it is inside the obstacle, in m.
+        depth: f64,
+        /// The force in N that the cable would press the obstacle with if its holes stayed where they are.
+        force: Option<f64>,
+        /// In how many other spans, or obstacles, cables pass through obstacles.
+        others: usize,
+    },
     /// A surface strain beyond what materials bear.
     Strain {
         /// Greatest strain on the surface.
@@ -168,7 +185,7 @@ pub enum BareUnits {
 
 impl Warning {
     /// All codes.
-    pub const CODES: [&'static str; 15] = [
+    pub const CODES: [&'static str; 16] = [
         "length",
         "bare-number",
         "thick-backbone",
@@ -182,6 +199,7 @@ impl Warning {
         "near-critical",
         "disks-overlap",
         "self-intersection",
+        "cable-in-obstacle",
         "strain",
         "yield-strain",
     ];
@@ -203,6 +221,7 @@ impl Warning {
             Self::NearCritical { .. } => "near-critical",
             Self::DisksOverlap { .. } => "disks-overlap",
             Self::SelfIntersection { .. } => "self-intersection",
+            Self::CableInObstacle { .. } => "cable-in-obstacle",
             Self::Strain { is_given: false, .. } => "strain",
             Self::Strain { is_given: true, .. } => "yield-strain",
         }
@@ -226,6 +245,7 @@ impl Warning {
             | Self::NearCritical { .. }
             | Self::DisksOverlap { .. }
             | Self::SelfIntersection { .. }
+            | Self::CableInObstacle { .. }
             | Self::Strain { .. } => return None,
         })
     }
@@ -240,6 +260,7 @@ impl Warning {
                 | Self::NearCritical { .. }
                 | Self::DisksOverlap { .. }
                 | Self::SelfIntersection { .. }
+                | Self::CableInObstacle { .. }
                 | Self::Strain { .. }
         )
     }

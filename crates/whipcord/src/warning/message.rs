@@ -19,6 +19,11 @@ fn short(value: f64) -> String {
     significant(value, 3, Round::Nearest)
 }
 
+/// With three digits.
+fn rounded(value: f64) -> f64 {
+    short(value).parse().unwrap_or(value)
+}
+
 fn percent(ratio: f64) -> String {
     format!("{} %", short(100.0 * ratio))
 }
@@ -99,7 +104,7 @@ impl fmt::Display for Warning {
                     in_words(path),
                     newtons(*force),
                     short(force / critical),
-                    newtons(significant(*critical, 3, Round::Nearest).parse().unwrap_or(*critical))
+                    newtons(rounded(*critical))
                 )
             }
             Self::DiskSpacing { change, length: of, disks } => write!(
@@ -132,6 +137,28 @@ impl fmt::Display for Warning {
             ),
             Self::SelfIntersection { first, second } => {
                 write!(f, "the shape passes through itself: {first} and {second} intersect")
+            }
+            Self::CableInObstacle { cable, obstacle, span, arc_length, depth, force, others } => {
+                write!(
+                    f,
+                    "cable `{cable}` passes through the obstacle `{obstacle}` between disks {} and {}, {} deep at {}",
+                    span + 1,
+                    span + 2,
+                    length(*depth),
+                    length(*arc_length)
+                )?;
+                if let Some(force) = force {
+                    write!(
+                        f,
+                        "; its force on the obstacle, about {}, is left out",
+                        newtons(rounded(*force))
+                    )?;
+                }
+                match others {
+                    0 => Ok(()),
+                    1 => f.write_str("; there is one such place more"),
+                    n => write!(f, "; there are {n} such places more"),
+                }
             }
             Self::Strain { strain, limit, is_given, arc_length } => write!(
                 f,
@@ -193,6 +220,9 @@ impl Warning {
             }
             Self::SelfIntersection { .. } => {
                 "lower the tensions or the loads, or check their units and the stiffness: the models have no contact of the robot with itself".to_owned()
+            }
+            Self::CableInObstacle { .. } => {
+                "give more disks, lead the cable elsewhere, or ignore this warning if the force is small beside those of the contacts: cables between disks have no contact".to_owned()
             }
             Self::Strain { is_given: false, .. } => format!(
                 "check the tension, the loads and the section; if the material bears more than {}, give `yield_strain` in [backbone]",

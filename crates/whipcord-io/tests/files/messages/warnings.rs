@@ -321,6 +321,33 @@ fn warnings_about_answers_have_near_misses() {
 }
 
 #[test]
+fn a_cable_that_passes_through_an_obstacle_is_told_of() {
+    // Between two of four disks of a robot that hardly bends, the cable at +y is 8 mm from the axis.
+    let text = |distance: f64| {
+        let robot = ROBOT
+            .replace("count = 10", "count = 4")
+            .replace("[4, 4, 4, 4, 4, 4, 4, 4, 4, 4]", "[4, 4, 4, 4]")
+            .replace("\"4 N\"", "0.01");
+        let position = format!("[0, {distance}, 0.09]");
+        format!(
+            "{robot}[[obstacles]]\nname = \"ball\"\nshape = \"sphere\"\nradius = 0.003\nposition = {position}\n"
+        )
+    };
+    let warnings = |distance: f64| about_answer(&file(&text(distance)), ModelKind::CosseratDisks);
+    assert_eq!(codes(&warnings(0.0105)), ["cable-in-obstacle"]);
+    assert_eq!(codes(&warnings(0.0115)), Vec::<&str>::new());
+    let [warning] = &warnings(0.0105)[..] else { panic!() };
+    let message = warning.warning.to_string();
+    assert!(
+        message.starts_with(
+            "cable `cable-1` passes through the obstacle `ball` between disks 2 and 3, 0."
+        ),
+        "{message}"
+    );
+    assert!(message.ends_with("is left out"), "{message}");
+}
+
+#[test]
 fn a_full_circle_meets_itself_and_one_that_is_not_full_does_not() {
     // A moment bends a bare rod to a circle of L EI/M: 2π EI/L closes it.
     let stiffness = 1.1e9 * core::f64::consts::PI / 64.0 * 0.001_f64.powi(4);

@@ -33,7 +33,7 @@ fn bending_stiffness() -> f64 {
 fn strain(kind: ModelKind, robot: &Robot, case: &Case) -> (f64, f64) {
     let model = Model::new(kind, Stations::Disks, Actuation::Tension).with_tolerance(ACCURATE);
     let solution = model.solve(robot, case).unwrap();
-    let found = of_answer(robot, &solution).into_iter().find_map(|warning| match warning {
+    let found = of_answer(robot, case, &solution).into_iter().find_map(|warning| match warning {
         Warning::Strain { strain, arc_length, .. } => Some((strain, arc_length)),
         _ => None,
     });

@@ -1,5 +1,6 @@
 //! Robots among obstacles.
 
+mod bore;
 mod cosserat;
 mod cosserat_disks;
 mod energy;

@@ -1,0 +1,142 @@
+//! Disks that fit a bore closely: they touch it along much of their rims.
+
+use super::among;
+use whipcord::obstacle::{Bends, Pipe};
+use whipcord::{
+    Actuation, Backbone, Cable, Case, Disks, Form, Material, Model, ModelKind, Obstacle, Pose,
+    Robot, Routing, Section, Solution, SolveError, Stations, Vec3,
+};
+
+const LENGTH: f64 = 0.18;
+const RADIUS: f64 = 0.01;
+const STIFFNESS: f64 = 1.1e9 * core::f64::consts::PI * 0.003 * 0.003 * 0.003 * 0.003 / 64.0;
+
+const RODS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
+
+/// A rod that neither shears nor stretches, as the beam of the closed forms.
+fn robot(sections: usize) -> Robot {
+    let material =
+        Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Material::default() };
+    let section = Some(Section::circle(0.003));
+    let backbone = Backbone {
+        material,
+        section,
+        shearable: false,
+        extensible: false,
+        ..Backbone::new(LENGTH)
+    };
+    let disks = Disks {
+        outer_radius: Some(RADIUS),
+        thickness: Some(0.002),
+        ..Disks::equally_spaced(LENGTH, sections + 1, 0.008)
+    };
+    let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
+    Robot::new(backbone, disks, vec![cable]).unwrap()
+}
+
+/// A straight bore with this clearance around the disks, as far as this.
+fn bore(clearance: f64, end: f64) -> Obstacle {
+    let points = [Vec3::new(0.0, 0.0, -0.05), Vec3::new(0.0, 0.0, end)];
+    let form = Form::Pipe(Pipe::new(RADIUS + clearance, &points, Bends::Corners).unwrap());
+    Obstacle { name: "bore".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0 }
+}
+
+fn solve(
+    kind: ModelKind,
+    robot: &Robot,
+    case: &Case,
+    from: Option<&Solution>,
+) -> Result<Solution, SolveError> {
+    let model = Model::new(kind, Stations::Disks, Actuation::Tension);
+    model.prepare(robot, &case.loads)?.solve(case, from)
+}
+
+/// Deflection at `s` of a clamped beam under a unit force at `at`.
+fn influence(s: f64, at: f64) -> f64 {
+    let (a, b) = if s < at { (s, at) } else { (at, s) };
+    a * a * (3.0 * b - a) / (6.0 * STIFFNESS)
+}
+
+/// The forces of supports with this clearance on a clamped beam under a force at a place, at supports at these places: each
+/// pushes back where the beam has used up the clearance. By trying supports in turn until all conditions hold.
+fn beam(places: &[f64], clearance: f64, (force, at): (f64, f64)) -> Vec<f64> {
+    let n = places.len();
+    let free: Vec<f64> = places.iter().map(|&s| force * influence(s, at)).collect();
+    let mut forces = vec![0.0; n];
+    // Projected Gauss-Seidel.
+    for _ in 0..200_000 {
+        let mut change: f64 = 0.0;
+        for i in 0..n {
+            let deflection: f64 =
+                free[i] + (0..n).map(|j| influence(places[i], places[j]) * forces[j]).sum::<f64>();
+            let own = influence(places[i], places[i]);
+            let up = (forces[i] - (deflection - clearance) / own).min(0.0);
+            let down = (forces[i] - (deflection + clearance) / own).max(0.0);
+            let next = up + down;
+            change = change.max((next - forces[i]).abs());
+            forces[i] = next;
+        }
+        if change < 1e-13 {
+            return forces;
+        }
+    }
+    panic!("the beam of the test does not converge");
+}
+
+/// The sum of the forces on each disk.
+fn on_disks(solution: &Solution) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; solution.disks.poses.len()];
+    for touch in &solution.contacts {
+        sums[touch.part.disk().unwrap()] += touch.normal * touch.force.unwrap();
+    }
+    sums
+}
+
+fn assert_in_bore(solution: &Solution, bore: &Obstacle) {
+    for pose in &solution.disks.poses[1..] {
+        for k in 0..720 {
+            let (sin, cos) = (f64::from(k) * 0.5).to_radians().sin_cos();
+            let point = pose.transform(Vec3::new(cos, sin, 0.0) * (RADIUS - 0.001));
+            let gap = bore.surface(point).distance - 0.001;
+            assert!(gap > -1.1e-8 * LENGTH, "{gap}");
+        }
+    }
+}
+
+/// A force on the tip beyond the end of the bore bends the rod against the wall at the mouth and, deeper, on the other side.
+#[test]
+fn a_rod_in_a_bore_is_a_beam_on_supports_with_clearance() {
+    let sections = 6;
+    let robot = robot(sections);
+    let places: Vec<f64> = (1..sections).map(|k| LENGTH * k as f64 / sections as f64).collect();
+    for clearance in [0.0, 1e-6, 1e-5, 1e-4] {
+        for degrees in [0.0, 33.0_f64] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let along = Vec3::new(cos, sin, 0.0);
+            let force = 0.02;
+            let expected = beam(&places, clearance, (force, LENGTH));
+            for kind in RODS {
+                let mut case = among(Case::with_tensions(&[0.0]), vec![bore(clearance, 0.16)]);
+                case.loads.tip_force = along * force;
+                let solution = solve(kind, &robot, &case, None)
+                    .unwrap_or_else(|error| panic!("{kind} {clearance} {degrees}: {error}"));
+                println!(
+                    "{kind} {clearance} {degrees}: {} iterations, {} contacts",
+                    solution.diagnostics.iterations,
+                    solution.contacts.len()
+                );
+                assert_in_bore(&solution, &case.obstacles[0]);
+                let found = on_disks(&solution);
+                for (k, &expected) in expected.iter().enumerate() {
+                    let apart = (found[k + 1] - along * expected).norm();
+                    assert!(
+                        apart < 0.01 * force,
+                        "{kind} {clearance} {degrees}: disk {}: {:?}, {expected}",
+                        k + 1,
+                        found[k + 1]
+                    );
+                }
+            }
+        }
+    }
+}
