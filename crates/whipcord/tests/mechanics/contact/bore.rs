@@ -120,11 +120,6 @@ fn a_rod_in_a_bore_is_a_beam_on_supports_with_clearance() {
                 case.loads.tip_force = along * force;
                 let solution = solve(kind, &robot, &case, None)
                     .unwrap_or_else(|error| panic!("{kind} {clearance} {degrees}: {error}"));
-                println!(
-                    "{kind} {clearance} {degrees}: {} iterations, {} contacts",
-                    solution.diagnostics.iterations,
-                    solution.contacts.len()
-                );
                 assert_in_bore(&solution, &case.obstacles[0]);
                 let found = on_disks(&solution);
                 for (k, &expected) in expected.iter().enumerate() {
