@@ -34,20 +34,15 @@ fn what_is_not_timed_is_said_once_and_in_the_terms_of_the_file() {
     let out = scratch.file("bench");
     let text = succeed(&["bench", "examples/two-segment-arm.toml", "--out", &out]);
     let notes: Vec<&str> = text.lines().filter(|line| line.starts_with("note:")).collect();
-    assert_eq!(notes.len(), 2, "{text}");
-    assert!(notes[0].contains("cosserat-disks: not timed with every number"), "{text}");
-    assert!(notes[1].contains("four-bar model cannot take `loads.gravity`"), "{text}");
+    assert_eq!(notes.len(), 1, "{text}");
+    assert!(notes[0].contains("four-bar model cannot take `loads.gravity`"), "{text}");
 
     let robot = robot("shortening = \"1 %\"").replace("count = 10", "count = 11");
     let short = robot.replace("[4, 4, 4, 4, 4, 4, 4, 4, 4, 4]", "[4, 4, 4, 4, 4, 4]");
     let text = warned(&["bench", &scratch.write("short.toml", &short), "--out", &out]).0;
     let notes: Vec<&str> = text.lines().filter(|line| line.starts_with("note:")).collect();
-    assert_eq!(
-        notes,
-        [
-            "note: Test robot: cosserat-disks: not timed with every number of sections: cable `pull` would end between two disks"
-        ]
-    );
+    // With other numbers of sections it ends between two disks, which the models take.
+    assert!(notes.is_empty(), "{text}");
 }
 
 #[test]

@@ -2,13 +2,12 @@
 
 use std::hint::black_box;
 
-use whipcord::{Actuation, Model, ModelKind, Robot, SolveError, Statics as _, Stations};
+use whipcord::{Actuation, Model, ModelKind, SolveError, Statics as _, Stations};
 
 use super::Samples;
 use thiserror::Error;
 
 use super::paper::Example;
-use crate::failure::refuses;
 use crate::model_benchmark::candidate::step_per_section;
 use crate::resample::resample;
 use crate::statistics::Line;
@@ -65,14 +64,7 @@ pub fn cost(kind: ModelKind, example: usize, examples: &[Example], sections: usi
     let untimed = |reason| Untimed::Sections { model: kind, reason };
     let samples =
         resample(robot, sections).map_err(|error| untimed(error.to_string())).and_then(|robot| {
-            let words = |error: SolveError| {
-                untimed(match ends_between_disks(&robot) {
-                    Some(cable) if refuses(&error) => {
-                        format!("cable `{cable}` would end between two disks")
-                    }
-                    _ => error.to_string(),
-                })
-            };
+            let words = |error: SolveError| untimed(error.to_string());
             let mut model = model(kind, sections).prepare(&robot, &case.loads).map_err(words)?;
             model.solve(case, None).map_err(words)?;
             Ok(Samples::take(|| {
@@ -81,13 +73,6 @@ pub fn cost(kind: ModelKind, example: usize, examples: &[Example], sections: usi
             }))
         });
     Cost { model: kind, example, sections, samples }
-}
-
-/// A cable that is anchored where there is no disk.
-fn ends_between_disks(robot: &Robot) -> Option<&str> {
-    let at_disk = |end| robot.disks().arc_lengths.contains(&end);
-    let index = robot.routes().iter().position(|route| !at_disk(route.end()))?;
-    Some(&robot.cables()[index].name)
 }
 
 /// All measurements of one model with one number of sections, on one example or on all of them.

@@ -15,11 +15,12 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
+use super::anchors::{Anchors, ChordChange};
 use super::layout::{Frame, Mesh, Span};
 use super::linear_step::Column;
-use super::loaded_span::{Angles, Gap, Link, Slope, Taut};
+use super::loaded_span::{Angles, Gap, Link, OfAnchors, Slope};
 use super::rod::{self, InSpan, Sample};
-use super::span::{self, Chord, Vanished};
+use super::span::{self, Answer, Chord, Taut, Vanished};
 use crate::budget::Meter;
 use crate::derivatives::NodeChange;
 use crate::section::BodyWrench;
@@ -29,6 +30,7 @@ use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Elimination};
 use crate::statics::loads::AppliedLoads;
+use crate::statics::passages::Anchor;
 use crate::statics::path;
 use crate::statics::path::state::{Part, PartChange};
 use crate::statics::scales::Scales;
@@ -84,24 +86,6 @@ impl Part for Node {
             wrench: self.wrench + step.wrench * fraction,
         }
     }
-}
-
-/// What acts in the rod just beyond the disks, in the base frame and beyond the dead loads, at the steps that begin there;
-/// from the rotation of each disk and the rod's wrench in its frame.
-pub(super) fn starts(
-    mesh: &Mesh,
-    loads: &AppliedLoads,
-    rod: impl Fn(usize) -> (UnitQuaternion, BodyWrench),
-) -> Vec<Option<Wrench>> {
-    let mut starts = vec![None; mesh.grid.len()];
-    for (k, steps) in mesh.spans.iter().enumerate() {
-        let (disk, wrench) = rod(k);
-        starts[steps.start] = Some(Wrench {
-            force: disk.rotate(wrench.linear) - loads.force(steps.start, 0),
-            moment: disk.rotate(wrench.angular),
-        });
-    }
-    starts
 }
 
 impl Node {
@@ -181,6 +165,12 @@ pub(super) struct Chain {
     pub(super) slopes: Vec<Slope>,
     /// Changes of those angles by what [`Link::by`] counts, span after span: in the near holes, then in the far ones.
     pub(super) angle_rows: Vec<f64>,
+    /// What the tensions of cables that are anchored between two disks do at the same wrenches in the rod: by anchor, and the
+    /// changes of the chords and of those angles ([`Span::anchor_rows`]).
+    pub(super) by_anchor: Vec<Answer>,
+    pub(super) anchor_rows: Vec<f64>,
+    pub(super) anchor_angles: Vec<f64>,
+    anchor_changes: Vec<ChordChange>,
     pub(super) kept: Vec<Node>,
     pub(super) kept_tensions: Vec<f64>,
     pub(super) kept_load: f64,
@@ -269,7 +259,7 @@ impl Chain {
             let force = to_disk.rotate(dead(steps.start, 0) + share);
             let total = BodyWrench { linear: force, angular: to_disk.rotate(moment) };
             let slots = &mut chords[span.first..span.first + span.passages.len()];
-            let drawn = span::draw(span, &(near.inverse() * *far), slots);
+            let drawn = span::estimate(span, &(near.inverse() * *far), slots);
             let pulled = if drawn.is_ok() {
                 span::pull(span, slots, &self.pulled[span.first..])
             } else {
@@ -338,13 +328,17 @@ impl Chain {
             let samples = &mut self.samples[3 * steps.start..3 * steps.end];
             let poses = &mut self.poses[steps.clone()];
             let grid = &mesh.grid;
-            let end = rod::integrate(grid, steps.clone(), node.wrench, &inside, poses, samples);
             let chords = &mut self.chords[span.first..span.first + cables];
+            let tensions = &self.pulled[span.first..span.first + cables];
+            let at = mesh.anchors_of(span);
+            let anchors = Anchors { at, passages: &span.passages, tensions };
+            let anchors = (&anchors, &mut *chords);
+            let end =
+                rod::integrate(grid, steps.clone(), node.wrench, &inside, anchors, poses, samples);
             span::draw(span, &end.pose, chords).map_err(|gone| folded(gone, span))?;
             for (chord, &group) in chords.iter().zip(&task.groups[span.first..]) {
                 self.lengths[group] += chord.length;
             }
-            let tensions = &self.pulled[span.first..span.first + cables];
             let gap = Gap::new(task, k, (&node, &next), &end, chords, tensions);
             greatest = greatest.max(gap.size(&scales, &node, &next));
             self.gaps[k] = gap;
@@ -369,10 +363,20 @@ impl Chain {
         self.links.resize(frame.spans.len(), Link::default());
         self.rows.resize(ROWS * frame.passages, 0.0);
         self.angle_rows.resize(ANGLE_ROWS * self.slopes.len(), 0.0);
+        self.by_anchor.resize(task.mesh.anchors.len(), Answer::default());
+        self.anchor_rows.resize(frame.anchor_rows, 0.0);
+        let counts = !self.slopes.is_empty();
+        self.anchor_angles.resize(if counts { 2 * frame.anchor_rows } else { 0 }, 0.0);
         for (k, span) in frame.spans.iter().enumerate() {
             let steps = &task.mesh.spans[k];
             let passages = span.first..span.first + span.passages.len();
+            let anchors = task.mesh.anchors_of(span);
+            let of_anchors =
+                span.anchor_rows..span.anchor_rows + anchors.len() * span.passages.len();
+            self.anchor_changes.resize(6 * anchors.len(), ChordChange::default());
             let taut = Taut {
+                span,
+                anchors,
                 samples: &self.samples[3 * steps.start..3 * steps.end],
                 pose: self.poses[steps.end - 1],
                 chords: &self.chords[passages.clone()],
@@ -382,12 +386,23 @@ impl Chain {
             let angles = match self.slopes.get(passages.clone()) {
                 Some(slopes) => {
                     let rows = ANGLE_ROWS * passages.start..ANGLE_ROWS * passages.end;
-                    Angles { slopes, rows: &mut self.angle_rows[rows] }
+                    let both = 2 * of_anchors.start..2 * of_anchors.end;
+                    Angles {
+                        slopes,
+                        rows: &mut self.angle_rows[rows],
+                        by_tension: self.anchor_angles.get_mut(both).unwrap_or_default(),
+                    }
                 }
                 None => Angles::default(),
             };
+            let of_anchors = OfAnchors {
+                answers: &mut self.by_anchor[span.anchors.clone()],
+                rows: &mut self.anchor_rows[of_anchors],
+                changes: &mut self.anchor_changes,
+            };
             let rotation = self.nodes[k].rotation;
-            match Link::new(task, k, rotation, &self.gaps[k], &taut, (rows, angles)) {
+            let gap = &self.gaps[k];
+            match Link::new(task, k, rotation, gap, &taut, (rows, angles), of_anchors) {
                 Some(link) => self.links[k] = link,
                 None => {
                     self.links.clear();
@@ -398,9 +413,25 @@ impl Chain {
         true
     }
 
-    /// The same of this chain.
-    pub fn starts(&self, mesh: &Mesh, loads: &AppliedLoads) -> Vec<Option<Wrench>> {
-        starts(mesh, loads, |k| (self.nodes[k].rotation, self.nodes[k].wrench))
+    /// What acts in the rod just beyond disks and anchors, in the base frame and beyond the dead loads, at the steps that begin
+    /// there.
+    pub fn starts(&self, frame: &Frame, mesh: &Mesh, loads: &AppliedLoads) -> Vec<Option<Wrench>> {
+        let mut starts = vec![None; mesh.grid.len()];
+        let spans = frame.spans.iter().zip(&mesh.spans);
+        for ((span, steps), node) in spans.zip(&self.nodes) {
+            let disk = node.rotation;
+            let start = |step: usize, turn: UnitQuaternion, wrench: &BodyWrench| Wrench {
+                force: turn.rotate(wrench.linear) - loads.force(step, 0),
+                moment: turn.rotate(wrench.angular),
+            };
+            starts[steps.start] = Some(start(steps.start, disk, &node.wrench));
+            for &Anchor { node, .. } in mesh.anchors_of(span) {
+                // The first sample of the step that begins there.
+                let Sample { rotation, wrench, .. } = &self.samples[3 * node];
+                starts[node] = Some(start(node, disk * *rotation, wrench));
+            }
+        }
+        starts
     }
 
     /// Goes a fraction of the step from where the nodes were kept.

@@ -267,7 +267,7 @@ impl ContactResponse {
             taut,
             poses: &self.shape.poses,
             base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
-            starts: &chain.starts(mesh, loads),
+            starts: &chain.starts(frame, mesh, loads),
             strains: &[],
             nodes,
         };

@@ -11,7 +11,6 @@ use super::chain::{ANGLE_ROWS, Chain, NodeStep, ROWS, Task};
 use super::friction::Holes;
 use super::linear_step::Column;
 use super::loaded_span::{Push, Slope};
-use super::span;
 use crate::section::BodyWrench;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
@@ -299,6 +298,10 @@ impl Chain {
             let rows = &self.rows[ROWS * span.first..ROWS * (span.first + cables)];
             let angle_rows = &self.angle_rows[ANGLE_ROWS * span.first..][..ANGLE_ROWS * cables];
             let (near_rows, far_rows) = angle_rows.split_at(9 * cables);
+            let anchored = span.anchors.len() * cables;
+            let own_lengths = &self.anchor_rows[span.anchor_rows..];
+            let own_near = &self.anchor_angles[2 * span.anchor_rows..];
+            let own_far = &own_near[anchored..];
             let mut by_unit = [BodyWrench::default(); 9];
             for (wrench, push) in by_unit.iter_mut().zip(units) {
                 *wrench = link.pass(push).0;
@@ -341,10 +344,13 @@ impl Chain {
                 for column in inside.chain([Column::Closing]) {
                     let j = if let Column::Tension(j) = column { j } else { n };
                     let wrench = own(column);
-                    scratch.lengths[p * wide + j] += of_wrench(rows, &wrench);
-                    scratch.angles[p * wide + j] += of_wrench(near_rows, &wrench);
+                    let direct = |rows: &[f64]| Self::own(task, k, i, column, rows);
+                    scratch.lengths[p * wide + j] += of_wrench(rows, &wrench) + direct(own_lengths);
+                    scratch.angles[p * wide + j] +=
+                        of_wrench(near_rows, &wrench) + direct(own_near);
                     if let Some(next) = next {
-                        scratch.angles[next * wide + j] += of_wrench(far_rows, &wrench);
+                        scratch.angles[next * wide + j] +=
+                            of_wrench(far_rows, &wrench) + direct(own_far);
                     }
                 }
             }
@@ -434,14 +440,7 @@ impl Chain {
             if let Some(link) = self.links.get(k) {
                 let mut push = self.push(task, k, Column::Closing);
                 (push.turn, push.moment, push.force) = (change.turn, change.moment, change.force);
-                let span = &task.frame.spans[k];
-                let to_far = link.far_frame();
-                for (i, passage) in span.passages.iter().enumerate() {
-                    let chord = &self.chords[span.first + i];
-                    let change = theta[span.first + i];
-                    push.pull = push.pull + span::unit_pull(passage.near, chord) * change;
-                    push.far += change * passage.far.cross(to_far.rotate(chord.along));
-                }
+                self.perturb(&mut push, task, k, |passage| theta[passage]);
                 node.wrench = link.pass(&push).0;
             }
             finite &= change.is_finite() && node.wrench.linear.is_finite();

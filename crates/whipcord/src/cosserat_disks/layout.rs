@@ -13,7 +13,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Robot;
 use crate::statics::grid::{Grid, Layout};
-use crate::statics::passages::{Passage, passages_to_disks};
+use crate::statics::passages::{Anchor, Passage, passages};
 use crate::statics::scales::Scales;
 
 /// What lies between two neighbouring disks.
@@ -24,6 +24,10 @@ pub(super) struct Span {
     pub passages: Vec<Passage>,
     /// Number of the first passage among those of all spans.
     pub first: usize,
+    /// Its anchors among those of all spans.
+    pub anchors: Range<usize>,
+    /// Where the rows of its anchors begin, one for each pair of an anchor and a passage, among those of all spans.
+    pub anchor_rows: usize,
 }
 
 /// What does not depend on how finely the spans are integrated.
@@ -39,6 +43,10 @@ pub(super) struct Frame {
     pub rest_chords: Vec<Chord>,
     /// Passages of all spans.
     pub passages: usize,
+    /// The passages that are anchored between two disks, by their numbers in their spans; from the base on.
+    anchored: Vec<usize>,
+    /// Pairs of an anchor and a passage of its span.
+    pub anchor_rows: usize,
 }
 
 /// Steps from base to tip, and which of them lie in which span.
@@ -48,29 +56,54 @@ pub(super) struct Mesh {
     pub spans: Vec<Range<usize>>,
     /// For each span an earlier one that it is like.
     pub repeated_spans: Vec<Option<RepeatedSpan>>,
+    /// The anchors between disks, from the base on.
+    pub anchors: Vec<Anchor>,
+}
+
+impl Mesh {
+    /// The anchors of a span.
+    #[inline]
+    pub fn anchors_of(&self, span: &Span) -> &[Anchor] {
+        &self.anchors[span.anchors.clone()]
+    }
 }
 
 impl Frame {
     /// Cuts the robot.
     ///
     /// # Errors
-    /// [`SolveError::Unsupported`] when a cable is anchored between two disks, and
     /// [`SolveError::Missing`] when the rod's stiffness is not known.
     pub fn new(robot: &Robot, stations: Vec<f64>, loads: &Loads) -> Result<Self, SolveError> {
         let rod = Robot::new(robot.backbone().clone(), robot.disks().clone(), Vec::new())?;
         let mut spans = Vec::with_capacity(robot.disks().count() - 1);
-        let mut count = 0;
-        let starts = &robot.disks().arc_lengths;
-        for (&start, passages) in
-            starts.iter().zip(passages_to_disks(robot, ModelKind::CosseratDisks)?)
-        {
-            let first = count;
+        let (mut count, mut anchor_rows) = (0, 0);
+        let (mut anchored, mut places) = (Vec::new(), Vec::new());
+        let ends = &robot.disks().arc_lengths;
+        for (ends, passages) in ends.windows(2).zip(passages(robot)) {
+            let first_anchor = anchored.len();
+            let inside = (0..passages.len()).filter(|&i| passages[i].is_anchored_inside());
+            anchored.extend(inside);
+            anchored[first_anchor..]
+                .sort_by(|&a, &b| passages[a].reach.total_cmp(&passages[b].reach));
+            let place = |&i: &usize| robot.routes()[passages[i].cable].end();
+            places.extend(anchored[first_anchor..].iter().map(place));
+            let anchors = first_anchor..anchored.len();
+            let (first, rows) = (count, anchor_rows);
             count += passages.len();
-            spans.push(Span { start, first, passages });
+            anchor_rows += anchors.len() * passages.len();
+            spans.push(Span { start: ends[0], first, passages, anchors, anchor_rows: rows });
         }
-        let layout = Layout::new(&rod, stations, loads);
-        let (rest_lengths, rest_chords) = (vec![0.0; robot.cables().len()], Vec::new());
-        let mut frame = Self { rod, layout, spans, rest_lengths, rest_chords, passages: count };
+        let layout = Layout::with_anchors(&rod, stations, loads, places);
+        let mut frame = Self {
+            rod,
+            layout,
+            spans,
+            rest_lengths: vec![0.0; robot.cables().len()],
+            rest_chords: Vec::new(),
+            passages: count,
+            anchored,
+            anchor_rows,
+        };
         frame.rest_chords = frame.chords_at_rest()?;
         let passing = frame.spans.iter().flat_map(|span| &span.passages);
         for (passage, chord) in passing.zip(&frame.rest_chords) {
@@ -85,7 +118,9 @@ impl Frame {
             .map_err(|error| error.of(ModelKind::CosseratDisks))?;
         let spans: Vec<_> = grid.disks.windows(2).map(|pair| pair[0]..pair[1]).collect();
         let repeated_spans = repeated_spans::find(&self.spans, &grid, &spans);
-        Ok(Mesh { grid, spans, repeated_spans })
+        let places = self.anchored.iter().zip(&grid.anchors);
+        let anchors = places.map(|(&passage, &node)| Anchor { passage, node }).collect();
+        Ok(Mesh { grid, spans, repeated_spans, anchors })
     }
 
     /// Share of the robot that lies beyond disk `k`, before the next.
@@ -140,11 +175,15 @@ impl Frame {
     }
 
     /// The cables between the disks, on the steps of a mesh.
-    pub fn straight_spans(&self, mesh: &Mesh) -> Vec<StraightSpan<'_>> {
+    pub fn straight_spans<'a>(&'a self, mesh: &'a Mesh) -> Vec<StraightSpan<'a>> {
         self.spans
             .iter()
             .zip(&mesh.spans)
-            .map(|(span, steps)| StraightSpan { steps: steps.clone(), passages: &span.passages })
+            .map(|(span, steps)| StraightSpan {
+                steps: steps.clone(),
+                passages: &span.passages,
+                anchors: mesh.anchors_of(span),
+            })
             .collect()
     }
 
@@ -153,15 +192,23 @@ impl Frame {
         let mesh = self.rest_mesh()?;
         let mut chords = Vec::with_capacity(self.passages);
         for (span, steps) in self.spans.iter().zip(&mesh.spans) {
-            let pose = steps.clone().fold(Pose::IDENTITY, |pose, k| {
+            let first = chords.len();
+            chords.resize(first + span.passages.len(), Chord::default());
+            let mut anchors = mesh.anchors_of(span).iter().peekable();
+            let mut pose = Pose::IDENTITY;
+            for k in steps.clone() {
                 let h = mesh.grid.steps[k].length;
                 let at = |j: usize| mesh.grid.gauss.at(k, j, 0).0.section.rest_strain() * h;
-                pose * magnus_6(&[at(0), at(1), at(2)])
-            });
-            for passage in &span.passages {
-                let way = pose.transform(passage.far) - passage.near;
-                let length = way.norm();
-                chords.push(Chord { along: way * (1.0 / length), length });
+                pose = pose * magnus_6(&[at(0), at(1), at(2)]);
+                while let Some(anchor) = anchors.next_if(|anchor| anchor.node == k + 1) {
+                    let passage = &span.passages[anchor.passage];
+                    chords[first + anchor.passage] = Chord::between(passage, &pose);
+                }
+            }
+            for (passage, chord) in span.passages.iter().zip(&mut chords[first..]) {
+                if !passage.is_anchored_inside() {
+                    *chord = Chord::between(passage, &pose);
+                }
             }
         }
         Ok(chords)

@@ -4,6 +4,7 @@ use whipcord_numerics::Vec3;
 
 use super::chain::{Chain, Direction, NodeStep, ROWS, Task};
 use super::loaded_span::Push;
+use super::span;
 use crate::statics::elimination::{Change, Size};
 use crate::statics::path::state::PartChange;
 use crate::statics::path::{self, pattern};
@@ -25,12 +26,51 @@ impl Chain {
         match column {
             Column::Load => push.residual = link.by_load.unwrap_or_default().0,
             Column::Tension(group) => {
-                push.perturb(task, k, &self.chords, link, |of| f64::from(u8::from(of == group)));
+                self.perturb(&mut push, task, k, |of| f64::from(u8::from(of == group)));
             }
             Column::Closing if task.step.closes() => push.residual = self.gaps[k].residual,
             Column::Closing => {}
         }
         push
+    }
+
+    /// Adds what changes of the tensions of the groups do to a span.
+    pub(super) fn perturb(
+        &self,
+        push: &mut Push,
+        task: &Task<'_>,
+        k: usize,
+        change: impl Fn(usize) -> f64,
+    ) {
+        let span = &task.frame.spans[k];
+        let to_far = self.links[k].far_frame();
+        for (i, passage) in span.passages.iter().enumerate() {
+            let change = change(task.groups[span.first + i]);
+            if change == 0.0 {
+                continue;
+            }
+            let chord = &self.chords[span.first + i];
+            push.own.pull = push.own.pull + span::unit_pull(passage.near, chord) * change;
+            if !passage.is_anchored_inside() {
+                push.own.moment += change * passage.far.cross(to_far.rotate(chord.along));
+            }
+        }
+        for (anchor, answer) in
+            task.mesh.anchors_of(span).iter().zip(&self.by_anchor[span.anchors.clone()])
+        {
+            push.add(change(task.groups[span.first + anchor.passage]), answer);
+        }
+    }
+
+    /// What a column changes at passage `i` of a span at the same wrench in its rod, of rows such as [`Chain::anchor_rows`] where
+    /// those of the span begin.
+    pub(super) fn own(task: &Task<'_>, k: usize, i: usize, column: Column, rows: &[f64]) -> f64 {
+        let Column::Tension(group) = column else { return 0.0 };
+        let span = &task.frame.spans[k];
+        let anchors = task.mesh.anchors_of(span).iter().enumerate();
+        let of_group =
+            anchors.filter(|(_, anchor)| task.groups[span.first + anchor.passage] == group);
+        of_group.map(|(a, _)| rows[a * span.passages.len() + i]).sum()
     }
 
     /// How a span ends short of the next disk by a column, at the same start.
@@ -130,7 +170,7 @@ impl Chain {
                     let mut push = self.push(task, k, Column::Closing);
                     (push.turn, push.moment, push.force) = (turn, moment, force);
                     let link = &self.links[k];
-                    push.perturb(task, k, &self.chords, link, |group| shared.change_of(group));
+                    self.perturb(&mut push, task, k, |group| shared.change_of(group));
                     let (by_load, _) = link.by_load.unwrap_or_default();
                     push.residual = push.residual + by_load * self.step.load;
                     node.wrench = link.pass(&push).0;
@@ -203,7 +243,10 @@ impl Chain {
                                 + by(6 + c) * turn[c]
                         })
                         .sum();
-                    let own = if matches!(column, Column::Load) { by(9) } else { 0.0 };
+                    let own = match column {
+                        Column::Load => by(9),
+                        _ => Self::own(task, k, i, column, &self.anchor_rows[span.anchor_rows..]),
+                    };
                     out[row * wide + j] += along + own;
                 }
             }

@@ -1,11 +1,11 @@
 //! One span of the loaded chain: how it ends short of the next disk, and what it passes on to it.
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{UnitQuaternion, Vec3};
 
+use super::anchors::ChordChange;
 use super::chain::{Node, Task};
-use super::layout::Span;
-use super::rod::{self, By, End, InSpan, Sample, Variation};
-use super::span::{self, Answer, Chord, Factors};
+use super::rod::{self, By, End, InSpan, Variation};
+use super::span::{self, Answer, Chord, Factors, Taut};
 use super::unloaded_span;
 use crate::section::BodyWrench;
 use crate::statics::elimination::Change;
@@ -27,15 +27,6 @@ pub(super) struct Gap {
     follower: Vec3,
 }
 
-/// A span as it was last integrated.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Taut<'a> {
-    pub samples: &'a [Sample],
-    pub pose: Pose,
-    pub chords: &'a [Chord],
-    pub tensions: &'a [f64],
-}
-
 /// How the angles that a piece of cable encloses with its neighbours hang on its direction, in rad.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slope {
@@ -52,20 +43,31 @@ pub(super) struct Angles<'a> {
     pub slopes: &'a [Slope],
     /// Takes their changes: in the near holes by each of nine variations, then in the far ones.
     pub rows: &'a mut [f64],
+    /// The same by the tensions of the anchors' cables: in the near holes by each of them, then in the far ones.
+    pub by_tension: &'a mut [f64],
 }
 
-impl Angles<'_> {
-    /// The changes by variation `c` of the rod.
-    fn vary(&mut self, c: usize, span: &Span, taut: &Taut<'_>, variation: &Variation) {
-        let cables = self.slopes.len();
-        let to_far = taut.pose.rotation.conjugate();
-        for (i, (slope, passage)) in self.slopes.iter().zip(&span.passages).enumerate() {
-            let Chord { along, length } = taut.chords[i];
-            let t = to_far.rotate(along);
-            let way = variation.shift + variation.turn.cross(passage.far);
-            let tilt = (way - t * t.dot(way)) * (1.0 / length);
-            self.rows[c * cables + i] = slope.near.dot(taut.pose.rotation.rotate(tilt));
-            self.rows[(9 + c) * cables + i] = slope.far.dot(tilt - variation.turn.cross(t));
+/// The changes of the angles in the near holes and in the far ones by a variation of the rod.
+fn turn_angles(
+    slopes: &[Slope],
+    taut: &Taut<'_>,
+    variation: &Variation,
+    of_anchors: &[ChordChange],
+    (near, far): (&mut [f64], &mut [f64]),
+) {
+    let to_far = taut.pose.rotation.conjugate();
+    for (i, (slope, passage)) in slopes.iter().zip(&taut.span.passages).enumerate() {
+        let Chord { along, length } = taut.chords[i];
+        let t = to_far.rotate(along);
+        let way = variation.shift + variation.turn.cross(passage.far);
+        let tilt = (way - t * t.dot(way)) * (1.0 / length);
+        near[i] = slope.near.dot(taut.pose.rotation.rotate(tilt));
+        far[i] = slope.far.dot(tilt - variation.turn.cross(t));
+    }
+    for (anchor, change) in taut.anchors.iter().zip(of_anchors) {
+        if let Some(slope) = slopes.get(anchor.passage) {
+            // Nothing follows an anchor.
+            (near[anchor.passage], far[anchor.passage]) = (slope.near.dot(change.tilt), 0.0);
         }
     }
 }
@@ -95,31 +97,17 @@ pub(super) struct Push {
     pub force: Vec3,
     /// What is left of eq. (3) and is closed.
     pub residual: BodyWrench,
-    /// Of the cables' share in eq. (3), and of the total moment at the far disk.
-    pub pull: BodyWrench,
-    pub far: Vec3,
+    /// What answers beside the rod: of the cables' share in eq. (3), and at the far disk.
+    pub own: Answer,
 }
 
 impl Push {
-    /// Adds what changes of the tensions of the groups do to a span.
-    pub fn perturb(
-        &mut self,
-        task: &Task<'_>,
-        k: usize,
-        chords: &[Chord],
-        link: &Link,
-        change: impl Fn(usize) -> f64,
-    ) {
-        let span = &task.frame.spans[k];
-        let to_far = link.turn.conjugate();
-        for (i, passage) in span.passages.iter().enumerate() {
-            let change = change(task.groups[span.first + i]);
-            if change != 0.0 {
-                let chord = &chords[span.first + i];
-                self.pull = self.pull + span::unit_pull(passage.near, chord) * change;
-                self.far += change * passage.far.cross(to_far.rotate(chord.along));
-            }
-        }
+    /// Adds an answer.
+    pub fn add(&mut self, f: f64, answer: &Answer) {
+        self.own.turn += f * answer.turn;
+        self.own.moment += f * answer.moment;
+        self.own.force += f * answer.force;
+        self.own.pull = self.own.pull + answer.pull * f;
     }
 }
 
@@ -186,10 +174,13 @@ impl Link {
         gap: &Gap,
         taut: &Taut<'_>,
         (rows, angles): (&mut [f64], Angles<'_>),
+        of_anchors: OfAnchors<'_>,
     ) -> Option<Self> {
         let start = task.mesh.spans[k].start;
         let inside = InSpan::at(task.loads, task.load, rotation, start);
-        let by = answers(task, k, taut, &inside, (&mut *rows, angles));
+        let OfAnchors { answers: of_tensions, rows: tension_rows, changes } = of_anchors;
+        let rows_of = Rows { rows: &mut *rows, tension_rows, angles };
+        let by = answers(task, k, taut, &inside, rows_of, (of_tensions, &mut *changes));
         let Gap { total_force, followers, applied, follower, .. } = *gap;
         let (factors, turn) = (Factors::new(&by)?, taut.pose.rotation);
         let by_load = None;
@@ -206,7 +197,8 @@ impl Link {
         };
         if task.step.frees_load() {
             let rows = &mut rows[9 * taut.chords.len()..];
-            link.by_load = Some(link.loaded(task, k, taut, &inside, rows));
+            let changes = &mut changes[..taut.anchors.len()];
+            link.by_load = Some(link.loaded(task, k, taut, &inside, (rows, changes)));
         }
         Some(link)
     }
@@ -218,13 +210,12 @@ impl Link {
         k: usize,
         taut: &Taut<'_>,
         inside: &InSpan<'_>,
-        row: &mut [f64],
+        (row, changes): (&mut [f64], &mut [ChordChange]),
     ) -> (BodyWrench, Change) {
-        let Taut { samples, ref pose, chords, tensions } = *taut;
         let (grid, steps) = (&task.mesh.grid, task.mesh.spans[k].clone());
         let place = steps.end;
-        let variation = rod::linearise(grid, steps, samples, inside, By::Load);
-        let answer = span::answer(&task.frame.spans[k], pose, chords, tensions, &variation, row);
+        let variation = rod::linearise(grid, steps, taut, inside, By::Load, changes);
+        let answer = span::answer(taut, &variation, changes, row);
         let to_start = self.rotation.conjugate();
         let mut residual = answer.pull;
         residual.linear -= to_start.rotate(inside.at_start);
@@ -251,15 +242,15 @@ impl Link {
 
     /// The change of `w` and what arrives at the next disk when the start changes.
     pub fn pass(&self, push: &Push) -> (BodyWrench, Change) {
-        let Push { turn, moment, force, residual, pull, far } = *push;
+        let Push { turn, moment, force, residual, ref own } = *push;
         let rotation = self.rotation;
         let by_turn = |of: fn(&Answer) -> Vec3| -> Vec3 {
             (0..3).fold(Vec3::ZERO, |sum, c| sum + of(&self.by[6 + c]) * turn[c])
         };
         let total = self.total_force.cross(turn) + rotation.conjugate().rotate(force);
         let right = BodyWrench {
-            linear: total - pull.linear - by_turn(|a| a.pull.linear) - residual.linear,
-            angular: moment - pull.angular - by_turn(|a| a.pull.angular) - residual.angular,
+            linear: total - own.pull.linear - by_turn(|a| a.pull.linear) - residual.linear,
+            angular: moment - own.pull.angular - by_turn(|a| a.pull.angular) - residual.angular,
         };
         let change = self.factors.solve(right);
         let all = |of: fn(&Answer) -> Vec3| -> Vec3 {
@@ -267,58 +258,118 @@ impl Link {
                 sum + of(&self.by[c]) * change.linear[c] + of(&self.by[3 + c]) * change.angular[c]
             })
         };
-        let turned = self.turn.conjugate().rotate(turn) + all(|a| a.turn);
-        let moment = all(|a| a.moment) + far - self.applied.cross(turned);
+        let turned = self.turn.conjugate().rotate(turn) + all(|a| a.turn) + own.turn;
+        let moment = all(|a| a.moment) + own.moment - self.applied.cross(turned);
         let end = rotation * self.turn;
         let force = force - rotation.rotate(turn.cross(self.followers))
-            + rotation.rotate(all(|a| a.force))
+            + rotation.rotate(all(|a| a.force) + own.force)
             - end.rotate(turned.cross(end.conjugate().rotate(self.follower)));
         (change, Change { turn: turned, moment, force })
     }
 }
 
-/// The answers to the six components of `w` and to the direction of the dead loads.
+/// Where a span puts what its tensions do at the same wrench in its rod.
+pub(super) struct OfAnchors<'a> {
+    /// By anchor.
+    pub answers: &'a mut [Answer],
+    /// Of the chords, see [`Span::anchor_rows`].
+    pub rows: &'a mut [f64],
+    /// Memory.
+    pub changes: &'a mut [ChordChange],
+}
+
+/// Where the changes of the chords and of the angles in the holes go.
+struct Rows<'a> {
+    rows: &'a mut [f64],
+    tension_rows: &'a mut [f64],
+    angles: Angles<'a>,
+}
+
+impl Rows<'_> {
+    /// Of variation `c` of nine.
+    #[inline(always)]
+    fn answer(
+        &mut self,
+        c: usize,
+        taut: &Taut<'_>,
+        variation: &Variation,
+        changes: &[ChordChange],
+    ) -> Answer {
+        let cables = taut.chords.len();
+        if !self.angles.slopes.is_empty() {
+            let (near, far) = self.angles.rows.split_at_mut(9 * cables);
+            let rows = (&mut near[c * cables..][..cables], &mut far[c * cables..][..cables]);
+            turn_angles(self.angles.slopes, taut, variation, changes, rows);
+        }
+        span::answer(taut, variation, changes, &mut self.rows[c * cables..(c + 1) * cables])
+    }
+
+    /// By the tension of an anchor's cable.
+    fn answer_to_tension(
+        &mut self,
+        a: usize,
+        taut: &Taut<'_>,
+        variation: &Variation,
+        changes: &[ChordChange],
+    ) -> Answer {
+        let cables = taut.chords.len();
+        if !self.angles.slopes.is_empty() {
+            let (near, far) = self.angles.by_tension.split_at_mut(taut.anchors.len() * cables);
+            let rows = (&mut near[a * cables..][..cables], &mut far[a * cables..][..cables]);
+            turn_angles(self.angles.slopes, taut, variation, changes, rows);
+        }
+        let row = &mut self.tension_rows[a * cables..(a + 1) * cables];
+        span::answer(taut, variation, changes, row)
+    }
+}
+
+/// The answers to the six components of `w` and to the direction of the dead loads, and to the tensions of the anchors' cables.
 #[inline(always)]
 fn answers(
     task: &Task<'_>,
     k: usize,
     taut: &Taut<'_>,
     inside: &InSpan<'_>,
-    (rows, mut angles): (&mut [f64], Angles<'_>),
+    mut rows: Rows<'_>,
+    (of_tensions, changes): (&mut [Answer], &mut [ChordChange]),
 ) -> [Answer; 9] {
-    let Taut { samples, ref pose, chords, tensions } = *taut;
-    let span = &task.frame.spans[k];
-    let cables = span.passages.len();
+    let (cables, anchors) = (taut.chords.len(), taut.anchors.len());
     let (grid, steps) = (&task.mesh.grid, &task.mesh.spans[k]);
     let units = unloaded_span::units();
     let mut out = [Answer::default(); 9];
-    let mut answer = |c: usize, out: &mut Answer, variation: &Variation| {
-        let row = &mut rows[c * cables..(c + 1) * cables];
-        *out = span::answer(span, pose, chords, tensions, variation, row);
-        angles.vary(c, span, taut, variation);
-    };
     if inside.acts(steps.clone()) {
+        let changes = &mut changes[..anchors];
         for (c, out) in out.iter_mut().enumerate() {
-            let mut variation = match units.get(c) {
-                Some(unit) => {
-                    rod::linearise(grid, steps.clone(), samples, inside, By::Wrench(*unit))
-                }
-                None => {
-                    let axis = [Vec3::X, Vec3::Y, Vec3::Z][c - 6];
-                    rod::linearise(grid, steps.clone(), samples, inside, By::Turn(axis))
-                }
+            let by = match units.get(c) {
+                Some(unit) => By::Wrench(*unit),
+                None => By::Turn([Vec3::X, Vec3::Y, Vec3::Z][c - 6]),
             };
+            let mut variation = rod::linearise(grid, steps.clone(), taut, inside, by, changes);
             // What a change of the force adds beside itself are the followers.
             variation.force -= units.get(c).map_or(Vec3::ZERO, |unit| unit.linear);
-            answer(c, out, &variation);
+            *out = rows.answer(c, taut, &variation, changes);
+        }
+        for (a, out) in of_tensions.iter_mut().enumerate() {
+            let by = By::Tension(a);
+            let variation = rod::linearise(grid, steps.clone(), taut, inside, by, changes);
+            *out = rows.answer_to_tension(a, taut, &variation, changes);
         }
     } else {
-        let variations = unloaded_span::linearise(grid, steps.clone(), samples, &units);
-        for (c, (out, variation)) in out.iter_mut().zip(&variations).enumerate() {
-            answer(c, out, &Variation { force: Vec3::ZERO, ..*variation });
+        let bare = |variation: &Variation| Variation { force: Vec3::ZERO, ..*variation };
+        for (a, out) in of_tensions.iter_mut().enumerate() {
+            let changes = &mut changes[..anchors];
+            let none = [BodyWrench::default()];
+            let [variation] =
+                unloaded_span::linearise(grid, steps.clone(), taut, &none, Some(a), changes);
+            *out = rows.answer_to_tension(a, taut, &bare(&variation), changes);
         }
-        rows[6 * cables..].fill(0.0);
-        for half in angles.rows.chunks_exact_mut(9 * cables.max(1)) {
+        let variations = unloaded_span::linearise(grid, steps.clone(), taut, &units, None, changes);
+        for (c, (out, variation)) in out.iter_mut().zip(&variations).enumerate() {
+            let changes = &changes[c * anchors..(c + 1) * anchors];
+            *out = rows.answer(c, taut, &bare(variation), changes);
+        }
+        rows.rows[6 * cables..].fill(0.0);
+        for half in rows.angles.rows.chunks_exact_mut(9 * cables.max(1)) {
             half[6 * cables..].fill(0.0);
         }
     }

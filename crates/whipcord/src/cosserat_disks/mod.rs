@@ -9,6 +9,7 @@
 //! | `layout`, `repeated_spans` | the robot divided at its disks, and spans that are equal but for a turn |
 //! | `rod`, `unloaded_span` | the rod of one span as an initial value problem; without loads inside the span |
 //! | `span`, `loaded_span` | one span with its cables; one span of the loaded chain |
+//! | `anchors` | cables that are anchored to the rod between two disks |
 //! | `unloaded` | robots without loads, span by span |
 //! | `chain`, `linear_step`, `newton` | the loaded robot as a chain of spans, its linear step, and Newton's method |
 //! | `path`, `branches` | the chain as an equilibrium path, and all equilibria that are connected to the unloaded shape |
@@ -18,6 +19,7 @@
 //! | `stability`, `stability_check` | the second variation of the energy, and the decision |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 
+mod anchors;
 mod branches;
 mod chain;
 mod contact;

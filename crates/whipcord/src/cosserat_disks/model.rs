@@ -180,8 +180,7 @@ impl CosseratDisks {
     /// The model of a robot that may carry loads at the places where `loads` has them.
     ///
     /// # Errors
-    /// [`SolveError::Missing`] when the robot's stiffness is not given, and
-    /// [`SolveError::Unsupported`] when a cable is anchored between two disks.
+    /// [`SolveError::Missing`] when the robot's stiffness or its disks are not given.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         refusal::without_disks(ModelKind::CosseratDisks, robot)?;
         let frame = Frame::new(robot, options.stations.arc_lengths(robot), loads)?;
@@ -432,7 +431,7 @@ impl CosseratDisks {
             taut: &taut,
             poses: &scratch.poses,
             base_wrench: scratch.base_wrench,
-            starts: &scratch.starts(&mesh),
+            starts: &scratch.starts(&self.frame, &mesh),
             strains: &[],
             nodes: &mesh.grid.stations,
         };

@@ -48,6 +48,9 @@ fn turn_between(one: &Span, other: &Span) -> Option<UnitQuaternion> {
         return None;
     }
     let pairs = one.passages.iter().zip(&other.passages);
+    if pairs.clone().any(|(a, b)| (a.reach - b.reach).abs() > ROUNDING) {
+        return None;
+    }
     let holes = || pairs.clone().flat_map(|(a, b)| [(a.near, b.near), (a.far, b.far)]);
     let reach = holes().map(|(hole, _)| hole.norm()).fold(0.0, f64::max);
     let same = |turn: &UnitQuaternion| {

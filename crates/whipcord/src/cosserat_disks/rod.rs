@@ -22,7 +22,9 @@
 
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
-use super::layout::Mesh;
+use super::anchors::{Anchors, ChordChange, Varied};
+use super::layout::{Frame, Mesh};
+use super::span::{Chord, Taut};
 use super::unloaded_span;
 use crate::section::{BodyWrench, Strain};
 use crate::shape::Wrench;
@@ -78,21 +80,24 @@ pub(super) struct Variation {
 }
 
 /// Integrates eqs. (1) over the steps of a span from the wrench at its start. `poses` takes the
-/// poses at the ends of the steps, `samples` three of them to each step.
+/// poses at the ends of the steps, `samples` three of them to each step, and the chords those of the anchors.
 #[inline(always)]
 pub(super) fn integrate(
     grid: &Grid,
     steps: core::ops::Range<usize>,
     wrench: BodyWrench,
     span: &InSpan<'_>,
+    (anchors, chords): (&Anchors<'_>, &mut [Chord]),
     poses: &mut [Pose],
     samples: &mut [Sample],
 ) -> End {
     if !span.acts(steps.clone()) {
-        let pose = unloaded_span::integrate(grid, steps, wrench, poses, samples);
+        let (pose, wrench) =
+            unloaded_span::integrate(grid, steps, wrench, (anchors, chords), poses, samples);
         let moment = wrench.angular - pose.position.cross(wrench.linear);
         return End { pose, moment, followers: Vec3::ZERO };
     }
+    let mut pulled = wrench.linear;
     let table = &BUTCHER_5;
     let (first, last) = (steps.start, steps.end);
     let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, wrench.angular);
@@ -107,7 +112,7 @@ pub(super) fn integrate(
             let (rotation, position, moment) = unpack(&at);
             let (node, _) = grid.shooting.at(k, NODE_OF_STAGE[i], 0);
             let dead = span.dead(k, NODE_OF_STAGE[i]);
-            let mut force = wrench.linear + dead - followers;
+            let mut force = pulled + dead - followers;
             if line.is_some() {
                 force -= h * weighted_sum(&pushes[..i], &table.a[i]);
             }
@@ -149,16 +154,25 @@ pub(super) fn integrate(
                 * (span.to_disk.rotate(span.applied.moment(k + 1))
                     + rotation.rotate(follower.moment));
         }
+        let pose = Pose { position, rotation };
+        if !anchors.at.is_empty() {
+            let pull = anchors.pull(k + 1, &pose, chords);
+            pulled += pull.linear;
+            moment += pull.angular - position.cross(pull.linear);
+        }
         state = pack(rotation, position, moment);
-        poses[k - first] = Pose { position, rotation };
+        poses[k - first] = pose;
     }
     let (rotation, position, moment) = unpack(&state);
     End { pose: Pose { position, rotation }, moment, followers }
 }
 
-/// Samples of all spans from the wrenches at their starts, and the loads inside them.
+/// Samples of all spans from the wrenches at their starts and the loads inside them, with these tensions of all passages;
+/// `chords` takes those of the anchors.
 pub(super) fn sample<'a>(
-    mesh: &Mesh,
+    (frame, mesh): (&Frame, &Mesh),
+    tensions: &[f64],
+    chords: &mut [Chord],
     wrench: impl Fn(usize) -> BodyWrench,
     inside: impl Fn(usize) -> Option<InSpan<'a>>,
     samples: &mut Vec<Sample>,
@@ -171,12 +185,17 @@ pub(super) fn sample<'a>(
     for (k, steps) in mesh.spans.iter().enumerate() {
         let slots = &mut samples[3 * steps.start..3 * steps.end];
         let poses = &mut poses[steps.clone()];
+        let (grid, span, steps) = (&mesh.grid, &frame.spans[k], steps.clone());
+        let passages = span.first..span.first + span.passages.len();
+        let (at, tensions) = (mesh.anchors_of(span), &tensions[passages.clone()]);
+        let anchors = Anchors { at, passages: &span.passages, tensions };
+        let anchors = (&anchors, &mut chords[passages]);
         match inside(k) {
             Some(loads) => {
-                integrate(&mesh.grid, steps.clone(), wrench(k), &loads, poses, slots);
+                integrate(grid, steps, wrench(k), &loads, anchors, poses, slots);
             }
             None => {
-                unloaded_span::integrate(&mesh.grid, steps.clone(), wrench(k), poses, slots);
+                unloaded_span::integrate(grid, steps, wrench(k), anchors, poses, slots);
             }
         }
     }
@@ -220,31 +239,39 @@ pub(super) enum By {
     Turn(Vec3),
     /// The factor on all loads.
     Load,
+    /// The tension of an anchor's cable.
+    Tension(usize),
 }
 
-/// Eqs. (2) over a span: the variation at its end.
+/// Eqs. (2) over a span: the variation at its end, with the change of the force less that by the anchors. `changes` takes those
+/// of the anchors' chords.
 #[inline(always)]
 pub(super) fn linearise(
     grid: &Grid,
     steps: core::ops::Range<usize>,
-    samples: &[Sample],
+    taut: &Taut<'_>,
     span: &InSpan<'_>,
     by: By,
+    changes: &mut [ChordChange],
 ) -> Variation {
     const STAGES: [(usize, f64, f64); 4] =
         [(0, 0.0, 1.0 / 6.0), (1, 0.5, 1.0 / 3.0), (1, 0.5, 1.0 / 3.0), (2, 1.0, 1.0 / 6.0)];
     let (axis, start) = match by {
         By::Turn(axis) => (axis, BodyWrench::default()),
         By::Wrench(wrench) => (Vec3::ZERO, wrench),
-        By::Load => (Vec3::ZERO, BodyWrench::default()),
+        By::Load | By::Tension(_) => (Vec3::ZERO, BodyWrench::default()),
     };
+    let pulled = if let By::Tension(anchor) = by { Some(anchor) } else { None };
+    let anchors = taut.anchors();
+    // Of the force by the anchors.
+    let mut of_anchors = Vec3::ZERO;
     let by_load = matches!(by, By::Load);
     let (force, moment) = (start.linear, start.angular);
     let mut at = Variation { force, moment, ..Variation::default() };
     let (first, last) = (steps.start, steps.end);
     for k in steps {
         let h = grid.steps[k].length;
-        let triple = &samples[3 * (k - first)..3 * (k - first) + 3];
+        let triple = &taut.samples[3 * (k - first)..3 * (k - first) + 3];
         let line = span.applied.line(k);
         let start = at;
         let mut slope = Variation::default();
@@ -300,7 +327,23 @@ pub(super) fn linearise(
                 at.force -= rotation.rotate(follower.force);
             }
         }
+        if anchors.at.iter().any(|anchor| anchor.node == k + 1) {
+            let Sample { rotation, position, .. } = triple[2];
+            let moved = Twist { linear: at.shift, angular: at.turn };
+            let mut varied = Varied { chords: taut.chords, pulled, changes: &mut *changes };
+            let change = anchors.change(k + 1, rotation, &moved, &mut varied);
+            let pull = anchors.pull_of(k + 1, taut.chords);
+            let to_body = rotation.conjugate();
+            let moment = pull.angular - position.cross(pull.linear);
+            let change_of_moment = change.angular
+                - position.cross(change.linear)
+                - rotation.rotate(at.shift).cross(pull.linear);
+            at.moment += to_body.rotate(change_of_moment) + to_body.rotate(moment).cross(at.turn);
+            at.force += change.linear;
+            of_anchors += change.linear;
+        }
     }
+    at.force -= of_anchors;
     at
 }
 

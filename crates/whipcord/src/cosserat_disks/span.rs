@@ -12,11 +12,13 @@
 //! six equations for the six components of `w`: the conditions for a minimum of the rod's energy and
 //! `Σ τᵢ ℓᵢ`, less the work of `(N, M)`.
 
-use whipcord_numerics::{Mat3, Pose, Vec3};
+use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
+use super::anchors::{Anchors, ChordChange};
 use super::layout::Span;
-use super::rod::{End, Variation};
+use super::rod::{End, Sample, Variation};
 use crate::section::BodyWrench;
+use crate::statics::passages::{Anchor, Passage};
 
 /// A straight piece of cable, in the frame of the disk nearer the base.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,6 +27,16 @@ pub(super) struct Chord {
     pub along: Vec3,
     /// `ℓ` in m.
     pub length: f64,
+}
+
+impl Chord {
+    /// Of a passage whose end stands on a cross-section at `pose`, as seen from the near disk.
+    #[inline(always)]
+    pub fn between(passage: &Passage, pose: &Pose) -> Self {
+        let way = pose.transform(passage.far) - passage.near;
+        let length = way.norm();
+        Self { along: way * (1.0 / length), length }
+    }
 }
 
 /// A cable's piece that has no length left.
@@ -36,19 +48,32 @@ pub(super) struct Vanished {
 /// Of the distance between the disks: below it a piece of cable counts as gone.
 const LEAST_CHORD: f64 = 1e-3;
 
-/// The chords of a span whose far disk stands at `pose`.
+/// The chords of a span whose far disk stands at `pose`, but for those that end at anchors before it, which are known.
 #[inline(always)]
 pub(super) fn draw(span: &Span, pose: &Pose, chords: &mut [Chord]) -> Result<(), Vanished> {
+    let way = pose.position.norm();
     for (passage, chord) in span.passages.iter().zip(chords) {
-        let way = pose.transform(passage.far) - passage.near;
-        let length = way.norm();
-        let at_rest = (passage.far - passage.near).norm() + pose.position.norm();
-        if length.is_nan() || length <= LEAST_CHORD * at_rest {
+        if !passage.is_anchored_inside() {
+            *chord = Chord::between(passage, pose);
+        }
+        let at_rest = (passage.far - passage.near).norm() + passage.reach * way;
+        if chord.length.is_nan() || chord.length <= LEAST_CHORD * at_rest {
             return Err(Vanished { cable: passage.cable });
         }
-        *chord = Chord { along: way * (1.0 / length), length };
     }
     Ok(())
+}
+
+/// The chords of a span whose far disk stands at `pose`, with anchors before it that stand where they would on an arc.
+pub(super) fn estimate(span: &Span, pose: &Pose, chords: &mut [Chord]) -> Result<(), Vanished> {
+    for (passage, chord) in span.passages.iter().zip(&mut *chords) {
+        if passage.is_anchored_inside() {
+            let part = passage.reach;
+            let rotation = UnitQuaternion::exp(pose.rotation.log() * part);
+            *chord = Chord::between(passage, &Pose { position: pose.position * part, rotation });
+        }
+    }
+    draw(span, pose, chords)
 }
 
 /// `Σ τᵢ (tᵢ, h₀ᵢ × tᵢ)`.
@@ -72,7 +97,9 @@ pub(super) fn far_moment(span: &Span, end: &End, chords: &[Chord], tensions: &[f
     let to_far = end.pose.rotation.conjugate();
     let mut moment = to_far.rotate(end.moment);
     for ((passage, chord), &tension) in span.passages.iter().zip(chords).zip(tensions) {
-        moment += passage.far.cross(to_far.rotate(chord.along)) * tension;
+        if !passage.is_anchored_inside() {
+            moment += passage.far.cross(to_far.rotate(chord.along)) * tension;
+        }
     }
     moment
 }
@@ -90,20 +117,43 @@ pub(super) struct Answer {
     pub pull: BodyWrench,
 }
 
-/// The answer to a variation of the rod; `lengths` takes the changes of the chords.
+/// A span as it was last integrated.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Taut<'a> {
+    pub span: &'a Span,
+    pub anchors: &'a [Anchor],
+    pub samples: &'a [Sample],
+    /// Of the far disk.
+    pub pose: Pose,
+    pub chords: &'a [Chord],
+    pub tensions: &'a [f64],
+}
+
+impl<'a> Taut<'a> {
+    /// The cables that are anchored before the far disk.
+    #[inline(always)]
+    pub fn anchors(&self) -> Anchors<'a> {
+        let Self { span, anchors: at, tensions, .. } = *self;
+        Anchors { at, passages: &span.passages, tensions }
+    }
+}
+
+/// The answer to a variation of the rod, in which the chords of the anchors change so; `lengths` takes the changes of all chords.
 #[inline(always)]
 pub(super) fn answer(
-    span: &Span,
-    pose: &Pose,
-    chords: &[Chord],
-    tensions: &[f64],
+    taut: &Taut<'_>,
     variation: &Variation,
+    of_anchors: &[ChordChange],
     lengths: &mut [f64],
 ) -> Answer {
+    let Taut { span, ref pose, chords, tensions, .. } = *taut;
     let Variation { turn, shift, moment, force } = *variation;
     let mut out = Answer { turn, moment, force, pull: BodyWrench::default() };
     let to_far = pose.rotation.conjugate();
     for (i, (passage, chord)) in span.passages.iter().zip(chords).enumerate() {
+        if passage.is_anchored_inside() {
+            continue;
+        }
         // The chord's change, and its direction's, in the far frame and then in the near one.
         let t = to_far.rotate(chord.along);
         let way = shift + turn.cross(passage.far);
@@ -118,6 +168,12 @@ pub(super) fn answer(
         let tilt = pose.rotation.rotate(tilt);
         out.pull.linear += tilt;
         out.pull.angular += passage.near.cross(tilt);
+    }
+    for (anchor, change) in taut.anchors.iter().zip(of_anchors) {
+        let i = anchor.passage;
+        lengths[i] = change.longer;
+        let near = span.passages[i].near;
+        out.pull = out.pull + along_cable(near, change.tilt * tensions[i]);
     }
     out
 }

@@ -11,7 +11,8 @@
 //!        + Σ τᵢ (δcᵢᵀ (I − tᵢtᵢᵀ) δcᵢ/ℓᵢ + tᵢ·δ²cᵢ)                                             (7)
 //! ```
 //!
-//! Each `ν` adds three negative directions; what is negative beyond them is a way to leave. Reported
+//! Each `ν` adds three negative directions; what is negative beyond them is a way to leave. An anchor between two disks divides
+//! its span: the way from the near disk to the anchor has a `ν` of its own. Reported
 //! is the least value of `E″ / ∫ δuᵀ K_bt δu ds`, as in that model.
 //!
 //! A taut cable that is held at its length, or a piece of one that sticks in its holes, admits only
@@ -21,7 +22,7 @@
 
 use whipcord_numerics::{Mat3, UnitQuaternion, Vec3, symmetric_eigenvalues};
 
-use super::layout::{Frame, Mesh};
+use super::layout::{Frame, Mesh, Span};
 use super::rod::Sample;
 use super::span::Chord;
 use crate::section::Tangent;
@@ -41,10 +42,13 @@ use crate::statics::self_stress::SelfStress;
 pub(super) struct Stability {
     steps: Vec<Step>,
     ties: Vec<Tie>,
+    /// Those of each span.
+    of_span: Vec<core::ops::Range<usize>>,
     borders: Vec<Border>,
     locked: Locked,
     schur: Vec<f64>,
     carried: Vec<Vec3>,
+    within: Vec<Carried>,
     self_stress: SelfStress,
 }
 
@@ -116,9 +120,20 @@ struct Step {
     corner: Mat3,
 }
 
-/// The chords of one span: blocks on (ζ near, ζ far, δd), all in the frame of the near disk.
+/// What is held as a border of a form within a span: of (η near, η here, ν, δd).
+#[derive(Clone, Copy, Debug, Default)]
+struct Carried {
+    near: Vec3,
+    here: Vec3,
+    force: Vec3,
+    way: Vec3,
+}
+
+/// The chords of one span that end at one place: blocks on (ζ near, ζ far, δd), all in the frame of the near disk.
 #[derive(Clone, Debug, Default)]
 struct Tie {
+    /// The number of steps before that place: at an anchor, or at last at the far disk.
+    node: usize,
     near: Mat3,
     far: Mat3,
     way: Mat3,
@@ -127,20 +142,38 @@ struct Tie {
     far_way: Mat3,
     /// Its pieces that are held.
     borders: core::ops::Range<usize>,
-    /// How the far disk is turned.
+    /// How the cross-section there is turned.
     turn: Mat3,
 }
 
-/// A span with its chords, `ν` and `δd` eliminated: what is left on (η near, η far), what a load on `δd`
-/// becomes on them, the block of `δd` in the inverse, and how many directions were negative.
-struct Tied {
-    near: Mat3,
-    far: Mat3,
-    near_far: Mat3,
-    near_way: Mat3,
-    far_way: Mat3,
+/// The inverse of the block of a force and a way,
+///
+/// ```text
+/// | F  I |⁻¹   | force   across |    F = force ≤ 0, of rank two where a piece is one step of a rod that neither stretches nor
+/// | I  W |   = | solved  way    |    shears;  W = way ≥ 0, zero where no cable ends
+/// ```
+///
+/// so that neither can be eliminated before the other, and `I − F W` can always be inverted where
+/// the signs are these; and how many of its directions are negative, three of which are those of the force.
+struct Pair {
+    force: Mat3,
+    across: Mat3,
+    solved: Mat3,
     way: Mat3,
     negative: usize,
+}
+
+/// What a force and a way leave of a form whose cables end at one place once they are eliminated: on (η near, η here), and what
+/// loads on them become there.
+struct Tied {
+    near: Mat3,
+    here: Mat3,
+    near_here: Mat3,
+    near_force: Mat3,
+    here_force: Mat3,
+    near_way: Mat3,
+    here_way: Mat3,
+    pair: Pair,
 }
 
 /// A form on (η near, η here, ν).
@@ -277,29 +310,28 @@ impl Stability {
 
     /// The forms of the chords of all spans.
     fn tie(&mut self, at: &Equilibrium<'_>) -> Option<()> {
-        let Equilibrium { frame, mesh, samples, chords, tensions, .. } = *at;
+        let Equilibrium { frame, mesh, .. } = *at;
         let locked = &self.locked;
         self.ties.clear();
+        self.of_span.clear();
         self.borders.clear();
         for (k, span) in frame.spans.iter().enumerate() {
-            // The last sample of a span stands at its end.
-            let turn = samples.get(3 * mesh.spans[k].end - 1)?.rotation.to_matrix();
-            let mut tie = Tie { borders: self.borders.len()..0, turn, ..Tie::default() };
-            for (i, passage) in span.passages.iter().enumerate() {
-                let p = span.first + i;
-                tie.add(passage.near, passage.far, &turn, &chords[p], tensions[p]);
-                if let Some(lock) = locked.of_passage[p] {
-                    let t = chords[p].along;
-                    self.borders.push(Border {
-                        lock,
-                        near: t.cross(passage.near),
-                        far: turn * passage.far.cross(turn.transpose_mul(t)),
-                        way: t,
-                    });
-                }
+            let first = self.ties.len();
+            let mut anchors = mesh.anchors_of(span);
+            while let Some(next) = anchors.first() {
+                let here = anchors.iter().take_while(|anchor| anchor.node == next.node).count();
+                let mut tie = Tie { node: next.node, ..Tie::default() };
+                let of_place = anchors[..here].iter().map(|anchor| anchor.passage);
+                tie.tie(at, locked, span, of_place, &mut self.borders)?;
+                self.ties.push(tie);
+                anchors = &anchors[here..];
             }
-            tie.borders.end = self.borders.len();
+            let mut tie = Tie { node: mesh.spans[k].end, ..Tie::default() };
+            let inside = |&i: &usize| span.passages[i].is_anchored_inside();
+            let through = (0..span.passages.len()).filter(|i| !inside(i));
+            tie.tie(at, locked, span, through, &mut self.borders)?;
             self.ties.push(tie);
+            self.of_span.push(first..self.ties.len());
         }
         Some(())
     }
@@ -310,7 +342,7 @@ impl Stability {
     fn least_of_base(&mut self, spans: &[core::ops::Range<usize>], shift: f64) -> Option<f64> {
         let (before, last) = self.eliminate(spans, shift, false);
         let least = last.symmetric_eigenvalues().into_iter().fold(f64::INFINITY, f64::min);
-        (before <= 3 * spans.len()).then_some(least)
+        (before <= 3 * self.ties.len()).then_some(least)
     }
 
     /// The number of negative directions of `E″` less the shifted metric among those admitted.
@@ -319,7 +351,7 @@ impl Stability {
         let held = self.locked.compliances.len();
         let of_locks = symmetric_eigenvalues(held, &mut self.schur).filter(|&x| x < 0.0).count();
         let negative = before + negative_eigenvalues(&last) + of_locks;
-        negative.saturating_sub(3 * spans.len() + held)
+        negative.saturating_sub(3 * self.ties.len() + held)
     }
 
     /// Block elimination from the tip to the base: how many directions are negative before the last
@@ -330,7 +362,9 @@ impl Stability {
         shift: f64,
         locks: bool,
     ) -> (usize, Mat3) {
-        let Self { steps: of_steps, ties, borders, locked, schur, carried, .. } = self;
+        let Self {
+            steps: of_steps, ties, of_span, borders, locked, schur, carried, within, ..
+        } = self;
         let held = if locks { locked.compliances.len() } else { 0 };
         schur.clear();
         schur.resize(held * held, 0.0);
@@ -343,43 +377,56 @@ impl Stability {
         let mut beyond = Mat3::ZERO;
         let mut last = Mat3::ZERO;
         for (k, steps) in spans.iter().enumerate().rev() {
+            within.clear();
+            within.resize(held, Carried::default());
             let mut form: Option<Form> = None;
-            for step in &of_steps[steps.clone()] {
-                let (next, below) = step.without_middle(shift);
-                negative += below;
-                form = Some(match form {
-                    None => next,
-                    Some(before) => {
-                        let (joined, below) = before.then(&next);
-                        negative += below;
-                        joined
-                    }
+            let mut start = steps.start;
+            let [inside @ .., far] = &ties[of_span[k].clone()] else { continue };
+            for tie in inside {
+                let of_steps = &of_steps[start..tie.node];
+                let Some(here) = Form::along(form, of_steps, shift, (within, schur), &mut negative)
+                else {
+                    continue;
+                };
+                start = tie.node;
+                put(tie, borders, within);
+                let tied = here.tie(tie);
+                negative += tied.pair.negative;
+                let force = here.force;
+                let by_force = force * tied.pair.force;
+                let by_way = force * tied.pair.across;
+                tied.eliminate(within, schur);
+                for carried in within.iter_mut() {
+                    carried.force -= by_force * carried.force + by_way * carried.way;
+                    carried.way = Vec3::ZERO;
+                }
+                form = Some(Form {
+                    near: tied.near,
+                    here: tied.here,
+                    near_here: tied.near_here,
+                    force: symmetric(force - by_force * force),
+                    near_force: here.near_force - tied.near_force * force,
+                    here_force: here.here_force - tied.here_force * force,
                 });
             }
-            let Some(form) = form else { continue };
-            let tied = form.with_chords(&ties[k]);
-            // Three of them are those of ν.
-            negative += tied.negative;
-            let turn = ties[k].turn;
-            last = symmetric(tied.far + turn * beyond * turn.transpose());
+            let of_steps = &of_steps[start..steps.end];
+            let Some(form) = Form::along(form, of_steps, shift, (within, schur), &mut negative)
+            else {
+                continue;
+            };
+            put(far, borders, within);
+            let tied = form.tie(far);
+            negative += tied.pair.negative;
+            tied.eliminate(within, schur);
+            let turn = far.turn;
+            last = symmetric(tied.here + turn * beyond * turn.transpose());
             let (end, below) = pivot(last);
             if k > 0 {
                 negative += below;
             }
-            beyond = symmetric(tied.near - tied.near_far * (end * tied.near_far.transpose()));
-            if held == 0 {
-                continue;
-            }
-            let of_span = if locks { &borders[ties[k].borders.clone()] } else { &[] };
-            for carried in carried.iter_mut() {
-                *carried = turn * *carried;
-            }
-            for a in of_span {
-                let at_way = tied.way * a.way;
-                for b in of_span {
-                    schur[a.lock * held + b.lock] -= at_way.dot(b.way);
-                }
-                carried[a.lock] += a.far - tied.far_way * a.way;
+            beyond = symmetric(tied.near - tied.near_here * (end * tied.near_here.transpose()));
+            for (carried, within) in carried.iter_mut().zip(&*within) {
+                *carried = turn * *carried + within.here;
             }
             for i in 0..held {
                 let at_end = end * carried[i];
@@ -387,14 +434,22 @@ impl Stability {
                     schur[i * held + j] -= at_end.dot(carried[j]);
                 }
             }
-            for carried in carried.iter_mut() {
-                *carried = -(tied.near_far * (end * *carried));
-            }
-            for a in of_span {
-                carried[a.lock] += a.near - tied.near_way * a.way;
+            for (carried, within) in carried.iter_mut().zip(&*within) {
+                *carried = within.near - tied.near_here * (end * *carried);
             }
         }
         (negative, last)
+    }
+}
+
+/// Puts what is held at a place where cables end to what is carried there.
+fn put(tie: &Tie, borders: &[Border], within: &mut [Carried]) {
+    for border in &borders[tie.borders.clone()] {
+        if let Some(carried) = within.get_mut(border.lock) {
+            carried.near += border.near;
+            carried.here += border.far;
+            carried.way += border.way;
+        }
     }
 }
 
@@ -447,8 +502,37 @@ impl Step {
 }
 
 impl Form {
-    /// This form and that of the next step, with the node between them eliminated.
-    fn then(&self, next: &Self) -> (Self, usize) {
+    /// This form, where there is one yet, and those of the next steps, with all nodes between them eliminated, and what is
+    /// carried to the end.
+    fn along(
+        before: Option<Self>,
+        steps: &[Step],
+        shift: f64,
+        (within, schur): (&mut [Carried], &mut [f64]),
+        negative: &mut usize,
+    ) -> Option<Self> {
+        let mut form = before;
+        for step in steps {
+            let (next, below) = step.without_middle(shift);
+            *negative += below;
+            form = Some(match form {
+                None => next,
+                Some(before) => {
+                    let (joined, between, below) = before.then(&next);
+                    *negative += below;
+                    if within.iter().any(|carried| carried.here != Vec3::ZERO) {
+                        before.carry(&next, &between, within, schur);
+                    }
+                    joined
+                }
+            });
+        }
+        form
+    }
+
+    /// This form and that of the next step, with the node between them eliminated; the inverse of its block, and how many of its
+    /// directions are negative.
+    fn then(&self, next: &Self) -> (Self, Mat3, usize) {
         let (between, below) = pivot(symmetric(self.here + next.near));
         let force = self.here_force + next.near_force;
         let near = self.near_here * between;
@@ -461,54 +545,121 @@ impl Form {
             near_force: self.near_force - near * force,
             here_force: next.here_force - far * force,
         };
-        (form, below)
+        (form, between, below)
     }
 
-    /// With the chords put to it, and `ν` and `δd` eliminated together: their block is
-    ///
-    /// ```text
-    /// | F  I |   F = force ≤ 0, of rank two where a span is one step of a rod that neither stretches
-    /// | I  W |   nor shears;  W = way ≥ 0, zero across a span without cables
-    /// ```
-    ///
-    /// so that neither can be eliminated before the other, and `I − F W` can always be inverted where
-    /// the signs are these.
-    fn with_chords(&self, tie: &Tie) -> Tied {
-        let (force, way) = (symmetric(self.force), symmetric(tie.way));
+    /// What is carried over the node between this form and that of the next step.
+    fn carry(&self, next: &Self, between: &Mat3, within: &mut [Carried], schur: &mut [f64]) {
+        let held = within.len();
+        let force = self.here_force + next.near_force;
+        for i in 0..held {
+            let at = *between * within[i].here;
+            for j in 0..held {
+                schur[i * held + j] -= at.dot(within[j].here);
+            }
+        }
+        for carried in within {
+            let at = *between * carried.here;
+            carried.near -= self.near_here * at;
+            carried.force -= force.transpose() * at;
+            carried.here = -(next.near_here.transpose() * at);
+        }
+    }
+
+    /// With the chords that end here put to it, and the force and the way to here eliminated together.
+    fn tie(&self, tie: &Tie) -> Tied {
+        let pair = Pair::of(symmetric(self.force), symmetric(tie.way));
+        let near_force = self.near_force * pair.force + tie.near_way * pair.solved;
+        let here_force = self.here_force * pair.force + tie.far_way * pair.solved;
+        let near_way = self.near_force * pair.across + tie.near_way * pair.way;
+        let here_way = self.here_force * pair.across + tie.far_way * pair.way;
+        Tied {
+            near: self.near + tie.near
+                - near_force * self.near_force.transpose()
+                - near_way * tie.near_way.transpose(),
+            here: self.here + tie.far
+                - here_force * self.here_force.transpose()
+                - here_way * tie.far_way.transpose(),
+            near_here: self.near_here + tie.near_far
+                - near_force * self.here_force.transpose()
+                - near_way * tie.far_way.transpose(),
+            near_force,
+            here_force,
+            near_way,
+            here_way,
+            pair,
+        }
+    }
+}
+
+impl Pair {
+    fn of(force: Mat3, way: Mat3) -> Self {
         let size = |block: &Mat3| block.rows.iter().map(|row| row.max_abs()).fold(0.0, f64::max);
-        // A force without compliance is all reaction: it counts among the three of `ν`.
+        // A force without compliance is all reaction: it counts among the three that are negative.
         let reaction = NO_COMPLIANCE * size(&force).max(f64::MIN_POSITIVE);
         let below = negative_eigenvalues(&(force - Mat3::IDENTITY * reaction));
         let (solved, _) = pivot(Mat3::IDENTITY - force * way);
-        let by_force = -(way * solved);
         let across = Mat3::IDENTITY + way * solved * force;
         let by_way = symmetric(-(solved * force));
         // The inverse of what is left of W has its signs.
         let rounding = NO_COMPLIANCE * size(&by_way);
         let below_way = negative_eigenvalues(&(by_way + Mat3::IDENTITY * rounding));
-        let near_force = self.near_force * by_force + tie.near_way * solved;
-        let far_force = self.here_force * by_force + tie.far_way * solved;
-        let near_way = self.near_force * across + tie.near_way * by_way;
-        let far_way = self.here_force * across + tie.far_way * by_way;
-        Tied {
-            near: self.near + tie.near
-                - near_force * self.near_force.transpose()
-                - near_way * tie.near_way.transpose(),
-            far: self.here + tie.far
-                - far_force * self.here_force.transpose()
-                - far_way * tie.far_way.transpose(),
-            near_far: self.near_here + tie.near_far
-                - near_force * self.here_force.transpose()
-                - near_way * tie.far_way.transpose(),
-            near_way,
-            far_way,
-            way: by_way,
-            negative: below + below_way,
+        let negative = below + below_way;
+        Self { force: -(way * solved), across, solved, way: by_way, negative }
+    }
+}
+
+impl Tied {
+    /// Eliminates force and way of what is carried; what is left on (η near, η here), force and way as they were.
+    fn eliminate(&self, within: &mut [Carried], schur: &mut [f64]) {
+        let held = within.len();
+        let Pair { force, across, solved, way, .. } = &self.pair;
+        for i in 0..held {
+            let by = |a: &Carried| {
+                (*force * a.force + *across * a.way, *solved * a.force + *way * a.way)
+            };
+            let (at_force, at_way) = by(&within[i]);
+            for j in 0..held {
+                schur[i * held + j] -= at_force.dot(within[j].force) + at_way.dot(within[j].way);
+            }
+        }
+        for carried in within {
+            carried.near -= self.near_force * carried.force + self.near_way * carried.way;
+            carried.here -= self.here_force * carried.force + self.here_way * carried.way;
         }
     }
 }
 
 impl Tie {
+    /// Adds these passages of a span, which end here.
+    fn tie(
+        &mut self,
+        at: &Equilibrium<'_>,
+        locked: &Locked,
+        span: &Span,
+        passages: impl Iterator<Item = usize>,
+        borders: &mut Vec<Border>,
+    ) -> Option<()> {
+        let first = borders.len();
+        // The last sample of a step stands at its end.
+        let turn = at.samples.get(3 * self.node - 1)?.rotation.to_matrix();
+        for i in passages {
+            let (passage, p) = (&span.passages[i], span.first + i);
+            self.add(passage.near, passage.far, &turn, &at.chords[p], at.tensions[p]);
+            if let Some(lock) = locked.of_passage[p] {
+                let t = at.chords[p].along;
+                borders.push(Border {
+                    lock,
+                    near: t.cross(passage.near),
+                    far: turn * passage.far.cross(turn.transpose_mul(t)),
+                    way: t,
+                });
+            }
+        }
+        (self.borders, self.turn) = (first..borders.len(), turn);
+        Some(())
+    }
+
     /// Adds a piece of cable.
     fn add(&mut self, near: Vec3, far: Vec3, turn: &Mat3, chord: &Chord, tension: f64) {
         let t = chord.along;

@@ -274,14 +274,28 @@ fn compressed(scratch: &Scratch, loaded: bool, k: usize) -> BodyWrench {
 
 /// Samples the answer, or the chain under this part of the load, on a mesh.
 fn sample(problem: &Problem<'_>, mesh: &Mesh, load: f64, loaded: bool, scratch: &mut Scratch) {
-    let Scratch { applied_to_sample: applied, unloaded, chain, samples, sampled, .. } = scratch;
+    let Scratch {
+        applied_to_sample: applied,
+        unloaded,
+        chain,
+        pulled,
+        samples,
+        sampled,
+        sampled_chords: chords,
+        ..
+    } = scratch;
+    let at = (problem.frame, mesh);
+    chords.resize(problem.frame.passages, Chord::default());
     if loaded {
         applied.gather(&mesh.grid, &problem.case.loads, problem.case.base.rotation);
         let turned = |k: usize| chain.nodes[k].rotation;
         let inside = |k: usize| InSpan::at(applied, load, turned(k), mesh.spans[k].start);
-        rod::sample(mesh, |k| chain.nodes[k].wrench, |k| Some(inside(k)), samples, sampled);
+        let wrench = |k: usize| chain.nodes[k].wrench;
+        let inside = |k: usize| Some(inside(k));
+        rod::sample(at, &chain.pulled, chords, wrench, inside, samples, sampled);
     } else {
-        rod::sample(mesh, |k| unloaded.wrenches[k], |_| None, samples, sampled);
+        let wrench = |k: usize| unloaded.wrenches[k];
+        rod::sample(at, pulled, chords, wrench, |_| None, samples, sampled);
     }
 }
 

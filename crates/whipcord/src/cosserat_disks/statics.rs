@@ -1,20 +1,21 @@
 //! Static equilibrium on one mesh: of the robot without load, under loads, for tensions or lengths.
 
-use whipcord_numerics::{Pose, UnitQuaternion};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::chain::{self, Chain, State};
+use super::chain::{Chain, State};
 use super::friction::{self, History, Holes};
 use super::friction_newton::{FrictionScratch, Law};
 use super::layout::{Frame, Mesh};
 use super::load_continuation::{self, Raise};
 use super::rod::Sample;
+use super::span::{self, Chord};
 use super::stability::{Locked, Stability};
 use super::stability_check::{Sampled, compliance_scale, turns};
 use super::unloaded::{self, Unloaded};
 use crate::budget::Meter;
 use crate::case::Case;
-use crate::section::Fault;
 use crate::section::SectionFault;
+use crate::section::{BodyWrench, Fault};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::continuation::PATH_ENDS;
@@ -119,6 +120,7 @@ pub(super) struct Scratch {
     pub(super) stability: Stability,
     pub(super) samples: Vec<Sample>,
     pub(super) sampled: Vec<Pose>,
+    pub(super) sampled_chords: Vec<Chord>,
     pub(super) applied_to_sample: AppliedLoads,
     pub(super) groups: Vec<usize>,
     /// What is held at its length, for stability; and how the disks are turned.
@@ -132,13 +134,33 @@ pub(super) struct Scratch {
 
 impl Scratch {
     /// What acts in the rod of the answer just beyond the disks, as [`crate::derivatives`] takes it.
-    pub fn starts(&self, mesh: &Mesh) -> Vec<Option<Wrench>> {
-        let wrench = |k: usize| match self.applied.any() {
-            true => self.chain.nodes[k].wrench,
-            false => self.unloaded.wrenches[k],
-        };
-        let rotation = |k: usize| self.poses[mesh.spans[k].start].rotation;
-        chain::starts(mesh, &self.applied, |k| (rotation(k), wrench(k)))
+    pub fn starts(&self, frame: &Frame, mesh: &Mesh) -> Vec<Option<Wrench>> {
+        if self.applied.any() {
+            return self.chain.starts(frame, mesh, &self.applied);
+        }
+        let Self { unloaded, pulled, poses, .. } = self;
+        let mut starts = vec![None; mesh.grid.len()];
+        for ((span, steps), wrench) in frame.spans.iter().zip(&mesh.spans).zip(&unloaded.wrenches) {
+            let disk = poses[steps.start].rotation;
+            let mut wrench = *wrench;
+            let mut put = |node: usize, wrench: BodyWrench| {
+                let position = match node - steps.start {
+                    0 => Vec3::ZERO,
+                    _ => unloaded.poses[node - 1].position,
+                };
+                let moment = wrench.angular - position.cross(wrench.linear);
+                starts[node] =
+                    Some(Wrench { force: disk.rotate(wrench.linear), moment: disk.rotate(moment) });
+            };
+            put(steps.start, wrench);
+            for anchor in mesh.anchors_of(span) {
+                let p = span.first + anchor.passage;
+                let near = span.passages[anchor.passage].near;
+                wrench = wrench + span::unit_pull(near, &unloaded.chords[p]) * pulled[p];
+                put(anchor.node, wrench);
+            }
+        }
+        starts
     }
 }
 

@@ -8,14 +8,15 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
+use super::anchors::{Anchors, ChordChange};
 use super::layout::{Frame, Mesh, Span};
 use super::repeated_spans::RepeatedSpan;
 use super::rod::Sample;
-use super::span::{self, Answer, Chord, Factors, Tangent, Vanished};
+use super::span::{self, Answer, Chord, Factors, Tangent, Taut, Vanished};
 use super::unloaded_span;
 use crate::section::Fault;
 use crate::section::{BodyWrench, SectionFault};
-use crate::statics::passages::Passage;
+use crate::statics::passages::{Anchor, Passage};
 
 /// The answer, and memory.
 #[derive(Clone, Debug, Default)]
@@ -38,10 +39,23 @@ pub(super) struct Unloaded {
     tensions: Vec<f64>,
     by_tension: Vec<BodyWrench>,
     samples: Vec<Sample>,
+    /// What tensions change of cables that are anchored between two disks.
+    of_anchors: OfAnchors,
     /// Newton iterations of all spans.
     pub iterations: usize,
     /// Of the tensions: what the span bore that was last led there from none.
     pub reached: f64,
+}
+
+/// What the tensions of cables that are anchored between two disks change at the same wrench in the rod.
+#[derive(Clone, Debug, Default)]
+struct OfAnchors {
+    /// Of the share of the other cables in eq. (3), by anchor.
+    pulls: Vec<BodyWrench>,
+    /// Of the chords, see [`Span::anchor_rows`].
+    rows: Vec<f64>,
+    /// Of the chords of the anchors of the span at hand, by its unknowns.
+    changes: Vec<ChordChange>,
 }
 
 /// What a sweep starts from.
@@ -142,6 +156,8 @@ impl Unloaded {
         self.poses.resize(mesh.grid.len(), Pose::IDENTITY);
         self.chords.resize(frame.passages, Chord::default());
         self.rows.resize(6 * frame.passages, 0.0);
+        self.of_anchors.pulls.resize(mesh.anchors.len(), BodyWrench::default());
+        self.of_anchors.rows.resize(frame.anchor_rows, 0.0);
         self.by_tension.clear();
         self.length_by_tension.clear();
         self.blocks.clear();
@@ -327,7 +343,9 @@ impl Unloaded {
         let cables = span.passages.len();
         self.samples.resize(3 * steps.len(), Sample::default());
         let rows = &mut self.rows[6 * span.first..6 * (span.first + cables)];
+        let of_anchors = &mut self.of_anchors;
         let samples = &mut self.samples;
+        let anchors = Anchors { at: mesh.anchors_of(span), passages: &span.passages, tensions };
         let chords = &mut self.chords[span.first..span.first + cables];
         let poses = &mut self.poses[steps.clone()];
         let (node, _) = mesh.grid.shooting.at(steps.start, 0, 0);
@@ -347,14 +365,25 @@ impl Unloaded {
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             self.iterations += 1;
-            let pose = unloaded_span::integrate(&mesh.grid, steps.clone(), wrench, poses, samples);
+            let anchored = (&anchors, &mut *chords);
+            let (pose, _) = unloaded_span::integrate(
+                &mesh.grid,
+                steps.clone(),
+                wrench,
+                anchored,
+                poses,
+                samples,
+            );
             span::draw(span, &pose, chords)?;
             let residual = wrench + span::pull(span, chords, tensions);
             let fresh = kept.is_none();
             let tangent = match kept {
                 Some(tangent) => tangent,
-                None => linearise(mesh, k, span, samples, chords, tensions, &pose, rows)
-                    .ok_or(Stop::Diverged)?,
+                None => {
+                    let at = anchors.at;
+                    let taut = Taut { span, anchors: at, samples, pose, chords, tensions };
+                    linearise(mesh, k, &taut, rows, of_anchors).ok_or(Stop::Diverged)?
+                }
             };
             let change = tangent.solve(residual * -1.0);
             let size = relative(&change) / (1.0 + relative(&wrench));
@@ -369,12 +398,19 @@ impl Unloaded {
             if size <= STEP_TOLERANCE {
                 (self.wrenches[k], self.tangents[k]) = (wrench, Some(tangent));
                 if size > NO_STEP {
-                    let pose =
-                        unloaded_span::integrate(&mesh.grid, steps.clone(), wrench, poses, &mut []);
+                    let anchored = (&anchors, &mut *chords);
+                    let (pose, _) = unloaded_span::integrate(
+                        &mesh.grid,
+                        steps.clone(),
+                        wrench,
+                        anchored,
+                        poses,
+                        &mut [],
+                    );
                     span::draw(span, &pose, chords)?;
                 }
                 if derivatives {
-                    self.differentiate(span, &tangent);
+                    self.differentiate(span, anchors.at, &tangent);
                 }
                 return Ok(());
             }
@@ -388,12 +424,16 @@ impl Unloaded {
 
     /// `∂ℓᵢ/∂τⱼ = (∂ℓᵢ/∂w) ∂w/∂τⱼ` of one span.
     #[inline(always)]
-    fn differentiate(&mut self, span: &Span, tangent: &Tangent) {
+    fn differentiate(&mut self, span: &Span, anchors: &[Anchor], tangent: &Tangent) {
         let cables = span.passages.len();
         let first = self.length_by_tension.len();
         self.length_by_tension.resize(first + cables * cables, 0.0);
         for (j, passage) in span.passages.iter().enumerate() {
-            let pull = span::unit_pull(passage.near, &self.chords[span.first + j]);
+            let mut pull = span::unit_pull(passage.near, &self.chords[span.first + j]);
+            let anchor = anchors.iter().position(|anchor| anchor.passage == j);
+            if let Some(a) = anchor {
+                pull = pull + self.of_anchors.pulls[span.anchors.start + a];
+            }
             let change = tangent.solve(pull * -1.0);
             self.by_tension.push(change);
             for i in 0..cables {
@@ -401,6 +441,9 @@ impl Unloaded {
                 let mut along: f64 = (0..3).map(|c| by(c) * change.linear[c]).sum();
                 if matches!(tangent, Tangent::Cables(_)) {
                     along += (0..3).map(|c| by(3 + c) * change.angular[c]).sum::<f64>();
+                }
+                if let Some(a) = anchor {
+                    along += self.of_anchors.rows[span.anchor_rows + a * cables + i];
                 }
                 self.length_by_tension[first + i * cables + j] = along;
             }
@@ -410,34 +453,50 @@ impl Unloaded {
 
 /// Eq. (3) linearised where the span was last integrated; `rows` takes the changes of the chords by its
 /// unknowns. `None` where it is singular.
-#[expect(clippy::too_many_arguments, reason = "a span, its state, and where the rows go")]
 #[inline(always)]
 fn linearise(
     mesh: &Mesh,
     k: usize,
-    span: &Span,
-    samples: &[Sample],
-    chords: &[Chord],
-    tensions: &[f64],
-    pose: &Pose,
+    taut: &Taut<'_>,
     rows: &mut [f64],
+    of_anchors: &mut OfAnchors,
 ) -> Option<Tangent> {
-    let (grid, steps, cables) = (&mesh.grid, mesh.spans[k].clone(), span.passages.len());
+    let (grid, steps) = (&mesh.grid, mesh.spans[k].clone());
+    let (cables, anchors) = (taut.chords.len(), taut.anchors.len());
+    of_anchors.changes.resize(6 * anchors, ChordChange::default());
+    let changes = &mut of_anchors.changes[..];
+    for a in 0..anchors {
+        let [by] = unloaded_span::linearise(
+            grid,
+            steps.clone(),
+            taut,
+            &[BodyWrench::default()],
+            Some(a),
+            &mut changes[..anchors],
+        );
+        let first = taut.span.anchor_rows + a * cables;
+        let row = &mut of_anchors.rows[first..first + cables];
+        let answer = span::answer(taut, &by, &changes[..anchors], row);
+        of_anchors.pulls[taut.span.anchors.start + a] = answer.pull;
+    }
     let mut answers = [Answer::default(); 6];
-    if let [Passage { near, .. }] = span.passages[..] {
+    if let [Passage { near, .. }] = taut.span.passages[..] {
         let units = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| span::along_cable(near, axis));
-        let by = unloaded_span::linearise(grid, steps, samples, &units);
-        for ((answer, by), row) in answers.iter_mut().zip(&by).zip(rows.chunks_exact_mut(1)) {
-            *answer = span::answer(span, pose, chords, tensions, by, row);
+        let by = unloaded_span::linearise(grid, steps, taut, &units, None, changes);
+        for (c, ((answer, by), row)) in
+            answers.iter_mut().zip(&by).zip(rows.chunks_exact_mut(1)).enumerate()
+        {
+            *answer = span::answer(taut, by, &changes[c * anchors..(c + 1) * anchors], row);
         }
         let [x, y, z, ..] = answers.map(|answer| answer.pull.linear);
         let force = Mat3::from_columns(x, y, z).plus_identity().inverse()?;
         return Some(Tangent::OneCable { force, near });
     }
-    let by = unloaded_span::linearise(grid, steps, samples, &unloaded_span::units());
+    let units = unloaded_span::units();
+    let by = unloaded_span::linearise(grid, steps, taut, &units, None, changes);
     for (c, (answer, by)) in answers.iter_mut().zip(&by).enumerate() {
         let row = &mut rows[c * cables..(c + 1) * cables];
-        *answer = span::answer(span, pose, chords, tensions, by, row);
+        *answer = span::answer(taut, by, &changes[c * anchors..(c + 1) * anchors], row);
     }
     Factors::new(&answers).map(Tangent::Cables)
 }

@@ -13,7 +13,9 @@ use core::ops::Range;
 
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
+use super::anchors::{Anchors, ChordChange, Varied};
 use super::rod::{Sample, Variation};
+use super::span::{Chord, Taut};
 use crate::section::{BodyWrench, Section};
 use crate::statics::grid::Grid;
 
@@ -61,16 +63,18 @@ fn slope(section: &Section, at: &State, wrench: &BodyWrench) -> (State, Sample) 
     (rate, Sample { strain, wrench: local, rotation, position, dead: Vec3::ZERO })
 }
 
-/// Integrates the pose over the steps of a span from the wrench at its start. `poses` takes the poses
-/// at the ends of the steps, `samples` three of them to each step, where there is room for any.
+/// Integrates the pose over the steps of a span from the wrench at its start; the pose at the end, and the wrench beyond the last
+/// anchor. `poses` takes the poses at the ends of the steps, `samples` three of them to each step, where there is room for any,
+/// and the chords those of the anchors.
 #[inline(always)]
 pub(super) fn integrate(
     grid: &Grid,
     steps: Range<usize>,
-    wrench: BodyWrench,
+    mut wrench: BodyWrench,
+    (anchors, chords): (&Anchors<'_>, &mut [Chord]),
     poses: &mut [Pose],
     samples: &mut [Sample],
-) -> Pose {
+) -> (Pose, BodyWrench) {
     let mut state = pack([1.0, 0.0, 0.0, 0.0], Vec3::ZERO);
     let mut pose = Pose::IDENTITY;
     for (i, k) in steps.enumerate() {
@@ -91,8 +95,11 @@ pub(super) fn integrate(
         if let Some(triple) = samples.get_mut(3 * i..3 * i + 3) {
             triple.copy_from_slice(&[first, middle, last]);
         }
+        if !anchors.at.is_empty() {
+            wrench = wrench + anchors.pull(k + 1, &pose, chords);
+        }
     }
-    pose
+    (pose, wrench)
 }
 
 /// A section as eqs. (2) need it, and the changes of the wrench there at an unmoved section.
@@ -140,20 +147,25 @@ impl<'a, const N: usize> Place<'a, N> {
     }
 }
 
-/// Eqs. (2) over a span: the variations at its end by changes of the wrench at its start.
+/// Eqs. (2) over a span: the variations at its end by changes of the wrench at its start, with this anchor's cable pulling by
+/// 1 N more where one is given. `changes` takes those of the anchors' chords, variation after variation.
 #[inline(always)]
 pub(super) fn linearise<const N: usize>(
     grid: &Grid,
     steps: Range<usize>,
-    samples: &[Sample],
+    taut: &Taut<'_>,
     by: &[BodyWrench; N],
+    pulled: Option<usize>,
+    changes: &mut [ChordChange],
 ) -> [Variation; N] {
+    let anchors = taut.anchors();
+    let mut acting = *by;
     let mut at = [Twist::default(); N];
     let mut moments = [Vec3::ZERO; N];
-    for (k, triple) in steps.zip(samples.chunks_exact(3)) {
+    for (k, triple) in steps.zip(taut.samples.chunks_exact(3)) {
         let h = grid.steps[k].length;
         let section = |q: usize| &grid.shooting.at(k, 2 * q, 0).0.section;
-        let place = |q: usize| Place::new(section(q), &triple[q], by);
+        let place = |q: usize| Place::new(section(q), &triple[q], &acting);
         let (start, middle, end) = (place(0), place(1), place(2));
         for (column, at) in at.iter_mut().enumerate() {
             let k0 = start.slope(column, at);
@@ -162,6 +174,14 @@ pub(super) fn linearise<const N: usize>(
             let k3 = end.slope(column, &(*at + k2 * h));
             *at = *at + (k0 + (k1 + k2) * 2.0 + k3) * (h / 6.0);
             moments[column] = end.push(column, at).angular;
+        }
+        if anchors.at.iter().any(|anchor| anchor.node == k + 1) {
+            let Sample { rotation, .. } = triple[2];
+            let of_variation = changes.chunks_exact_mut(anchors.at.len());
+            for ((acting, at), changes) in acting.iter_mut().zip(&at).zip(of_variation) {
+                let mut varied = Varied { chords: taut.chords, pulled, changes };
+                *acting = *acting + anchors.change(k + 1, rotation, at, &mut varied);
+            }
         }
     }
     let mut out = [Variation::default(); N];

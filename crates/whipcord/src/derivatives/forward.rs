@@ -93,6 +93,22 @@ impl StepMap {
         self
     }
 
+    /// With what acts at the end: moment and force there by the turn of the start and by the end.
+    pub fn with(mut self, acting: impl Fn(Vec3, &Effect) -> [Vec3; 2]) -> Self {
+        self.force = Some(self.force.unwrap_or(NO_FOLLOWERS));
+        let before = self;
+        for column in 0..STATES {
+            let mut start = [Vec3::ZERO; 3];
+            start[column / 3] = AXES[column % 3];
+            let mut end = before.apply(start);
+            let [moment, force] = acting(start[0], &end);
+            end.moment += moment;
+            end.force += force;
+            self.set(column, &end);
+        }
+        self
+    }
+
     /// Sets the column of one component of turn, moment and force, in this order.
     pub fn set(&mut self, column: usize, end: &Effect) {
         set_column(&mut self.turn[column / 3], column % 3, end.turn);

@@ -195,11 +195,11 @@ impl Partial {
         }
     }
 
-    /// How the holes of a cable move at both ends of a span, in the frames of the disks.
+    /// How the ends of a cable's piece in a span move, in the frames of the disks or of the cross-section of its anchor.
     pub fn moved_holes(&self, robot: &Robot, cable: usize, span: usize) -> [Vec3; 2] {
         let Some(change) = &self.routes[cable] else { return [Vec3::ZERO; 2] };
         let (route, disks) = (&robot.routes()[cable], &robot.disks().arc_lengths);
-        [span, span + 1].map(|disk| change.at(route, disks[disk]).0)
+        [disks[span], disks[span + 1].min(route.end())].map(|s| change.at(route, s).0)
     }
 
     /// By Gauss quadrature in pieces of the steps that are halved until nothing changes.

@@ -11,7 +11,9 @@
 //! ```
 //!
 //! where `Δ` is the change of the displacement from disk to disk and `(M, G)` acts in rod and cables together. The first
-//! line puts `c` in terms of `φ₀`, `ω` and of what acts within the span: (d7) are six equations for `ω`. With these
+//! line puts `c` in terms of `φ₀`, `ω` and of what acts within the span: (d7) are six equations for `ω`. A cable that ends at an
+//! anchor before the far disk has its `Δ` and `φ₁` there, and what acts in the rod grows by `δ(τ t)` and `δ(τ b × t)` at the anchor,
+//! which the map of the steps in between takes in. With these
 //! eliminated a span has a map of the form that a step has, and [`super::elimination`] does not see the difference.
 
 use core::ops::Range;
@@ -27,7 +29,7 @@ use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::grid::Grid;
 use crate::statics::hold::Critical;
-use crate::statics::passages::Passage;
+use crate::statics::passages::{Anchor, Passage};
 
 /// The cables between two disks.
 #[derive(Clone, Debug)]
@@ -35,6 +37,8 @@ pub(crate) struct StraightSpan<'a> {
     /// Steps of the grid between the disks.
     pub steps: Range<usize>,
     pub passages: &'a [Passage],
+    /// Those that end before the far disk.
+    pub anchors: &'a [Anchor],
 }
 
 /// A cable between two disks at the answer, base frame.
@@ -43,6 +47,9 @@ struct Chord {
     cable: usize,
     tension: f64,
     length: f64,
+    /// The kept node of its span where it ends, and whether it is anchored there.
+    end: usize,
+    is_anchored: bool,
     /// `t`, `a` and `b`.
     along: Vec3,
     near: Vec3,
@@ -58,12 +65,32 @@ pub(super) struct ChordChange {
     pub far: Vec3,
 }
 
-/// What the chords of a span exert: force, and moments at the near and at the far disk.
+/// What a chord exerts: force, and moments at its ends.
 #[derive(Clone, Copy, Debug, Default)]
-struct Pulls {
+struct Pull {
     force: Vec3,
     near: Vec3,
     far: Vec3,
+}
+
+/// What the chords of a span exert at the near and at the far disk: force and moment.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pulls {
+    near: [Vec3; 2],
+    far: [Vec3; 2],
+}
+
+impl Chord {
+    /// The change of what it exerts once its end has moved so against the near disk, (d6), and that of its length.
+    fn respond(&self, near_turn: Vec3, end: &Effect, change: ChordChange) -> (Pull, f64) {
+        let Self { along: t, near: a, far: b, tension, .. } = *self;
+        let (da, db) = (near_turn.cross(a) + change.near, end.turn.cross(b) + change.far);
+        let way = end.shift + db - da;
+        let longer = t.dot(way);
+        let force = change.tension * t + (way - t * longer) * (tension / self.length);
+        let near = a.cross(force) + tension * da.cross(t);
+        (Pull { force, near, far: b.cross(force) + tension * db.cross(t) }, longer)
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -82,6 +109,11 @@ impl Span {
     /// Its kept nodes among those of all spans.
     fn nodes(&self) -> Range<usize> {
         self.first..self.first + self.kept.len()
+    }
+
+    /// The chords that are anchored at a node, which is counted from the near disk.
+    fn anchored_at(&self, node: usize) -> impl Iterator<Item = &Chord> {
+        self.chords.iter().filter(move |chord| chord.is_anchored && self.kept[chord.end] == node)
     }
 }
 
@@ -119,6 +151,7 @@ pub(super) struct Pushed {
 /// Where a cable's hole is in the two disks of a span, and what of this changes.
 type HoleShifts<'a> = &'a dyn Fn(&Chord) -> ChordChange;
 
+const NOTHING: fn(usize) -> Effect = |_| Effect::default();
 const HELD: HoleShifts<'static> =
     &|_| ChordChange { tension: 0.0, near: Vec3::ZERO, far: Vec3::ZERO };
 
@@ -136,26 +169,38 @@ impl Spans {
         self.spans.clear();
         let mut first = 0;
         for span in spans {
-            let [near, far] = [span.steps.start, span.steps.end].map(|node| answer.poses[node]);
-            let chord = |passage: &Passage| {
-                let (a, b) = (near.rotation.rotate(passage.near), far.rotation.rotate(passage.far));
-                let way = far.position + b - near.position - a;
-                let length = way.norm();
-                let (cable, tension) = (passage.cable, tensions[passage.cable]);
-                Chord { cable, tension, length, along: way / length, near: a, far: b }
-            };
             let Range { start, end } = span.steps;
             let between = nodes.iter().filter(|node| (start + 1..end).contains(node));
             let mut kept: Vec<usize> = between.map(|node| node - start).collect();
             kept.extend([0, end - start]);
+            kept.extend(span.anchors.iter().map(|anchor| anchor.node - start));
             kept.sort_unstable();
             kept.dedup();
             first += kept.len();
+            let chord = |(i, passage): (usize, &Passage)| {
+                let anchor = span.anchors.iter().find(|anchor| anchor.passage == i);
+                let node = anchor.map_or(end, |anchor| anchor.node);
+                let (near, far) = (answer.poses[start], answer.poses[node]);
+                let (a, b) = (near.rotation.rotate(passage.near), far.rotation.rotate(passage.far));
+                let way = far.position + b - near.position - a;
+                let length = way.norm();
+                Chord {
+                    cable: passage.cable,
+                    tension: tensions[passage.cable],
+                    length,
+                    end: kept.partition_point(|&at| at < node - start),
+                    is_anchored: anchor.is_some(),
+                    along: way / length,
+                    near: a,
+                    far: b,
+                }
+            };
+            let chords = span.passages.iter().enumerate().map(chord).collect();
             self.spans.push(Span {
                 steps: span.steps.clone(),
                 first: first - kept.len(),
                 kept,
-                chords: span.passages.iter().map(chord).collect(),
+                chords,
                 ..Span::default()
             });
         }
@@ -224,18 +269,25 @@ impl Spans {
                 let lengths = &mut maps.length_by_input[of_input..of_input + cables];
                 let (effect, inside) = match input.checked_sub(cables) {
                     None => {
-                        let explicit = vec![Effect::default(); self.spans[k].nodes().len()];
                         let pulled = |chord: &Chord| ChordChange {
                             tension: if chord.cable == input { 1.0 } else { 0.0 },
                             ..ChordChange::default()
                         };
+                        let explicit = self.carry(
+                            k,
+                            self.spans[k].steps.start,
+                            Effect::default(),
+                            NOTHING,
+                            &pulled,
+                        );
                         self.solve(k, [Vec3::ZERO; 3], &explicit, &pulled, lengths)
                     }
                     Some(more) => {
                         let first = self.spans[k].steps.start;
                         let acting = |step: usize| rod.effects_of(step)[more];
-                        let explicit = self.carry(k, first, Effect::default(), acting);
-                        let moved = |chord: &Chord| self.moved(k, holes(more, chord.cable, k));
+                        let moved =
+                            |chord: &Chord| self.moved(k, chord, holes(more, chord.cable, k));
+                        let explicit = self.carry(k, first, Effect::default(), acting, &moved);
                         self.solve(k, [Vec3::ZERO; 3], &explicit, &moved, lengths)
                     }
                 };
@@ -249,13 +301,14 @@ impl Spans {
     }
 
     /// Holes that move in the frames of their disks.
-    fn moved(&self, k: usize, [near, far]: [Vec3; 2]) -> ChordChange {
+    fn moved(&self, k: usize, chord: &Chord, [near, far]: [Vec3; 2]) -> ChordChange {
         let turned = |node: usize, shift: Vec3| match node.checked_sub(1) {
             Some(step) => self.replay.ends[step].pose.rotation.rotate(shift),
             None => shift,
         };
-        let Range { start, end } = self.spans[k].steps;
-        ChordChange { tension: 0.0, near: turned(start, near), far: turned(end, far) }
+        let Span { steps, kept, .. } = &self.spans[k];
+        let end = steps.start + kept[chord.end];
+        ChordChange { tension: 0.0, near: turned(steps.start, near), far: turned(end, far) }
     }
 
     /// Maps of the rod from the near disk to each kept node of a span.
@@ -269,6 +322,12 @@ impl Spans {
                 at = at.with_follower(follower);
             }
             if kept.contains(&node) {
+                for chord in self.spans[k].anchored_at(node) {
+                    at = at.with(|near_turn, end| {
+                        let (pull, _) = chord.respond(near_turn, end, ChordChange::default());
+                        [pull.far, pull.force]
+                    });
+                }
                 self.along.push(at);
             }
         }
@@ -281,6 +340,7 @@ impl Spans {
         from: usize,
         start: Effect,
         acting: impl Fn(usize) -> Effect,
+        changes: HoleShifts<'_>,
     ) -> Vec<Effect> {
         let Span { steps, kept, .. } = &self.spans[k];
         let mut at = if from == steps.start { start } else { Effect::default() };
@@ -290,6 +350,11 @@ impl Spans {
                 at = self.rod[step].carry(&at).plus(&acting(step));
                 if let Some(follower) = &self.followers[step] {
                     at = at.with_follower(follower);
+                }
+                for chord in self.spans[k].anchored_at(node) {
+                    let (pull, _) = chord.respond(Vec3::ZERO, &at, changes(chord));
+                    at.moment += pull.far;
+                    at.force += pull.force;
                 }
             }
             if step + 1 == from {
@@ -302,43 +367,41 @@ impl Spans {
         out
     }
 
-    /// What the chords exert once the far disk has moved so against the near one, (d6), and their lengths by cables.
+    /// What the chords exert once the kept nodes have moved so against the near disk, and their lengths by cables.
     fn pulls(
         &self,
         k: usize,
         near_turn: Vec3,
-        end: &Effect,
+        at: impl Fn(usize) -> Effect,
         changes: HoleShifts<'_>,
         lengths: &mut [f64],
     ) -> Pulls {
         let mut sum = Pulls::default();
         for chord in &self.spans[k].chords {
-            let Chord { along: t, near: a, far: b, tension, .. } = *chord;
-            let change = changes(chord);
-            let (da, db) = (near_turn.cross(a) + change.near, end.turn.cross(b) + change.far);
-            let way = end.shift + db - da;
-            let longer = t.dot(way);
+            let (pull, longer) = chord.respond(near_turn, &at(chord.end), changes(chord));
             if let Some(length) = lengths.get_mut(chord.cable) {
                 *length += longer;
             }
-            let pull = change.tension * t + (way - t * longer) * (tension / chord.length);
-            sum.force += pull;
-            sum.near += a.cross(pull) + tension * da.cross(t);
-            sum.far += b.cross(pull) + tension * db.cross(t);
+            let Pull { force, near, far } = pull;
+            sum.near = [sum.near[0] + near, sum.near[1] + force];
+            if !chord.is_anchored {
+                sum.far = [sum.far[0] + far, sum.far[1] + force];
+            }
         }
         sum
     }
 
     /// Inverts (d7).
     fn invert(&self, k: usize) -> Result<[[Mat3; 2]; 2], Critical> {
-        let end = &self.along[self.spans[k].nodes().end - 1];
+        let along = &self.along[self.spans[k].nodes()];
         let mut columns = [[Mat3::ZERO; 2]; 2];
         for column in 0..6 {
             let mut start = [Vec3::ZERO; 3];
             let axis = AXES[column % 3];
             start[1 + column / 3] = axis;
-            let of = self.pulls(k, Vec3::ZERO, &end.apply(start), HELD, &mut []);
-            for (row, value) in [of.near, of.force].into_iter().enumerate() {
+            let at = |node: usize| along[node].apply(start);
+            let of = self.pulls(k, Vec3::ZERO, at, HELD, &mut []);
+            for (row, value) in of.near.into_iter().enumerate() {
                 let own = if row == column / 3 { axis } else { Vec3::ZERO };
                 set_column(&mut columns[row][column / 3], column % 3, own + value);
             }
@@ -360,9 +423,9 @@ impl Spans {
         let along = &self.along[span.nodes()];
         let at = |node: usize, rod| along[node].apply(rod).plus(&explicit[node]);
         let last = along.len() - 1;
-        let free = at(last, [turn, Vec3::ZERO, Vec3::ZERO]);
-        let pulled = self.pulls(k, turn, &free, changes, &mut []);
-        let (moment, force) = (moment - pulled.near, force - pulled.force);
+        let free = |node: usize| at(node, [turn, Vec3::ZERO, Vec3::ZERO]);
+        let [of_moment, of_force] = self.pulls(k, turn, free, changes, &mut []).near;
+        let (moment, force) = (moment - of_moment, force - of_force);
         let [[by_moment, by_force], [force_by_moment, force_by_force]] = span.inverse;
         let rod = [
             turn,
@@ -371,9 +434,9 @@ impl Spans {
         ];
         let inside: Vec<Effect> = (0..along.len()).map(|node| at(node, rod)).collect();
         let mut end = inside[last];
-        let pulled = self.pulls(k, turn, &end, changes, lengths);
-        end.moment += pulled.far;
-        end.force += pulled.force;
+        let [of_moment, of_force] = self.pulls(k, turn, |node| inside[node], changes, lengths).far;
+        end.moment += of_moment;
+        end.force += of_force;
         (end, inside)
     }
 
@@ -409,7 +472,7 @@ impl Spans {
     pub fn push(&self, node: usize, wrench: Wrench, cables: usize) -> Pushed {
         let span = self.span_behind(node);
         let start = Effect { moment: -wrench.moment, force: -wrench.force, ..Effect::default() };
-        let explicit = self.carry(span, node, start, |_| Effect::default());
+        let explicit = self.carry(span, node, start, NOTHING, HELD);
         let mut lengths = vec![0.0; cables];
         let (effect, inside) = self.solve(span, [Vec3::ZERO; 3], &explicit, HELD, &mut lengths);
         Pushed { span, effect, inside, lengths }
@@ -505,11 +568,15 @@ impl Spans {
         let mut lengths = vec![0.0; cables];
         for (k, span) in self.spans.iter().enumerate() {
             let mut end = Effect::default();
-            for step in span.steps.clone() {
+            let mut at = vec![end];
+            for (node, step) in (1..).zip(span.steps.clone()) {
                 end = rod.steps[step].carry(&end).plus(&rod.effects_of(step)[0]);
+                if span.kept.contains(&node) {
+                    at.push(end);
+                }
             }
-            let moved = |chord: &Chord| self.moved(k, holes(chord.cable, k));
-            self.pulls(k, Vec3::ZERO, &end, &moved, &mut lengths);
+            let moved = |chord: &Chord| self.moved(k, chord, holes(chord.cable, k));
+            self.pulls(k, Vec3::ZERO, |node| at[node], &moved, &mut lengths);
         }
         lengths
     }

@@ -87,6 +87,8 @@ pub(crate) struct Grid {
     pub disks: Vec<usize>,
     /// For each of [`Loads::places`] the number of steps before it.
     pub loads: Vec<usize>,
+    /// For each anchor of the layout the number of steps before it.
+    pub anchors: Vec<usize>,
 }
 
 /// What does not depend on how fine the grid is.
@@ -95,6 +97,8 @@ pub(crate) struct Layout {
     pub breakpoints: Vec<f64>,
     stations: Vec<f64>,
     loads: Vec<f64>,
+    /// Anchors of cables that are not those of the robot.
+    anchors: Vec<f64>,
     /// Cables in the order of the grid: the longest first, so that those that reach a step come
     /// before those that do not.
     pub order: Vec<usize>,
@@ -104,12 +108,23 @@ pub(crate) struct Layout {
 
 impl Layout {
     pub fn new(robot: &Robot, stations: Vec<f64>, loads: &Loads) -> Self {
+        Self::with_anchors(robot, stations, loads, Vec::new())
+    }
+
+    /// The same with steps that end at these anchors of cables that are not those of the robot.
+    pub fn with_anchors(
+        robot: &Robot,
+        stations: Vec<f64>,
+        loads: &Loads,
+        anchors: Vec<f64>,
+    ) -> Self {
         let length = robot.backbone().length;
         let load_places: Vec<f64> = loads.places().collect();
         let mut breakpoints = vec![0.0, length];
         breakpoints.extend_from_slice(&robot.disks().arc_lengths);
         breakpoints.extend_from_slice(&stations);
         breakpoints.extend_from_slice(&load_places);
+        breakpoints.extend_from_slice(&anchors);
         breakpoints.extend_from_slice(&robot.backbone().places());
         for route in robot.routes() {
             breakpoints.extend_from_slice(route.breakpoints());
@@ -121,7 +136,7 @@ impl Layout {
         let mut order: Vec<usize> = (0..robot.cables().len()).collect();
         order.sort_by(|&a, &b| robot.routes()[b].end().total_cmp(&robot.routes()[a].end()));
         let rest_lengths = order.iter().map(|&c| robot.rest_length(c, &breakpoints)).collect();
-        Self { breakpoints, stations, loads: load_places, order, rest_lengths }
+        Self { breakpoints, stations, loads: load_places, anchors, order, rest_lengths }
     }
 
     /// Number of the breakpoint at an arc length.
@@ -188,6 +203,7 @@ impl Grid {
             stations: layout.stations.iter().map(place).collect(),
             disks,
             loads: layout.loads.iter().map(place).collect(),
+            anchors: layout.anchors.iter().map(place).collect(),
             steps: grid_steps,
         })
     }

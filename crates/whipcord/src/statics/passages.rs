@@ -2,9 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
-use crate::error::SolveError;
-use crate::kind::ModelKind;
-use crate::robot::{Cable, Robot, Routing};
+use crate::robot::{Robot, Routing};
 
 /// A cable's way from the hole of one disk to that of the next, in the frames of the disks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +22,15 @@ impl Passage {
     pub fn is_anchored_inside(&self) -> bool {
         self.reach < 1.0
     }
+}
+
+/// An anchor between two disks, on a grid whose steps end there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Anchor {
+    /// Its cable's passage, by its number in the span.
+    pub passage: usize,
+    /// The number of steps before it.
+    pub node: usize,
 }
 
 /// The cables' straight pieces between each two disks.
@@ -52,19 +59,6 @@ pub(crate) fn passages(robot: &Robot) -> Vec<Vec<Passage>> {
     (0..at.len() - 1).map(of_span).collect()
 }
 
-/// [`passages`] of cables that are anchored at disks only.
-pub(crate) fn passages_to_disks(
-    robot: &Robot,
-    model: ModelKind,
-) -> Result<Vec<Vec<Passage>>, SolveError> {
-    let passages = passages(robot);
-    let inside = passages.iter().flatten().find(|passage| passage.is_anchored_inside());
-    match inside {
-        Some(passage) => Err(between_disks(model, passage.cable, &robot.cables()[passage.cable])),
-        None => Ok(passages),
-    }
-}
-
 /// Where the cable passes a disk: the hole of its list, whatever course it takes between them.
 fn hole(robot: &Robot, cable: usize, disk: usize) -> Vec3 {
     let disks = robot.disks();
@@ -75,18 +69,5 @@ fn hole(robot: &Robot, cable: usize, disk: usize) -> Vec3 {
             Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
         }
         _ => robot.routes()[cable].at(disks.arc_lengths[disk]).offset,
-    }
-}
-
-fn between_disks(model: ModelKind, cable: usize, of: &Cable) -> SolveError {
-    let path = match of.ends_at {
-        Some(_) => format!("cables[{cable}].ends_at"),
-        None => format!("cables[{cable}]"),
-    };
-    SolveError::Unsupported {
-        model,
-        path,
-        what: "a cable anchored between two disks",
-        advice: "anchor it at a disk, or put a disk where it ends, or use cosserat",
     }
 }

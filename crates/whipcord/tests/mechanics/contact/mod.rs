@@ -69,7 +69,7 @@ fn moved(obstacle: &Obstacle, by: &Pose) -> Obstacle {
 }
 
 /// The contacts of an answer whose base is at the origin, as point loads, and their resultant there.
-fn pushes_of(solution: &Solution) -> (Loads, Wrench) {
+pub fn pushes_of(solution: &Solution) -> (Loads, Wrench) {
     let mut loads = Loads::default();
     let mut total = Wrench::default();
     for touch in &solution.contacts {

@@ -1,6 +1,7 @@
 //! The Cosserat rod with cables straight from hole to hole: to run one module,
 //! `cargo test -p whipcord --test mechanics cosserat_disks::MODULE::`.
 
+mod anchors;
 mod compliance;
 mod friction;
 mod friction_study;

@@ -139,7 +139,7 @@ impl Tested {
 
     /// Whether no section of it folds under this.
     fn stands(self, robot: &Robot, case: &Case) -> bool {
-        let solved = self.solve(&self.takes(robot), case, &options(self, case), None);
+        let solved = self.solve(robot, case, &options(self, case), None);
         self.is_rod() || !matches!(solved, Err(SolveError::SectionFolds { .. }))
     }
 
@@ -150,22 +150,6 @@ impl Tested {
             Self::Continuous => 1,
             Self::Disks | Self::Arcs | Self::RigidBodies | Self::FourBar => 40,
         }
-    }
-
-    /// The robot with cables that it takes: anchored at disks.
-    fn takes(self, robot: &Robot) -> Robot {
-        if self != Self::Disks {
-            return robot.clone();
-        }
-        let disks = &robot.disks().arc_lengths;
-        let at_disk = |end: f64| {
-            let near = |a: &&f64, b: &&f64| (**a - end).abs().total_cmp(&(**b - end).abs());
-            disks[1..].iter().min_by(near).copied()
-        };
-        let anchored =
-            |cable: &Cable| Cable { ends_at: cable.ends_at.and_then(at_disk), ..cable.clone() };
-        let cables = robot.cables().iter().map(anchored).collect();
-        Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap()
     }
 }
 
@@ -455,7 +439,6 @@ fn check_random(tested: Tested, wild: Wildness, count: usize) {
     let samples = common::samples(common::robot(wild), 2 * count);
     let samples = samples.filter(|(robot, case)| tested.stands(robot, case)).take(count);
     for (i, (robot, case)) in samples.enumerate() {
-        let robot = tested.takes(&robot);
         let case = with_room(&case, robot.backbone().length);
         let before = failures.len();
         checked += check_parameters(tested, &robot, &case, &mut failures);
@@ -554,7 +537,6 @@ fn taut(tested: Tested, wild: Wildness, count: usize) -> impl Iterator<Item = (R
             case.commands.iter().all(|c| c.tension.unwrap() > 0.05 * unit)
         })
         .take(count)
-        .map(move |(robot, case)| (tested.takes(&robot), case))
 }
 
 for_every_model!(parameters_under_loads, parameters_without_load, given_stiffness);
