@@ -6,6 +6,7 @@
 
 mod arcsine;
 mod bounded;
+mod continuation;
 mod dense;
 mod differences;
 mod jet;
@@ -13,6 +14,7 @@ pub mod lanes;
 pub mod least_squares;
 mod magnus;
 mod mat3;
+mod newton;
 mod orthogonal;
 mod polynomial;
 mod pose;
@@ -26,11 +28,13 @@ mod vec3;
 
 pub use arcsine::asin_ratio;
 pub use bounded::BoundedQuadratic;
+pub use continuation::{ContinuationSteps, Ended, Missed, continuation};
 pub use dense::{DenseLu, Singular, symmetric_eigenvalues};
 pub use differences::derivative;
 pub use jet::Jet;
 pub use magnus::magnus_6;
 pub use mat3::{Ldlt3, Mat3};
+pub use newton::{Equations, NewtonOptions, Reuse, Solved, Unsolved, newton};
 pub use orthogonal::SingularValues;
 pub use polynomial::{CubicError, PiecewiseCubic};
 pub use pose::{Pose, Twist};

@@ -6,7 +6,7 @@
 //! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
 //! the step is then at right angles to a given direction ([`crate::statics::path`]).
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Equations, NewtonOptions, Pose, Vec3, newton};
 
 use super::loaded::{Target, Trajectory};
 use super::sensitivity::{Column, Sensitivity, Unknowns};
@@ -81,10 +81,57 @@ impl<'a> Task<'a> {
     }
 }
 
-const MAX_ITERATIONS: usize = 40;
-const LEAST_FRACTION: f64 = 1.0 / 64.0;
-/// What rounding may leave where no step improves any more.
-const ROUNDING: f64 = 1e-9;
+const NEWTON: NewtonOptions = NewtonOptions {
+    tolerance: 0.0,
+    iterations: 40,
+    least_fraction: 1.0 / 64.0,
+    decrease: 1e-4,
+    rounding: 1e-9,
+    reuse: None,
+    trusted: 0,
+};
+
+/// A chain whose gaps are closed.
+struct Shooting<'a> {
+    chain: &'a mut Chain,
+    task: &'a Task<'a>,
+    by: Step<'a>,
+    trajectory: &'a mut Trajectory,
+    trace: &'a mut Trace,
+}
+
+impl Equations for Shooting<'_> {
+    type Fault = Fault;
+
+    fn residual(&mut self) -> Result<f64, Fault> {
+        self.chain.shoot(self.task, self.trajectory)
+    }
+
+    fn step(&mut self, _fresh: bool) -> Option<f64> {
+        let Self { chain, task, .. } = self;
+        task.meter.iterate();
+        if !chain.solve_step(task, self.by, self.trajectory) {
+            return None;
+        }
+        core::mem::swap(&mut chain.kept, &mut chain.state);
+        Some(1.0)
+    }
+
+    fn go(&mut self, fraction: f64) {
+        let Chain { state, kept, step, .. } = &mut *self.chain;
+        state.step_from(kept, fraction, step);
+    }
+
+    fn has_ended(&self) -> bool {
+        self.trajectory.steps_left == 0 || self.task.meter.has_ended()
+    }
+
+    fn note(&mut self, iteration: usize, residual: f64, fraction: f64) {
+        let State { load, tensions, .. } = &self.chain.state;
+        self.trace.iteration(iteration, *load, residual, fraction, tensions);
+    }
+}
+
 impl Chain {
     /// Newton's method from `self.state`, where it also ends: at its load, or across a direction.
     /// Returns the iterations and the greatest gap left. Gives up when the shot has no steps left. The shot ends with the strains and samples
@@ -96,45 +143,10 @@ impl Chain {
         trajectory: &mut Trajectory,
         trace: &mut Trace,
     ) -> Result<(usize, f64), Open> {
-        let failed = |iterations, gap, fault| Open { iterations, gap, fault };
         let by = across.map_or(Step::Close, Step::Across);
-        let mut gap =
-            self.shoot(task, trajectory).map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
-        for iteration in 0..MAX_ITERATIONS {
-            if gap <= task.tolerance {
-                return Ok((iteration, gap));
-            }
-            if trajectory.steps_left == 0 || task.meter.has_ended() {
-                break;
-            }
-            task.meter.iterate();
-            if !self.solve_step(task, by, trajectory) {
-                return Err(failed(iteration, gap, None));
-            }
-            core::mem::swap(&mut self.kept, &mut self.state);
-            let mut fraction = 1.0;
-            loop {
-                self.state.step_from(&self.kept, fraction, &self.step);
-                match self.shoot(task, trajectory) {
-                    Ok(now) if now < (1.0 - 1e-4 * fraction) * gap => {
-                        gap = now;
-                        break;
-                    }
-                    Ok(now) if fraction == 1.0 && now.max(gap) <= ROUNDING => {
-                        return Ok((iteration + 1, now));
-                    }
-                    outcome => {
-                        fraction *= 0.5;
-                        if fraction < LEAST_FRACTION {
-                            return Err(failed(iteration + 1, gap, outcome.err()));
-                        }
-                    }
-                }
-            }
-            let state = &self.state;
-            trace.iteration(iteration + 1, state.load, gap, fraction, &state.tensions);
-        }
-        Err(failed(MAX_ITERATIONS, gap, None))
+        let options = NewtonOptions { tolerance: task.tolerance, ..NEWTON };
+        let solved = newton(&mut Shooting { chain: self, task, by, trajectory, trace }, &options)?;
+        Ok((solved.iterations, solved.residual))
     }
 
     /// The linear step of a closed chain that [`path::Step::Along`] or [`path::Step::Probe`] ask for; `None` where

@@ -1,5 +1,7 @@
 //! Raising the load from nothing, in steps that adapt, by multiple shooting.
 
+use whipcord_numerics::{Missed, continuation};
+
 use super::chain::{Chain, Task};
 use super::shooting::finish_chain;
 use super::state::State;
@@ -8,9 +10,7 @@ use super::without_load::start_without_load;
 use crate::section::Fault;
 use crate::section::SectionFault;
 use crate::statics::command::Command;
-use crate::statics::continuation::{
-    FIRST_LOAD_STEP, LEAST_LOAD_STEP, LEAST_OF_FIRST, PATH_ENDS, SHORT_ITERATION,
-};
+use crate::statics::continuation::{FIRST_LOAD_STEP, PATH_ENDS, SHORT_ITERATION, load_steps};
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::{Failure, Found, Open};
 use crate::statics::strength::Strength;
@@ -36,48 +36,43 @@ pub(super) fn raise_load(
     scratch.trace.stage = Stage::LoadSteps;
     let mut here = State::unloaded(&scratch.poses, &scratch.tensions);
     let first = Strength::of(&scratch.applied, problem.grid, problem.length).first_load_step();
-    let (mut step, mut iterations) = (first, spent);
-    loop {
+    let mut effort = Effort { iterations: spent, residual: 1.0 };
+    let raised = continuation(&load_steps(first), |load| {
         scratch.chain.state.clone_from(&here);
-        scratch.chain.state.load = (here.load + step).min(1.0);
+        scratch.chain.state.load = load;
         scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
-        let (residual, fault) = match newton(problem, scratch) {
-            Ok((taken, residual)) => {
-                iterations += taken;
+        let open = match newton(problem, scratch) {
+            Ok((iterations, residual)) => {
+                effort = Effort { iterations: effort.iterations + iterations, residual };
                 if is_stable(problem, scratch) {
-                    if scratch.chain.state.load >= 1.0 {
-                        let effort = Effort { iterations, residual };
-                        return Ok(finish_chain(problem, scratch, effort));
-                    }
                     here.clone_from(&scratch.chain.state);
-                    if taken <= SHORT_ITERATION {
-                        step *= 2.0;
-                    }
-                    continue;
+                    return Ok(iterations <= SHORT_ITERATION);
                 }
                 // A long step can miss where the stable path turns off.
-                (residual, None)
+                Open { iterations, gap: residual, fault: None }
             }
-            Err(Open { iterations: taken, gap, fault }) => {
-                iterations += taken;
-                (gap, fault)
+            Err(open) => {
+                effort.iterations += open.iterations;
+                open
             }
         };
-        step *= 0.5;
-        let ends = scratch.trajectory.steps_left == 0 || problem.meter.has_ended();
-        if step < LEAST_OF_FIRST * first || ends {
+        let is_last = scratch.trajectory.steps_left == 0 || problem.meter.has_ended();
+        Err(Missed { reason: open, is_last })
+    });
+    match raised {
+        Ok(()) => Ok(finish_chain(problem, scratch, effort)),
+        Err(whipcord_numerics::Ended { reached: last_load, reason: Open { gap, fault, .. } }) => {
+            let iterations = effort.iterations;
             let failure = match fault {
                 Some(fault @ Fault { kind: SectionFault::Folded { .. }, .. }) => {
-                    Failure::of_section(fault, &here.tensions, here.load)
+                    Failure::of_section(fault, &here.tensions, last_load)
                 }
-                _ => Failure::NotConverged {
-                    iterations,
-                    residual,
-                    last_load: here.load,
-                    advice: PATH_ENDS,
-                },
+                _ => {
+                    let (residual, advice) = (gap, PATH_ENDS);
+                    Failure::NotConverged { iterations, residual, last_load, advice }
+                }
             };
-            return Err(Ended { failure, state: Some(here), iterations });
+            Err(Ended { failure, state: Some(here), iterations })
         }
     }
 }
@@ -92,18 +87,19 @@ pub(super) fn raise_load_at_tensions(
     start_without_load(problem, scratch).ok()?;
     let held: Vec<Command> = scratch.tensions.iter().map(|&t| Command::Tension(t)).collect();
     let at_tensions = Problem { commands: &held, stability: StabilityCheck::Off, ..*problem };
-    let mut iterations = raise_load(&at_tensions, scratch, spent).ok()?.iterations;
+    let mut effort = Effort {
+        residual: 1.0,
+        iterations: raise_load(&at_tensions, scratch, spent).ok()?.iterations,
+    };
     let lengths = scratch.lengths.clone();
     let mut here = scratch.chain.state.clone();
-    let (mut done, mut step) = (0.0_f64, FIRST_LOAD_STEP);
     let mut commands = problem.commands.to_vec();
-    loop {
-        let next = (done + step).min(1.0);
+    let led = continuation(&load_steps(FIRST_LOAD_STEP), |part| {
         for (i, command) in commands.iter_mut().enumerate() {
             if let Command::Length { target, compliance } = problem.commands[i] {
                 // Without the stretch of an elastic cable.
                 let present = lengths[i] - compliance * tension_of(&held[i]);
-                let target = present + next * (target - present);
+                let target = present + part * (target - present);
                 *command = Command::Length { target, compliance };
             }
         }
@@ -111,27 +107,19 @@ pub(super) fn raise_load_at_tensions(
         scratch.chain.state.clone_from(&here);
         scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
         match newton(&part, scratch) {
-            Ok((taken, residual)) => {
-                iterations += taken;
+            Ok((iterations, residual)) => {
+                effort = Effort { iterations: effort.iterations + iterations, residual };
                 here.clone_from(&scratch.chain.state);
-                if next >= 1.0 {
-                    let stable = is_stable(problem, scratch);
-                    let effort = Effort { iterations, residual };
-                    return stable.then(|| finish_chain(problem, scratch, effort));
-                }
-                done = next;
-                step *= 2.0;
+                Ok(true)
             }
             Err(open) => {
-                iterations += open.iterations;
-                step *= 0.5;
-                let ends = scratch.trajectory.steps_left == 0 || problem.meter.has_ended();
-                if step < LEAST_LOAD_STEP || ends {
-                    return None;
-                }
+                effort.iterations += open.iterations;
+                let is_last = scratch.trajectory.steps_left == 0 || problem.meter.has_ended();
+                Err(Missed { reason: (), is_last })
             }
         }
-    }
+    });
+    (led.is_ok() && is_stable(problem, scratch)).then(|| finish_chain(problem, scratch, effort))
 }
 
 fn tension_of(command: &Command) -> f64 {

@@ -5,7 +5,7 @@
 //! one stable equilibrium to the next, then load and commands together from the robot at rest, and at
 //! last all of it acts on shapes bent every way.
 
-use whipcord_numerics::Vec3;
+use whipcord_numerics::{ContinuationSteps, Missed, Vec3, continuation};
 
 use super::chain::{Chain, Node, Task};
 use super::statics::{Neighbour, Problem, Rod, Scratch, Start, copy_out};
@@ -14,7 +14,9 @@ use crate::section::Fault;
 use crate::section::SectionFault;
 use crate::shape::Diagnostics;
 use crate::statics::command::Command;
-use crate::statics::continuation::{FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS, SHORT_ITERATION};
+use crate::statics::continuation::{
+    FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS, SHORT_ITERATION, load_steps,
+};
 use crate::statics::lengths::Effort;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found, Open};
@@ -403,36 +405,33 @@ impl Raise<'_> {
     ) -> Result<Effort, Ended> {
         scratch.chain.trace.stage = Stage::Cold;
         let mut here = Place::of(&scratch.chain);
-        let (mut load, mut step, mut iterations) = (0.0, 1.0, 0);
-        loop {
-            let next = f64::min(load + step, 1.0);
-            match newton(scratch, next) {
-                Ok(effort) => {
-                    iterations += effort.iterations;
-                    if next >= 1.0 {
-                        return Ok(Effort { iterations, ..effort });
-                    }
+        let mut effort = Effort::default();
+        let steps = ContinuationSteps {
+            first: 1.0,
+            after_miss: FIRST_LOAD_STEP,
+            ..load_steps(FIRST_LOAD_STEP)
+        };
+        let raised = continuation(&steps, |load| match newton(scratch, load) {
+            Ok(Effort { iterations, residual }) => {
+                effort = Effort { iterations: effort.iterations + iterations, residual };
+                if load < 1.0 {
                     here = Place::of(&scratch.chain);
-                    load = next;
-                    if effort.iterations <= SHORT_ITERATION {
-                        step *= 2.0;
-                    }
                 }
-                Err(open) => {
-                    iterations += open.iterations;
-                    scratch.chain.trace.stage = Stage::LoadSteps;
-                    step = f64::min(0.5 * step, FIRST_LOAD_STEP);
-                    if step < LEAST_LOAD_STEP || self.problem.meter.has_ended() {
-                        here.restore(scratch);
-                        let none = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
-                        let residual = if open.gap.is_finite() { open.gap } else { 1.0 };
-                        let fault = open.fault.unwrap_or(none);
-                        return Err(Ended { load, residual, iterations, fault });
-                    }
-                    here.restore(scratch);
-                }
+                Ok(iterations <= SHORT_ITERATION)
             }
-        }
+            Err(reason) => {
+                effort.iterations += reason.iterations;
+                scratch.chain.trace.stage = Stage::LoadSteps;
+                here.restore(scratch);
+                Err(Missed { reason, is_last: self.problem.meter.has_ended() })
+            }
+        });
+        raised.map(|()| effort).map_err(|whipcord_numerics::Ended { reached: load, reason }| {
+            let residual = if reason.gap.is_finite() { reason.gap } else { 1.0 };
+            let none = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
+            let fault = reason.fault.unwrap_or(none);
+            Ended { load, residual, iterations: effort.iterations, fault }
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The chain of sections as an equilibrium path, and its branches.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, Solved, Vec3};
 
 use super::motion::{self, Coordinates, MOST};
 use super::statics::{Effort, Scratch};
@@ -14,7 +14,7 @@ use crate::shape::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::outcome::Failure;
 use crate::statics::path::branches::{BranchOptions, Branches, follow};
-use crate::statics::path::newton::newton;
+use crate::statics::path::newton::converge;
 use crate::statics::path::state::{self, Part, PartChange};
 use crate::statics::path::{EquilibriumPath, Step, pattern};
 use crate::statics::scales::Scales;
@@ -84,9 +84,9 @@ impl<'a> LinkagePath<'a> {
     }
 
     /// Newton's method from the state.
-    fn newton(&mut self, across: Option<&Direction>, residual: f64) -> Option<(usize, f64)> {
+    fn newton(&mut self, across: Option<&Direction>, residual: f64) -> Option<Solved> {
         let tolerance = self.model.options.residual.max(residual);
-        newton(self, across, tolerance, |path| Some(path.residual()).filter(|r| r.is_finite()))
+        converge(self, across, tolerance, |path| Some(path.residual()).filter(|r| r.is_finite()))
     }
 }
 
@@ -130,7 +130,7 @@ impl EquilibriumPath for LinkagePath<'_> {
     }
 
     fn converge(&mut self, across: Option<&Direction>, residual: f64) -> Option<usize> {
-        self.newton(across, residual).map(|(iterations, _)| iterations)
+        self.newton(across, residual).map(|solved| solved.iterations)
     }
 
     fn direction(&mut self, step: Step<'_, Coordinates>) -> Option<Direction> {
@@ -288,7 +288,7 @@ impl Linkage {
         followed.solutions(answer, case.loads.has_follower(), |state| {
             let mut at_load = LinkagePath::new(self, case, workspace);
             at_load.set_state(State { load: 1.0, ..state });
-            let Some((iterations, residual)) = at_load.newton(None, 0.0) else {
+            let Some(Solved { iterations, residual }) = at_load.newton(None, 0.0) else {
                 let advice = "an equilibrium on a branch was lost: give a greater residual";
                 let (iterations, residual, last_load) = (0, 1.0, 1.0);
                 let lost = Failure::NotConverged { iterations, residual, last_load, advice };

@@ -1,5 +1,10 @@
 //! Equilibrium under tensions and loads by Newton's method, and along the load where that does not get there.
 
+use whipcord_numerics::{
+    ContinuationSteps, Ended, Equations, Missed, NewtonOptions, Solved, Unsolved, continuation,
+    newton,
+};
+
 use super::chain::{Chain, bend};
 use super::layout::Section;
 use super::motion::Coordinates;
@@ -11,19 +16,27 @@ use crate::shape::Wrench;
 use crate::statics::lengths::{Note, Stage, TensionResponse};
 use crate::statics::outcome::Failure;
 
-/// Newton iterations at most.
-const MAX_ITERATIONS: usize = 40;
-/// The same from a neighbouring equilibrium in a search for lengths, which takes a shorter step otherwise.
+const NEWTON: NewtonOptions = NewtonOptions {
+    tolerance: 0.0,
+    iterations: 40,
+    least_fraction: 1e-3,
+    decrease: 0.0,
+    rounding: 0.0,
+    reuse: None,
+    trusted: 0,
+};
+/// Newton iterations from a neighbouring equilibrium in a search for lengths, which takes a shorter step otherwise.
 pub(super) const FEW_ITERATIONS: usize = 12;
 /// How many steps of that search in a row may end before a fold.
 const PATIENCE: usize = 8;
 /// A coordinate changes by no more than this in one step, in rad.
 const LONGEST_STEP: f64 = 0.8;
-const SHORTEST_FRACTION: f64 = 1e-3;
 /// What rounding may leave, in units of the tolerance, where no step improves any more.
 const ROUNDING: f64 = 1e3;
 /// A section bent by more than this in rad is what keeps the load from being raised.
 const NEARLY_FOLDED: f64 = 2.0;
+const LOAD_STEPS: ContinuationSteps =
+    ContinuationSteps { first: 0.25, least: LEAST_STEP, growth: 1.5, after_miss: f64::INFINITY };
 /// Shortest step along the load, as a fraction of it.
 const LEAST_STEP: f64 = 1e-4;
 /// The same under tensions that a search for lengths tries: where they have no equilibrium it tries others.
@@ -91,6 +104,57 @@ pub(super) struct Effort {
     pub lost_at: Option<f64>,
 }
 
+/// A chain that is brought into equilibrium.
+struct Balance<'a> {
+    chain: &'a mut Chain,
+    /// Where the last step began.
+    before: &'a mut Vec<Coordinates>,
+    task: &'a Task<'a>,
+    strict: bool,
+    spent: &'a mut usize,
+    /// Whether a tangent gave no step.
+    is_refused: bool,
+}
+
+impl Equations for Balance<'_> {
+    type Fault = ();
+
+    fn residual(&mut self) -> Result<f64, ()> {
+        Some(self.chain.evaluate(self.task)).filter(|residual| residual.is_finite()).ok_or(())
+    }
+
+    fn step(&mut self, _fresh: bool) -> Option<f64> {
+        let Self { chain, task, .. } = self;
+        chain.linearise(task);
+        match chain.eliminate(task, Elimination { shift: 0.0, asked: Asked::Step }) {
+            Some(negative) if !self.strict || negative == 0 => {}
+            _ => {
+                self.is_refused = true;
+                return None;
+            }
+        }
+        task.meter.iterate();
+        task.meter.integrate(task.sections.len());
+        *self.spent += 1;
+        self.before.clone_from(&chain.q);
+        let longest = chain.steps.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+        Some((LONGEST_STEP / longest).min(1.0))
+    }
+
+    fn go(&mut self, fraction: f64) {
+        let Chain { q, steps, .. } = &mut *self.chain;
+        for ((q, start), step) in q.iter_mut().zip(&*self.before).zip(steps) {
+            for ((q, start), step) in q.iter_mut().zip(start).zip(step) {
+                *q = start + fraction * *step;
+            }
+        }
+    }
+
+    fn has_ended(&self) -> bool {
+        self.task.meter.has_ended()
+    }
+}
+
 impl Scratch {
     /// Newton's method from where the chain is; in vain, where it is `strict`, as soon as the tangent has negative
     /// eigenvalues: there it may lead away from the equilibrium that grows out of rest.
@@ -101,7 +165,7 @@ impl Scratch {
         strict: bool,
         effort: &mut Effort,
     ) -> bool {
-        self.close_within(MAX_ITERATIONS, task, tolerance, strict, effort)
+        self.close_within(NEWTON.iterations, task, tolerance, strict, effort)
     }
 
     /// The same in so many iterations.
@@ -114,53 +178,28 @@ impl Scratch {
         effort: &mut Effort,
     ) -> bool {
         let Self { chain, before, spent, open, .. } = self;
-        let how = Elimination { shift: 0.0, asked: Asked::Step };
-        let mut residual = chain.evaluate(task);
-        for _ in 0..iterations {
-            effort.residual = residual;
-            if residual <= tolerance {
-                return true;
+        let mut balance = Balance { chain, before, task, strict, spent, is_refused: false };
+        let options =
+            NewtonOptions { tolerance, iterations, rounding: ROUNDING * tolerance, ..NEWTON };
+        match newton(&mut balance, &options) {
+            Ok(Solved { iterations, residual }) => {
+                effort.iterations += iterations;
+                effort.residual = residual;
+                true
             }
-            if task.meter.has_ended() && task.load == 1.0 && task.pull == 1.0 && open.is_none() {
-                *open = Some((chain.q.clone(), *effort));
-            }
-            if !residual.is_finite() || task.meter.has_ended() {
-                return false;
-            }
-            chain.linearise(task);
-            match chain.eliminate(task, how) {
-                Some(negative) if !strict || negative == 0 => {}
-                _ => return false,
-            }
-            effort.iterations += 1;
-            task.meter.iterate();
-            task.meter.integrate(task.sections.len());
-            *spent += 1;
-            before.clone_from(&chain.q);
-            let longest = chain.steps.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-            let mut fraction = (LONGEST_STEP / longest).min(1.0);
-            loop {
-                let steps = chain.steps.iter();
-                for ((q, start), step) in chain.q.iter_mut().zip(&*before).zip(steps) {
-                    for ((q, start), step) in q.iter_mut().zip(start).zip(step) {
-                        *q = start + fraction * step;
-                    }
+            Err(Unsolved { iterations, residual, .. }) => {
+                let is_refused = balance.is_refused;
+                effort.iterations += iterations;
+                effort.residual = residual;
+                let has_ended = task.meter.has_ended();
+                if has_ended && task.load == 1.0 && task.pull == 1.0 && open.is_none() {
+                    *open = Some((chain.q.clone(), *effort));
                 }
-                let now = chain.evaluate(task);
-                if now < residual {
-                    residual = now;
-                    break;
-                }
-                fraction *= 0.5;
-                if fraction < SHORTEST_FRACTION {
-                    // Nothing is better than where the step began.
-                    chain.q.clone_from(before);
-                    effort.residual = chain.evaluate(task);
-                    return effort.residual <= ROUNDING * tolerance;
-                }
+                // Nothing is better than where the last step began.
+                let is_rounding = residual <= ROUNDING * tolerance && !is_refused && !has_ended;
+                is_rounding && chain.evaluate(task).is_finite()
             }
         }
-        false
     }
 
     /// Goes to the iterate at which the budget was spent, where there is one.
@@ -256,24 +295,20 @@ impl Scratch {
     ) -> Result<Effort, Failure> {
         self.chain.rest(task.sections);
         self.reached.clone_from(&self.chain.q);
-        let (mut at, mut step) = (0.0, 0.25);
-        while at < 1.0 {
-            let fraction = f64::min(at + step, 1.0);
+        let steps = ContinuationSteps { least, ..LOAD_STEPS };
+        let raised = continuation(&steps, |fraction| {
             let part = Task { load: fraction * task.load, pull: fraction * task.pull, ..*task };
             if self.newton(&part, tolerance, strict, &mut effort) && (strict || self.is_near()) {
-                at = fraction;
-                step *= 1.5;
                 self.reached.clone_from(&self.chain.q);
-            } else {
-                step *= 0.5;
-                if step < least || task.meter.has_ended() {
-                    self.chain.q.clone_from(&self.reached);
-                    return Err(self.failure(task, at, effort));
-                }
-                self.chain.q.clone_from(&self.reached);
+                return Ok(true);
             }
+            self.chain.q.clone_from(&self.reached);
+            Err(Missed { reason: (), is_last: task.meter.has_ended() })
+        });
+        match raised {
+            Ok(()) => Ok(effort),
+            Err(Ended { reached, .. }) => Err(self.failure(task, reached, effort)),
         }
-        Ok(effort)
     }
 
     /// Whether no coordinate has changed so much since the last equilibrium along the load that it may be

@@ -1,5 +1,7 @@
 //! How a solve on one grid ended.
 
+use whipcord_numerics::Unsolved;
+
 use super::command::Command;
 use crate::error::{LengthMiss, SolveError};
 use crate::section::{Fault, SectionFault};
@@ -50,6 +52,13 @@ pub(crate) struct Open {
     pub iterations: usize,
     pub gap: f64,
     pub fault: Option<Fault>,
+}
+
+impl From<Unsolved<Fault>> for Open {
+    fn from(unsolved: Unsolved<Fault>) -> Self {
+        let Unsolved { iterations, residual: gap, fault } = unsolved;
+        Self { iterations, gap, fault }
+    }
 }
 
 impl Found {

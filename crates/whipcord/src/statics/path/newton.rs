@@ -1,50 +1,60 @@
 //! Newton's method with a line search, for models that have none of their own.
 
-use super::{DirectionOf, EquilibriumPath, Step};
+use whipcord_numerics::{Equations, NewtonOptions, Solved, newton};
 
-const MAX_ITERATIONS: usize = 40;
-const LEAST_FRACTION: f64 = 1.0 / 1024.0;
-/// What rounding may leave where no step improves any more.
-const ROUNDING: f64 = 1e-9;
+use super::{DirectionOf, EquilibriumPath, StateOf, Step};
+
+const OPTIONS: NewtonOptions = NewtonOptions {
+    tolerance: 0.0,
+    iterations: 40,
+    least_fraction: 1.0 / 1024.0,
+    decrease: 1e-4,
+    rounding: 1e-9,
+    reuse: None,
+    trusted: 0,
+};
+
+/// A path whose equations are solved.
+struct OnPath<'a, P: EquilibriumPath, R> {
+    path: &'a mut P,
+    across: Option<&'a DirectionOf<P>>,
+    residual: R,
+    step: Option<(StateOf<P>, DirectionOf<P>)>,
+}
 
 /// From the state of a path, at its load or across a direction, to a residual of at most `tolerance`; the iterations and
 /// what is left. `residual` evaluates the state; `None` where it cannot.
-pub(crate) fn newton<P: EquilibriumPath>(
+pub(crate) fn converge<P: EquilibriumPath>(
     path: &mut P,
     across: Option<&DirectionOf<P>>,
     tolerance: f64,
     residual: impl Fn(&mut P) -> Option<f64>,
-) -> Option<(usize, f64)> {
-    let step = across.map_or(Step::Close, Step::Across);
-    let mut left = residual(path)?;
-    for iteration in 0..MAX_ITERATIONS {
-        if left <= tolerance {
-            return Some((iteration, left));
-        }
-        if path.has_ended() {
-            return None;
-        }
-        let from = path.state();
-        let direction = path.direction(step)?;
-        let mut fraction = 1.0;
-        loop {
-            path.step_from(&from, fraction, &direction);
-            match residual(path) {
-                Some(now) if now < (1.0 - 1e-4 * fraction) * left => {
-                    left = now;
-                    break;
-                }
-                Some(now) if fraction == 1.0 && now.max(left) <= ROUNDING => {
-                    return Some((iteration + 1, now));
-                }
-                _ => {
-                    fraction *= 0.5;
-                    if fraction < LEAST_FRACTION {
-                        return None;
-                    }
-                }
-            }
+) -> Option<Solved> {
+    let options = NewtonOptions { tolerance, ..OPTIONS };
+    newton(&mut OnPath { path, across, residual, step: None }, &options).ok()
+}
+
+impl<P: EquilibriumPath, R: Fn(&mut P) -> Option<f64>> Equations for OnPath<'_, P, R> {
+    type Fault = ();
+
+    fn residual(&mut self) -> Result<f64, ()> {
+        (self.residual)(self.path).ok_or(())
+    }
+
+    fn step(&mut self, _fresh: bool) -> Option<f64> {
+        let from = self.path.state();
+        let direction = self.path.direction(self.across.map_or(Step::Close, Step::Across))?;
+        self.step = Some((from, direction));
+        Some(1.0)
+    }
+
+    fn go(&mut self, fraction: f64) {
+        if let Some((from, direction)) = &self.step {
+            self.path.step_from(from, fraction, direction);
         }
     }
-    (left <= tolerance).then_some((MAX_ITERATIONS, left))
+
+    fn has_ended(&self) -> bool {
+        self.path.has_ended()
+    }
 }
