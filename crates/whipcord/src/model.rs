@@ -21,6 +21,32 @@ use crate::{
     pseudo_rigid_body,
 };
 
+/// What the options of any model give.
+macro_rules! of_any_model {
+    ($model:expr, $options:ident => $what:expr) => {
+        match $model {
+            Self::Cosserat($options) | Self::CosseratDisks($options) => $what,
+            Self::FourBar($options) => $what,
+            Self::ConstantCurvature($options) => $what,
+            Self::PiecewiseConstantCurvature($options) => $what,
+            Self::PseudoRigidBody($options) => $what,
+        }
+    };
+}
+
+/// What any model of a robot gives.
+macro_rules! of_any_prepared {
+    ($prepared:expr, $model:ident => $what:expr) => {
+        match $prepared {
+            Self::Cosserat($model, _) => $what,
+            Self::CosseratDisks($model, _) => $what,
+            Self::FourBar($model, _) => $what,
+            Self::ConstantCurvature($model, _) => $what,
+            Self::Linkage($model, _) => $what,
+        }
+    };
+}
+
 /// A model with its options: what solves a case of any robot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Model {
@@ -42,35 +68,20 @@ impl Model {
     /// A model with its default options, giving the shape at these stations.
     #[must_use]
     pub fn new(kind: ModelKind, stations: Stations, actuation: Actuation) -> Self {
+        macro_rules! options {
+            ($model:ident) => {
+                $model::Options { stations, actuation, ..Default::default() }
+            };
+        }
         match kind {
-            ModelKind::Cosserat => {
-                Self::Cosserat(cosserat::Options { stations, actuation, ..Default::default() })
-            }
-            ModelKind::CosseratDisks => Self::CosseratDisks(cosserat_disks::Options {
-                stations,
-                actuation,
-                ..Default::default()
-            }),
-            ModelKind::FourBar => {
-                Self::FourBar(four_bar::Options { stations, actuation, ..Default::default() })
-            }
-            ModelKind::ConstantCurvature => Self::ConstantCurvature(constant_curvature::Options {
-                stations,
-                actuation,
-                ..Default::default()
-            }),
+            ModelKind::Cosserat => Self::Cosserat(options!(cosserat)),
+            ModelKind::CosseratDisks => Self::CosseratDisks(options!(cosserat_disks)),
+            ModelKind::FourBar => Self::FourBar(options!(four_bar)),
+            ModelKind::ConstantCurvature => Self::ConstantCurvature(options!(constant_curvature)),
             ModelKind::PiecewiseConstantCurvature => {
-                Self::PiecewiseConstantCurvature(piecewise_constant_curvature::Options {
-                    stations,
-                    actuation,
-                    ..Default::default()
-                })
+                Self::PiecewiseConstantCurvature(options!(piecewise_constant_curvature))
             }
-            ModelKind::PseudoRigidBody => Self::PseudoRigidBody(pseudo_rigid_body::Options {
-                stations,
-                actuation,
-                ..Default::default()
-            }),
+            ModelKind::PseudoRigidBody => Self::PseudoRigidBody(options!(pseudo_rigid_body)),
         }
     }
 
@@ -78,13 +89,7 @@ impl Model {
     #[must_use]
     pub fn at(&self, stations: Stations) -> Self {
         let mut model = self.clone();
-        match &mut model {
-            Self::Cosserat(options) | Self::CosseratDisks(options) => options.stations = stations,
-            Self::FourBar(options) => options.stations = stations,
-            Self::ConstantCurvature(options) => options.stations = stations,
-            Self::PiecewiseConstantCurvature(options) => options.stations = stations,
-            Self::PseudoRigidBody(options) => options.stations = stations,
-        }
+        of_any_model!(&mut model, options => options.stations = stations);
         model
     }
 
@@ -92,27 +97,14 @@ impl Model {
     #[must_use]
     pub fn cancelled_by(&self, cancel: &Cancel) -> Self {
         let mut model = self.clone();
-        let flag = match &mut model {
-            Self::Cosserat(options) | Self::CosseratDisks(options) => &mut options.cancel,
-            Self::FourBar(options) => &mut options.cancel,
-            Self::ConstantCurvature(options) => &mut options.cancel,
-            Self::PiecewiseConstantCurvature(options) => &mut options.cancel,
-            Self::PseudoRigidBody(options) => &mut options.cancel,
-        };
-        flag.clone_from(cancel);
+        of_any_model!(&mut model, options => options.cancel.clone_from(cancel));
         model
     }
 
     /// The same model, whose solves may spend this much each.
     #[must_use]
     pub const fn with_budget(mut self, budget: Budget) -> Self {
-        *match &mut self {
-            Self::Cosserat(options) | Self::CosseratDisks(options) => &mut options.budget,
-            Self::FourBar(options) => &mut options.budget,
-            Self::ConstantCurvature(options) => &mut options.budget,
-            Self::PiecewiseConstantCurvature(options) => &mut options.budget,
-            Self::PseudoRigidBody(options) => &mut options.budget,
-        } = budget;
+        of_any_model!(&mut self, options => options.budget = budget);
         self
     }
 
@@ -142,13 +134,7 @@ impl Model {
     /// The flag that ends its solves.
     #[must_use]
     pub const fn cancel(&self) -> &Cancel {
-        match self {
-            Self::Cosserat(options) | Self::CosseratDisks(options) => &options.cancel,
-            Self::FourBar(options) => &options.cancel,
-            Self::ConstantCurvature(options) => &options.cancel,
-            Self::PiecewiseConstantCurvature(options) => &options.cancel,
-            Self::PseudoRigidBody(options) => &options.cancel,
-        }
+        of_any_model!(self, options => &options.cancel)
     }
 
     /// Which model it is.
@@ -234,47 +220,23 @@ impl Prepared {
     /// The robot the model was built for.
     #[must_use]
     pub fn robot(&self) -> &Robot {
-        match self {
-            Self::Cosserat(model, _) => model.robot(),
-            Self::CosseratDisks(model, _) => model.robot(),
-            Self::FourBar(model, _) => model.robot(),
-            Self::ConstantCurvature(model, _) => model.robot(),
-            Self::Linkage(model, _) => model.robot(),
-        }
+        of_any_prepared!(self, model => model.robot())
     }
 
     /// Arc lengths of the stations in m.
     #[must_use]
     pub fn stations(&self) -> &[f64] {
-        match self {
-            Self::Cosserat(model, _) => model.stations(),
-            Self::CosseratDisks(model, _) => model.stations(),
-            Self::FourBar(model, _) => model.stations(),
-            Self::ConstantCurvature(model, _) => model.stations(),
-            Self::Linkage(model, _) => model.stations(),
-        }
+        of_any_prepared!(self, model => model.stations())
     }
 
     /// Lets this flag end the next solves, instead of the one before.
     pub fn set_cancel(&mut self, cancel: &Cancel) {
-        match self {
-            Self::Cosserat(model, _) => model.cancel_mut().clone_from(cancel),
-            Self::CosseratDisks(model, _) => model.cancel_mut().clone_from(cancel),
-            Self::FourBar(model, _) => model.set_cancel(cancel),
-            Self::ConstantCurvature(model, _) => model.cancel_mut().clone_from(cancel),
-            Self::Linkage(model, _) => model.cancel_mut().clone_from(cancel),
-        }
+        of_any_prepared!(self, model => model.set_cancel(cancel));
     }
 
     /// Lets the next solves spend this much each, instead of what the options of the model say.
     pub fn set_budget(&mut self, budget: Budget) {
-        match self {
-            Self::Cosserat(model, _) => model.set_budget(budget),
-            Self::CosseratDisks(model, _) => model.set_budget(budget),
-            Self::FourBar(model, _) => model.set_budget(budget),
-            Self::ConstantCurvature(model, _) => model.set_budget(budget),
-            Self::Linkage(model, _) => model.set_budget(budget),
-        }
+        of_any_prepared!(self, model => model.set_budget(budget));
     }
 
     /// Whether it can take loads at the places of these.

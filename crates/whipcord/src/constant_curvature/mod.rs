@@ -125,8 +125,8 @@ impl ConstantCurvature {
         self.budget = budget;
     }
 
-    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
-        &mut self.cancel
+    pub(crate) fn set_cancel(&mut self, cancel: &Cancel) {
+        self.cancel.clone_from(cancel);
     }
 
     /// Arc lengths of the stations in m.

@@ -143,8 +143,8 @@ impl Cosserat {
         &mut self.options.stability
     }
 
-    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
-        &mut self.options.cancel
+    pub(crate) fn set_cancel(&mut self, cancel: &Cancel) {
+        self.options.cancel.clone_from(cancel);
     }
 
     /// Arc lengths of the stations in m.

@@ -211,8 +211,8 @@ impl CosseratDisks {
         &mut self.options.stability
     }
 
-    pub(crate) fn cancel_mut(&mut self) -> &mut Cancel {
-        &mut self.options.cancel
+    pub(crate) fn set_cancel(&mut self, cancel: &Cancel) {
+        self.options.cancel.clone_from(cancel);
     }
 
     /// Arc lengths of the stations in m.

@@ -107,7 +107,7 @@ impl FourBar {
     pub(crate) fn set_cancel(&mut self, cancel: &Cancel) {
         self.options.cancel.clone_from(cancel);
         if let Some(chain) = &mut self.chain {
-            chain.cancel_mut().clone_from(cancel);
+            chain.set_cancel(cancel);
         }
     }
 
