@@ -4,7 +4,7 @@
 /// or 2 for x, y or z.
 ///
 /// A parameter that the robot or case does not have, such as the inner diameter of a solid rod, is
-/// refused by name ([`Problem::NoSuchQuantity`]).
+/// refused by name ([`Problem::NoSuchQuantity`](crate::robot::Problem::NoSuchQuantity)).
 ///
 /// ```
 /// use whipcord::Parameter;
