@@ -4,9 +4,9 @@ use whipcord_numerics::{DenseLu, Mat3, Vec3};
 
 use super::layout::Section;
 use super::loads::InnerLoad;
-use super::motion::{Coordinates, MOST, Motion};
+use super::motion::{Coordinates, MOST, MOST_BENT, Motion, bend};
 use super::pivots::negative_pivots;
-use super::places::Pushed;
+use super::pushed::Pushed;
 use super::task::{Asked, Elimination, Right, Task};
 use crate::shape::Wrench;
 
@@ -69,14 +69,6 @@ const LONGEST: f64 = 0.3;
 
 /// Cables shorter than this fraction of their section have folded it.
 const FOLDED: f64 = 1e-6;
-
-/// A section that bends by more than this in rad has folded: its disks would have met.
-pub(super) const MOST_BENT: f64 = core::f64::consts::PI;
-
-/// By how much in rad the joints of a section bend together.
-pub(super) fn bend(q: &Coordinates) -> f64 {
-    q[1..].chunks_exact(2).map(|joint| joint[0].hypot(joint[1])).sum()
-}
 
 impl Chain {
     /// The chain at rest.

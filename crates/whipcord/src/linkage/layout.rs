@@ -2,9 +2,8 @@
 
 use whipcord_numerics::{GAUSS_3, Vec3};
 
-use super::chain::{MOST_BENT, bend};
 use super::division::{Division, Energy};
-use super::motion::{Coordinates, MOST, Motion, coordinates_of};
+use super::motion::{Coordinates, MOST, MOST_BENT, Motion, bend, coordinates_of};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;

@@ -20,6 +20,7 @@ mod motion;
 mod path;
 mod pivots;
 mod places;
+mod pushed;
 mod statics;
 mod swing;
 mod task;

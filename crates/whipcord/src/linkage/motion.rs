@@ -199,6 +199,14 @@ pub(super) fn coordinates_of(division: &Division, rotation: UnitQuaternion) -> C
     })
 }
 
+/// A section that bends by more than this in rad has folded: its disks would have met.
+pub(super) const MOST_BENT: f64 = core::f64::consts::PI;
+
+/// By how much in rad the joints of a section bend together.
+pub(super) fn bend(q: &Coordinates) -> f64 {
+    q[1..].chunks_exact(2).map(|joint| joint[0].hypot(joint[1])).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,28 +5,10 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 use super::Linkage;
 use super::chain::Chain;
 use super::motion::{Coordinates, Motion};
+use super::pushed::Pushed;
 use super::task::Task;
 use crate::derivatives::unit_wrench;
 use crate::shape::Wrench;
-
-/// A dead wrench on a cross-section of a section, in the frame of the disk at the section's start.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pushed {
-    pub section: usize,
-    /// Its work by the coordinates of the section.
-    pub work: Coordinates,
-    /// The wrench about the disk at the section's start.
-    pub about_start: Wrench,
-}
-
-impl Pushed {
-    /// A wrench on the cross-section that moves like this.
-    fn new(section: usize, motion: &Motion, Wrench { force, moment }: Wrench) -> Self {
-        let work = |a: usize| moment.dot(motion.turn[a]) + force.dot(motion.shift[a]);
-        let about_start = Wrench { force, moment: moment + motion.end.cross(force) };
-        Self { section, work: core::array::from_fn(work), about_start }
-    }
-}
 
 /// Some cross-sections of a chain, from base to tip.
 #[derive(Debug)]

@@ -5,9 +5,9 @@ use whipcord_numerics::{
     newton,
 };
 
-use super::chain::{Chain, bend};
+use super::chain::Chain;
 use super::layout::Section;
-use super::motion::Coordinates;
+use super::motion::{Coordinates, bend};
 use super::pivots::positive_pivots;
 use super::task::{Asked, Elimination, Task};
 use crate::section::Fault;

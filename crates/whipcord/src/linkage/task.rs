@@ -4,7 +4,7 @@ use super::division::Division;
 use super::layout::Section;
 use super::loads::AppliedLoads;
 use super::motion::Coordinates;
-use super::places::Pushed;
+use super::pushed::Pushed;
 use crate::budget::Meter;
 
 /// What does not change from one iteration to the next.
