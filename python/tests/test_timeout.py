@@ -54,8 +54,15 @@ def test_a_solve_that_takes_longer_raises() -> None:
 
 def test_batches_and_stiffness_end() -> None:
     case = whipcord.load("examples/table1/case-3.toml").replace(loads=whipcord.Loads(tip_force=[0, 0.05, 0]))
-    with pytest.raises(whipcord.errors.WhipcordTimeout):
-        case.solve_batch(np.linspace(0, 3, 200_000)[:, None], timeout=0.2)
+    tensions = np.linspace(0, 3, 200_000)[:, None]
+    batch = case.solve_batch(tensions, timeout=0.2)
+    assert not batch.ok[-1] and np.isnan(batch.position[~batch.ok]).all()
+    assert isinstance(batch.error(len(tensions) - 1), whipcord.errors.WhipcordTimeout)
+    weights = np.ones((len(tensions), 10, 3))
+    gradients = case.pull_back_batch(tensions, position=weights, timeout=0.2)
+    assert not gradients.ok[-1] and not gradients.commands[~gradients.ok].any()
+    answers = whipcord.solve_cases([case] * 20_000, timeout=0.2)
+    assert isinstance(answers[-1], whipcord.errors.WhipcordTimeout)
     with pytest.raises(whipcord.errors.WhipcordTimeout):
         case.stiffness(model=whipcord.models.Cosserat(steps=100_000), timeout=0.05)
     assert rests()
@@ -95,6 +102,13 @@ def test_an_overlay_ends() -> None:
     assert rests()
     case = whipcord.load("examples/table1/case-3.toml")
     assert len(whipcord.overlay(photo, case, camera=camera, models=["cosserat"], timeout=100)) == 1
+
+
+def test_a_search_in_a_photograph_ends() -> None:
+    photo = np.random.default_rng(1).integers(0, 255, (1500, 1500, 3), dtype=np.uint8)
+    with pytest.raises(whipcord.errors.WhipcordTimeout, match="the search for disks or markers was not done"):
+        whipcord.measure(photo, count=4, timeout=1e-3)
+    assert rests()
 
 
 def test_enough_time_changes_nothing() -> None:

@@ -171,6 +171,7 @@ class Photo:
         hidden: list[int],
         base: str | None,
         near: list[float] | None,
+        timeout: float | None = None,
     ) -> list[tuple[int, list[float], float, list[float], float]]: ...
     def annotated(self, kind: str, marks: list[Any]) -> Photo: ...
 

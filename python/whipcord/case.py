@@ -231,7 +231,8 @@ class Case(Description):
         progress
             Whether to show a bar (needs the package tqdm).
         timeout
-            Seconds after which the whole batch is ended, with :class:`whipcord.errors.WhipcordTimeout`.
+            Seconds after which the batch ends. A row that is not solved by then has no answer, and its error is
+            :class:`whipcord.errors.WhipcordTimeout`.
 
         Returns
         -------

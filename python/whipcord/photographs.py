@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._commands import whole
+from ._commands import seconds, whole
 from ._files import write, write_bytes
 from .camera import Camera
 from .case import Case
@@ -111,6 +111,7 @@ def measure(
     mask: PhotoLike | None = None,
     base: Base | None = None,
     camera: Camera | None = None,
+    timeout: float | None = None,
 ) -> Marks:
     """Finds disks or markers in a photograph, to a fraction of a pixel and in order from base to tip.
 
@@ -139,9 +140,13 @@ def measure(
         Where the base is: ``"left"``, ``"right"``, ``"top"``, ``"bottom"``, or a pixel near it.
     camera
         With a case, the base is where this camera sees it, unless `base` is given.
+    timeout
+        Seconds after which the call ends; the search then comes to its end in the background.
 
     Raises
     ------
+    WhipcordTimeout
+        After `timeout` seconds.
     FileError
         For a file that is no photograph.
     DetectionError
@@ -189,6 +194,7 @@ def measure(
         numbers,
         side,
         near,
+        seconds(timeout),
     )
     disk, pixel, radii, axis, confidence = zip(*found) if found else ((), (), (), (), ())
     columns, rows = opened.size

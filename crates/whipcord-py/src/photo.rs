@@ -10,7 +10,8 @@ use whipcord_vision::{PhotoError, annotated};
 
 use crate::convert::array;
 use crate::errors;
-use crate::wait::interruptible;
+use crate::model;
+use crate::wait::abandoned_after;
 
 /// A photograph: as it was stored, where it was read from a file.
 #[pyclass(frozen, module = "whipcord._core")]
@@ -73,7 +74,9 @@ impl Photo {
 
     /// Disks or markers from base to tip. `base` is `left`, `right`, `top` or `bottom`, `near` a pixel in its
     /// place.
-    #[pyo3(signature = (kind, colour, radius, mask, count, places, hidden, base, near))]
+    #[pyo3(signature = (
+        kind, colour, radius, mask, count, places, hidden, base, near, timeout = None
+    ))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn find(
         slf: &Bound<'_, Self>,
@@ -86,8 +89,10 @@ impl Photo {
         hidden: Vec<usize>,
         base: Option<&str>,
         near: Option<[f64; 2]>,
+        timeout: Option<f64>,
     ) -> PyResult<Vec<Found>> {
         let py = slf.py();
+        let timeout = timeout.map(|seconds| model::timeout(py, seconds)).transpose()?;
         let kind = self::kind(py, kind)?;
         let mask = mask.map(|mask| Mask::light_of(&mask.inner));
         let base = match base {
@@ -104,7 +109,7 @@ impl Photo {
         };
         let colour = colour.map(detect::colour);
         let photo = slf.clone().unbind();
-        let found = interruptible(py, move || {
+        let found = abandoned_after(py, timeout, "the search for disks or markers", move || {
             let search = Search { kind, colour, radius, mask: mask.as_ref() };
             let row = Row { count, places: places.as_deref(), hidden: &hidden, base };
             detect::find_row(&photo.get().inner, &search, &row)

@@ -37,6 +37,11 @@ impl Limit {
         self.until.is_some()
     }
 
+    /// Whether the time is over.
+    fn is_over(&self) -> bool {
+        self.until.is_some_and(|until| until <= Instant::now())
+    }
+
     /// How long to wait until signals and time are looked at again.
     fn period(&self) -> Duration {
         let left = self.until.map(|until| until.saturating_duration_since(Instant::now()));
@@ -46,7 +51,7 @@ impl Limit {
 
     /// Ends the work where the time is over.
     fn look_at_time(&self) {
-        if self.until.is_some_and(|until| until <= Instant::now()) {
+        if self.is_over() {
             self.cancel.cancel();
         }
     }
@@ -58,6 +63,36 @@ pub fn interruptible<T: Send + 'static>(
     work: impl FnOnce() -> T + Send + 'static,
 ) -> PyResult<T> {
     within(py, &Limit::default(), work)
+}
+
+/// [`within`], for work that looks at no flag: where the time is over nobody waits for it any more, and it comes to its end
+/// in the background.
+pub fn abandoned_after<T: Send + 'static>(
+    py: Python<'_>,
+    timeout: Option<Duration>,
+    what: &str,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    let limit = Limit::starting_now(timeout);
+    let (give, result) = sync_channel(1);
+    thread::Builder::new().spawn(move || {
+        let _ = give.send(work());
+    })?;
+    let wait = {
+        let limit = limit.clone();
+        move || loop {
+            match result.recv_timeout(limit.period()) {
+                Err(RecvTimeoutError::Timeout) if !limit.is_over() => {}
+                ended => return ended,
+            }
+        }
+    };
+    within(py, &limit, wait)?.map_err(|ended| match ended {
+        RecvTimeoutError::Timeout => errors::timed_out(py, format!("{what} was not done"), None),
+        RecvTimeoutError::Disconnected => {
+            PyRuntimeError::new_err("a thread ended without a result")
+        }
+    })
 }
 
 /// Has a thread of its own do the work and waits for it. A signal ends the waiting at once and sets the flag of the limit;
@@ -136,9 +171,6 @@ pub fn supervise<T: Send>(
     });
     match (interrupted, result) {
         (Some(error), _) => Err(error),
-        (None, Ok(Err(error @ BatchError::Stopped { .. }))) if limit.cancel.is_cancelled() => {
-            Err(errors::timed_out(py, error.to_string(), None))
-        }
         (None, Ok(result)) => result.map_err(|error| errors::batch(py, &error)),
         // PyO3 turns it into an exception, as any panic.
         (None, Err(panic)) => std::panic::resume_unwind(panic),

@@ -8,8 +8,8 @@ use crate::error::SolveError;
 /// A flag that ends a running solve: the iterations of every model look at it.
 ///
 /// A clone is the same flag. It is part of a model's options ([`Model::cancelled_by`](crate::Model::cancelled_by)) and can be
-/// set from another thread; the solve then ends with [`SolveError::Cancelled`], a batch with
-/// [`BatchError::Stopped`](crate::batch::BatchError::Stopped). It cannot be taken back: another solve takes another flag. As long
+/// set from another thread; the solve then ends with [`SolveError::Cancelled`], and so does
+/// each row of a [batch](crate::batch) that is not solved. It cannot be taken back: another solve takes another flag. As long
 /// as it is not set, it changes no answer. This library reads no clock; who has a deadline sets the flag when it has passed.
 ///
 /// ```

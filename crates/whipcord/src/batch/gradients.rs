@@ -89,8 +89,12 @@ pub fn pull_back_batch(
                     true => Ok(()),
                     false => model.prepare(robot, &case.loads).map(|built| *prepared = built),
                 };
-                let answer =
-                    built.and_then(|()| prepared.solve_with_derivatives(case, None, parameters));
+                let answer = match tally.cancelled() {
+                    Some(error) => Err(error),
+                    None => {
+                        built.and_then(|()| prepared.solve_with_derivatives(case, None, parameters))
+                    }
+                };
                 *outcome = answer.map(|(_, derivatives)| {
                     let cotangent =
                         sensitivities.of_row(row, (stations, cables), |v| to_base.rotate(v));

@@ -132,8 +132,12 @@ pub fn solve_robots(
                 if !tally.goes_on() {
                     return;
                 }
-                let prepared = model.prepare(robot, &case.loads);
-                *solution = Some(prepared.and_then(|mut model| model.solve(case, None)));
+                *solution = Some(match tally.cancelled() {
+                    Some(error) => Err(error),
+                    None => model
+                        .prepare(robot, &case.loads)
+                        .and_then(|mut prepared| prepared.solve(case, None)),
+                });
                 tally.add(1);
             }
         },

@@ -79,7 +79,9 @@ pub(super) fn solve_rows(
     run(pieces, count, options, model.cancel(), scratch, |mut piece, scratch, tally| {
         scratch.solved.clear();
         scratch.solved.resize(piece.outcomes.len(), false);
-        if let Some(lanes) = &batch.lanes {
+        if let Some(lanes) = &batch.lanes
+            && tally.cancelled().is_none()
+        {
             batch.solve_in_lanes(lanes, &mut piece, &mut scratch.solved);
             tally.add(scratch.solved.iter().filter(|&&solved| solved).count());
         }
@@ -152,7 +154,7 @@ impl Batch<'_> {
         });
     }
 
-    /// Solves the rows that are not solved, as long as the batch goes on.
+    /// Solves the rows that are not solved, as long as the batch goes on. Where the flag of the model is set they have no answer.
     fn solve_one_by_one(&self, piece: &mut Piece<'_>, scratch: &mut Scratch, tally: &Tally<'_>) {
         let Scratch { prepared, case, solved } = scratch;
         let mut before: Option<Solution> = None;
@@ -160,9 +162,14 @@ impl Batch<'_> {
             if !tally.goes_on() {
                 return;
             }
-            let prepared = prepared.get_or_insert_with(|| self.prepared.clone());
-            let case = self.rows.case(piece.first + row, self.sizes.1, case);
-            let answer = solve_row(self.model, prepared, case, before.as_ref());
+            let answer = match tally.cancelled() {
+                Some(error) => Err(error),
+                None => {
+                    let prepared = prepared.get_or_insert_with(|| self.prepared.clone());
+                    let case = self.rows.case(piece.first + row, self.sizes.1, case);
+                    solve_row(self.model, prepared, case, before.as_ref())
+                }
+            };
             match &answer {
                 Ok(solution) => piece.arrays.write(row, self.sizes, solution),
                 Err(_) => piece.arrays.clear(row, self.sizes),

@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use super::error::BatchError;
 use super::options::{BatchOptions, Progress};
 use crate::cancel::Cancel;
+use crate::error::SolveError;
 
 /// How far a batch is, and whether it goes on.
 pub(super) struct Tally<'a> {
@@ -20,7 +21,12 @@ pub(super) struct Tally<'a> {
 impl Tally<'_> {
     /// Whether the batch goes on. A row may take seconds: a job asks before each that it begins.
     pub(super) fn goes_on(&self) -> bool {
-        !self.stopped.load(Ordering::Relaxed) && !self.cancel.is_cancelled()
+        !self.stopped.load(Ordering::Relaxed)
+    }
+
+    /// Whether the flag of the model is set: then the rows that are left have this error and are not solved.
+    pub(super) fn cancelled(&self) -> Option<SolveError> {
+        self.cancel.is_cancelled().then_some(SolveError::Cancelled { last_load: None })
     }
 
     /// So many more rows are done.
@@ -63,12 +69,8 @@ pub(super) fn run<J: Send, W>(
     };
     share(count, options, worker)?;
     let done = tally.done.into_inner();
-    // Who stops the batch by its progress after its last row has all of it; rows that the flag broke off have no answer.
-    if done < rows || cancel.is_cancelled() {
-        Err(BatchError::Stopped { done, rows })
-    } else {
-        Ok(())
-    }
+    // Who stops the batch by its progress after its last row has all of it.
+    if done < rows { Err(BatchError::Stopped { done, rows }) } else { Ok(()) }
 }
 
 /// Has so many threads do the work as there are, but no more than there are jobs.

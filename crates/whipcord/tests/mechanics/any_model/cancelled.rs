@@ -4,7 +4,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use whipcord::BranchOptions;
-use whipcord::batch::{BatchError, BatchOptions, Rows, solve_batch};
+use whipcord::batch::{BatchOptions, Progress, Rows, solve_batch};
 use whipcord::cosserat::{Cosserat, Options, Workspace};
 use whipcord::differences::by_parameter;
 use whipcord::{
@@ -80,6 +80,38 @@ fn a_flag_ends_each_model_and_changes_nothing_before() {
     }
 }
 
+/// The rows that were solved when the flag is set stay, and the others say that they were cancelled.
+#[test]
+fn a_batch_keeps_the_rows_that_were_solved() {
+    let robot = strip(0.12);
+    let values: Vec<f64> = (0..400).map(|row| 0.005 * f64::from(row)).collect();
+    let case = case(ModelKind::Cosserat);
+    let rows = Rows::Tensions { values: &values, case: &case };
+    let cancel = Cancel::new();
+    let rod = model(ModelKind::Cosserat).cancelled_by(&cancel);
+    let progress: Progress<'_> = &|done, _| {
+        if done >= 100 {
+            cancel.cancel();
+        }
+        true
+    };
+    let options = BatchOptions { progress: Some(progress), ..BatchOptions::default() };
+    let batch = solve_batch(&rod, &robot, rows, &options).unwrap();
+    let whole = solve_batch(&model(ModelKind::Cosserat), &robot, rows, &Default::default());
+    let whole = whole.unwrap();
+    let mut solved = 0;
+    for row in 0..values.len() {
+        match batch.row(row).unwrap() {
+            Ok(answer) => {
+                solved += 1;
+                assert_eq!(answer.position(12), whole.row(row).unwrap().unwrap().position(12));
+            }
+            Err(error) => assert!(matches!(error, SolveError::Cancelled { .. }), "{row}"),
+        }
+    }
+    assert!((100..400).contains(&solved), "{solved}");
+}
+
 #[test]
 fn lengths_contacts_branches_batches_and_fits_end() {
     let robot = strip(0.12);
@@ -124,8 +156,9 @@ fn lengths_contacts_branches_batches_and_fits_end() {
     for loads in [Loads::default(), pushed.loads.clone()] {
         let case = Case { loads, ..Case::default() };
         let rows = Rows::Tensions { values: &[0.5; 40], case: &case };
-        let stopped = solve_batch(&rod, &robot, rows, &BatchOptions::default());
-        assert!(matches!(stopped, Err(BatchError::Stopped { rows: 40, .. })), "{stopped:?}");
+        let batch = solve_batch(&rod, &robot, rows, &BatchOptions::default()).unwrap();
+        let is_cancelled = |row| matches!(batch.row(row), Some(Err(SolveError::Cancelled { .. })));
+        assert!((0..40).all(is_cancelled));
     }
 }
 
