@@ -1,13 +1,13 @@
 //! The models of one robot, ready to solve what sliders say.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use whipcord::kinematics::principal_axes;
 use whipcord::warning::of_answer;
 use whipcord::{
     Actuation, Cancel, Case, Differentiable as _, Model, ModelKind, ModelPreset, Obstacle,
-    Prepared, Robot, Shape, Shortening, Solution, Vec3, Warning,
+    Prepared, Robot, Shape, Shortening, Solution, SolveError, Vec3, Warning,
 };
 use whipcord_io::CaseFile;
 
@@ -28,6 +28,8 @@ pub struct Bench {
     places: Places,
     ready: Vec<Ready>,
     cancel: Cancel,
+    /// How long the flag lets a solve take.
+    limit: Duration,
 }
 
 #[derive(Debug)]
@@ -58,12 +60,23 @@ impl Bench {
     /// For the robot and the case of a file.
     pub fn new(file: Arc<CaseFile>) -> Self {
         let places = Places::of(&file.robot);
-        Self { file, places, ready: Vec::new(), cancel: Cancel::default() }
+        Self { file, places, ready: Vec::new(), cancel: Cancel::default(), limit: Duration::MAX }
     }
 
-    /// Lets this flag end the next solves.
-    pub fn cancelled_by(&mut self, cancel: &Cancel) {
+    /// Lets this flag, which is set after so long, end the next solves.
+    pub fn cancelled_by(&mut self, cancel: &Cancel, limit: Duration) {
         self.cancel.clone_from(cancel);
+        self.limit = limit;
+    }
+
+    /// Why a solve has no answer.
+    fn refusal(limit: Duration, error: &SolveError) -> Refusal {
+        match error {
+            SolveError::Cancelled { .. } => format!(
+                "the viewer stopped the solve after {limit:?}: select fewer models, or use `whipcord solve`, which waits longer"
+            ),
+            other => other.to_string(),
+        }
     }
 
     /// The answers to a request that came at `arrival`.
@@ -138,7 +151,7 @@ impl Bench {
     /// cold. Where cables or obstacles rub, what was before counts: then each answer is that after the steps of the file.
     fn one(&mut self, preset: ModelPreset, case: &Case) -> Result<Found, Refusal> {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
-        let cancel = self.cancel.clone();
+        let (cancel, limit) = (self.cancel.clone(), self.limit);
         let ready = self.ready(preset)?;
         ready.prepared.set_cancel(&cancel);
         let has_friction = !case.before.is_empty()
@@ -154,7 +167,7 @@ impl Bench {
             },
         };
         let solve_time = begun.elapsed().as_secs_f64();
-        let solution = outcome.map_err(|error| error.to_string())?;
+        let solution = outcome.map_err(|error| Self::refusal(limit, &error))?;
         ready.last = Some(solution.clone());
         Ok(Found { solution, solve_time, case: case.clone(), driven_by: None })
     }
@@ -192,7 +205,7 @@ impl Bench {
         let length = robot.backbone().length;
         let (there, local) = model
             .solve_at_from(robot, case, length, Some(solution))
-            .map_err(|error| error.to_string())?;
+            .map_err(|error| Self::refusal(self.limit, &error))?;
         let apart = (there.disks.tip().position - solution.disks.tip().position).norm();
         if apart > SAME_SHAPE * length {
             return Err(format!(

@@ -1,14 +1,15 @@
 //! One page: its requests, and their answers.
 //!
 //! A request waits in a place that holds one. A newer one takes that place, so that a solver that is slower than the
-//! sliders always solves for where they are, never for where they were.
+//! sliders always solves for where they are, never for where they were. A page has one solve at a time, in a thread of its own:
+//! the operating system shares the processors among the pages, and none waits for the solves of another.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::extract::ws::{Message, WebSocket};
 use futures_util::{SinkExt as _, StreamExt as _};
-use tokio::sync::{Semaphore, mpsc, watch};
+use tokio::sync::{mpsc, watch};
 use whipcord::Cancel;
 
 use crate::bench::Bench;
@@ -23,11 +24,17 @@ const WAITING: usize = 4;
 pub struct Shared {
     /// The robot file as it is now.
     pub opened: watch::Receiver<Opened>,
-    /// As many solves at once as there are processors.
-    pub solvers: Arc<Semaphore>,
-    /// How long a solve that a newer request has overtaken may go on: while a slider moves, shapes that do not take longer
-    /// are shown.
+    /// How long solves may take.
+    pub limits: Limits,
+}
+
+/// How long the solve of a request may take.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// That a newer request has overtaken: while a slider moves, shapes that do not take longer are shown.
     pub patience: Duration,
+    /// Of any request: it then has an answer that says so.
+    pub deadline: Duration,
 }
 
 /// A request and when it came.
@@ -98,7 +105,7 @@ async fn solve(
     mut latest: watch::Receiver<Option<Arrived>>,
     send: mpsc::Sender<ToPage>,
 ) {
-    let Shared { mut opened, solvers, patience } = shared;
+    let Shared { mut opened, limits } = shared;
     let (mut bench, mut known): (Option<Bench>, Option<Arc<Usable>>) = (None, None);
     opened.mark_changed();
     loop {
@@ -131,25 +138,26 @@ async fn solve(
                 }
                 let Some((request, arrival)) = latest.borrow_and_update().clone() else { continue };
                 let Some(mut at_work) = bench.take() else { continue };
-                let Ok(permit) = Arc::clone(&solvers).acquire_owned().await else { return };
                 let cancel = Cancel::new();
-                at_work.cancelled_by(&cancel);
+                at_work.cancelled_by(&cancel, limits.deadline);
                 // When the page goes, this is dropped, and the solve ends.
                 let guard = Guard(cancel.clone());
                 let mut solved = tokio::task::spawn_blocking(move || {
                     let frame = at_work.solve(&request, arrival);
-                    drop(permit);
                     (at_work, frame)
                 });
                 // A solve that panics costs this page its connection, and no other.
-                let outcome = tokio::select! {
-                    outcome = &mut solved => outcome,
-                    () = superseded(latest.clone(), patience) => {
+                let (outcome, is_overtaken) = tokio::select! {
+                    outcome = &mut solved => (outcome, false),
+                    () = superseded(latest.clone(), limits.patience) => {
                         cancel.cancel();
-                        solved.await
+                        (solved.await, true)
+                    }
+                    () = tokio::time::sleep(limits.deadline) => {
+                        cancel.cancel();
+                        (solved.await, false)
                     }
                 };
-                let is_overtaken = cancel.is_cancelled();
                 drop(guard);
                 let Ok((back, frame)) = outcome else { return };
                 bench = Some(back);

@@ -20,17 +20,16 @@ use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 use whipcord::ModelPreset;
 
-use crate::connection::{self, Shared};
+use crate::connection::{self, Limits, Shared};
 use crate::error::ViewError;
 use crate::opened::{Opened, Watched, follow};
 use crate::page::Page;
 use crate::protocol::MOST_BYTES;
 
-/// So many pages solve at once even where there are fewer processors: a page with a heavy robot does not stop the others.
-const LEAST_SOLVERS: usize = 8;
-/// A solve that a newer request has overtaken may go on for so long.
-const PATIENCE: Duration = Duration::from_secs(1);
-/// Pages that are served at once.
+/// How long solves may take.
+const LIMITS: Limits =
+    Limits { patience: Duration::from_millis(500), deadline: Duration::from_secs(20) };
+/// Pages that are served at once, each with one solve at most.
 const MOST_PAGES: usize = 256;
 
 /// Nothing but the page's own script and style, and no connection but to this server. The page may be framed by
@@ -76,7 +75,7 @@ impl Viewed {
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
-    patience: Duration,
+    limits: Limits,
 }
 
 impl Server {
@@ -89,13 +88,13 @@ impl Server {
         let failed = |source| ViewError::Port { port, source };
         let listener = bound.map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        Ok(Self { listener, address, patience: PATIENCE })
+        Ok(Self { listener, address, limits: LIMITS })
     }
 
-    /// The server with another time for which an overtaken solve may go on.
+    /// The server with other times that solves may take.
     #[cfg(test)]
-    pub fn with_patience(self, patience: Duration) -> Self {
-        Self { patience, ..self }
+    pub fn with_limits(self, limits: Limits) -> Self {
+        Self { limits, ..self }
     }
 
     /// The port it listens on.
@@ -115,9 +114,7 @@ impl Server {
     ) -> Result<(), ViewError> {
         let Viewed { path, models, opened, watched } = viewed;
         let (tell, opened) = watch::channel(opened);
-        let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let solvers = Arc::new(Semaphore::new(processors.max(LEAST_SOLVERS)));
-        let shared = Shared { opened, solvers, patience: self.patience };
+        let shared = Shared { opened, limits: self.limits };
         let pages = Arc::new(Semaphore::new(MOST_PAGES));
         let served = Served { page, port: self.port(), shared, pages };
         let server = axum::serve(self.listener, router(served)).into_future();

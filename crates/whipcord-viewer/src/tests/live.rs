@@ -11,6 +11,7 @@ use tokio_tungstenite::tungstenite::Message;
 use whipcord::{ModelKind, ModelPreset, Vec3};
 
 use super::{Client, example, serve, serve_by, serve_with, tip};
+use crate::connection::Limits;
 use crate::error::ViewError;
 use crate::protocol::{Answer, Command, Frame, Request, Scene, ToPage};
 use crate::server::{Server, Viewed};
@@ -104,19 +105,67 @@ async fn sliders_that_are_faster_than_solves_are_followed_to_where_they_end() {
     assert_answers(answered.last().unwrap(), &moved(&scene.initial, asked..=asked)[0]);
 }
 
-/// Such gravity keeps a solve busy for seconds; a server that waits for no time goes on to the next request at once.
+/// A request that keeps a solve busy for seconds.
+fn heavy(initial: &Request) -> Request {
+    Request { id: 1, gravity: [1e6, 0.0, 0.0], ..initial.clone() }
+}
+
+async fn limited(patience: Duration, deadline: Duration) -> u16 {
+    let server = Server::listen(0).await.unwrap().with_limits(Limits { patience, deadline });
+    serve_by(server, Viewed::read(&example(ARM), &[]).unwrap())
+}
+
+/// A server that waits for no time goes on to the next request at once.
 #[tokio::test]
 async fn a_solve_that_is_overtaken_ends_and_is_not_answered() {
-    let server = Server::listen(0).await.unwrap().with_patience(Duration::ZERO);
-    let port = serve_by(server, Viewed::read(&example(ARM), &[]).unwrap());
+    let port = limited(Duration::ZERO, Duration::MAX).await;
     let (mut client, scene) = Client::connect(port).await;
-    let heavy = Request { id: 1, gravity: [1e6, 0.0, 0.0], ..scene.initial.clone() };
-    client.ask(&heavy).await;
+    client.ask(&heavy(&scene.initial)).await;
     // Long enough for the solve to begin, and a small part of what it takes.
     tokio::time::sleep(Duration::from_millis(30)).await;
     let next = moved(&scene.initial, 2..=2);
     client.ask_all(&next).await;
     assert_answers(&solved(client.hear().await), &next[0]);
+}
+
+#[tokio::test]
+async fn a_solve_that_takes_too_long_ends_and_its_answer_says_so() {
+    let port = limited(Duration::MAX, Duration::ZERO).await;
+    let (mut client, scene) = Client::connect(port).await;
+    client.ask(&heavy(&scene.initial)).await;
+    let ToPage::Frame(Frame { id: 1, answers, .. }) = client.hear().await else { panic!() };
+    let [Answer::Failed { message, .. }] = &answers[..] else { panic!("{answers:?}") };
+    assert!(message.contains("the viewer stopped the solve"), "{message}");
+}
+
+/// Pages of which each has a solve that takes seconds, more than there are processors: another page is answered meanwhile.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn pages_with_slow_solves_stop_no_other() {
+    const SLOW: usize = 20;
+    let port = limited(Duration::ZERO, Duration::MAX).await;
+    let mut slow = Vec::new();
+    for _ in 0..SLOW {
+        let (mut client, scene) = Client::connect(port).await;
+        client.ask(&heavy(&scene.initial)).await;
+        slow.push(client);
+    }
+    let (mut quick, scene) = Client::connect(port).await;
+    let mut times = Vec::new();
+    for request in moved(&scene.initial, 2..=11) {
+        let begun = std::time::Instant::now();
+        quick.ask(&request).await;
+        assert_answers(&solved(quick.hear().await), &request);
+        times.push(begun.elapsed().as_secs_f64() * 1e3);
+    }
+    times.sort_by(f64::total_cmp);
+    println!("beside {SLOW} slow pages: {:.0} ms median, {:.0} ms at most", times[5], times[9]);
+    // The slow ones are still at work: none of them has been answered, or few.
+    let mut answered = 0;
+    for client in &mut slow {
+        let heard = tokio::time::timeout(Duration::from_millis(1), client.hear()).await;
+        answered += usize::from(heard.is_ok());
+    }
+    assert!(answered < SLOW / 2, "{answered} of {SLOW} slow pages were answered first");
 }
 
 #[tokio::test]
