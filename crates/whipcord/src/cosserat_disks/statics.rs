@@ -439,11 +439,13 @@ impl<'a> Rod<'a> {
         self.expand(tensions);
         if !self.loaded {
             let Problem { frame, mesh, meter, .. } = *self.problem;
-            meter.integrate(mesh.grid.len());
             let Scratch { unloaded, pulled, .. } = &mut *self.scratch;
             use unloaded::From;
             let from = if warm || self.from == From::Coarser { self.from } else { From::Nothing };
             let swept = unloaded.sweep(frame, mesh, pulled, from, derivatives);
+            // Each iteration of a span goes over its steps.
+            meter
+                .integrate(unloaded.iterations.max(1) * mesh.grid.len() / frame.spans.len().max(1));
             if swept.is_err() {
                 self.last_load = unloaded.reached;
             }
