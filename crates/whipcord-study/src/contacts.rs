@@ -75,13 +75,17 @@ pub fn grasps(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
     for grasp in &grasps {
         let (Some(normal), Some(wrench)) = (grasp.normal_force, grasp.wrench) else { continue };
         any = true;
-        let numbers = |v: Vec3| v.to_array().map(|x| number(x, 4)).join(", ");
+        // Forces that cancel, or whose line passes the reference point, leave rounding.
+        let rounding = 1e-9 * normal;
+        let exact = |x: f64| if x.abs() > rounding { x } else { 0.0 };
+        let numbers =
+            |v: Vec3, unit: f64| v.to_array().map(|x| number(exact(x) * unit, 4)).join(", ");
         let mut row = vec![
             obstacles[grasp.obstacle].name.clone(),
             grasp.contacts.to_string(),
             newtons(normal),
-            numbers(wrench.force),
-            numbers(wrench.moment * 1e3),
+            numbers(wrench.force, 1.0),
+            numbers(wrench.moment, 1e3),
         ];
         if any_friction {
             row.push(match grasp.slip_margin {

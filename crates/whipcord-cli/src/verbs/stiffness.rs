@@ -24,14 +24,13 @@ use whipcord_study::quantity::{fixed_millimetres, millimetres, number};
 use whipcord_study::style::Style;
 use whipcord_study::table::{Align, Table};
 
-/// ActuationArgument Jacobian, compliance and stiffness at one point of the backbone
+/// Actuation Jacobian, compliance and stiffness at one point of the backbone
 ///
 /// Prints the actuation Jacobian, and compliance and stiffness both at constant tensions and with
-/// the taut cables locked. All are in the base frame, for a wrench that is fixed in space. cosserat
-/// uses exact derivatives, cosserat-disks uses finite differences. four-bar gives the exact
-/// Jacobian with respect to the shortenings; it gives compliance and stiffness only with
-/// --objective strain-energy --length-rule free. The output is in mm and degrees, with --json in SI
-/// units.
+/// the taut cables locked, among obstacles too. All are in the base frame, for a wrench that is
+/// fixed in space. The derivatives are exact. four-bar gives compliance and stiffness only with
+/// --objective strain-energy --length-rule free, constant-curvature gives the Jacobian alone. The
+/// output is in mm and degrees, with --json in SI units.
 #[derive(Debug, Args)]
 pub struct StiffnessArgs {
     /// Robot file, or - for standard input
