@@ -70,9 +70,11 @@ function contacts({ contacts: all }: Solved): string {
   return all.some((touch) => touch.force !== null) ? `${points}, ${significant(total, 3)} N in all` : points;
 }
 
-function pushed({ force, moment, slip_margin }: Grasp): string {
+function pushed({ normal_force, force, moment, slip_margin }: Grasp): string {
+  // Forces that cancel, or whose line passes the reference point, leave rounding.
+  const size = (v: number[]) => (Math.hypot(...v) > 1e-9 * normal_force ? Math.hypot(...v) : 0);
   const margin = slip_margin === null ? "" : `, slip margin ${significant(100 * slip_margin, 3)} %`;
-  return `${significant(Math.hypot(...force), 3)} N, ${significant(1e3 * Math.hypot(...moment), 3)} N mm${margin}`;
+  return `${significant(size(force), 3)} N, ${significant(1e3 * size(moment), 3)} N·mm${margin}`;
 }
 
 function count(n: number, one: string): string {
