@@ -9,15 +9,18 @@
 //! | `rod`, `rod_response`, `refinement`, `dense_output` | what both Cosserat rods have of it |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
+//! | `sliding` | contacts that move along the backbone |
 //! | `friction` | stick and slip of a contact |
 //! | `complementarity` | which contacts touch and which stick |
 //! | `step` | Newton's method on the conditions of contact |
 //! | `holding` | the contacts of an answer, linearised |
 //! | `free_path` | robots that keep clear of all obstacles |
+//! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
 mod body;
 mod complementarity;
+mod dampers;
 mod dense_output;
 mod free_path;
 mod friction;
@@ -28,9 +31,11 @@ mod pairs;
 mod path;
 mod pushed_places;
 mod refinement;
+mod relaxation;
 mod rod;
 mod rod_response;
 mod scene;
+mod sliding;
 mod step;
 
 pub(crate) use dense_output::DenseOutput;

@@ -85,8 +85,8 @@ pub(crate) trait Compliant {
     ) -> Result<(), SolveError>;
 
     /// Takes this part of the step to equilibrium under pushes that have changed so since it was asked how it
-    /// yields.
-    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<(), SolveError>;
+    /// yields, or less where that would be too far at once; the part that it has taken.
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<f64, SolveError>;
 
     /// Whether an even number of directions, mostly none, is unstable at the last equilibrium while the
     /// pushes stay as they are.

@@ -6,6 +6,7 @@ use super::body::{Body, Nearest, Rim, wrench_of};
 use super::friction::Grip;
 use super::model::{Compliant, Push};
 use super::scene::{DistanceBound, Scene};
+use super::sliding::Slide;
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
 use crate::shape::{Contact, Part, Solution, Wrench};
@@ -33,6 +34,8 @@ pub(super) struct Pair {
     pub given: [f64; 6],
     /// How it holds on to the obstacle; `None` without friction.
     pub grip: Option<Grip>,
+    /// How it moves along the backbone; `None` where it keeps its place.
+    pub slide: Option<Slide>,
 }
 
 /// All pairs that are near, and where to look for more.
@@ -108,14 +111,68 @@ impl Pairs {
     pub fn refresh(&mut self, model: &impl Compliant, scene: &Scene) {
         for pair in &mut self.near {
             let pose = model.pose(pair.member.arc_length);
-            pair.nearest = pair.look(scene.get(pair.obstacle), &pose);
+            let obstacle = scene.get(pair.obstacle);
+            let rounding = pair.member.body.rounding;
+            pair.nearest = pair.look(obstacle, &pose);
             if let Some(grip) = &mut pair.grip {
-                grip.refresh(&pose, &pair.nearest, pair.member.body.rounding);
+                grip.refresh(&pose, &pair.nearest, rounding);
             }
+            // What a contact with friction has slid counts at its own cross-section.
+            let slides = pair.member.part == Part::Backbone && pair.grip.is_none();
+            let place = (pair.member.arc_length, rounding);
+            pair.slide = if slides { Slide::of(model, obstacle, place, self.length) } else { None };
         }
         self.merge();
+        self.merge_along();
         let far = 2.0 * NEAR * self.length;
         self.near.retain(|pair| pair.force > 0.0 || pair.nearest.gap < far);
+    }
+
+    /// Contacts that have moved along the backbone to one place become one, with what both pushed; those that push nothing beside
+    /// one that pushes are left out.
+    fn merge_along(&mut self) {
+        let spacing = |watched: &[f64], s: f64| {
+            let k = watched.partition_point(|&there| there < s).clamp(1, watched.len() - 1);
+            watched[k] - watched[k - 1]
+        };
+        let mut k = 0;
+        while k < self.near.len() {
+            let of = self.near[k];
+            let s = of.member.arc_length;
+            let apart = spacing(&self.watched, s);
+            let beside = |pair: &Pair, within: f64| {
+                pair.obstacle == of.obstacle
+                    && (pair.member.part, of.member.part) == (Part::Backbone, Part::Backbone)
+                    && (pair.member.arc_length - s).abs() < within * apart
+            };
+            let follows = |pair: &Pair| pair.slide.is_some() && of.slide.is_some();
+            let same = |pair: &Pair| beside(pair, BETWEEN) && follows(pair);
+            if let Some(first) = self.near[..k].iter().position(same) {
+                self.near.remove(k);
+                let into = &mut self.near[first];
+                if of.force > into.force {
+                    (into.member, into.nearest, into.slide) = (of.member, of.nearest, of.slide);
+                }
+                into.force += of.force;
+                into.given.iter_mut().zip(of.given).for_each(|(sum, given)| *sum += given);
+                continue;
+            }
+            let is_idle = of.force == 0.0 && of.grip.is_none() && of.nearest.gap.is_finite();
+            let pushes = |pair: &Pair| beside(pair, 0.5) && pair.force > 0.0;
+            let overlaps = of.nearest.gap < -OVERLAP * self.length;
+            if is_idle && !overlaps && self.near.iter().any(pushes) {
+                self.near.remove(k);
+                continue;
+            }
+            k += 1;
+        }
+    }
+
+    /// Moves a pair along the backbone.
+    pub fn move_to(&mut self, number: usize, arc_length: f64) {
+        let rounding = self.radius(arc_length);
+        let member = &mut self.near[number].member;
+        (member.arc_length, member.body.rounding) = (arc_length, rounding);
     }
 
     /// Places of one disk that have run into one another become one, with what both pushed.
@@ -147,8 +204,8 @@ impl Pairs {
     }
 
     /// Adds the pairs that have come near; whether some of them are where the model has not been
-    /// looked at yet.
-    pub fn discover(&mut self, model: &impl Compliant, scene: &Scene) -> bool {
+    /// looked at yet. Beside a contact of the backbone there is another only where it is to be looked for `closely`.
+    pub fn discover(&mut self, model: &impl Compliant, scene: &Scene, closely: bool) -> bool {
         let within = NEAR * self.length;
         let mut found = Vec::new();
         for member in &self.disks {
@@ -185,7 +242,7 @@ impl Pairs {
         }
         let mut elsewhere = false;
         for (k, obstacle) in scene.iter() {
-            elsewhere |= self.discover_along(model, scene, (k, obstacle), within);
+            elsewhere |= self.discover_along(model, scene, (k, obstacle), (within, closely));
         }
         elsewhere
     }
@@ -196,7 +253,7 @@ impl Pairs {
         model: &impl Compliant,
         scene: &Scene,
         (number, obstacle): (usize, &Obstacle),
-        within: f64,
+        (within, closely): (f64, bool),
     ) -> bool {
         let watched = model.watched();
         let mut added = Vec::new();
@@ -233,21 +290,26 @@ impl Pairs {
             };
             // Beside a contact there is no other until the robot overlaps there, or seems to between two places.
             let overlap = -OVERLAP * self.length;
-            let spacing = match (here < overlap, least < overlap) {
+            let apart = watched[i] - watched[i - 1];
+            let closely = closely || scene.get(number).friction > 0.0;
+            let spacing = match (closely && here < overlap, closely && least < overlap) {
                 (true, _) => APART * self.length,
-                (false, true) => BETWEEN * (watched[i] - watched[i - 1]),
-                (false, false) => watched[i] - watched[i - 1],
+                (false, true) => BETWEEN * apart,
+                (false, false) => apart,
             };
             let known = |pair: &Pair| {
                 pair.obstacle == number
                     && pair.member.part == Part::Backbone
-                    && (pair.member.arc_length - arc_length).abs() < spacing
+                    && (pair.member.arc_length - arc_length).abs()
+                        < spacing.max(if pair.slide.is_some() { BETWEEN * apart } else { 0.0 })
             };
             if !self.near.iter().any(known) {
                 added.push((arc_length, self.radii[i]));
             }
         }
-        self.beside_contacts(model, (number, obstacle), &mut added);
+        if closely || obstacle.friction > 0.0 {
+            self.beside_contacts(model, (number, obstacle), &mut added);
+        }
         let elsewhere = !added.is_empty();
         for (arc_length, rounding) in added {
             let body = Body { flat: 0.0, rounding };
@@ -279,7 +341,7 @@ impl Pairs {
         };
         for pair in &self.near {
             let Pair { member, force, obstacle: at, .. } = pair;
-            if *at != number || member.part != Part::Backbone {
+            if *at != number || member.part != Part::Backbone || pair.slide.is_some() {
                 continue;
             }
             // One that pushes touches, once the iteration has converged.
@@ -461,6 +523,7 @@ impl Pair {
             force: 0.0,
             given: [0.0; 6],
             grip: None,
+            slide: None,
         }
     }
 

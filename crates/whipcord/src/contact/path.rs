@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
+use super::dampers::Dampers;
 use super::holding::Holding;
 use super::homotopy::Homotopy;
 use super::model::{Compliant, Push};
@@ -18,6 +19,8 @@ use crate::shape::{Part, Solution, Wrench};
 const MET: f64 = 1e-9;
 /// Met as nearly as rounding allows where the robot is about to buckle under the forces alone.
 const NEARLY_MET: f64 = 1e-7;
+/// Contacts of the backbone that are nearer than this to their places along it, as a part of the length, are there.
+const NEARLY_THERE: f64 = 1e-7;
 /// Steps that bring no progress before the iteration ends.
 const PATIENCE: usize = 8;
 /// Steps of Newton's method at one place of the way; each may find another contact.
@@ -35,14 +38,20 @@ const INSERTED: f64 = 1.02;
 /// The longest step on the way of a robot that touches: eq. (6) misses two directions that turn unstable in one.
 const LONGEST_STEP: f64 = 0.2;
 /// The least step on the way.
-const LEAST_STEP: f64 = 1e-4;
+const LEAST_STEP: f64 = 1e-3;
+/// How far ahead on the way a robot comes to rest that has lost its equilibrium.
+const AHEAD: f64 = 2e-3;
+/// So often it may do so.
+const JUMPS: usize = 20;
+/// A cross-section that moves farther than this part of the length while it does so has jumped.
+const JUMP: f64 = 0.02;
 /// The columns of so many contacts double the cost of an iteration.
 const COSTLY: f64 = 10.0;
 /// The dense equations of so many contacts cost as much as an iteration without contacts.
 const DENSE: f64 = 22.0;
 
 /// Why the robot does not get on.
-enum Stop {
+pub(super) enum Stop {
     /// A step that was too long.
     Model(SolveError),
     NotConverged(f64),
@@ -53,11 +62,12 @@ enum Stop {
     Cancelled,
 }
 
-struct PathTracker<'a, M> {
-    model: &'a mut M,
-    scene: Scene,
-    length: f64,
-    pairs: Pairs,
+pub(super) struct PathTracker<'a, M> {
+    pub(super) model: &'a mut M,
+    pub(super) scene: Scene,
+    pub(super) length: f64,
+    pub(super) pairs: Pairs,
+    pub(super) dampers: Dampers,
     pushes: Vec<Push>,
     scratch: Scratch,
     iterations: usize,
@@ -66,14 +76,40 @@ struct PathTracker<'a, M> {
     residual: f64,
     /// Whether the contacts change an odd number of directions from stable to unstable or back; `None` until a
     /// step has told.
-    odd: Option<bool>,
+    pub(super) odd: Option<bool>,
     /// A small force that decides which way a robot slips off.
-    nudge: Option<Push>,
+    pub(super) nudge: Option<Push>,
     /// Where on the way the robot slipped off.
     slipped_at: Option<f64>,
     /// Whether the way begins at a known answer that the model, under other loads, does not quite stand at: what its contacts
     /// have slid counts from there.
     is_off_answer: bool,
+}
+
+/// What is known of the contacts, besides where the model is kept.
+pub(super) struct Kept {
+    pairs: Pairs,
+    odd: Option<bool>,
+}
+
+/// Jumps on the way to another equilibrium.
+#[derive(Clone, Copy, Debug, Default)]
+struct Jumps {
+    count: usize,
+    /// How far ahead on the way the last one was, and where it ended.
+    ahead: f64,
+    at: f64,
+}
+
+impl Jumps {
+    /// How far ahead on the way the robot is to come to rest that is lost here; `None` after too many.
+    fn next(&mut self, way: f64) -> Option<f64> {
+        self.count += 1;
+        let again = self.ahead > 0.0 && way < self.at + 2.0 * self.ahead;
+        self.ahead = if again { 3.0 * self.ahead } else { AHEAD };
+        self.at = way + self.ahead;
+        (self.count <= JUMPS).then_some(self.ahead)
+    }
 }
 
 /// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
@@ -117,6 +153,7 @@ pub(crate) fn solve_holding(
         scene: Scene::new(case),
         length: robot.backbone().length,
         pairs,
+        dampers: Dampers::default(),
         pushes: Vec::new(),
         scratch: Scratch::default(),
         iterations: 0,
@@ -130,20 +167,7 @@ pub(crate) fn solve_holding(
     let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
     let at = |way: f64| homotopy.at(way, &initial);
     tracker.start(&at(0.0), warm_start, &to_base)?;
-    let mut gone = tracker.go(at, |_| 0.0);
-    if let Err(SolveError::Obstructed { reached, why: Obstruction::Slips, .. }) = gone {
-        // Once more, with a nudge that decides which way it slips, and is then taken away.
-        tracker.slipped_at = Some(reached);
-        tracker.odd = None;
-        tracker.nudge = Some(tracker.sideways());
-        tracker.pairs.near.clear();
-        tracker.model.reset();
-        tracker.start(&at(0.0), warm_start, &to_base)?;
-        if tracker.go(at, |_| 0.0).is_ok() {
-            gone = Ok(());
-        }
-    }
-    gone?;
+    tracker.go(at, |_| 0.0)?;
     while tracker.model.refine()? {
         let here: Vec<Vec3> =
             (0..tracker.model.watched().len()).map(|k| tracker.model.centre(k)).collect();
@@ -240,11 +264,11 @@ impl<M: Compliant> PathTracker<'_, M> {
         drawn_back: impl Fn(f64) -> f64,
     ) -> Result<(), SolveError> {
         let (mut way, mut step) = (0.0, 1.0_f64);
+        let mut jumps = Jumps::default();
         let watched = self.model.watched().len();
         let mut before: Vec<Vec3> = Vec::new();
         loop {
-            self.model.keep();
-            let kept = (self.pairs.clone(), self.odd);
+            let kept = self.kept();
             before.clear();
             let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
             let kept_back = self.scene.drawn_back();
@@ -259,12 +283,7 @@ impl<M: Compliant> PathTracker<'_, M> {
                 Ok(None) => {
                     way = next;
                     if way == 1.0 {
-                        if self.nudge.take().is_none() {
-                            return Ok(());
-                        }
-                        // Once more, without the nudge.
-                        step = 1.0;
-                        continue;
+                        return Ok(());
                     }
                     step *= 2.0;
                     if self.is_touching() {
@@ -288,17 +307,47 @@ impl<M: Compliant> PathTracker<'_, M> {
                     Some(stop)
                 }
             };
-            self.model.go_back();
+            self.restore(kept);
             self.scene.draw_back(kept_back);
-            (self.pairs, self.odd) = kept;
-            if step < LEAST_STEP {
-                return Err(self.obstructed(way, stop));
+            if step >= LEAST_STEP {
+                continue;
+            }
+            // Beyond here it has no equilibrium near: it jumps to another.
+            let Some(ahead) = jumps.next(way) else { return Err(self.obstructed(way, stop)) };
+            let next = (way + ahead).min(1.0);
+            self.scene.begin_step();
+            self.scene.draw_back(drawn_back(next));
+            match self.relax(&at(next)) {
+                Ok(moved) => {
+                    if moved > JUMP * self.length {
+                        self.slipped_at.get_or_insert(way);
+                    }
+                    if next == 1.0 {
+                        return Ok(());
+                    }
+                    (way, step) = (next, 10.0 * LEAST_STEP);
+                }
+                Err(why @ (Stop::Spent(_) | Stop::Cancelled)) => {
+                    return Err(self.obstructed(way, Some(why)));
+                }
+                Err(_) => return Err(self.obstructed(way, stop)),
             }
         }
     }
 
+    /// Where it is, to go back to.
+    pub(super) fn kept(&mut self) -> Kept {
+        self.model.keep();
+        Kept { pairs: self.pairs.clone(), odd: self.odd }
+    }
+
+    pub(super) fn restore(&mut self, kept: Kept) {
+        self.model.go_back();
+        (self.pairs, self.odd) = (kept.pairs, kept.odd);
+    }
+
     /// A force on the tip in no direction that a robot is built along.
-    fn sideways(&self) -> Push {
+    pub(super) fn sideways(&self) -> Push {
         let force = Vec3::new(0.36, 0.80, 0.48) * (NUDGE * self.model.force_scale());
         Push { arc_length: self.length, wrench: Wrench { force, moment: Vec3::ZERO } }
     }
@@ -322,11 +371,12 @@ impl<M: Compliant> PathTracker<'_, M> {
 
     /// The equilibrium under a case with the obstacles. `Some(part)` where the robot would move too far at
     /// once: a shorter step, by this part, is in order.
-    fn touch(&mut self, case: &Case, before: &[Vec3]) -> Result<Option<f64>, Stop> {
+    pub(super) fn touch(&mut self, case: &Case, before: &[Vec3]) -> Result<Option<f64>, Stop> {
         let (mut least, mut since) = (f64::INFINITY, 0);
         let mut looked = false;
         for _ in 0..STEPS {
             self.pairs.pushes(&mut self.pushes);
+            self.dampers.pushes(&mut self.pushes);
             self.pushes.extend(self.nudge);
             self.model.consider(case, &self.pushes).map_err(Stop::Model)?;
             self.iterations += 1;
@@ -335,13 +385,18 @@ impl<M: Compliant> PathTracker<'_, M> {
                 return Ok(Some(part));
             }
             self.pairs.refresh(self.model, &self.scene);
-            if self.pairs.discover(self.model, &self.scene) && !looked {
+            if self.pairs.discover(self.model, &self.scene, false) && !looked {
                 // The model has not been asked there yet.
                 looked = true;
                 continue;
             }
-            looked = false;
             self.residual = self.error();
+            if self.residual <= MET && self.pairs.discover(self.model, &self.scene, true) && !looked
+            {
+                looked = true;
+                continue;
+            }
+            looked = false;
             // A known answer that is met at once still has to be judged.
             if self.residual <= MET && (self.odd.is_some() || !self.is_touching()) {
                 return self.arrived();
@@ -358,10 +413,14 @@ impl<M: Compliant> PathTracker<'_, M> {
                 break;
             }
             self.pairs.pushes(&mut self.pushes);
+            self.dampers.pushes(&mut self.pushes);
             let Scratch { compliance, drift, .. } = &mut self.scratch;
             self.model.compliance(&self.pushes, compliance, drift).map_err(Stop::Model)?;
-            let cap = STRIDE * self.length;
-            let stepped = self.scratch.step(&mut self.pairs, self.model, &self.scene, cap);
+            let (length, cap) = (self.length, STRIDE * self.length);
+            let stepped = {
+                let Self { pairs, dampers, model, scene, scratch, .. } = &mut *self;
+                scratch.step((pairs, dampers), *model, scene, (length, cap))
+            };
             match stepped {
                 Ok(stepped) => self.odd = Some(stepped.odd),
                 Err(NoStep::Contacts) => return Err(Stop::NotConverged(self.residual)),
@@ -393,7 +452,8 @@ impl<M: Compliant> PathTracker<'_, M> {
 
     /// Whether the contacts hold: eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
-        if self.is_touching() && self.odd == Some(self.model.stands_alone()) {
+        let is_held = self.is_touching() || !self.dampers.all.is_empty();
+        if is_held && self.odd == Some(self.model.stands_alone()) {
             return Err(Stop::Slips);
         }
         Ok(None)
@@ -427,11 +487,14 @@ impl<M: Compliant> PathTracker<'_, M> {
     /// What is left of the conditions of contact, relative to length and force scale.
     fn error(&self) -> f64 {
         let scale = self.model.force_scale();
-        let converged = self.model.unsettled();
+        let dampers = self.dampers.residual(self.model, scale, self.length);
+        let converged = self.model.unsettled().max(dampers);
         let of = |pair: &Pair| {
             let gap = pair.nearest.gap / self.length;
             let overlaps = if gap < -OVERLAP { -gap } else { 0.0 };
             let open = if pair.force > 0.0 { gap.abs() } else { overlaps };
+            let left = pair.slide.map_or(0.0, |slide| slide.left().abs() / self.length);
+            let open = if left > NEARLY_THERE && pair.force > 0.0 { open.max(left) } else { open };
             let lack = pair
                 .grip
                 .map_or(0.0, |grip| grip.complementarity_residual(pair.force, scale / self.length));
@@ -447,7 +510,6 @@ impl<M: Compliant> PathTracker<'_, M> {
     /// side of one. It has not where the free balls around its centre before and after cover the way, eq. (7).
     fn too_far(&self, before: &[Vec3]) -> Option<f64> {
         let least = LEAST_REACH * self.length;
-        let room = |distance: f64| if distance > -least { distance.max(least) } else { 0.0 };
         let mut part = f64::INFINITY;
         for (k, old) in before.iter().enumerate().skip(1) {
             let way = (self.model.centre(k) - *old).norm();
@@ -464,12 +526,37 @@ impl<M: Compliant> PathTracker<'_, M> {
                 if way <= least || bound(0).min(bound(1)) > 0.5 * way {
                     continue;
                 }
-                let [before, after] = [0, 1].map(|i| room(distances[i].measure(points[i])));
-                if before + after < way || after == 0.0 {
+                let measured = [0, 1].map(|i| distances[i].measure(points[i]));
+                if !is_covered(obstacle, points, measured, least) {
+                    let [before, after] = measured.map(|distance| room(distance, least));
                     part = part.min((before + after) / way);
                 }
             }
         }
         (part < 1.0).then(|| (0.9 * part).clamp(0.1, 0.7))
     }
+}
+
+/// Radius in m of the free ball around a point at a distance from an obstacle, which counts as `least` where it is less.
+fn room(distance: f64, least: f64) -> f64 {
+    if distance > -least { distance.max(least) } else { 0.0 }
+}
+
+/// Whether free balls around the ends of a straight line, and around points between them where these do not suffice, cover it:
+/// eq. (7). `distances` are those of its ends.
+fn is_covered(obstacle: &Obstacle, line: [Vec3; 2], distances: [f64; 2], least: f64) -> bool {
+    let way = (line[1] - line[0]).norm();
+    let [before, after] = distances.map(|distance| room(distance, least));
+    if before == 0.0 || after == 0.0 {
+        return false;
+    }
+    if before + after >= way {
+        return true;
+    }
+    let middle = (line[0] + line[1]) * 0.5;
+    let distance = obstacle.surface(middle).distance;
+    // Inside, it may be on its way through.
+    distance > 0.0
+        && is_covered(obstacle, [line[0], middle], [distances[0], distance], least)
+        && is_covered(obstacle, [middle, line[1]], [distance, distances[1]], least)
 }

@@ -105,8 +105,8 @@ pub(crate) trait PushedRod: Default {
         parameters: &[Parameter],
     ) -> Result<Derivatives, SolveError>;
 
-    /// Takes a part of Newton's step, with what changes of the pushes do.
-    fn advance(&mut self, changes: &[[f64; 6]], part: f64);
+    /// Takes a part of Newton's step, with what changes of the pushes do, or less; the part that it has taken.
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64;
 
     /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.
     fn stands(&mut self) -> bool;
@@ -307,10 +307,9 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
         self.found.gap()
     }
 
-    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<(), SolveError> {
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<f64, SolveError> {
         self.found.linearise(self.robot, &self.case)?;
-        self.found.advance(changes, part);
-        Ok(())
+        Ok(self.found.advance(changes, part))
     }
 
     fn compliance(

@@ -4,10 +4,12 @@ use whipcord_numerics::{DenseLu, Pose, UnitQuaternion, Vec3};
 
 use super::body::wrench_of;
 use super::complementarity::{Complementarity, Contact};
+use super::dampers::Dampers;
 use super::friction::tangents;
 use super::model::Compliant;
 use super::pairs::{Pair, Pairs};
 use super::scene::Scene;
+use super::sliding::Slide;
 use crate::error::SolveError;
 
 /// Scratch memory of the steps.
@@ -61,17 +63,17 @@ pub(super) enum NoStep {
 }
 
 impl Scratch {
-    /// Changes the forces of the pairs, what the model is to be given, and the model, eqs. (3) to (5); no
+    /// Changes the forces of the pairs and dampers, what the model is to be given, and the model, eqs. (3) to (5); no
     /// cross-section is to move farther than `cap`.
     pub fn step(
         &mut self,
-        pairs: &mut Pairs,
+        (pairs, dampers): (&mut Pairs, &mut Dampers),
         model: &mut impl Compliant,
         scene: &Scene,
-        cap: f64,
+        (length, cap): (f64, f64),
     ) -> Result<Stepped, NoStep> {
         let count = pairs.near.len();
-        let n = 6 * count;
+        let n = 6 * (count + dampers.all.len());
         self.lines.clear();
         for k in 0..count {
             add_lines(&mut self.lines, k, &pairs.near[k], model, scene);
@@ -92,10 +94,26 @@ impl Scratch {
                     self.matrix[i * n + 6 * k + b] = -sum;
                 }
             }
+            for (k, damper) in (count..).zip(&dampers.all) {
+                for b in 0..6 {
+                    let at = i * n + 6 * k + b;
+                    self.matrix[at] = self.compliance[at] * damper.stiffness(b);
+                }
+            }
             self.matrix[i * n + i] += 1.0;
         }
         self.lu.factor(n, &self.matrix).map_err(|_| NoStep::Contacts)?;
-        let turned: Vec<[f64; 6]> = pairs.near.iter().map(turned).collect();
+        let mut turned: Vec<[f64; 6]> = pairs.near.iter().map(turned).collect();
+        for (turned, pair) in turned.iter_mut().zip(&pairs.near) {
+            if let Some(slide) = &pair.slide {
+                let by = pair.force * slide.left();
+                turned.iter_mut().zip(slide.along).for_each(|(sum, along)| *sum += by * along);
+            }
+        }
+        turned.extend(dampers.all.iter().map(|damper| {
+            let push = damper.push(&model.pose(damper.arc_length));
+            core::array::from_fn(|a| push[a] - damper.given[a])
+        }));
         let total = self.lines.len();
         self.moves.resize_with(total + 1, Vec::new);
         for (k, column) in self.moves.iter_mut().enumerate() {
@@ -149,36 +167,63 @@ impl Scratch {
         }
         let part = if farthest > cap { cap / farthest } else { 1.0 };
         self.changes.clear();
-        for (j, pair) in pairs.near.iter_mut().enumerate() {
+        let next = |pair: &Pair, part: f64, contact: &Contact, forces: &[f64]| {
+            pair.force + part * (forces[contact.first] - pair.force)
+        };
+        for (j, pair) in pairs.near.iter().enumerate() {
             let contact = &problem.contacts[j];
+            if next(pair, part, contact, &problem.forces) <= 0.0 {
+                self.changes.push(pair.given.map(|component| -component));
+                continue;
+            }
             let moved = &motion[6 * j..6 * j + 6];
             let mut wrench: [f64; 6] =
                 core::array::from_fn(|a| turned[j][a] + dot(&self.geometric[j][a], moved));
             let range = contact.first..contact.first + contact.lines();
-            let mut tangential = Vec3::ZERO;
             for (line, &force) in self.lines[range.clone()].iter().zip(&problem.forces[range]) {
                 for (component, unit) in wrench.iter_mut().zip(line.unit) {
                     *component += (force - line.before) * unit;
                 }
-                tangential += line.force * force;
-            }
-            let force = problem.forces[contact.first];
-            tangential -= pair.nearest.normal * force;
-            let next = pair.force + part * (force - pair.force);
-            if next <= 0.0 {
-                wrench = pair.given.map(|component| -component);
             }
             self.changes.push(wrench);
-            for (given, change) in pair.given.iter_mut().zip(wrench) {
+        }
+        for (j, damper) in (count..).zip(&dampers.all) {
+            let moved = &motion[6 * j..6 * j + 6];
+            self.changes
+                .push(core::array::from_fn(|a| turned[j][a] - damper.stiffness(a) * moved[a]));
+        }
+        let part = model.advance(&self.changes, part).map_err(NoStep::Model)?;
+        let mut moved = Vec::new();
+        for (j, pair) in pairs.near.iter_mut().enumerate() {
+            let contact = &problem.contacts[j];
+            let range = contact.first..contact.first + contact.lines();
+            let lines = self.lines[range.clone()].iter().zip(&problem.forces[range]);
+            let along = lines.fold(Vec3::ZERO, |sum, (line, &force)| sum + line.force * force);
+            let tangential = along - pair.nearest.normal * problem.forces[contact.first];
+            for (given, change) in pair.given.iter_mut().zip(self.changes[j]) {
                 *given += part * change;
             }
-            pair.force = next.max(0.0);
-            if next <= 0.0 {
+            if let Some(slide) = &pair.slide {
+                let way = part * slide.way(&motion[6 * j..6 * j + 6]);
+                let s = Slide::moved(pair.member.arc_length, way, length);
+                moved.push((j, s));
+                // The force on a ball has no moment about the centre of its cross-section, wherever that is.
+                pair.given[3..].fill(0.0);
+            }
+            pair.force = next(pair, part, contact, &problem.forces).max(0.0);
+            if pair.force == 0.0 {
                 pair.given = [0.0; 6];
             }
             pair.hold(contact.sticks, tangential, part);
         }
-        model.advance(&self.changes, part).map_err(NoStep::Model)?;
+        for (j, s) in moved {
+            pairs.move_to(j, s);
+        }
+        for (damper, change) in dampers.all.iter_mut().zip(&self.changes[count..]) {
+            for (given, change) in damper.given.iter_mut().zip(change) {
+                *given += part * change;
+            }
+        }
         Ok(Stepped { odd })
     }
 }
@@ -193,7 +238,8 @@ fn add_lines(
 ) {
     let Pair { nearest, member, force, .. } = pair;
     let unit = nearest.push();
-    let (gap, before) = (nearest.gap, *force);
+    let gap = nearest.gap - pair.slide.map_or(0.0, |slide| slide.depth());
+    let before = *force;
     lines.push(Line { pair: number, force: nearest.normal, unit, rate: unit, gap, before });
     let Some(grip) = &pair.grip else { return };
     let rounding = member.body.rounding;
@@ -243,6 +289,11 @@ fn geometric(pair: &Pair, model: &impl Compliant, scene: &Scene) -> [[f64; 6]; 6
         let column = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
         for (row, value) in matrix.iter_mut().zip(column) {
             row[b] = value;
+        }
+    }
+    if let Some(slide) = &pair.slide {
+        for (row, by) in matrix.iter_mut().zip(slide.stiffness(pair.force)) {
+            row.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
         }
     }
     matrix

@@ -337,9 +337,8 @@ impl PushedRod for ContactResponse {
         linear.compliance(&nodes, compliance, drift);
     }
 
-    /// Takes a part of Newton's step, with what changes of the pushes do.
-    fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
-        let Some(linear) = &self.linear else { return };
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64 {
+        let Some(linear) = &self.linear else { return part };
         let motion = linear.step(changes);
         let most = motion.nodes.iter().map(|node| node.turn.norm()).fold(0.0, f64::max);
         let part = if part * most > LONGEST { LONGEST / most } else { part };
@@ -362,6 +361,7 @@ impl PushedRod for ContactResponse {
         }
         let from = state.clone();
         self.chain.state.step_from(&from, part, &step);
+        part
     }
 
     /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.

@@ -410,8 +410,10 @@ impl PushedRod for ContactResponse {
         linear.compliance(&nodes, compliance, drift);
     }
 
-    fn advance(&mut self, changes: &[[f64; 6]], part: f64) {
-        let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &self.linear) else { return };
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64 {
+        let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &self.linear) else {
+            return part;
+        };
         let Motion { nodes, disks, tensions } = linear.step(changes);
         let most = disks.iter().map(|disk| disk.turn.norm()).fold(0.0, f64::max);
         let part = if part * most > LONGEST { LONGEST / most } else { part };
@@ -434,6 +436,7 @@ impl PushedRod for ContactResponse {
             *tension = (*tension + part * change).max(0.0);
         }
         self.chain.pull(&contact_mesh.groups, &pulled);
+        part
     }
 
     fn stands(&mut self) -> bool {

@@ -442,7 +442,7 @@ impl Chain {
 
     /// Takes a part of a step: of the responses of the last elimination, each times its weight. A coordinate changes by no
     /// more than [`LONGEST`].
-    pub fn advance(&mut self, weights: &[f64], part: f64) {
+    pub fn advance(&mut self, weights: &[f64], part: f64) -> f64 {
         let n = self.q.len();
         let (step, responses) = self.steps.split_at_mut(n);
         step.iter_mut().flatten().for_each(|x| *x *= weights[0]);
@@ -456,6 +456,7 @@ impl Chain {
         for (q, step) in self.q.iter_mut().flatten().zip(step.iter().flatten()) {
             *q += part * step;
         }
+        part
     }
 
     /// `∂ℓ/∂q` where it was evaluated last: a row for each cable, section by section.

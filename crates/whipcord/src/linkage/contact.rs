@@ -376,14 +376,14 @@ impl Compliant for ContactAdapter<'_> {
         if finite { Ok(()) } else { Err(SolveError::NoDerivatives) }
     }
 
-    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<(), SolveError> {
+    fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> Result<f64, SolveError> {
         if !self.is_linear {
             self.linearise(&[])?;
         }
         let Workspace { scratch, tensions, .. } = &mut *self.workspace;
-        self.found.advance(&mut scratch.chain, tensions, changes, part);
+        let taken = self.found.advance(&mut scratch.chain, tensions, changes, part);
         self.is_linear = false;
-        Ok(())
+        Ok(taken)
     }
 
     fn stands_alone(&mut self) -> bool {

@@ -124,14 +124,15 @@ impl ContactResponse {
         );
     }
 
-    /// Takes a part of the step that is left, with what changes of the wrenches do: coordinates and tensions.
+    /// Takes a part of the step that is left, with what changes of the wrenches do, or less: coordinates and tensions. The part
+    /// that it has taken.
     pub fn advance(
         &self,
         chain: &mut Chain,
         tensions: &mut [f64],
         changes: &[[f64; 6]],
         part: f64,
-    ) {
+    ) -> f64 {
         let count = tensions.len();
         let mut weights = vec![1.0];
         weights.extend(self.pushed.totals(changes));
@@ -141,9 +142,10 @@ impl ContactResponse {
         }
         // The step, the tensions of the cables, the components of the wrenches: as the chain has them.
         weights.splice(1..1, pulls.iter().copied());
-        chain.advance(&weights, part);
+        let part = chain.advance(&weights, part);
         for (tension, pull) in tensions.iter_mut().zip(&pulls) {
             *tension = (*tension + part * pull).max(0.0);
         }
+        part
     }
 }

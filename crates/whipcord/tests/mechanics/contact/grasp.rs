@@ -119,17 +119,18 @@ fn the_grasp_of_a_ball_balances_the_base() {
     }
 }
 
-/// Pulled harder, the disks roll off sideways: their rims push towards the strip, and it twists.
+/// Pulled harder, the disks roll off sideways: their rims push towards the strip, it twists and comes to rest beside the ball.
 #[test]
-fn a_grasp_that_nothing_holds_is_refused() {
+fn a_grasp_that_nothing_holds_rolls_off() {
     let ball = sphere(Vec3::new(0.031, 0.0, 0.030), 0.022);
-    let case = among(Case::with_tensions(&[35.0]), vec![ball]);
+    let case = among(Case::with_tensions(&[35.0]), vec![ball.clone()]);
     let robot = strip(12);
     let model = Cosserat::new(&robot, &case.loads, &Options::default()).unwrap();
-    let error = model.solve(&case, None, &mut Workspace::default()).unwrap_err();
-    let SolveError::Obstructed { reached, touching, .. } = &error else { panic!("{error}") };
-    assert!((0.5..0.9).contains(reached), "{reached}");
-    assert_eq!(touching, &["ball"]);
+    let solution = model.solve(&case, None, &mut Workspace::default()).unwrap();
+    let lost = solution.diagnostics.stability_lost_at.unwrap();
+    assert!((0.5..0.9).contains(&lost), "{lost}");
+    assert!(solution.disks.tip().position.y.abs() > 0.1 * LENGTH);
+    assert_clear(&robot, &solution, &ball);
 }
 
 /// What the robot exerts on each obstacle is what the contacts exert on it, turned round: together with the base they leave
