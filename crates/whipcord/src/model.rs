@@ -131,6 +131,18 @@ impl Model {
         self
     }
 
+    /// Whether the cables of its robots may rub at their holes.
+    #[must_use]
+    pub const fn has_hole_friction(&self) -> bool {
+        match self {
+            Self::CosseratDisks(_)
+            | Self::PiecewiseConstantCurvature(_)
+            | Self::PseudoRigidBody(_) => true,
+            Self::FourBar(options) => options.has_energy(),
+            Self::Cosserat(_) | Self::ConstantCurvature(_) => false,
+        }
+    }
+
     /// The flag that ends its solves.
     #[must_use]
     pub const fn cancel(&self) -> &Cancel {
@@ -378,8 +390,17 @@ impl Prepared {
         case: &Case,
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
-        if let Self::CosseratDisks(model, workspace) = self {
-            return model.solve_steps(case, workspace, each);
+        match self {
+            Self::CosseratDisks(model, workspace) => {
+                return model.solve_steps(case, workspace, each);
+            }
+            Self::Linkage(model, workspace) if model.has_friction() => {
+                return model.solve_steps(case, workspace, each);
+            }
+            Self::FourBar(model, workspace) if model.has_friction() => {
+                return model.solve_steps(case, workspace, each);
+            }
+            _ => {}
         }
         let mut last = None;
         for (n, step) in case.single_steps().enumerate() {

@@ -35,6 +35,27 @@ pub(crate) fn hole_friction(
     }
 }
 
+/// Refuses derivatives of a robot with hole friction.
+pub(crate) fn friction_with_derivatives(model: ModelKind, robot: &Robot) -> Result<(), SolveError> {
+    let what = "friction at the holes, for compliance and derivatives";
+    let advice = "with friction the compliance differs between pulling and releasing a cable: set the friction to 0";
+    hole_friction(model, robot, what, advice)
+}
+
+/// Refuses branches of a robot with hole friction.
+pub(crate) fn friction_with_branches(model: ModelKind, robot: &Robot) -> Result<(), SolveError> {
+    let what = "friction at the holes, for branches";
+    let advice = "with friction the equilibria depend on all earlier commands and form no branches: set the friction to 0";
+    hole_friction(model, robot, what, advice)
+}
+
+/// Refuses obstacles around a robot with hole friction.
+pub(crate) fn friction_among_obstacles(model: ModelKind, robot: &Robot) -> Result<(), SolveError> {
+    let what = "friction at the holes, among obstacles";
+    let advice = "what the holes hold depends on the way, and so do the contacts: set the friction of the cables to 0, or remove the obstacles";
+    hole_friction(model, robot, what, advice)
+}
+
 /// Refuses to follow equilibria under a growing load, on behalf of a model that takes no loads.
 pub(crate) fn branches(model: ModelKind) -> SolveError {
     SolveError::Unsupported {

@@ -7,7 +7,6 @@ use super::quantity::Quantity;
 use super::settings::Settings;
 use crate::observation::{Observation, Place, Seen};
 use whipcord::case::Actuation;
-use whipcord::kind::ModelKind;
 use whipcord::model::Model;
 use whipcord::robot::Robot;
 use whipcord::{constant_curvature, four_bar};
@@ -150,9 +149,9 @@ fn check_unknown(
     {
         return wrong("a prior needs a finite mean and a deviation greater than zero");
     }
-    let kind = settings.model.kind();
-    if matches!(unknown.quantity, Quantity::Friction { .. }) && kind != ModelKind::CosseratDisks {
-        return Err(IdentifyError::NoFriction { path: path(), model: kind });
+    let model = &settings.model;
+    if matches!(unknown.quantity, Quantity::Friction { .. }) && !model.has_hole_friction() {
+        return Err(IdentifyError::NoFriction { path: path(), model: model.kind() });
     }
     for (experiment, of) in experiments.iter().enumerate() {
         if !unknown.is_of(experiment) {

@@ -31,12 +31,7 @@ impl CosseratDisks {
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
         refusal::among_obstacles("branches", ModelKind::CosseratDisks, case)?;
-        refusal::hole_friction(
-            ModelKind::CosseratDisks,
-            self.robot(),
-            "friction at the holes, for branches",
-            "with friction the equilibria depend on all earlier commands and form no branches: set the friction to 0",
-        )?;
+        refusal::friction_with_branches(ModelKind::CosseratDisks, self.robot())?;
         let found = self.follow_branches(case, options, workspace);
         self.options.cancel.checked(found)
     }

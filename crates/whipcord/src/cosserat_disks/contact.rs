@@ -57,12 +57,7 @@ impl CosseratDisks {
         workspace: &mut Workspace,
     ) -> Result<Option<Solution>, SolveError> {
         case.check(self.robot())?;
-        refusal::hole_friction(
-            ModelKind::CosseratDisks,
-            self.robot(),
-            "friction at the holes, among obstacles",
-            "what the holes hold depends on the way, and so do the contacts: set the friction of the cables to 0, or remove the obstacles",
-        )?;
+        refusal::friction_among_obstacles(ModelKind::CosseratDisks, self.robot())?;
         let watched = contact::watched(self.robot());
         let mut free = FreeRod { model: self, workspace, watched };
         contact::solve_free(&mut free, self.robot(), case, warm_start)

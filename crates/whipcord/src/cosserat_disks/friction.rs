@@ -1,363 +1,305 @@
-//! Friction of the cables at their holes.
-//!
-//! A cable enters the base disk along the base's z axis and turns by `φᵢ` in the hole of disk i, from
-//! one chord to the next. By Eytelwein's law its tension on the two sides obeys
-//!
-//! ```text
-//! e^(−μφᵢ) Tᵢ₋₁ ≤ Tᵢ ≤ e^(μφᵢ) Tᵢ₋₁                                                             (5)
-//! ```
-//!
-//! and lies at the lower bound where the cable slides towards the base, at the upper one where it
-//! slides towards the tip. With `Dᵢ = Σ_{k≥i} (ℓₖ − Tₖ ℓₖ⁰/EA)`, what there is of the cable beyond the
-//! hole when nothing stretches it, it has slid by `gᵢ = Dᵢ(before) − Dᵢ` in a step of actuation, and
-//!
-//! ```text
-//! gᵢ − max(0, gᵢ − κ(Tᵢ − e^(−μφᵢ)Tᵢ₋₁)) − min(0, gᵢ + κ(e^(μφᵢ)Tᵢ₋₁ − Tᵢ)) = 0,   κ > 0        (6)
-//! ```
-//!
-//! says all of this in one equation for each hole; where a length is given, `D₀` takes the place of
-//! the one at the base. [`super::friction_newton`] solves them together with the shape. Where that does not converge, a semismooth
-//! Newton method solves them here for the tension of every piece of cable, with the angles of the last iterate.
+//! The response of the chain to the tensions of all its passages, for [`crate::statics::friction`].
 
-use whipcord_numerics::{DenseLu, Pose, Vec3};
+use whipcord_numerics::Vec3;
 
-use super::friction_newton::Law;
-use super::layout::Frame;
-use super::span::Chord;
-use super::statics::{Closed, Rod};
-use crate::shape::SlipState;
-use crate::statics::command::Command;
-use crate::statics::lengths::{Effort, TensionResponse as _};
+use super::chain::{ANGLE_ROWS, Chain, Node, NodeStep, ROWS, Task};
+use super::linear_step::Column;
+use super::load_continuation::Raise;
+use super::loaded_span::{Push, Slope};
+use super::statics::{Problem, Rod, Scratch, copy_out};
+use crate::budget::Meter;
+use crate::section::{BodyWrench, Fault};
+use crate::statics::elimination::{Change, Size};
+use crate::statics::friction::{self, Holes, PassageResponse, Passages, Response};
 use crate::statics::outcome::{Failure, Found};
 
-/// What the holes remember of the steps before.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct History {
-    /// `Dᵢ` of every passage, in m; empty before the first step.
-    pub beyond: Vec<f64>,
-    /// Tension of every passage in N.
-    pub tensions: Vec<f64>,
-    /// Tension below the base disk, by cable.
-    pub base: Vec<f64>,
-    /// How the cable came to stand in the near hole of every passage.
-    pub slip_states: Vec<SlipState>,
+/// An angle so small, in rad, has no direction.
+const STRAIGHT: f64 = 1e-9;
+
+/// One step of actuation on from what the holes remember; from the answer on a coarser mesh where that is what the chain
+/// holds. The answer is left in `scratch`.
+pub(super) fn solve(
+    problem: &Problem<'_>,
+    holes: &Holes,
+    from_coarser: bool,
+    scratch: &mut Scratch,
+) -> Result<Found, Failure> {
+    scratch.groups.clear();
+    scratch.groups.extend(0..problem.frame.passages);
+    scratch.chain.slopes.resize(problem.frame.passages, Slope::default());
+    // No group has a tension that its length decides on.
+    scratch.chain.shared.cables.clear();
+    let mut history = core::mem::take(&mut scratch.history);
+    let mut memory = core::mem::take(&mut scratch.friction);
+    let mut schedule = core::mem::take(&mut scratch.schedule);
+    let guess = from_coarser.then(|| scratch.pulled.clone());
+    let mut model = Rubbing { problem, scratch };
+    let near = (guess.as_deref(), &mut schedule);
+    let found =
+        friction::step(&mut model, holes, problem.commands, &mut history, near, &mut memory);
+    scratch.chain.slopes.clear();
+    if found.is_ok() {
+        let Scratch { chain, unloaded, .. } = &mut *scratch;
+        unloaded.adopt(chain, problem.frame);
+        scratch.tensions.clone_from(&history.base);
+        scratch.pulled.clone_from(&history.tensions);
+        holes.cable_lengths(&memory.at.lengths, &mut scratch.lengths);
+        copy_out(problem, scratch);
+    }
+    (scratch.history, scratch.friction, scratch.schedule) = (history, memory, schedule);
+    found
 }
 
-/// What does not change from step to step.
-#[derive(Clone, Debug)]
-pub(super) struct Holes {
-    /// Passages of each cable from the base on.
-    pub of_cable: Vec<Vec<usize>>,
-    /// Friction coefficients.
-    pub coefficients: Vec<f64>,
-    /// `ℓ⁰/EA` of every passage in m/N.
-    pub yielding: Vec<f64>,
-    /// `Dᵢ` of the robot at rest.
-    pub at_rest: Vec<f64>,
+/// The chain with the tensions of all passages.
+struct Rubbing<'a> {
+    problem: &'a Problem<'a>,
+    scratch: &'a mut Scratch,
 }
 
-const MAX_ITERATIONS: usize = 120;
-/// A step that gains nothing is shortened to no less than this.
-const LEAST_FRACTION: f64 = 1.0 / 16.0;
-/// A step that leads to no equilibrium is shortened to no less than this.
-const LEAST_STEP: f64 = 1.0 / 1024.0;
-/// Of the backbone's length: slips and tensions, in terms of κ, are met to this.
-const TOLERANCE: f64 = 1e-13;
-/// Of the backbone's length: less is no sliding.
-const SLIDES: f64 = 1e-11;
-/// What rounding may leave where nothing improves any more.
-const ROUNDING: f64 = 1e-10;
-/// The step of actuation is divided into at most so many parts.
-const MOST_PARTS: usize = 64;
-const STUCK: &str =
-    "the cables find no state of sticking and sliding: go there in smaller steps of actuation";
-
-impl Holes {
-    /// `Dᵢ` of every passage at these lengths and tensions of passages.
-    pub(super) fn beyond(&self, lengths: &[f64], tensions: &[f64], beyond: &mut [f64]) {
-        for passages in &self.of_cable {
-            let mut sum = 0.0;
-            for &p in passages.iter().rev() {
-                sum += lengths[p] - tensions[p] * self.yielding[p];
-                beyond[p] = sum;
-            }
-        }
+impl Rubbing<'_> {
+    /// Asks the chain under all of the load.
+    fn ask<T>(&mut self, ask: impl FnOnce(&mut Chain, &mut Task<'_>) -> T) -> T {
+        let Scratch { chain, groups, applied, .. } = &mut *self.scratch;
+        let raise = Raise { problem: self.problem, commands: &[], derivatives: false };
+        ask(chain, &mut raise.task(groups, applied, 1.0))
     }
 }
 
-/// `φ` at the near hole of every passage, in rad, from the poses of the spans relative to the disk
-/// before.
-pub(super) fn turns(frame: &Frame, holes: &Holes, spans: &[Pose], chords: &[Chord]) -> Vec<f64> {
-    let mut turns = vec![0.0; frame.passages];
-    for passages in &holes.of_cable {
-        for (k, &p) in passages.iter().enumerate() {
-            let coming = match k.checked_sub(1) {
+impl PassageResponse for Rubbing<'_> {
+    type Shape = Vec<Node>;
+
+    fn shape(&self) -> Vec<Node> {
+        self.scratch.chain.nodes.clone()
+    }
+
+    fn set_shape(&mut self, shape: &Vec<Node>) {
+        self.scratch.chain.nodes.clone_from(shape);
+    }
+
+    fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure> {
+        let slopes = core::mem::take(&mut self.scratch.chain.slopes);
+        let settled = Rod::new(self.problem, self.scratch).settle(tensions);
+        self.scratch.chain.slopes = slopes;
+        settled
+    }
+
+    fn measure(&mut self, tensions: &[f64], at: &mut Passages) -> Result<f64, Fault> {
+        let holes = self.problem.holes;
+        self.ask(|chain, task| {
+            chain.pull(task.groups, tensions);
+            let gap = chain.measure(task)?;
+            at.lengths.clone_from(&chain.lengths);
+            at.turns.resize(tensions.len(), 0.0);
+            for passages in holes.iter().flat_map(|holes| &holes.of_cable) {
+                chain.turn(task, passages, &mut at.turns);
+            }
+            Ok(gap)
+        })
+    }
+
+    fn respond(&mut self, _: &[f64], response: &mut Response) -> bool {
+        self.ask(|chain, task| chain.linearise(task) && chain.respond_to_tensions(task, response))
+    }
+
+    fn prepare(&mut self, changes: &[f64]) -> Option<f64> {
+        self.ask(|chain, task| {
+            chain.kept.clone_from(&chain.nodes);
+            chain.kept_load = task.load;
+            chain.follow(task, changes).then_some(1.0)
+        })
+    }
+
+    fn go(&mut self, fraction: f64) {
+        self.ask(|chain, task| chain.go(task, fraction));
+    }
+
+    fn is_loaded(&self) -> bool {
+        self.scratch.applied.any()
+    }
+
+    fn tolerance(&self) -> f64 {
+        self.problem.tolerance
+    }
+
+    fn meter(&self) -> &Meter {
+        self.problem.meter
+    }
+
+    fn note(&mut self, iteration: usize, residual: f64, fraction: f64, tensions: &[f64]) {
+        let trace = &mut self.scratch.chain.trace;
+        trace.steps = self.problem.mesh.grid.len();
+        trace.iteration(iteration, 1.0, residual, fraction, tensions);
+    }
+
+    fn failure(&self, fault: Fault, tensions: &[f64]) -> Failure {
+        let passages = self.problem.frame.spans.iter().flat_map(|span| &span.passages);
+        let mut greatest = vec![0.0_f64; self.problem.commands.len()];
+        for (passage, &tension) in passages.zip(tensions) {
+            greatest[passage.cable] = greatest[passage.cable].max(tension);
+        }
+        Failure::of_section(fault, &greatest, 0.0)
+    }
+}
+
+impl Chain {
+    /// The angles in the holes of a cable where the chain was measured last, and how they change with the directions of its
+    /// passages.
+    fn turn(&mut self, task: &Task<'_>, passages: &[usize], turns: &mut [f64]) {
+        for (place, &p) in passages.iter().enumerate() {
+            let coming = match place.checked_sub(1) {
                 None => Vec3::Z,
                 Some(before) => {
-                    spans[before].rotation.conjugate().rotate(chords[passages[before]].along)
+                    let end = task.mesh.spans[before].end - 1;
+                    let to_far = self.poses[end].rotation.conjugate();
+                    to_far.rotate(self.chords[passages[before]].along)
                 }
             };
-            let going = chords[p].along;
-            turns[p] = coming.cross(going).norm().atan2(coming.dot(going));
-        }
-    }
-    turns
-}
-
-/// Goes one step of actuation on from `history`, in parts where that is needed; the tensions of all
-/// passages end in `history`. The iteration starts from `guess`, or from the tensions before.
-pub(super) fn step(
-    rod: &mut Rod<'_>,
-    holes: &Holes,
-    commands: &[Command],
-    history: &mut History,
-    guess: Option<&[f64]>,
-) -> Result<Found, Failure> {
-    if history.beyond.is_empty() {
-        history.beyond.clone_from(&holes.at_rest);
-        history.tensions = vec![0.0; holes.at_rest.len()];
-        history.base = vec![0.0; commands.len()];
-        history.slip_states = vec![SlipState::Sticks; holes.at_rest.len()];
-    }
-    if let Some(guess) = guess
-        && let Ok(found) = newton(rod, holes, commands, history, guess)
-    {
-        return Ok(found);
-    }
-    let before = history.clone();
-    let mut parts = 1;
-    loop {
-        *history = before.clone();
-        let gone = (1..=parts).try_fold(Found::default(), |found, part| {
-            let fraction = part as f64 / parts as f64;
-            let commands = between(&before, holes, commands, fraction);
-            let start = history.tensions.clone();
-            let next = newton(rod, holes, &commands, history, &start)
-                .map_err(|failure| failure.reached((part - 1) as f64 / parts as f64))?;
-            Ok(Found { iterations: found.iterations + next.iterations, ..next })
-        });
-        match gone {
-            Err(_) if parts < MOST_PARTS && !rod.has_ended() => parts *= 4,
-            Ok(found) => {
-                history.compare(&before, SLIDES * rod.length());
-                return Ok(found);
+            let going = self.chords[p].along;
+            let (sine, cosine) = (coming.cross(going).norm(), coming.dot(going));
+            turns[p] = sine.atan2(cosine);
+            let slope = if sine > STRAIGHT { -1.0 / sine } else { 0.0 };
+            self.slopes[p].near = coming * slope;
+            if let Some(before) = place.checked_sub(1) {
+                self.slopes[passages[before]].far = going * slope;
             }
-            Err(failure) => return Err(failure),
         }
     }
-}
 
-/// The commands at a fraction of the way from the state before.
-fn between(before: &History, holes: &Holes, commands: &[Command], fraction: f64) -> Vec<Command> {
-    let part = |(cable, command): (usize, &Command)| match *command {
-        Command::Tension(tension) => {
-            let start = before.base[cable];
-            Command::Tension(start + fraction * (tension - start))
+    /// What the tension of every passage, and last the closing of the gaps, does to all lengths and angles.
+    pub fn respond_to_tensions(&mut self, task: &Task<'_>, response: &mut Response) -> bool {
+        let n = task.frame.passages;
+        let wide = n + 1;
+        let cut = if task.loads.any_follower_force() { 6 } else { 3 };
+        let scales = task.frame.scales(task.mesh);
+        self.elimination.start(Size { cut, shared: n }, scales.moment, scales.force);
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+        let mut units = [Push::default(); 9];
+        for c in 0..3 {
+            units[c].turn = axes[c];
+            units[3 + c].moment = axes[c];
+            units[6 + c].force = axes[c];
         }
-        Command::Length { target, compliance } => {
-            let start = before.beyond[holes.of_cable[cable][0]];
-            Command::Length { target: start + fraction * (target - start), compliance }
+        let units = &units[..3 + cut];
+        let mut columns = core::mem::take(&mut self.columns);
+        let mut pushed = true;
+        for (k, span) in task.frame.spans.iter().enumerate() {
+            let link = &self.links[k];
+            columns.clear();
+            columns.extend(units.iter().map(|push| link.pass(push).1));
+            columns.resize(3 + cut + n, Change::default());
+            for p in span.first..span.first + span.passages.len() {
+                columns[3 + cut + p] = self.end(task, k, Column::Tension(p));
+            }
+            let gap = self.end(task, k, Column::Closing);
+            pushed &= self.elimination.push(&columns, &gap);
+            if !pushed {
+                break;
+            }
         }
-    };
-    commands.iter().enumerate().map(part).collect()
-}
-
-/// The semismooth Newton method on eq. (6); `history` moves on only where it converges.
-fn newton(
-    rod: &mut Rod<'_>,
-    holes: &Holes,
-    commands: &[Command],
-    history: &mut History,
-    start: &[f64],
-) -> Result<Found, Failure> {
-    let n = holes.at_rest.len();
-    let length = rod.length();
-    let kappa = rod.compliance_scale();
-    let mut tensions = start.to_vec();
-    // A first guess that slides everywhere: without tension no piece of cable could take any.
-    for (cable, command) in commands.iter().enumerate() {
-        if let Command::Tension(given) = *command {
-            for &p in &holes.of_cable[cable] {
-                if tensions[p] == 0.0 {
-                    tensions[p] = given;
+        self.columns = columns;
+        if !pushed {
+            return false;
+        }
+        self.elimination.answer();
+        response.lengths.clear();
+        response.lengths.resize(n * wide, 0.0);
+        response.turns.clear();
+        response.turns.resize(n * wide, 0.0);
+        for (k, span) in task.frame.spans.iter().enumerate() {
+            let cables = span.passages.len();
+            let link = &self.links[k];
+            let rows = &self.rows[ROWS * span.first..ROWS * (span.first + cables)];
+            let angle_rows = &self.angle_rows[ANGLE_ROWS * span.first..][..ANGLE_ROWS * cables];
+            let (near_rows, far_rows) = angle_rows.split_at(9 * cables);
+            let anchored = span.anchors.len() * cables;
+            let own_lengths = &self.anchor_rows[span.anchor_rows..];
+            let own_near = &self.anchor_angles[2 * span.anchor_rows..];
+            let own_far = &own_near[anchored..];
+            let mut by_unit = [BodyWrench::default(); 9];
+            for (wrench, push) in by_unit.iter_mut().zip(units) {
+                *wrench = link.pass(push).0;
+            }
+            let own = |column: Column| link.pass(&self.push(task, k, column)).0;
+            for i in 0..cables {
+                let of_wrench = |rows: &[f64], wrench: &BodyWrench| -> f64 {
+                    (0..3)
+                        .map(|c| {
+                            rows[c * cables + i] * wrench.linear[c]
+                                + rows[(3 + c) * cables + i] * wrench.angular[c]
+                        })
+                        .sum()
+                };
+                let by_start = |rows: &[f64]| {
+                    let mut by = [0.0; 9];
+                    for (c, entry) in by.iter_mut().enumerate().take(units.len()) {
+                        let turn = if c < 3 { rows[(6 + c) * cables + i] } else { 0.0 };
+                        *entry = of_wrench(rows, &by_unit[c]) + turn;
+                    }
+                    by
+                };
+                let p = span.first + i;
+                let next = self.next_of(task, k, i);
+                let [length, near, far] = [rows, near_rows, far_rows].map(by_start);
+                for j in 0..wide {
+                    let Change { turn, moment, force } = self.elimination.change(k, j);
+                    let along = |by: &[f64; 9]| -> f64 {
+                        (0..3)
+                            .map(|c| by[c] * turn[c] + by[3 + c] * moment[c] + by[6 + c] * force[c])
+                            .sum()
+                    };
+                    response.lengths[p * wide + j] += along(&length);
+                    response.turns[p * wide + j] += along(&near);
+                    if let Some(next) = next {
+                        response.turns[next * wide + j] += along(&far);
+                    }
+                }
+                let inside = (span.first..span.first + cables).map(Column::Tension);
+                for column in inside.chain([Column::Closing]) {
+                    let j = if let Column::Tension(j) = column { j } else { n };
+                    let wrench = own(column);
+                    let direct = |rows: &[f64]| Self::own(task, k, i, column, rows);
+                    response.lengths[p * wide + j] +=
+                        of_wrench(rows, &wrench) + direct(own_lengths);
+                    response.turns[p * wide + j] +=
+                        of_wrench(near_rows, &wrench) + direct(own_near);
+                    if let Some(next) = next {
+                        response.turns[next * wide + j] +=
+                            of_wrench(far_rows, &wrench) + direct(own_far);
+                    }
                 }
             }
         }
+        true
     }
-    let law = Law { holes, commands, before: &history.beyond, kappa, length };
-    if let Some(closed) = rod.close_with_friction(&law, &tensions) {
-        let Closed { tensions, beyond, turns, found } = closed;
-        history.advance(holes, commands, (tensions, beyond, &turns), SLIDES * length);
-        return Ok(found);
+
+    /// The passage of the same cable in the next span.
+    fn next_of(&self, task: &Task<'_>, k: usize, i: usize) -> Option<usize> {
+        let cable = task.frame.spans[k].passages[i].cable;
+        let next = task.frame.spans.get(k + 1)?;
+        let place = next.passages.iter().position(|passage| passage.cable == cable)?;
+        Some(next.first + place)
     }
-    let (mut beyond, mut lu) = (vec![0.0; n], DenseLu::default());
-    let (mut matrix, mut right) = (vec![0.0; n * n], vec![0.0; n]);
-    let mut last = f64::INFINITY;
-    let (mut kept, mut change) = (tensions.clone(), vec![0.0; n]);
-    let (mut fraction, mut size) = (1.0, f64::INFINITY);
-    for iteration in 0..MAX_ITERATIONS {
-        if rod.has_ended() {
-            break;
-        }
-        rod.iterate();
-        if let Err(fault) = rod.respond(&tensions, true) {
-            // An iterate that the robot does not bear says nothing of the answer: back towards the last
-            // one that it did. Under loads each attempt costs a path of loads, and smaller steps of
-            // actuation cost less.
-            fraction *= 0.5;
-            if iteration == 0 || fraction < LEAST_STEP || rod.is_loaded() || rod.has_ended() {
-                return Err(rod.failure(fault, &tensions));
+
+    /// The changes of all nodes by these changes of the tensions and by the closing of the gaps.
+    pub fn follow(&mut self, task: &Task<'_>, theta: &[f64]) -> bool {
+        let mut finite = true;
+        self.step.load = 0.0;
+        self.step.nodes.clear();
+        for k in 0..self.nodes.len() {
+            let mut change = self.elimination.change(k, theta.len());
+            for (j, &theta) in theta.iter().enumerate() {
+                change = change.plus(theta, self.elimination.change(k, j));
             }
-            advance(&mut tensions, &kept, &change, fraction);
-            continue;
-        }
-        let turns = rod.turns(holes);
-        holes.beyond(rod.lengths(), &tensions, &mut beyond);
-        matrix.fill(0.0);
-        let mut worst: f64 = 0.0;
-        for (cable, passages) in holes.of_cable.iter().enumerate() {
-            for (i, &p) in passages.iter().enumerate() {
-                let wrap = holes.coefficients[cable] * turns[p];
-                let (least, most) = ((-wrap).exp(), wrap.exp());
-                let incoming = match (i, commands[cable]) {
-                    (0, Command::Tension(given)) => Some((None, given)),
-                    (0, Command::Length { .. }) => None,
-                    _ => Some((Some(passages[i - 1]), tensions[passages[i - 1]])),
-                };
-                let row = &mut matrix[p * n..(p + 1) * n];
-                let Some((before, tension)) = incoming else {
-                    // D₀ is given; the cable is slack where it would have to push.
-                    let Command::Length { target, .. } = commands[cable] else { continue };
-                    let lack = beyond[p] - target;
-                    if lack + tensions[p] * kappa <= 0.0 {
-                        row[p] = kappa;
-                        right[p] = -kappa * tensions[p];
-                    } else {
-                        by_material(rod, holes, &passages[i..], row);
-                        right[p] = -lack;
-                    }
-                    worst = worst.max(right[p].abs());
-                    continue;
-                };
-                let slip = history.beyond[p] - beyond[p];
-                let (above, below) = (tensions[p] - least * tension, most * tension - tensions[p]);
-                let slip_state = if slip - kappa * above > 0.0 {
-                    SlipState::Pulled
-                } else if slip + kappa * below < 0.0 {
-                    SlipState::Released
-                } else {
-                    SlipState::Sticks
-                };
-                let factor = if slip_state == SlipState::Pulled { least } else { most };
-                if slip_state == SlipState::Sticks {
-                    by_material(rod, holes, &passages[i..], row);
-                    right[p] = slip;
-                } else {
-                    row[p] = kappa;
-                    if let Some(before) = before {
-                        row[before] = -kappa * factor;
-                    }
-                    right[p] = kappa * (factor * tension - tensions[p]);
-                }
-                worst = worst.max(right[p].abs());
+            let mut node = NodeStep { change, ..NodeStep::default() };
+            if let Some(link) = self.links.get(k) {
+                let mut push = self.push(task, k, Column::Closing);
+                (push.turn, push.moment, push.force) = (change.turn, change.moment, change.force);
+                self.perturb(&mut push, task, k, |passage| theta[passage]);
+                node.wrench = link.pass(&push).0;
             }
+            finite &= change.is_finite() && node.wrench.linear.is_finite();
+            self.step.nodes.push(node);
         }
-        let rounded = worst <= ROUNDING * length && worst > 0.3 * last;
-        if worst <= TOLERANCE * length || rounded {
-            history.advance(holes, commands, (tensions, beyond, &turns), SLIDES * length);
-            let (iterations, residual) = (iteration + 1, worst / length);
-            return Ok(Found::with(Effort { iterations, residual }));
-        }
-        last = worst;
-        // From one state of the holes to the next and back: shorter steps find what is between them.
-        let now = right.iter().map(|x| x * x).sum::<f64>();
-        if now >= size && fraction > LEAST_FRACTION {
-            fraction *= 0.5;
-        } else {
-            if lu.factor(n, &matrix).is_err() {
-                break;
-            }
-            change.clone_from(&right);
-            lu.solve(&mut change);
-            if !change.iter().all(|x| x.is_finite()) {
-                break;
-            }
-            kept.clone_from(&tensions);
-            (fraction, size) = (1.0, now);
-        }
-        advance(&mut tensions, &kept, &change, fraction);
-    }
-    Err(Failure::NotConverged {
-        iterations: MAX_ITERATIONS,
-        residual: last / length,
-        last_load: 0.0,
-        advice: STUCK,
-    })
-}
-
-/// A part of a Newton step, to tensions that pull.
-fn advance(tensions: &mut [f64], from: &[f64], change: &[f64], fraction: f64) {
-    for ((tension, start), d) in tensions.iter_mut().zip(from).zip(change) {
-        *tension = (start + fraction * d).max(0.0);
-    }
-}
-
-/// `∂Dᵢ/∂T` into a row.
-fn by_material(rod: &Rod<'_>, holes: &Holes, passages: &[usize], row: &mut [f64]) {
-    let n = row.len();
-    for &k in passages {
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry += rod.length_by_tension()[k * n + j];
-        }
-        row[k] -= holes.yielding[k];
-    }
-}
-
-impl History {
-    /// Moves on to these tensions, `Dᵢ` and `φᵢ` of all passages; a slip of less than `least` in m is none.
-    fn advance(
-        &mut self,
-        holes: &Holes,
-        commands: &[Command],
-        (tensions, beyond, turns): (Vec<f64>, Vec<f64>, &[f64]),
-        least: f64,
-    ) {
-        let slips = self.beyond.iter().zip(&beyond).map(|(before, now)| before - now);
-        for (slip_state, slip) in self.slip_states.iter_mut().zip(slips) {
-            *slip_state = SlipState::after(slip, least);
-        }
-        for (cable, command) in commands.iter().enumerate() {
-            let first = holes.of_cable[cable][0];
-            let (wrap, tension) = (holes.coefficients[cable] * turns[first], tensions[first]);
-            let (least, most) = (tension * (-wrap).exp(), tension * wrap.exp());
-            self.base[cable] = match (*command, self.slip_states[first]) {
-                (Command::Tension(given), _) => given,
-                // Pulled in, the base bears more than the first piece.
-                (Command::Length { .. }, SlipState::Pulled) => most,
-                (Command::Length { .. }, SlipState::Released) => least,
-                (Command::Length { .. }, SlipState::Sticks) => self.base[cable].clamp(least, most),
-            };
-        }
-        (self.beyond, self.tensions) = (beyond, tensions);
-    }
-
-    /// What the holes did since `before`.
-    fn compare(&mut self, before: &Self, least: f64) {
-        let beyond = before.beyond.iter().zip(&self.beyond);
-        for (slip_state, (before, now)) in self.slip_states.iter_mut().zip(beyond) {
-            *slip_state = SlipState::after(before - now, least);
-        }
-    }
-}
-
-impl SlipState {
-    fn after(slip: f64, least: f64) -> Self {
-        if slip > least {
-            Self::Pulled
-        } else if slip < -least {
-            Self::Released
-        } else {
-            Self::Sticks
-        }
+        finite
     }
 }

@@ -4,14 +4,14 @@ use core::ops::Range;
 
 use whipcord_numerics::{Pose, magnus_6};
 
-use super::friction::Holes;
 use super::repeated_spans::{self, RepeatedSpan};
 use super::span::Chord;
 use crate::case::Loads;
 use crate::derivatives::StraightSpan;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::robot::Robot;
+use crate::robot::{Cable, Robot};
+use crate::statics::friction::Holes;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::passages::{Anchor, Passage, passages};
 use crate::statics::scales::Scales;
@@ -136,36 +136,22 @@ impl Frame {
         Scales::of(&mesh.grid, self.rod.backbone().length)
     }
 
+    /// By how much a tension of 1 N shortens a cable, in m: its order of magnitude.
+    pub fn compliance(&self, mesh: &Mesh) -> f64 {
+        let length = self.rod.backbone().length;
+        let lever = (self.spans.iter())
+            .flat_map(|span| &span.passages)
+            .map(|passage| passage.near.norm())
+            .fold(1e-3 * length, f64::max);
+        lever * lever / (self.scales(mesh).force * length)
+    }
+
     /// The holes with their friction coefficients.
-    pub fn holes(&self, robot: &Robot) -> Holes {
-        let mut of_cable = vec![Vec::new(); robot.cables().len()];
-        for span in &self.spans {
-            for (i, passage) in span.passages.iter().enumerate() {
-                of_cable[passage.cable].push(span.first + i);
-            }
-        }
-        let mut at_rest = vec![0.0; self.passages];
-        for passages in &of_cable {
-            let mut beyond = 0.0;
-            for &p in passages.iter().rev() {
-                beyond += self.rest_chords[p].length;
-                at_rest[p] = beyond;
-            }
-        }
-        let cables = robot.cables();
-        let mut yielding = vec![0.0; self.passages];
-        for (passages, cable) in of_cable.iter().zip(cables) {
-            let compliance = cable.axial_stiffness.map_or(0.0, f64::recip);
-            for &p in passages {
-                yielding[p] = compliance * self.rest_chords[p].length;
-            }
-        }
-        Holes {
-            of_cable,
-            coefficients: cables.iter().map(|cable| cable.friction.unwrap_or(0.0)).collect(),
-            yielding,
-            at_rest,
-        }
+    pub fn holes(&self, cables: &[Cable], mesh: &Mesh) -> Holes {
+        let passages = self.spans.iter().flat_map(|span| &span.passages);
+        let pieces = passages.zip(&self.rest_chords).map(|(p, chord)| (p.cable, chord.length));
+        let length = self.rod.backbone().length;
+        Holes::new(cables, pieces, length, self.compliance(mesh))
     }
 
     /// The mesh on which the rod at rest is known.

@@ -14,7 +14,7 @@
 //! | `chain`, `linear_step`, `newton` | the loaded robot as a chain of spans, its linear step, and Newton's method |
 //! | `path`, `branches` | the chain as an equilibrium path, and all equilibria that are connected to the unloaded shape |
 //! | `statics`, `load_continuation` | equilibrium on one mesh, and continuation of the load |
-//! | `friction`, `friction_newton` | friction at the holes: steps of actuation; chain and tensions in one Newton's method |
+//! | `friction` | the response of the chain to the tensions of all passages, for friction at holes |
 //! | `refinement` | halving of the steps to a tolerance |
 //! | `stability`, `stability_check` | the second variation of the energy, and the decision |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
@@ -25,7 +25,6 @@ mod chain;
 mod contact;
 mod contact_response;
 mod friction;
-mod friction_newton;
 pub(crate) mod layout;
 mod linear_step;
 mod load_continuation;

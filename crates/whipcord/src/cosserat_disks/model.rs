@@ -2,7 +2,7 @@ use std::sync::{Arc, OnceLock};
 
 use whipcord_numerics::Pose;
 
-use super::friction::{History, Holes};
+use super::chain::Node;
 use super::layout::{Frame, Mesh};
 use super::refinement::{FINER_MESHES, Refined, STABILITY_STEPS};
 use super::stability_check;
@@ -19,6 +19,7 @@ use crate::refusal;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
 use crate::shape::{CableState, Diagnostics, NoStability, Solution, Wrench};
 use crate::statics::command::Command;
+use crate::statics::friction::{History, Holes};
 use crate::statics::grid::steps_for_twist;
 use crate::statics::loads::{self, AppliedLoads};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
@@ -87,6 +88,8 @@ pub struct Workspace {
     coarse_tensions: Vec<f64>,
     coarse_base_wrench: Wrench,
     pub(super) histories: Vec<StepHistory>,
+    /// The substeps of each step of actuation, the same on all meshes.
+    pub(super) schedules: Vec<Vec<f64>>,
     pub(super) meter: Meter,
     neighbour: Neighbour,
     /// How far the solve came: the best shape where its budget is spent.
@@ -106,7 +109,7 @@ pub(super) struct Progress {
 #[derive(Clone, Debug, Default)]
 pub(super) struct StepHistory {
     pub taken: usize,
-    pub history: History,
+    pub history: History<Vec<Node>>,
 }
 
 impl Workspace {
@@ -190,7 +193,7 @@ impl CosseratDisks {
         };
         let mesh = frame.mesh(steps, 0)?;
         let has_friction = robot.cables().iter().any(Cable::has_friction);
-        let holes = has_friction.then(|| frame.holes(robot));
+        let holes = has_friction.then(|| frame.holes(robot.cables(), &mesh));
         let stability_steps = STABILITY_STEPS.max(steps_for_twist(robot));
         let (robot, options) = (robot.clone(), options.clone());
         let (finer, fine) = (Arc::default(), Arc::default());
@@ -268,6 +271,7 @@ impl CosseratDisks {
         } else {
             case.check(&self.robot)?;
             workspace.histories.clear();
+            workspace.schedules.clear();
             self.solve_from(&one_by_one(case), from, workspace, solution)
         };
         match workspace.meter.checked(outcome) {
@@ -348,6 +352,7 @@ impl CosseratDisks {
         }
         let steps = one_by_one(case);
         workspace.histories.clear();
+        workspace.schedules.clear();
         let mut last: Option<Solution> = None;
         for n in 0..steps.len() {
             let first = if self.holes.is_some() { 0 } else { n };
@@ -393,12 +398,7 @@ impl CosseratDisks {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        refusal::hole_friction(
-            ModelKind::CosseratDisks,
-            &self.robot,
-            "friction at the holes, for compliance and derivatives",
-            "with friction the compliance differs between pulling and releasing a cable: set the friction to 0",
-        )?;
+        refusal::friction_with_derivatives(ModelKind::CosseratDisks, &self.robot)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
             let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
@@ -589,8 +589,10 @@ impl CosseratDisks {
         self.write_iterate(mesh, base, workspace, solution);
         let history = &workspace.scratch.history;
         for (i, cable) in solution.cables.iter_mut().enumerate() {
-            self.at_holes(i, &history.tensions, &mut cable.span_tensions);
-            self.at_holes(i, &history.slip_states, &mut cable.slip_states);
+            if let Some(holes) = &self.holes {
+                holes.of(i, &history.tensions, &mut cable.span_tensions);
+                holes.of(i, &history.slip_states, &mut cable.slip_states);
+            }
         }
         solution.diagnostics = Diagnostics {
             iterations: found.iterations,
@@ -673,15 +675,6 @@ impl CosseratDisks {
         }
         .with_stability(Err(NoStability::NotAsked));
         Ok(true)
-    }
-
-    /// The values that a cable with friction has at its holes in the disks, of those of all passages.
-    fn at_holes<T: Copy>(&self, cable: usize, of_passages: &[T], into: &mut Vec<T>) {
-        into.clear();
-        let has_friction = |holes: &&Holes| holes.coefficients[cable] > 0.0;
-        if let Some(holes) = self.holes.as_ref().filter(has_friction) {
-            into.extend(holes.of_cable[cable].iter().map(|&p| of_passages[p]));
-        }
     }
 
     pub(super) fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {

@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-use super::friction::History;
 use super::layout::Mesh;
 use super::model::{CosseratDisks, StepHistory, Workspace};
 use super::stability_check::Sampled;
 use super::statics::{self, Start};
 use crate::case::Case;
 use crate::error::SolveError;
+use crate::statics::friction::History;
 use crate::statics::options::{Accuracy, StabilityAnalysis};
 use crate::statics::outcome::Found;
 use crate::statics::refinement::ERROR_RATIO;
@@ -141,7 +141,8 @@ impl CosseratDisks {
         start: Start<'_>,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let Workspace { scratch, commands, histories, meter, .. } = workspace;
+        let Workspace { scratch, commands, histories, schedules, meter, .. } = workspace;
+        schedules.resize(cases.len().max(schedules.len()), Vec::new());
         if histories.len() <= level {
             histories.resize(level + 1, StepHistory::default());
         }
@@ -156,8 +157,10 @@ impl CosseratDisks {
             let problem = self.problem(mesh, (commands, meter), case)?;
             // What a coarser mesh found is that of the last step.
             let start = if n + 1 == cases.len() { start } else { Start::Cold };
+            scratch.schedule = core::mem::take(&mut schedules[n]);
             found = statics::solve(&problem, start, scratch)
                 .map_err(|failure| self.explain(failure, commands))?;
+            schedules[n] = core::mem::take(&mut scratch.schedule);
         }
         histories[level] = StepHistory { taken: cases.len(), history: scratch.history.clone() };
         Ok(found)

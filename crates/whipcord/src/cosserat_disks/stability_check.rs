@@ -1,21 +1,16 @@
 //! The stability check of an answer: its sampled sections, and the cables that hold it.
 
-use whipcord_numerics::Pose;
-
-use super::friction::{self, Holes};
 use super::layout::Mesh;
 use super::rod::{self, InSpan};
 use super::span::Chord;
 use super::stability::{Equilibrium, Locked, Stability};
 use super::statics::{Problem, Scratch};
 use crate::section::BodyWrench;
-use crate::shape::{Diagnostics, NoStability, SlipState, Verdict};
+use crate::shape::{Diagnostics, NoStability, Verdict};
 use crate::statics::command::Command;
+use crate::statics::friction::Slides;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::self_stress::is_idle;
-
-/// A hole that is so near to letting the cable slide, of its grip, counts as sliding.
-const SLIPS: f64 = 1e-6;
 
 /// Stability of the answer in `scratch`, which is on the mesh of the problem, or why it is not known: loads that
 /// follow the body have no energy, and a cable that slides in a hole has no potential. The least eigenvalue is computed
@@ -42,15 +37,17 @@ fn verdict(
         return Err(NoStability::Followers);
     }
     let loaded = scratch.applied.any();
-    let turned = problem.holes.map_or_else(Vec::new, |holes| {
-        let Scratch { chain, unloaded, .. } = &*scratch;
-        if loaded {
-            turns(problem, holes, &chain.poses, &chain.chords)
-        } else {
-            turns(problem, holes, &unloaded.poses, &unloaded.chords)
-        }
-    });
-    lock(problem, scratch, &turned, locked).ok_or(NoStability::Sliding)?;
+    held_lengths(problem, &scratch.tensions, &scratch.lengths, locked);
+    if let Some(holes) = problem.holes {
+        let Scratch { friction, history, .. } = &*scratch;
+        let lock = |p: usize, compliance: f64| {
+            locked.of_passage[p] = Some(locked.compliances.len());
+            locked.compliances.push(compliance);
+            locked.idle.push(false);
+        };
+        let locks = holes.lock(problem.commands, &friction.at.turns, history, lock);
+        locks.map_err(|Slides| NoStability::Sliding)?;
+    }
     let locked = &*locked;
     let mesh = problem.sampled.mesh(|k| compressed(scratch, loaded, k));
     if problem.stability == StabilityAnalysis::Verdict {
@@ -87,7 +84,7 @@ fn on_mesh<T>(
     ask: impl FnOnce(&mut Stability, &Equilibrium<'_>) -> T,
 ) -> T {
     sample(problem, mesh, 1.0, loaded, scratch);
-    let scale = compliance_scale(problem);
+    let scale = problem.frame.compliance(problem.mesh);
     scratch.turned.clear();
     scratch.turned.extend(scratch.chain.nodes.iter().map(|node| node.rotation));
     let chords = if loaded { &scratch.chain.chords } else { &scratch.unloaded.chords };
@@ -127,7 +124,7 @@ fn is_above_with(
     locked: &Locked,
 ) -> Option<bool> {
     let Problem { frame, mesh, .. } = *problem;
-    let scale = compliance_scale(problem);
+    let scale = problem.frame.compliance(problem.mesh);
     let fine = problem.sampled.mesh(|k| compressed(scratch, true, k));
     let own_is_fine = mesh.grid.len() >= fine.grid.len();
     let Scratch { chain, stability, .. } = &mut *scratch;
@@ -163,7 +160,7 @@ pub(super) fn unstable_directions(
     scratch: &mut Scratch,
 ) -> Option<usize> {
     let Problem { frame, mesh, .. } = *problem;
-    let scale = compliance_scale(problem);
+    let scale = problem.frame.compliance(problem.mesh);
     let fine = problem.sampled.fine;
     let mut locked = core::mem::take(&mut scratch.locked);
     held_lengths(problem, &scratch.chain.tensions, &scratch.chain.lengths, &mut locked);
@@ -197,7 +194,7 @@ pub(super) fn is_above_without_load(
     }
     let mut locked = Locked::default();
     held_lengths(problem, &tensions, lengths, &mut locked);
-    let scale = compliance_scale(problem);
+    let scale = problem.frame.compliance(problem.mesh);
     let mut above = |mesh: &Mesh, bound: f64| {
         sample(problem, mesh, 0.0, false, scratch);
         let Scratch { unloaded, stability, samples, pulled, .. } = &mut *scratch;
@@ -299,49 +296,6 @@ fn sample(problem: &Problem<'_>, mesh: &Mesh, load: f64, loaded: bool, scratch: 
     }
 }
 
-/// What keeps its length however the robot moves a little: taut cables that are driven by it and do
-/// not rub, and the pieces of those that rub and stick in all their holes, well within eq. (5). `None`
-/// where a cable slid in a hole, and where a hole is about to let the cable slide, if only one way: its tensions then change with the
-/// turns, and the way it slides with the motion.
-fn lock(
-    problem: &Problem<'_>,
-    scratch: &Scratch,
-    turns: &[f64],
-    locked: &mut Locked,
-) -> Option<()> {
-    let has_friction =
-        |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
-    held_lengths(problem, &scratch.tensions, &scratch.lengths, locked);
-    for span in &problem.frame.spans {
-        for (i, passage) in span.passages.iter().enumerate() {
-            let p = span.first + i;
-            if let Some(holes) = problem.holes.filter(|_| has_friction(passage.cable))
-                && scratch.pulled[p] > 0.0
-            {
-                let cable = passage.cable;
-                let place = holes.of_cable[cable].iter().position(|&of| of == p)?;
-                let incoming = match (place.checked_sub(1), problem.commands[cable]) {
-                    (Some(before), _) => scratch.pulled[holes.of_cable[cable][before]],
-                    (None, Command::Tension(given)) => given,
-                    // What winds the cable up holds it, whatever the base hole does.
-                    (None, Command::Length { .. }) => scratch.pulled[p],
-                };
-                let grip = holes.coefficients[cable] * turns[p];
-                let held = matches!((place, problem.commands[cable]), (0, Command::Length { .. }));
-                let slid = scratch.history.slip_states[p] != SlipState::Sticks;
-                let slips = (scratch.pulled[p] / incoming).ln().abs() >= (1.0 - SLIPS) * grip;
-                if !held && (slid || slips) {
-                    return None;
-                }
-                locked.of_passage[p] = Some(locked.compliances.len());
-                locked.compliances.push(holes.yielding[p]);
-                locked.idle.push(false);
-            }
-        }
-    }
-    Some(())
-}
-
 /// The cables that are driven by their length, are taut or at that length without tension, and do not rub.
 fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64], locked: &mut Locked) {
     locked.clear(problem.commands.len());
@@ -364,27 +318,4 @@ fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64], locked
     let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);
     let Locked { of_cable, of_passage, .. } = locked;
     of_passage.extend(passages.map(|passage| of_cable[passage.cable]));
-}
-
-/// `φ` at the near hole of every passage, from the poses at the ends of the steps of the mesh.
-pub(super) fn turns(
-    problem: &Problem<'_>,
-    holes: &Holes,
-    poses: &[Pose],
-    chords: &[Chord],
-) -> Vec<f64> {
-    let Problem { frame, mesh, .. } = *problem;
-    let spans: Vec<Pose> = mesh.spans.iter().map(|steps| poses[steps.end - 1]).collect();
-    friction::turns(frame, holes, &spans, chords)
-}
-
-/// By how much a tension of 1 N shortens a cable, in m: its order of magnitude.
-pub(super) fn compliance_scale(problem: &Problem<'_>) -> f64 {
-    let length = problem.frame.rod.backbone().length;
-    let lever = (problem.frame.spans.iter())
-        .flat_map(|span| &span.passages)
-        .map(|passage| passage.near.norm())
-        .fold(1e-3 * length, f64::max);
-    let force = problem.frame.scales(problem.mesh).force;
-    lever * lever / (force * length)
 }

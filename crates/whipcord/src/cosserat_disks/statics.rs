@@ -2,15 +2,14 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
-use super::chain::{Chain, State};
-use super::friction::{self, History, Holes};
-use super::friction_newton::{FrictionScratch, Law};
+use super::chain::{Chain, Node, State};
+use super::friction;
 use super::layout::{Frame, Mesh};
 use super::load_continuation::{self, Raise};
 use super::rod::Sample;
 use super::span::{self, Chord};
 use super::stability::{Locked, Stability};
-use super::stability_check::{Sampled, compliance_scale, turns};
+use super::stability_check::Sampled;
 use super::unloaded::{self, Unloaded};
 use crate::budget::Meter;
 use crate::case::Case;
@@ -19,6 +18,7 @@ use crate::section::{BodyWrench, Fault};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::continuation::PATH_ENDS;
+use crate::statics::friction::{FrictionScratch, History, Holes};
 use crate::statics::lengths::{self, Effort, Given, LengthScratch, Note, TensionResponse};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::StabilityAnalysis;
@@ -103,15 +103,15 @@ pub(super) struct Scratch {
     pub lengths: Vec<f64>,
     pub base_wrench: Wrench,
     /// The state of hole friction.
-    pub(super) history: History,
+    pub(super) history: History<Vec<Node>>,
     /// Whether the last answer from cold is an equilibrium that the robot leaves, and no stable one was found.
     pub(super) unstable: bool,
     /// What the iterate leaves open at which the budget was spent; it is then in the place of the answer.
     pub(super) open: Option<Effort>,
-    /// Tensions of all passages of the last answer with friction, for a finer mesh.
-    coarse_tensions: Vec<f64>,
-    /// Of the holes in Newton's method for shape and tensions together.
-    holes: FrictionScratch,
+    /// The state of the holes in the iteration.
+    pub(super) friction: FrictionScratch,
+    /// The substeps of the step of actuation, from 0 to 1; empty where they are not known.
+    pub(super) schedule: Vec<f64>,
     pub(super) applied: AppliedLoads,
     pub(super) unloaded: Unloaded,
     pub(super) chain: Chain,
@@ -173,7 +173,7 @@ pub(super) fn solve(
 ) -> Result<Found, Failure> {
     scratch.unstable = false;
     if let Some(holes) = problem.holes {
-        return with_friction(problem, holes, start, scratch);
+        return friction::solve(problem, holes, matches!(start, Start::Coarser), scratch);
     }
     let cables = problem.commands.len();
     if !matches!(start, Start::Coarser) {
@@ -236,44 +236,6 @@ pub(super) fn start_of_path(
     Ok(scratch.applied.any().then_some(state))
 }
 
-/// One step of actuation on from what the holes remember.
-fn with_friction(
-    problem: &Problem<'_>,
-    holes: &Holes,
-    start: Start<'_>,
-    scratch: &mut Scratch,
-) -> Result<Found, Failure> {
-    let coarser = matches!(start, Start::Coarser);
-    let guess = coarser.then(|| core::mem::take(&mut scratch.coarse_tensions));
-    scratch.groups.clear();
-    scratch.groups.extend(0..problem.frame.passages);
-    let mut history = core::mem::take(&mut scratch.history);
-    let mut rod = Rod::new(problem, scratch);
-    if coarser {
-        (rod.from, rod.closed) = (unloaded::From::Neighbour, true);
-    }
-    let commands = problem.commands;
-    let found = friction::step(&mut rod, holes, commands, &mut history, guess.as_deref())?;
-    let lengths = rod.scratch.lengths.clone();
-    let found = rod.finish(history.base.clone(), found);
-    scratch.lengths.clear();
-    let of_cable = |passages: &Vec<usize>| passages.iter().map(|&p| lengths[p]).sum::<f64>();
-    scratch.lengths.extend(holes.of_cable.iter().map(of_cable));
-    scratch.coarse_tensions.clone_from(&history.tensions);
-    scratch.history = history;
-    Ok(found)
-}
-
-/// An equilibrium of the robot with its holes, by passage.
-pub(super) struct Closed {
-    pub tensions: Vec<f64>,
-    /// `Dᵢ` in m.
-    pub beyond: Vec<f64>,
-    /// `φᵢ` in rad.
-    pub turns: Vec<f64>,
-    pub found: Found,
-}
-
 /// The robot as what answers tensions with a shape.
 pub(super) struct Rod<'a> {
     problem: &'a Problem<'a>,
@@ -303,71 +265,16 @@ impl<'a> Rod<'a> {
         Self { loaded: false, ..Self::new(problem, scratch) }
     }
 
-    /// Whether the loads count.
-    pub const fn is_loaded(&self) -> bool {
-        self.loaded
-    }
-
-    /// Counts an iteration of the search for the state of the holes.
-    pub fn iterate(&self) {
-        self.problem.meter.iterate();
-    }
-
-    /// Whether the solve goes no further.
-    pub fn has_ended(&self) -> bool {
-        self.problem.meter.has_ended()
-    }
-
-    /// Of the backbone, in m.
-    pub fn length(&self) -> f64 {
-        self.problem.frame.rod.backbone().length
-    }
-
-    /// By how much a tension of 1 N shortens a cable, in m: its order of magnitude.
-    pub fn compliance_scale(&self) -> f64 {
-        compliance_scale(self.problem)
-    }
-
-    /// `φ` at the near hole of every passage.
-    pub fn turns(&self, holes: &Holes) -> Vec<f64> {
-        let Scratch { chain, unloaded, .. } = &*self.scratch;
-        let (poses, chords) = if self.loaded {
-            (&chain.poses, &chain.chords)
-        } else {
-            (&unloaded.poses, &unloaded.chords)
-        };
-        turns(self.problem, holes, poses, chords)
-    }
-
-    /// Newton's method for shape and tensions of all passages together, from the chain as it stands or from the robot at these
-    /// tensions; `None` where it does not converge.
-    pub fn close_with_friction(&mut self, law: &Law<'_>, start: &[f64]) -> Option<Closed> {
+    /// Finds the chain at these tensions from the robot without load.
+    pub fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure> {
+        self.respond_with(tensions, false, false).map_err(|fault| self.failure(fault, tensions))?;
         let Problem { frame, mesh, .. } = *self.problem;
-        if !(self.loaded && self.closed) {
-            self.respond_with(start, true, false).ok()?;
-        }
-        let raise = Raise { problem: self.problem, commands: &[], derivatives: false };
-        let Scratch { chain, groups, unloaded, applied, holes, .. } = &mut *self.scratch;
-        chain.pull(groups, start);
+        let Scratch { chain, groups, unloaded, .. } = &mut *self.scratch;
         if !self.loaded {
+            chain.pull(groups, tensions);
             chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
         }
-        let task = raise.task(groups, applied, 1.0);
-        let closed = chain.newton_with_friction(&task, law, holes);
-        self.closed &= closed.is_ok();
-        let (iterations, residual) = closed.ok()?;
-        let tensions = chain.tensions.clone();
-        let (beyond, turns) = (holes.beyond.clone(), holes.turns.clone());
-        if self.loaded {
-            self.expand(&tensions);
-            self.gather(tensions.len(), false);
-        } else {
-            unloaded.adopt(chain.nodes.iter().map(|node| node.wrench), frame);
-            self.from = unloaded::From::Neighbour;
-            self.respond_with(&tensions, true, false).ok()?;
-        }
-        let found = Found::with(Effort { iterations, residual });
-        Some(Closed { tensions, beyond, turns, found })
+        Ok(())
     }
 
     fn expand(&mut self, tensions: &[f64]) {
@@ -386,7 +293,8 @@ impl<'a> Rod<'a> {
         }
         let commands = self.problem.commands;
         let meter = self.problem.meter;
-        let given = Given { length: self.length(), commands, bracket: true, meter };
+        let length = self.problem.frame.rod.backbone().length;
+        let given = Given { length, commands, bracket: true, meter };
         let mut start = core::mem::take(&mut self.scratch.first_tensions);
         start.clear();
         start.extend_from_slice(tensions);
@@ -424,7 +332,7 @@ impl<'a> Rod<'a> {
         let effort = closed.or_else(|| raise.all(self.scratch, false).ok())?;
         let Scratch { chain, unloaded, .. } = &mut *self.scratch;
         tensions.copy_from_slice(&chain.tensions);
-        unloaded.adopt(chain.nodes.iter().map(|node| node.wrench), frame);
+        unloaded.adopt(chain, frame);
         self.from = unloaded::From::Neighbour;
         self.respond_with(tensions, true, false).ok()?;
         Some(effort)

@@ -9,6 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::anchors::{Anchors, ChordChange};
+use super::chain::Chain;
 use super::layout::{Frame, Mesh, Span};
 use super::repeated_spans::RepeatedSpan;
 use super::rod::Sample;
@@ -265,9 +266,12 @@ impl Unloaded {
     }
 
     /// Takes over an answer that was found otherwise, to start the next sweep from.
-    pub fn adopt(&mut self, wrenches: impl Iterator<Item = BodyWrench>, frame: &Frame) {
+    pub fn adopt(&mut self, chain: &Chain, frame: &Frame) {
+        let spans = frame.spans.len();
         self.wrenches.clear();
-        self.wrenches.extend(wrenches.take(frame.spans.len()));
+        self.wrenches.extend(chain.nodes[..spans].iter().map(|node| node.wrench));
+        self.poses.clone_from(&chain.poses);
+        self.chords.clone_from(&chain.chords);
         self.tangents.clear();
         self.tangents.resize(frame.spans.len(), None);
         self.by_tension.clear();

@@ -48,7 +48,7 @@ impl FourBar {
     ) -> Result<Status, SolveError> {
         if let Some(chain) = &self.chain {
             let takes = chain.knows_forces() && self.is_under_forces(case);
-            if takes || !case.obstacles.is_empty() {
+            if takes || chain.has_friction() || !case.obstacles.is_empty() {
                 refusal::case(&self.robot, &self.options, case, takes)?;
                 return chain.solve_into(case, from, &mut workspace.chain, solution);
             }

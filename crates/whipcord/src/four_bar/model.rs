@@ -13,7 +13,7 @@ use crate::statics::options::StabilityAnalysis;
 
 /// The four-bar model of one robot.
 ///
-/// It is geometric: driven by how much each cable is shortened, blind to loads and to
+/// It is geometric: driven by how much each cable is shortened, blind to loads and, unless the length rule is `free`, to
 /// friction (which changes tensions, not prescribed lengths), and without forces in its answer,
 /// but for the tensions that the strain-energy objective yields. With that objective, the length rule `free` and a given
 /// stiffness its sections are a chain in equilibrium, which also takes tensions, loads and elastic cables. Cables only pull: one that is

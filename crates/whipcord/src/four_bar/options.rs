@@ -63,8 +63,9 @@ impl Default for Options {
 
 impl Options {
     /// Whether the strain energy decides on the shape.
-    pub(super) fn has_energy(&self) -> bool {
-        self.objective == Objective::StrainEnergy && self.lengths == LengthRule::Free
+    pub(crate) const fn has_energy(&self) -> bool {
+        matches!(self.objective, Objective::StrainEnergy)
+            && matches!(self.lengths, LengthRule::Free)
     }
 }
 

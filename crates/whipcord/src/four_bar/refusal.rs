@@ -54,11 +54,11 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
             let path = format!("cables[{i}].axial_stiffness");
             return Err(unsupported(path, "an elastic cable", no_forces(options)));
         }
-        if options.lengths == LengthRule::Free && cable.has_friction() {
+        if options.lengths == LengthRule::Free && !options.has_energy() && cable.has_friction() {
             return Err(unsupported(
                 format!("cables[{i}].friction"),
-                "friction on a cable that slides freely",
-                "take the length rule proportional or equal, where friction changes no length",
+                "friction on a cable that slides freely, without forces",
+                "take the objective strain-energy, or the length rule proportional or equal, where friction changes no length",
             ));
         }
     }

@@ -1,6 +1,7 @@
 //! Cases in which forces decide on the shape, and what the strain energy says of given lengths.
 
 use super::model::FourBar;
+use super::refusal::case as of_case;
 use super::workspace::Workspace;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
@@ -29,6 +30,26 @@ impl FourBar {
     ) -> Option<(&'a Linkage, &'a mut linkage::Workspace)> {
         let chain = self.chain.as_ref().filter(|chain| chain.knows_forces());
         chain.map(|chain| (chain, &mut workspace.chain))
+    }
+
+    /// Whether its cables rub at their holes, so that an answer hangs on the steps before.
+    pub(crate) fn has_friction(&self) -> bool {
+        self.chain.as_ref().is_some_and(Linkage::has_friction)
+    }
+
+    /// The answers to all steps of a case in order with friction at the holes, as [`Linkage::solve_steps`] finds them.
+    pub(crate) fn solve_steps(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        each: impl FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        let Some(chain) = &self.chain else { return Ok(()) };
+        for (n, step) in case.single_steps().enumerate() {
+            let takes = chain.knows_forces() && self.is_under_forces(&step);
+            of_case(&self.robot, &self.options, &step, takes).map_err(|error| (n, error))?;
+        }
+        chain.solve_steps(case, &mut workspace.chain, each)
     }
 
     /// All equilibria under the load of a case, as [`Linkage::branches`] finds them.

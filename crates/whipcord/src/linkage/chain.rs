@@ -493,7 +493,8 @@ impl Chain {
         lengths
     }
 
-    fn add_lengths(&self, task: &Task<'_>, side: usize, mut add: impl FnMut(usize, f64)) {
+    /// Adds to the lengths of the cables how they change with a response of the last elimination, in m.
+    pub fn add_lengths(&self, task: &Task<'_>, side: usize, mut add: impl FnMut(usize, f64)) {
         let mut pulls = self.pulls.iter();
         for (k, section) in task.sections.iter().enumerate() {
             let response = self.response(task, side, k);

@@ -20,6 +20,7 @@ use crate::derivatives::{
 };
 use crate::error::SolveError;
 use crate::parameter::{Parameter, StiffnessPart};
+use crate::refusal;
 use crate::robot::{Cable, Robot};
 use crate::shape::{Solution, Wrench};
 
@@ -38,6 +39,7 @@ impl Linkage {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
+        refusal::friction_with_derivatives(self.kind, &self.robot)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if case.obstacles.is_empty() {
             let solution = self.solve(case, warm_start, workspace)?;

@@ -13,6 +13,7 @@ mod contact_response;
 mod derivatives;
 pub(crate) mod division;
 mod energy;
+mod friction;
 mod layout;
 mod loads;
 mod local;
@@ -32,6 +33,7 @@ use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::{CableState, Diagnostics, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
@@ -43,6 +45,7 @@ use crate::stations::Stations;
 use crate::warm_start::{Status, WarmStart};
 
 use division::Division;
+use friction::Rubbing;
 use layout::Section;
 use loads::AppliedLoads;
 use motion::Coordinates;
@@ -89,6 +92,8 @@ pub struct Linkage {
     options: Options,
     sections: Vec<Section>,
     rest_lengths: Vec<f64>,
+    /// Where a cable rubs in its holes.
+    friction: Option<Rubbing>,
     stations: Vec<f64>,
     /// Whether the stiffness is that of the robot, and so the forces of an answer are.
     knows_forces: bool,
@@ -105,6 +110,7 @@ pub struct Workspace {
     search: LengthScratch,
     held: Vec<(usize, f64)>,
     meter: Meter,
+    friction: friction::Memory,
 }
 
 impl Workspace {
@@ -133,15 +139,8 @@ impl Linkage {
         options: Options,
     ) -> Result<Self, SolveError> {
         options.stations.check(robot)?;
-        if let Some(i) = robot.cables().iter().position(|cable| cable.has_friction()) {
-            return Err(SolveError::Unsupported {
-                model: kind,
-                path: format!("cables[{i}].friction"),
-                what: "friction at the holes",
-                advice: "its cables slide freely: use cosserat-disks, or set the friction to 0",
-            });
-        }
         let (sections, rest_lengths) = layout::sections(robot, kind, &division)?;
+        let friction = Rubbing::new(robot, &division, &sections);
         let stations = options.stations.arc_lengths(robot);
         Ok(Self {
             robot: robot.clone(),
@@ -150,6 +149,7 @@ impl Linkage {
             options,
             sections,
             rest_lengths,
+            friction,
             stations,
             knows_forces: true,
         })
@@ -207,7 +207,8 @@ impl Linkage {
         workspace.answered(status, solution)
     }
 
-    /// [`Self::solve`] into memory that is at hand: after the first call nothing is allocated where tensions drive the cables.
+    /// [`Self::solve`] into memory that is at hand: after the first call nothing is allocated where tensions drive the cables
+    /// without friction.
     ///
     /// # Errors
     /// As [`Self::solve`].
@@ -218,10 +219,23 @@ impl Linkage {
         workspace: &mut Workspace,
         solution: &mut Solution,
     ) -> Result<Status, SolveError> {
+        workspace.forget();
+        self.solve_from_here(case, from, workspace, solution)
+    }
+
+    /// The same, with the steps of actuation behind it that the workspace has taken with friction.
+    fn solve_from_here(
+        &self,
+        case: &Case,
+        from: WarmStart<'_>,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<Status, SolveError> {
         workspace.meter.start(&self.options.cancel, self.options.budget);
         case.check(&self.robot)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
         if !case.obstacles.is_empty() {
+            refusal::friction_among_obstacles(self.kind, &self.robot)?;
             let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);
@@ -262,6 +276,9 @@ impl Linkage {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Effort, SolveError> {
+        if let Some(rubbing) = &self.friction {
+            return self.find_with_friction(rubbing, case, workspace);
+        }
         self.accept(case, workspace)?;
         let Workspace { scratch, commands, tensions, .. } = &mut *workspace;
         scratch.open = None;
@@ -427,6 +444,9 @@ impl Linkage {
             commands[i].answer(name, tensions[i], length, self.robot.backbone().length, state);
             state.tension = state.tension.filter(|_| self.knows_forces);
         }
+        if let Some(rubbing) = &self.friction {
+            self.write_holes(rubbing, workspace, solution);
+        }
         solution.model = self.kind;
         solution.contacts.clear();
         solution.base_wrench = self.knows_forces.then_some(chain.base);
@@ -462,6 +482,9 @@ impl Linkage {
         }
         if case.loads.has_follower() {
             return Err(NoStability::Followers);
+        }
+        if let Some(rubbing) = &self.friction {
+            return self.stability_with_friction(rubbing, workspace);
         }
         let Workspace { scratch, loads, commands, tensions, held, meter, .. } = workspace;
         hold(commands, tensions, held);

@@ -257,6 +257,7 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
         refusal::among_obstacles("branches", self.kind, case)?;
+        refusal::friction_with_branches(self.kind, &self.robot)?;
         let found = self.follow_branches(case, options, workspace);
         self.options.cancel.checked(found)
     }

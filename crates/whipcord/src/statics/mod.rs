@@ -19,6 +19,7 @@
 //! | `path` | equilibrium paths by arc length, limit points and branches |
 //! | `quadratic_form`, `eigenvalue` | the second variation of the energy, and its least eigenvalue |
 //! | `passages` | cables straight between disks |
+//! | `friction` | friction of cables at their holes |
 //! | `hold` | tensions that keep cables at their lengths, eq. (d4) |
 //! | `local` | Jacobians and compliances of a place |
 //! | `outcome`, `trace` | how a solve ended, and the record of its iterations |
@@ -28,6 +29,7 @@ pub(crate) mod command;
 pub(crate) mod continuation;
 pub(crate) mod eigenvalue;
 pub(crate) mod elimination;
+pub(crate) mod friction;
 pub(crate) mod grid;
 pub(crate) mod hold;
 mod infeasible_lengths;

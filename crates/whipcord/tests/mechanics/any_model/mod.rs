@@ -10,6 +10,7 @@ mod critical_loads;
 mod driven;
 mod equilibrium;
 mod gradients;
+mod hole_friction;
 mod limits;
 mod locked;
 mod real_time;

@@ -297,11 +297,6 @@ fn what_the_sections_cannot_take_is_refused_by_name() {
     (k[3][5], k[5][3]) = (1e-3, 1e-3);
     let coupled = Backbone { stiffness: Some(Stiffness::Matrix(k.into())), ..Backbone::new(0.18) };
     let cases = [
-        (
-            with(Cable { friction: Some(0.1), ..plain.clone() }, paper_backbone()),
-            pull.clone(),
-            "cables[0].friction",
-        ),
         (with(plain.clone(), coupled), pull.clone(), "backbone.stiffness.matrix"),
         (with(plain.clone(), rolled_up), pull.clone(), "backbone.rest_curvature"),
         (with(plain, Backbone::new(0.18)), pull.clone(), "backbone.diameter"),

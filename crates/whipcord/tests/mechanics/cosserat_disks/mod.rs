@@ -4,7 +4,7 @@
 mod anchors;
 mod compliance;
 mod friction;
-mod friction_study;
+pub mod friction_study;
 mod loads;
 mod reference;
 mod stability;

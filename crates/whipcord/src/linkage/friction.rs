@@ -1,0 +1,418 @@
+//! The chain with a tension for every passage, for [`crate::statics::friction`].
+//!
+//! The passages are numbered as if each were a cable of its own: [`super::chain`] then gives lengths and responses of each.
+
+use whipcord_numerics::Vec3;
+
+use super::Linkage;
+use super::Workspace;
+use super::chain::Chain;
+use super::division::Division;
+use super::layout::{Section, rest_lengths};
+use super::motion::{Coordinates, MOST, Motion};
+use super::statics::{Effort, Scratch};
+use super::task::{Asked, Elimination, Task};
+use crate::budget::Meter;
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::robot::{Cable, Robot};
+use crate::section::{Fault, SectionFault};
+use crate::shape::{NoStability, Solution, Verdict};
+use crate::statics::command::Command;
+use crate::statics::friction::{
+    FrictionScratch, History, Holes, PassageResponse, Passages, Response, Slides, step,
+};
+use crate::statics::outcome::Failure;
+use crate::warm_start::WarmStart;
+
+/// An angle so small, in rad, has no direction.
+const STRAIGHT: f64 = 1e-9;
+/// A coordinate changes by no more than this in one step, in rad.
+const LONGEST_STEP: f64 = 0.8;
+
+/// The holes of a robot with friction.
+#[derive(Clone, Debug)]
+pub(super) struct Rubbing {
+    holes: Holes,
+    /// With every passage as a cable of its own.
+    sections: Vec<Section>,
+    /// The same, but the passages of a cable without friction as one, under the number of the first.
+    strands: Vec<Section>,
+}
+
+/// Memory of a solve.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Memory {
+    history: History<Vec<Coordinates>>,
+    scratch: FrictionScratch,
+    schedule: Vec<f64>,
+    /// How many steps of the case were taken.
+    taken: usize,
+    before: Vec<Coordinates>,
+    step: Vec<Coordinates>,
+    turned: Turned,
+}
+
+/// How the angles in the near holes of all passages change with the coordinates of the section of each, and with those of
+/// the one before.
+#[derive(Clone, Debug, Default)]
+struct Turned {
+    own: Vec<Coordinates>,
+    before: Vec<Coordinates>,
+}
+
+impl Rubbing {
+    /// Of these sections of a robot; `None` where no cable rubs.
+    pub fn new(robot: &Robot, division: &Division, sections: &[Section]) -> Option<Self> {
+        let cables = robot.cables();
+        if !cables.iter().any(Cable::has_friction) {
+            return None;
+        }
+        let passages = || sections.iter().flat_map(|section| &section.passages);
+        let of_cable: Vec<usize> = passages().map(|passage| passage.cable).collect();
+        let numbered = |number: &dyn Fn(usize) -> usize| {
+            let mut next = 0;
+            let mut sections = sections.to_vec();
+            for passage in sections.iter_mut().flat_map(|section| &mut section.passages) {
+                passage.cable = number(next);
+                next += 1;
+            }
+            sections
+        };
+        let first = |p: usize| {
+            let is_same = |&cable: &usize| cable == of_cable[p] && !cables[cable].has_friction();
+            of_cable.iter().position(is_same).unwrap_or(p)
+        };
+        let (strands, sections) = (numbered(&first), numbered(&|p| p));
+        let lengths = rest_lengths(division, &sections, of_cable.len());
+        let length = robot.backbone().length;
+        let lever = passages().map(|p| p.near.norm()).fold(1e-3 * length, f64::max);
+        let bending = |a: usize| sections.iter().map(move |s| s.stiffness[a] * s.length);
+        let softest = bending(1).chain(bending(2)).fold(f64::INFINITY, f64::min);
+        let compliance = lever * lever * length / softest;
+        let pieces = of_cable.iter().copied().zip(lengths);
+        let holes = Holes::new(cables, pieces, length, compliance);
+        Some(Self { holes, sections, strands })
+    }
+}
+
+/// The chain as what answers the tensions of all passages.
+struct RubbingChain<'a> {
+    task: Task<'a>,
+    holes: &'a Holes,
+    scratch: &'a mut Scratch,
+    tolerance: f64,
+    is_loaded: bool,
+    before: &'a mut Vec<Coordinates>,
+    step: &'a mut Vec<Coordinates>,
+    turned: &'a mut Turned,
+}
+
+impl RubbingChain<'_> {
+    /// The cable of a passage.
+    fn cable_of(&self, passage: usize) -> usize {
+        let is_of = |passages: &Vec<usize>| passages.contains(&passage);
+        self.holes.of_cable.iter().position(is_of).unwrap_or_default()
+    }
+
+    fn of_cables(&self, failure: Failure) -> Failure {
+        match failure {
+            Failure::Folds { cable, arc_length, tension, last_load } => {
+                let cable = self.cable_of(cable);
+                Failure::Folds { cable, arc_length, tension, last_load }
+            }
+            other => other,
+        }
+    }
+}
+
+impl PassageResponse for RubbingChain<'_> {
+    type Shape = Vec<Coordinates>;
+
+    fn shape(&self) -> Vec<Coordinates> {
+        self.scratch.chain.q.clone()
+    }
+
+    fn set_shape(&mut self, shape: &Vec<Coordinates>) {
+        self.scratch.chain.q.clone_from(shape);
+    }
+
+    fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure> {
+        let task = Task { tensions, ..self.task };
+        let settled = self.scratch.converge(&task, self.tolerance);
+        settled.map(|_| ()).map_err(|failure| self.of_cables(failure))
+    }
+
+    fn measure(&mut self, tensions: &[f64], at: &mut Passages) -> Result<f64, Fault> {
+        let task = Task { tensions, ..self.task };
+        let chain = &mut self.scratch.chain;
+        let residual = chain.evaluate(&task);
+        task.meter.integrate(task.sections.len());
+        if !residual.is_finite() {
+            return Err(Fault { kind: SectionFault::Diverged, arc_length: 0.0 });
+        }
+        at.lengths.clone_from(&chain.lengths);
+        self.turned.measure(chain, &task, self.holes, &mut at.turns);
+        Ok(residual)
+    }
+
+    fn respond(&mut self, tensions: &[f64], response: &mut Response) -> bool {
+        let task = Task { tensions, ..self.task };
+        let chain = &mut self.scratch.chain;
+        chain.linearise(&task);
+        let how = Elimination { shift: 0.0, asked: Asked::Responses };
+        if chain.eliminate(&task, how).is_none() {
+            return false;
+        }
+        let n = tensions.len();
+        let wide = n + 1;
+        for rows in [&mut response.lengths, &mut response.turns] {
+            rows.clear();
+            rows.resize(n * wide, 0.0);
+        }
+        // The first side closes the residual, which is the last column.
+        for side in 0..wide {
+            let column = side.checked_sub(1).unwrap_or(n);
+            chain.add_lengths(&task, side, |p, by| response.lengths[p * wide + column] += by);
+            let mut p = 0;
+            for (k, section) in task.sections.iter().enumerate() {
+                let own = chain.response(&task, side, k);
+                let before = k.checked_sub(1).map(|k| chain.response(&task, side, k));
+                for _ in &section.passages {
+                    let product = |by: &Coordinates, response: &[f64]| -> f64 {
+                        by.iter().zip(response).map(|(by, change)| by * change).sum()
+                    };
+                    let mut turned = product(&self.turned.own[p], own);
+                    turned += before.map_or(0.0, |q| product(&self.turned.before[p], q));
+                    response.turns[p * wide + column] = turned;
+                    p += 1;
+                }
+            }
+        }
+        true
+    }
+
+    fn prepare(&mut self, changes: &[f64]) -> Option<f64> {
+        let chain = &self.scratch.chain;
+        let n = chain.q.len();
+        self.before.clone_from(&chain.q);
+        let (closing, responses) = chain.steps.split_at(n);
+        self.step.clear();
+        self.step.extend_from_slice(closing);
+        for (change, response) in changes.iter().zip(responses.chunks(n)) {
+            for (x, by) in self.step.iter_mut().flatten().zip(response.iter().flatten()) {
+                *x += change * by;
+            }
+        }
+        let longest = self.step.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let is_finite = self.step.iter().flatten().all(|x| x.is_finite());
+        is_finite.then(|| (LONGEST_STEP / longest).min(1.0))
+    }
+
+    fn go(&mut self, fraction: f64) {
+        let steps = self.before.iter().flatten().zip(self.step.iter().flatten());
+        for (q, (start, step)) in self.scratch.chain.q.iter_mut().flatten().zip(steps) {
+            *q = start + fraction * step;
+        }
+    }
+
+    fn is_loaded(&self) -> bool {
+        self.is_loaded
+    }
+
+    fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    fn meter(&self) -> &Meter {
+        self.task.meter
+    }
+
+    fn failure(&self, _: Fault, tensions: &[f64]) -> Failure {
+        let task = Task { tensions, ..self.task };
+        self.of_cables(self.scratch.failure(&task, 0.0, Effort::default()))
+    }
+}
+
+impl Turned {
+    /// The angles where the chain was evaluated last, and their derivatives.
+    fn measure(&mut self, chain: &Chain, task: &Task<'_>, holes: &Holes, turns: &mut Vec<f64>) {
+        let n = holes.count();
+        turns.resize(n, 0.0);
+        for rows in [&mut self.own, &mut self.before] {
+            rows.clear();
+            rows.resize(n, [0.0; MOST]);
+        }
+        let count = task.division.coordinates();
+        for passages in &holes.of_cable {
+            // The direction of the piece before at the disk, and how it changes with the coordinates of its section.
+            let (mut coming, mut coming_by) = (Vec3::Z, [Vec3::ZERO; MOST]);
+            for (k, &p) in passages.iter().enumerate() {
+                let section = &task.sections[k];
+                let Some(passage) = section.passages.iter().find(|passage| passage.cable == p)
+                else {
+                    continue;
+                };
+                let inside;
+                let motion = if passage.is_anchored_inside() {
+                    inside =
+                        Motion::up_to(task.division, section.length, &chain.q[k], passage.reach);
+                    &inside
+                } else {
+                    chain.motion(k)
+                };
+                let way = motion.way(passage);
+                let length = way.norm();
+                let going = way / length;
+                let arm = motion.rotation * passage.far;
+                let (sine, cosine) = (coming.cross(going).norm(), coming.dot(going));
+                turns[p] = sine.atan2(cosine);
+                let slope = if sine > STRAIGHT { -1.0 / sine } else { 0.0 };
+                let back = motion.rotation.transpose();
+                let mut next_by = [Vec3::ZERO; MOST];
+                for a in 0..count {
+                    let moved = motion.shift[a] + motion.turn[a].cross(arm);
+                    let going_by = (moved - going * going.dot(moved)) / length;
+                    self.own[p][a] = slope * coming.dot(going_by);
+                    self.before[p][a] = slope * going.dot(coming_by[a]);
+                    next_by[a] = back * (going_by - motion.turn[a].cross(going));
+                }
+                (coming, coming_by) = (back * going, next_by);
+            }
+        }
+    }
+}
+
+impl Linkage {
+    /// Whether a cable rubs in its holes.
+    pub(crate) const fn has_friction(&self) -> bool {
+        self.friction.is_some()
+    }
+
+    /// The equilibrium at the end of all steps of a checked case; those that were taken already are not taken again.
+    pub(super) fn find_with_friction(
+        &self,
+        rubbing: &Rubbing,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<Effort, SolveError> {
+        let mut effort = Effort::default();
+        for step in case.single_steps().skip(workspace.friction.taken) {
+            self.accept(&step, workspace)?;
+            let found = self.take_step(rubbing, case, workspace);
+            effort = found.map_err(|failure| self.explain(failure, &workspace.commands))?;
+            workspace.friction.taken += 1;
+        }
+        Ok(effort)
+    }
+
+    /// One step of actuation under the commands of the workspace.
+    fn take_step(
+        &self,
+        Rubbing { holes, sections, .. }: &Rubbing,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<Effort, Failure> {
+        let Workspace { scratch, loads, commands, tensions, meter, friction, .. } = workspace;
+        let Memory { history, scratch: memory, schedule, before, step: next, turned, .. } =
+            friction;
+        let task = Task { sections, ..self.task(loads, &[], meter) };
+        let mut chain = RubbingChain {
+            task,
+            holes,
+            scratch,
+            tolerance: self.options.residual,
+            is_loaded: !case.loads.is_none(),
+            before,
+            step: next,
+            turned,
+        };
+        schedule.clear();
+        let found = step(&mut chain, holes, commands, history, (None, schedule), memory);
+        scratch.open = None;
+        let found = found?;
+        tensions.clone_from(&history.base);
+        holes.cable_lengths(&memory.at.lengths, &mut scratch.chain.lengths);
+        let (iterations, residual) = (found.iterations, found.residual);
+        Ok(Effort { iterations, residual, lost_at: None })
+    }
+
+    /// The answers to all steps of a case in order. `each` gets them as they come.
+    ///
+    /// # Errors
+    /// The number of the first step without an answer, from 0, and why it has none.
+    pub(crate) fn solve_steps(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        mut each: impl FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        workspace.forget();
+        for n in 0..=case.before.len() {
+            let Some(step) = case.step(n) else { break };
+            let solution = self.solve_on(&step, workspace).map_err(|error| (n, error))?;
+            each(solution);
+        }
+        Ok(())
+    }
+
+    /// The answer to a case whose first steps the workspace has taken.
+    fn solve_on(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
+        let mut solution = Solution::empty(self.kind);
+        let status = self.solve_from_here(case, WarmStart::None, workspace, &mut solution)?;
+        workspace.answered(status, solution)
+    }
+
+    /// The stability of the answer that the workspace holds.
+    pub(super) fn stability_with_friction(
+        &self,
+        Rubbing { holes, strands, .. }: &Rubbing,
+        workspace: &mut Workspace,
+    ) -> Result<Verdict, NoStability> {
+        let Workspace { scratch, loads, commands, held, meter, friction, .. } = workspace;
+        let Memory { history, scratch: memory, .. } = friction;
+        held.clear();
+        for (cable, command) in commands.iter().enumerate() {
+            let first = holes.of_cable[cable][0];
+            if let Command::Length { compliance, .. } = *command
+                && holes.coefficients[cable] == 0.0
+                && history.tensions[first] > 0.0
+            {
+                held.push((first, compliance));
+            }
+        }
+        let lock = |p: usize, compliance: f64| held.push((p, compliance));
+        holes
+            .lock(commands, &memory.at.turns, history, lock)
+            .map_err(|Slides| NoStability::Sliding)?;
+        let task = Task { sections: strands, ..self.task(loads, &history.tensions, meter) };
+        let least = scratch.least_eigenvalue(&task, held);
+        holes.cable_lengths(&memory.at.lengths, &mut scratch.chain.lengths);
+        least.map(Verdict::of_eigenvalue).ok_or(NoStability::Undetermined)
+    }
+
+    /// Writes what the holes do.
+    pub(super) fn write_holes(
+        &self,
+        rubbing: &Rubbing,
+        workspace: &Workspace,
+        solution: &mut Solution,
+    ) {
+        let History { tensions, slip_states, .. } = &workspace.friction.history;
+        for (i, cable) in solution.cables.iter_mut().enumerate() {
+            rubbing.holes.of(i, slip_states, &mut cable.slip_states);
+            cable.span_tensions.clear();
+            if self.knows_forces {
+                rubbing.holes.of(i, tensions, &mut cable.span_tensions);
+            }
+        }
+    }
+}
+
+impl Workspace {
+    /// Forgets all steps of actuation.
+    pub(super) fn forget(&mut self) {
+        (self.friction.history, self.friction.taken) = (History::default(), 0);
+    }
+}

@@ -1,0 +1,186 @@
+//! The equation of each hole.
+//!
+//! A cable enters the base disk along the base's z axis and turns by `φᵢ` in the hole of disk i, from
+//! one chord to the next. By Eytelwein's law its tension on the two sides obeys
+//!
+//! ```text
+//! e^(−μφᵢ) Tᵢ₋₁ ≤ Tᵢ ≤ e^(μφᵢ) Tᵢ₋₁                                                             (1)
+//! ```
+//!
+//! and lies at the lower bound where the cable slides towards the base, at the upper one where it
+//! slides towards the tip. With `Dᵢ = Σ_{k≥i} (ℓₖ − Tₖ ℓₖ⁰/EA)`, what there is of the cable beyond the
+//! hole when nothing stretches it, it has slid by `gᵢ = Dᵢ(before) − Dᵢ` in a substep, and
+//!
+//! ```text
+//! gᵢ − max(0, gᵢ − κ(Tᵢ − e^(−μφᵢ)Tᵢ₋₁)) − min(0, gᵢ + κ(e^(μφᵢ)Tᵢ₋₁ − Tᵢ)) = 0,   κ > 0        (2)
+//! ```
+//!
+//! says all of this in one equation for each hole; where a length is given, `D₀` takes the place of
+//! the one at the base.
+
+use super::holes::Holes;
+use crate::shape::SlipState;
+use crate::statics::command::Command;
+
+/// The equations of the holes in one substep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law<'a> {
+    pub holes: &'a Holes,
+    /// By cable.
+    pub commands: &'a [Command],
+    /// `Dᵢ` before the substep, by passage.
+    pub before: &'a [f64],
+}
+
+/// Which of the cases of eq. (2) holds at a hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// The cable is slack at the base, which would have to push.
+    Slack,
+    /// `D₀` is given.
+    Held,
+    /// The cable slides, or rests, without friction.
+    Free,
+    Sticks,
+    Pulled,
+    Released,
+}
+
+/// The equation of a hole.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Row {
+    /// `T = 0`.
+    Slack,
+    /// `D` is given.
+    Held,
+    /// `T − f T₋₁ = 0` with `∂f/∂φ`.
+    Slides { factor: f64, by_turn: f64, incoming: f64 },
+}
+
+/// What is known at the holes at an iterate: tensions, `Dᵢ` and `φᵢ` of all passages.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Iterate<'a> {
+    pub tensions: &'a [f64],
+    pub beyond: &'a [f64],
+    pub turns: &'a [f64],
+}
+
+impl Mode {
+    pub const fn slip_state(self, slip: f64) -> SlipState {
+        match self {
+            Self::Sticks => SlipState::Sticks,
+            Self::Pulled => SlipState::Pulled,
+            Self::Released => SlipState::Released,
+            Self::Slack | Self::Held | Self::Free => SlipState::after(slip, 0.0),
+        }
+    }
+}
+
+impl Law<'_> {
+    /// The tension at the near side of a hole; `None` where the length of the cable is given there.
+    fn incoming(&self, (cable, place): (usize, usize), tensions: &[f64]) -> Option<f64> {
+        match (place.checked_sub(1), self.commands[cable]) {
+            (Some(before), _) => Some(tensions[self.holes.of_cable[cable][before]]),
+            (None, Command::Tension(given)) => Some(given),
+            (None, Command::Length { .. }) => None,
+        }
+    }
+
+    /// The length that is given for what lies beyond the hole in the base.
+    fn target(&self, cable: usize) -> f64 {
+        match self.commands[cable] {
+            Command::Length { target, .. } => target,
+            Command::Tension(_) => f64::INFINITY,
+        }
+    }
+
+    /// The case of eq. (2) at an iterate.
+    pub fn mode(&self, (cable, place): (usize, usize), at: Iterate<'_>) -> Mode {
+        let kappa = self.holes.compliance;
+        let p = self.holes.of_cable[cable][place];
+        let tension = at.tensions[p];
+        let Some(incoming) = self.incoming((cable, place), at.tensions) else {
+            let lack = at.beyond[p] - self.target(cable);
+            return if lack + kappa * tension <= 0.0 { Mode::Slack } else { Mode::Held };
+        };
+        let coefficient = self.holes.coefficients[cable];
+        if coefficient == 0.0 || (incoming <= 0.0 && tension <= 0.0) {
+            return Mode::Free;
+        }
+        let slip = self.before[p] - at.beyond[p];
+        let factor = (coefficient * at.turns[p]).exp();
+        if slip - kappa * (tension - incoming / factor) > 0.0 {
+            Mode::Pulled
+        } else if slip + kappa * (factor * incoming - tension) < 0.0 {
+            Mode::Released
+        } else {
+            Mode::Sticks
+        }
+    }
+
+    /// The equation of a hole in this case, and what it leaves, in m.
+    pub fn row(&self, (cable, place): (usize, usize), mode: Mode, at: Iterate<'_>) -> (Row, f64) {
+        let kappa = self.holes.compliance;
+        let p = self.holes.of_cable[cable][place];
+        let tension = at.tensions[p];
+        let slides = |sign: f64| {
+            let incoming = self.incoming((cable, place), at.tensions).unwrap_or_default();
+            let coefficient = self.holes.coefficients[cable];
+            let factor = (sign * coefficient * at.turns[p]).exp();
+            let row = Row::Slides { factor, by_turn: sign * coefficient * factor, incoming };
+            (row, kappa * (tension - factor * incoming))
+        };
+        match mode {
+            Mode::Slack => (Row::Slack, kappa * tension),
+            Mode::Held => (Row::Held, at.beyond[p] - self.target(cable)),
+            Mode::Sticks => (Row::Held, at.beyond[p] - self.before[p]),
+            Mode::Free | Mode::Pulled => slides(-1.0),
+            Mode::Released => slides(1.0),
+        }
+    }
+
+    /// The case at a hole after a linear step to these values, and how much it was violated, in m: of the
+    /// case before, as long as that goes. `now` is where the step begins, and `turn` how the angle changes.
+    pub fn next_mode(
+        &self,
+        (cable, place): (usize, usize),
+        mode: Mode,
+        now: Iterate<'_>,
+        after: Iterate<'_>,
+    ) -> (Mode, f64) {
+        let kappa = self.holes.compliance;
+        let p = self.holes.of_cable[cable][place];
+        let slip = self.before[p] - after.beyond[p];
+        let tension = after.tensions[p];
+        match mode {
+            Mode::Free => (mode, 0.0),
+            Mode::Slack => {
+                let lack = after.beyond[p] - self.target(cable);
+                if lack > 0.0 { (Mode::Held, lack) } else { (mode, 0.0) }
+            }
+            Mode::Held if tension < 0.0 => (Mode::Slack, -kappa * tension),
+            Mode::Pulled if slip < 0.0 => (Mode::Sticks, -slip),
+            Mode::Released if slip > 0.0 => (Mode::Sticks, slip),
+            Mode::Held | Mode::Pulled | Mode::Released => (mode, 0.0),
+            Mode::Sticks => {
+                let [before, incoming] = [now, after]
+                    .map(|at| self.incoming((cable, place), at.tensions).unwrap_or_default());
+                let turned = after.turns[p] - now.turns[p];
+                // The bounds of eq. (1), linear as the step is.
+                let bound = |sign: f64| {
+                    let coefficient = sign * self.holes.coefficients[cable];
+                    let factor = (coefficient * now.turns[p]).exp();
+                    factor * (incoming + coefficient * before * turned)
+                };
+                let (above, below) = (tension - bound(-1.0), bound(1.0) - tension);
+                if above < 0.0 && above <= below {
+                    (Mode::Pulled, -kappa * above)
+                } else if below < 0.0 {
+                    (Mode::Released, -kappa * below)
+                } else {
+                    (mode, 0.0)
+                }
+            }
+        }
+    }
+}

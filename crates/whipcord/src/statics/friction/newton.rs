@@ -1,0 +1,301 @@
+//! Newton's method for the shape and the tensions of all passages together.
+//!
+//! The unknowns are those of the shape and one tension for each passage; the equations beside those of the equilibrium
+//! are those of [`super::law`], one for each hole. They are piecewise smooth: an iteration takes each hole to stick or to
+//! slide as eq. (2) has it at the iterate, and linearises what follows with the lengths beyond the hole and with
+//! the angle by which the cable turns in it. The linearised problem is a complementarity problem: its holes change from one
+//! case to another until all of them agree with the step (the method of Josephy and Newton).
+
+use whipcord_numerics::DenseLu;
+
+use super::law::{Iterate, Law, Mode, Row};
+use super::response::{PassageResponse, Passages, Response};
+use crate::shape::SlipState;
+use crate::statics::command::{Command, LENGTH_REGULARISATION};
+use crate::statics::lengths::Effort;
+use crate::statics::outcome::Open;
+
+const MAX_ITERATIONS: usize = 30;
+/// A step that gains nothing is shortened to no less than this.
+const LEAST_FRACTION: f64 = 1.0 / 64.0;
+/// No step may leave more than so many times the least that the last iterations left.
+const MOST_GROWTH: f64 = 3.0;
+/// What rounding may leave where nothing improves any more.
+const ROUNDING: f64 = 1e-9;
+/// Of the length: what the equations of the holes may leave, so that a hole that is about to slide is known as one.
+const TOLERANCE: f64 = 1e-12;
+/// What the equilibrium of the shape may leave for that.
+const CLOSED: f64 = 1e-11;
+/// How often the holes of one linearised problem change their cases: all that must at once, then one after the other.
+const MOST_CHANGES: [usize; 2] = [6, 20];
+/// Of the length: what rounding makes of a violated case.
+const VIOLATED: f64 = 1e-13;
+
+/// The state of the holes at an iterate, and memory.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FrictionScratch {
+    /// Tension of every passage in N.
+    pub tensions: Vec<f64>,
+    pub at: Passages,
+    /// `Dᵢ` by passage in m.
+    pub beyond: Vec<f64>,
+    pub slip_states: Vec<SlipState>,
+    /// `dDᵢ/dt` by passage, where the commands change at their rates.
+    pub(super) rates: Vec<f64>,
+    kept: Vec<f64>,
+    modes: Vec<Mode>,
+    /// After the linear step.
+    after: [Vec<f64>; 3],
+    response: Response,
+    matrix: Vec<f64>,
+    changes: Vec<f64>,
+    lu: DenseLu,
+}
+
+impl FrictionScratch {
+    /// The iteration from the shape as it stands and from [`Self::tensions`].
+    pub(super) fn converge<M: PassageResponse>(
+        &mut self,
+        model: &mut M,
+        law: &Law<'_>,
+    ) -> Result<Effort, Open> {
+        let failed = |iterations, gap, fault| Open { iterations, gap, fault };
+        let (mut gap, mut left) =
+            self.measure(model, law).map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
+        let closed = model.tolerance().min(CLOSED);
+        let mut recent = [f64::INFINITY; 3];
+        'newton: for iteration in 1..=MAX_ITERATIONS {
+            if model.meter().has_ended() {
+                break;
+            }
+            if gap <= closed && left <= TOLERANCE {
+                return Ok(Effort { iterations: iteration - 1, residual: gap.max(left) });
+            }
+            let before = gap.max(left);
+            let most = self.direct(model, law);
+            let Some(most) = most else {
+                if before <= ROUNDING {
+                    break;
+                }
+                return Err(failed(iteration, before, None));
+            };
+            model.meter().iterate();
+            self.kept.clone_from(&self.tensions);
+            recent.rotate_right(1);
+            recent[0] = before;
+            let bound = MOST_GROWTH * recent.iter().copied().fold(f64::INFINITY, f64::min);
+            let mut fraction = most;
+            loop {
+                model.go(fraction);
+                let pairs = self.kept.iter().zip(&self.changes);
+                self.tensions.clear();
+                self.tensions.extend(pairs.map(|(kept, d)| (kept + fraction * d).max(0.0)));
+                let measured = self.measure(model, law);
+                if let Ok((now_gap, now_left)) = measured {
+                    let now = now_gap.max(now_left);
+                    if fraction == 1.0 && now.max(before) <= ROUNDING && now >= 0.5 * before {
+                        return Ok(Effort { iterations: iteration, residual: now });
+                    }
+                    if now <= bound.min(1e3) || (fraction <= LEAST_FRACTION && now.is_finite()) {
+                        (gap, left) = (now_gap, now_left);
+                        model.note(iteration, now, fraction, &self.tensions);
+                        break;
+                    }
+                }
+                fraction *= 0.5;
+                if fraction < LEAST_FRACTION {
+                    if before <= ROUNDING {
+                        // Nothing is better than where the step began.
+                        model.go(0.0);
+                        self.tensions.clone_from(&self.kept);
+                        let measured = self.measure(model, law);
+                        (gap, left) = measured.unwrap_or((f64::INFINITY, f64::INFINITY));
+                        break 'newton;
+                    }
+                    return Err(failed(iteration, before, measured.err()));
+                }
+            }
+        }
+        let residual = gap.max(left);
+        if residual <= ROUNDING && !model.meter().has_ended() {
+            return Ok(Effort { iterations: MAX_ITERATIONS, residual });
+        }
+        Err(failed(MAX_ITERATIONS, residual, None))
+    }
+
+    /// What is left of the equilibrium, and of the equations of the holes as a fraction of the length.
+    fn measure<M: PassageResponse>(
+        &mut self,
+        model: &mut M,
+        law: &Law<'_>,
+    ) -> Result<(f64, f64), crate::section::Fault> {
+        let Self { tensions, at, beyond, slip_states, modes, .. } = self;
+        let gap = model.measure(tensions, at)?;
+        law.holes.beyond_into(&at.lengths, tensions, beyond);
+        slip_states.resize(tensions.len(), SlipState::Sticks);
+        modes.resize(tensions.len(), Mode::Free);
+        let here = Iterate { tensions, beyond, turns: &at.turns };
+        let mut greatest: f64 = 0.0;
+        for (hole, p) in law.holes.all() {
+            modes[p] = law.mode(hole, here);
+            slip_states[p] = modes[p].slip_state(law.before[p] - beyond[p]);
+            let left = law.row(hole, modes[p], here).1.abs() / law.holes.length;
+            // A NaN must not pass for an equation that is met.
+            greatest = if left.is_finite() { greatest.max(left) } else { f64::INFINITY };
+        }
+        Ok((gap, greatest))
+    }
+
+    /// The linear step of shape and tensions from where they were measured last, and how much of it may be taken; `None`
+    /// where there is none.
+    fn direct<M: PassageResponse>(&mut self, model: &mut M, law: &Law<'_>) -> Option<f64> {
+        if !model.respond(&self.tensions, &mut self.response) {
+            return None;
+        }
+        for change in 0..MOST_CHANGES[1] {
+            self.assemble(law, None)?;
+            if self.agree(law, change >= MOST_CHANGES[0]) {
+                break;
+            }
+        }
+        model.prepare(&self.changes)
+    }
+
+    /// Solves the linear problem in the cases as they are: for the Newton step, or for how the tensions change with the
+    /// commands at these rates.
+    fn assemble(&mut self, law: &Law<'_>, rates: Option<&[f64]>) -> Option<()> {
+        let Self { tensions, at, beyond, modes, response, matrix, changes, lu, .. } = self;
+        let (holes, n) = (law.holes, tensions.len());
+        let (wide, kappa) = (n + 1, holes.compliance);
+        let here = Iterate { tensions, beyond, turns: &at.turns };
+        matrix.clear();
+        matrix.resize(n * n, 0.0);
+        changes.clear();
+        changes.resize(n, 0.0);
+        let closes = rates.is_none();
+        for ((cable, place), p) in holes.all() {
+            let passages = &holes.of_cable[cable];
+            let row = &mut matrix[p * n..(p + 1) * n];
+            let (equation, left) = law.row((cable, place), modes[p], here);
+            let commanded = match (place, rates) {
+                (0, Some(rates)) => rates[cable],
+                _ => 0.0,
+            };
+            changes[p] = if closes { -left } else { 0.0 };
+            match equation {
+                Row::Slack => row[p] = kappa,
+                Row::Held => {
+                    for &q in &passages[place..] {
+                        let by = &response.lengths[q * wide..(q + 1) * wide];
+                        for (entry, by) in row.iter_mut().zip(by) {
+                            *entry += by;
+                        }
+                        row[q] -= holes.yielding[q];
+                        if closes {
+                            changes[p] -= by[n];
+                        }
+                    }
+                    // Pieces that stick may hold one another at their lengths.
+                    row[p] -= LENGTH_REGULARISATION * kappa / n as f64;
+                    if modes[p] == Mode::Held {
+                        changes[p] += commanded;
+                    }
+                }
+                Row::Slides { factor, by_turn, incoming } => {
+                    let by = &response.turns[p * wide..(p + 1) * wide];
+                    let weight = -kappa * by_turn * incoming;
+                    for (entry, by) in row.iter_mut().zip(by) {
+                        *entry = weight * by;
+                    }
+                    if closes {
+                        changes[p] -= weight * by[n];
+                    }
+                    changes[p] += kappa * factor * commanded;
+                    row[p] += kappa;
+                    if let Some(before) = place.checked_sub(1) {
+                        row[passages[before]] -= kappa * factor;
+                    }
+                }
+            }
+        }
+        lu.factor(n, matrix).ok()?;
+        lu.solve(changes);
+        changes.iter().all(|x| x.is_finite()).then_some(())
+    }
+
+    /// Whether the cases of all holes agree with the linear step; else those that do not change, or where it is `one_by_one` the
+    /// one that agrees least.
+    fn agree(&mut self, law: &Law<'_>, one_by_one: bool) -> bool {
+        let Self { tensions, at, beyond, modes, response, changes, after, .. } = self;
+        let n = tensions.len();
+        let along = |by: &[f64]| -> f64 {
+            by[n] + by.iter().zip(&*changes).map(|(by, change)| by * change).sum::<f64>()
+        };
+        let [new_tensions, new_beyond, new_turns] = after;
+        let add = |into: &mut Vec<f64>, now: &[f64], by: &[f64]| {
+            into.clear();
+            into.extend(now.iter().zip(by.chunks(n + 1)).map(|(now, by)| now + along(by)));
+        };
+        add(new_turns, &at.turns, &response.turns);
+        // The lengths for a moment.
+        add(new_tensions, &at.lengths, &response.lengths);
+        let lengths = core::mem::take(new_tensions);
+        new_tensions.extend(tensions.iter().zip(&*changes).map(|(now, change)| now + change));
+        law.holes.beyond_into(&lengths, new_tensions, new_beyond);
+        let now = Iterate { tensions, beyond, turns: &at.turns };
+        let then = Iterate { tensions: new_tensions, beyond: new_beyond, turns: new_turns };
+        let least = VIOLATED * law.holes.length;
+        let (mut agree, mut worst) = (true, (0.0, 0, Mode::Free));
+        for (hole, p) in law.holes.all() {
+            let (mode, violated) = law.next_mode(hole, modes[p], now, then);
+            if mode != modes[p] && violated > least {
+                agree = false;
+                if !one_by_one {
+                    modes[p] = mode;
+                } else if violated > worst.0 {
+                    worst = (violated, p, mode);
+                }
+            }
+        }
+        if one_by_one && !agree {
+            modes[worst.1] = worst.2;
+        }
+        agree
+    }
+
+    /// How `Dᵢ` change with the commands at the equilibrium that was found last, into [`Self::rates`]; `false` where
+    /// that cannot be told.
+    pub(super) fn differentiate<M: PassageResponse>(
+        &mut self,
+        model: &mut M,
+        law: &Law<'_>,
+        before: &[Command],
+    ) -> bool {
+        let commanded: Vec<f64> = law
+            .commands
+            .iter()
+            .zip(before)
+            .map(|pair| match pair {
+                (Command::Tension(now), Command::Tension(before)) => now - before,
+                (Command::Length { target: now, .. }, Command::Length { target: before, .. }) => {
+                    now - before
+                }
+                _ => 0.0,
+            })
+            .collect();
+        if !model.respond(&self.tensions, &mut self.response)
+            || self.assemble(law, Some(&commanded)).is_none()
+        {
+            return false;
+        }
+        let Self { response, changes, rates, .. } = self;
+        let n = changes.len();
+        let by = |p: usize| -> f64 {
+            let row = &response.lengths[p * (n + 1)..][..n];
+            row.iter().zip(&*changes).map(|(by, change)| by * change).sum()
+        };
+        let lengths: Vec<f64> = (0..n).map(by).collect();
+        law.holes.beyond_into(&lengths, changes, rates);
+        true
+    }
+}
