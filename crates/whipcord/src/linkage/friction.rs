@@ -4,8 +4,6 @@
 
 use whipcord_numerics::Vec3;
 
-use super::Linkage;
-use super::Workspace;
 use super::chain::Chain;
 use super::division::Division;
 use super::layout::{Section, rest_lengths};
@@ -13,17 +11,12 @@ use super::motion::{Coordinates, MOST, Motion};
 use super::statics::{Effort, Scratch};
 use super::task::{Asked, Elimination, Task};
 use crate::budget::Meter;
-use crate::case::Case;
-use crate::error::SolveError;
 use crate::robot::{Cable, Robot};
 use crate::section::{Fault, SectionFault};
-use crate::shape::{NoStability, Solution, Verdict};
-use crate::statics::command::Command;
 use crate::statics::friction::{
-    FrictionScratch, History, Holes, PassageResponse, Passages, Response, Slides, step,
+    FrictionScratch, History, Holes, PassageResponse, Passages, Response,
 };
 use crate::statics::outcome::Failure;
-use crate::warm_start::WarmStart;
 
 /// An angle so small, in rad, has no direction.
 const STRAIGHT: f64 = 1e-9;
@@ -33,30 +26,30 @@ const LONGEST_STEP: f64 = 0.8;
 /// The holes of a robot with friction.
 #[derive(Clone, Debug)]
 pub(super) struct Rubbing {
-    holes: Holes,
+    pub holes: Holes,
     /// With every passage as a cable of its own.
-    sections: Vec<Section>,
+    pub sections: Vec<Section>,
     /// The same, but the passages of a cable without friction as one, under the number of the first.
-    strands: Vec<Section>,
+    pub strands: Vec<Section>,
 }
 
 /// Memory of a solve.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Memory {
-    history: History<Vec<Coordinates>>,
-    scratch: FrictionScratch,
-    schedule: Vec<f64>,
+    pub history: History<Vec<Coordinates>>,
+    pub scratch: FrictionScratch,
+    pub schedule: Vec<f64>,
     /// How many steps of the case were taken.
-    taken: usize,
-    before: Vec<Coordinates>,
-    step: Vec<Coordinates>,
-    turned: Turned,
+    pub taken: usize,
+    pub before: Vec<Coordinates>,
+    pub step: Vec<Coordinates>,
+    pub turned: Turned,
 }
 
 /// How the angles in the near holes of all passages change with the coordinates of the section of each, and with those of
 /// the one before.
 #[derive(Clone, Debug, Default)]
-struct Turned {
+pub(super) struct Turned {
     own: Vec<Coordinates>,
     before: Vec<Coordinates>,
 }
@@ -97,15 +90,16 @@ impl Rubbing {
 }
 
 /// The chain as what answers the tensions of all passages.
-struct RubbingChain<'a> {
-    task: Task<'a>,
-    holes: &'a Holes,
-    scratch: &'a mut Scratch,
-    tolerance: f64,
-    is_loaded: bool,
-    before: &'a mut Vec<Coordinates>,
-    step: &'a mut Vec<Coordinates>,
-    turned: &'a mut Turned,
+pub(super) struct RubbingChain<'a> {
+    pub task: Task<'a>,
+    pub holes: &'a Holes,
+    pub scratch: &'a mut Scratch,
+    pub tolerance: f64,
+    pub is_loaded: bool,
+    /// Where a step begins, and the step.
+    pub before: &'a mut Vec<Coordinates>,
+    pub step: &'a mut Vec<Coordinates>,
+    pub turned: &'a mut Turned,
 }
 
 impl RubbingChain<'_> {
@@ -280,139 +274,5 @@ impl Turned {
                 (coming, coming_by) = (back * going, next_by);
             }
         }
-    }
-}
-
-impl Linkage {
-    /// Whether a cable rubs in its holes.
-    pub(crate) const fn has_friction(&self) -> bool {
-        self.friction.is_some()
-    }
-
-    /// The equilibrium at the end of all steps of a checked case; those that were taken already are not taken again.
-    pub(super) fn find_with_friction(
-        &self,
-        rubbing: &Rubbing,
-        case: &Case,
-        workspace: &mut Workspace,
-    ) -> Result<Effort, SolveError> {
-        let mut effort = Effort::default();
-        for step in case.single_steps().skip(workspace.friction.taken) {
-            self.accept(&step, workspace)?;
-            let found = self.take_step(rubbing, case, workspace);
-            effort = found.map_err(|failure| self.explain(failure, &workspace.commands))?;
-            workspace.friction.taken += 1;
-        }
-        Ok(effort)
-    }
-
-    /// One step of actuation under the commands of the workspace.
-    fn take_step(
-        &self,
-        Rubbing { holes, sections, .. }: &Rubbing,
-        case: &Case,
-        workspace: &mut Workspace,
-    ) -> Result<Effort, Failure> {
-        let Workspace { scratch, loads, commands, tensions, meter, friction, .. } = workspace;
-        let Memory { history, scratch: memory, schedule, before, step: next, turned, .. } =
-            friction;
-        let task = Task { sections, ..self.task(loads, &[], meter) };
-        let mut chain = RubbingChain {
-            task,
-            holes,
-            scratch,
-            tolerance: self.options.residual,
-            is_loaded: !case.loads.is_none(),
-            before,
-            step: next,
-            turned,
-        };
-        schedule.clear();
-        let found = step(&mut chain, holes, commands, history, (None, schedule), memory);
-        scratch.open = None;
-        let found = found?;
-        tensions.clone_from(&history.base);
-        holes.cable_lengths(&memory.at.lengths, &mut scratch.chain.lengths);
-        let (iterations, residual) = (found.iterations, found.residual);
-        Ok(Effort { iterations, residual, lost_at: None })
-    }
-
-    /// The answers to all steps of a case in order. `each` gets them as they come.
-    ///
-    /// # Errors
-    /// The number of the first step without an answer, from 0, and why it has none.
-    pub(crate) fn solve_steps(
-        &self,
-        case: &Case,
-        workspace: &mut Workspace,
-        mut each: impl FnMut(Solution),
-    ) -> Result<(), (usize, SolveError)> {
-        case.check(&self.robot).map_err(|error| (0, error.into()))?;
-        workspace.forget();
-        for n in 0..=case.before.len() {
-            let Some(step) = case.step(n) else { break };
-            let solution = self.solve_on(&step, workspace).map_err(|error| (n, error))?;
-            each(solution);
-        }
-        Ok(())
-    }
-
-    /// The answer to a case whose first steps the workspace has taken.
-    fn solve_on(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
-        let mut solution = Solution::empty(self.kind);
-        let status = self.solve_from_here(case, WarmStart::None, workspace, &mut solution)?;
-        workspace.answered(status, solution)
-    }
-
-    /// The stability of the answer that the workspace holds.
-    pub(super) fn stability_with_friction(
-        &self,
-        Rubbing { holes, strands, .. }: &Rubbing,
-        workspace: &mut Workspace,
-    ) -> Result<Verdict, NoStability> {
-        let Workspace { scratch, loads, commands, held, meter, friction, .. } = workspace;
-        let Memory { history, scratch: memory, .. } = friction;
-        held.clear();
-        for (cable, command) in commands.iter().enumerate() {
-            let first = holes.of_cable[cable][0];
-            if let Command::Length { compliance, .. } = *command
-                && holes.coefficients[cable] == 0.0
-                && history.tensions[first] > 0.0
-            {
-                held.push((first, compliance));
-            }
-        }
-        let lock = |p: usize, compliance: f64| held.push((p, compliance));
-        holes
-            .lock(commands, &memory.at.turns, history, lock)
-            .map_err(|Slides| NoStability::Sliding)?;
-        let task = Task { sections: strands, ..self.task(loads, &history.tensions, meter) };
-        let least = scratch.least_eigenvalue(&task, held);
-        holes.cable_lengths(&memory.at.lengths, &mut scratch.chain.lengths);
-        least.map(Verdict::of_eigenvalue).ok_or(NoStability::Undetermined)
-    }
-
-    /// Writes what the holes do.
-    pub(super) fn write_holes(
-        &self,
-        rubbing: &Rubbing,
-        workspace: &Workspace,
-        solution: &mut Solution,
-    ) {
-        let History { tensions, slip_states, .. } = &workspace.friction.history;
-        for (i, cable) in solution.cables.iter_mut().enumerate() {
-            rubbing.holes.of(i, slip_states, &mut cable.slip_states);
-            cable.span_tensions.clear();
-            if self.knows_forces {
-                rubbing.holes.of(i, tensions, &mut cable.span_tensions);
-            }
-        }
-    }
-}
-
-impl Workspace {
-    /// Forgets all steps of actuation.
-    pub(super) fn forget(&mut self) {
-        (self.friction.history, self.friction.taken) = (History::default(), 0);
     }
 }

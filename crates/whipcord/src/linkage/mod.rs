@@ -5,8 +5,10 @@
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
 //! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `derivatives` differentiates it, `local` at one place;
-//! `places` are cross-sections that wrenches act on, `contact` is the chain among obstacles.
+//! `places` are cross-sections that wrenches act on, `contact` is the chain among obstacles; `friction` gives every
+//! passage of a cable a tension of its own, for `actuation_steps` with friction at the holes.
 
+mod actuation_steps;
 mod chain;
 mod contact;
 mod contact_response;

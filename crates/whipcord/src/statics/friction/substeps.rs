@@ -28,7 +28,7 @@ const SLIDES: f64 = 1e-11;
 /// Of the backbone's length: sliding back by less changes no tension by much.
 const ROUNDED: f64 = 1e-8;
 /// The error that a substep may leave, as a part of the tension of a cable.
-const TOLERANCE: f64 = 5e-4;
+const TOLERANCE: f64 = 2e-4;
 /// A first short substep, of the step: it shows which holes slide from the start on.
 const PROBE: f64 = 1.0 / 64.0;
 /// Where a step that seems to need no substeps is looked at for holes that slide and stick again.
