@@ -64,11 +64,10 @@ impl Rubbing {
         let passages = || sections.iter().flat_map(|section| &section.passages);
         let of_cable: Vec<usize> = passages().map(|passage| passage.cable).collect();
         let numbered = |number: &dyn Fn(usize) -> usize| {
-            let mut next = 0;
             let mut sections = sections.to_vec();
-            for passage in sections.iter_mut().flat_map(|section| &mut section.passages) {
-                passage.cable = number(next);
-                next += 1;
+            let passages = sections.iter_mut().flat_map(|section| &mut section.passages);
+            for (p, passage) in passages.enumerate() {
+                passage.cable = number(p);
             }
             sections
         };
