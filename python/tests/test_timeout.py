@@ -61,7 +61,7 @@ def test_batches_and_stiffness_end() -> None:
     weights = np.ones((len(tensions), 10, 3))
     gradients = case.pull_back_batch(tensions, position=weights, timeout=0.2)
     assert not gradients.ok[-1] and not gradients.commands[~gradients.ok].any()
-    answers = whipcord.solve_cases([case] * 20_000, timeout=0.2)
+    answers = whipcord.solve_cases([case] * 20_000, timeout=0.02)
     assert isinstance(answers[-1], whipcord.errors.WhipcordTimeout)
     with pytest.raises(whipcord.errors.WhipcordTimeout):
         case.stiffness(model=whipcord.models.Cosserat(steps=100_000), timeout=0.05)
@@ -105,7 +105,7 @@ def test_an_overlay_ends() -> None:
 
 
 def test_a_search_in_a_photograph_ends() -> None:
-    photo = np.random.default_rng(1).integers(0, 255, (1500, 1500, 3), dtype=np.uint8)
+    photo = np.random.default_rng(1).integers(0, 255, (600, 600, 3), dtype=np.uint8)
     with pytest.raises(whipcord.errors.WhipcordTimeout, match="the search for disks or markers was not done"):
         whipcord.measure(photo, count=4, timeout=1e-3)
     assert rests()
