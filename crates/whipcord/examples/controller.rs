@@ -1,7 +1,7 @@
 //! A controller that solves a loaded robot in every cycle: time and memory of the calls.
 //!
 //! ```text
-//! cargo run --release -p whipcord --example controller [CYCLES] [ROUNDS]
+//! cargo run --release -p whipcord --example controller [CYCLES] [ROUNDS] [MODEL]
 //! ```
 //!
 //! Tensions (or cable lengths) and the force on the tip walk at random from cycle to cycle. Each round repeats the same walk, so
@@ -29,9 +29,10 @@ const ROUNDS: usize = 3;
 const WARM_UP: usize = 2_000;
 
 fn main() {
-    let mut arguments = std::env::args().skip(1).map(|text| text.parse().unwrap());
-    let cycles = arguments.next().unwrap_or(CYCLES);
-    let rounds = arguments.next().unwrap_or(ROUNDS);
+    let mut arguments = std::env::args().skip(1);
+    let mut count = |default| arguments.next().map_or(default, |text| text.parse().unwrap());
+    let (cycles, rounds): (usize, usize) = (count(CYCLES), count(ROUNDS));
+    let chosen: Option<ModelKind> = arguments.next().map(|name| name.parse().unwrap());
     println!("{cycles} cycles, the least time of each over {rounds} rounds, in µs");
     println!(
         "{:<28} {:<10} {:>7} {:>7} {:>7} {:>7} {:>18} {:>11} {:>12}",
@@ -51,6 +52,9 @@ fn main() {
         ModelKind::PiecewiseConstantCurvature,
         ModelKind::PseudoRigidBody,
     ] {
+        if chosen.is_some_and(|chosen| chosen != kind) {
+            continue;
+        }
         for actuation in [Actuation::Tension, Actuation::Shortening] {
             print_line(kind, actuation, cycles, rounds);
         }
@@ -87,7 +91,8 @@ fn print_line(kind: ModelKind, actuation: Actuation, cycles: usize, rounds: usiz
         _ => "tensions",
     };
     println!(
-        "{kind:<28} {by:<10} {:>7.0} {:>7.0} {:>7.0} {:>7.0} {greatest:>18.0} {iterations:>11} {allocations:>12}",
+        "{:<28} {by:<10} {:>7.0} {:>7.0} {:>7.0} {:>7.0} {greatest:>18.0} {iterations:>11} {allocations:>12}",
+        kind.name(),
         at(0.5),
         at(0.99),
         at(0.999),
