@@ -1,6 +1,7 @@
 //! Robots among obstacles.
 
 mod bore;
+mod cables;
 mod cosserat;
 mod cosserat_disks;
 mod energy;
