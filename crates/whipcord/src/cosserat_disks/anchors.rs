@@ -12,7 +12,7 @@
 
 use whipcord_numerics::{Pose, Twist, UnitQuaternion};
 
-use super::span::{Chord, along_cable, unit_pull};
+use super::chord::{Chord, along_cable, unit_pull};
 use crate::section::BodyWrench;
 use crate::statics::passages::{Anchor, Passage};
 use whipcord_numerics::Vec3;

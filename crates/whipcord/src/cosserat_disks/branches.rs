@@ -1,9 +1,9 @@
 //! All equilibria of the robot under a load that lie on the path from no load and on the branches off it.
 
-use super::chain::State;
+use super::levels::{MAX_REFINEMENTS, STABILITY_LEVEL};
 use super::model::{CosseratDisks, Workspace};
+use super::node::State;
 use super::path::ChainPath;
-use super::refinement::{MAX_REFINEMENTS, STABILITY_LEVEL};
 use super::statics;
 use crate::budget::Budget;
 use crate::case::Case;

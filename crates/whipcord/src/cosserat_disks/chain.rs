@@ -16,126 +16,27 @@ use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::anchors::{Anchors, ChordChange};
-use super::layout::{Frame, Mesh, Span};
-use super::linear_step::Column;
+use super::between_disks::Span;
+use super::chord::Chord;
+use super::column::Column;
+use super::layout::{Frame, Mesh};
 use super::loaded_span::{Angles, Gap, Link, OfAnchors, Slope};
-use super::rod::{self, InSpan, Sample};
-use super::span::{self, Answer, Chord, Taut, Vanished};
-use crate::budget::Meter;
-use crate::derivatives::NodeChange;
+use super::node::Direction;
+use super::node::Node;
+use super::rod::{self, InSpan};
+use super::span::{self, Answer, Taut, Vanished};
+use super::task::Task;
+use super::variation::Sample;
 use crate::section::BodyWrench;
 use crate::section::Fault;
 use crate::section::SectionFault;
 use crate::shape::Wrench;
-use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Elimination};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::passages::Anchor;
-use crate::statics::path;
-use crate::statics::path::state::{Part, PartChange};
-use crate::statics::scales::Scales;
+use crate::statics::path::state::Part;
 use crate::statics::shared_unknowns::SharedUnknowns;
 use crate::statics::trace::Trace;
-
-/// A disk of the chain.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Node {
-    pub rotation: UnitQuaternion,
-    /// Total moment beyond the disk, in its frame.
-    pub moment: Vec3,
-    /// Force of the followers beyond it, base frame.
-    pub force: Vec3,
-    /// Wrench in the rod beyond it, in its frame.
-    pub wrench: BodyWrench,
-}
-
-/// Change of a disk.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct NodeStep {
-    pub change: Change,
-    /// Of the wrench in the rod beyond it, in its frame.
-    pub wrench: BodyWrench,
-}
-
-/// The disks, the tensions of the groups and the load.
-pub(super) type State = path::state::State<Node>;
-/// Change of the chain.
-pub(super) type Direction = path::state::Direction<NodeStep>;
-
-impl PartChange for NodeStep {
-    fn plus(self, f: f64, other: Self) -> Self {
-        let wrench = self.wrench + other.wrench * f;
-        Self { change: self.change.plus(f, other.change), wrench }
-    }
-
-    /// The wrench in the rod follows from the rest.
-    fn product(&self, other: &Self, scales: &Scales) -> f64 {
-        self.change.product(&other.change, scales)
-    }
-}
-
-impl Part for Node {
-    type Change = NodeStep;
-
-    fn stepped(&self, fraction: f64, step: &NodeStep) -> Self {
-        let Change { turn, moment, force } = step.change;
-        Self {
-            rotation: (self.rotation * UnitQuaternion::exp(fraction * turn)).renormalized(),
-            moment: self.moment + fraction * moment,
-            force: self.force + fraction * force,
-            wrench: self.wrench + step.wrench * fraction,
-        }
-    }
-}
-
-impl Node {
-    /// The disk a part of the way along a change of it, and of what acts in the rod behind it, both in the base frame.
-    /// Dead forces are known beforehand: without followers there is no other.
-    pub fn moved(
-        &self,
-        part: f64,
-        disk: &NodeChange,
-        rod: &NodeChange,
-        has_followers: bool,
-    ) -> Self {
-        let to_body = |x: Vec3| self.rotation.conjugate().rotate(x);
-        // Of a vector that is given in the frame of the disk.
-        let turned = |own: Vec3, change: Vec3| {
-            to_body(change - disk.turn.cross(self.rotation.rotate(own))) * part
-        };
-        let BodyWrench { linear, angular } = self.wrench;
-        Self {
-            rotation: (UnitQuaternion::exp(disk.turn * part) * self.rotation).renormalized(),
-            moment: self.moment + turned(self.moment, disk.moment),
-            force: if has_followers { self.force + disk.force * part } else { self.force },
-            wrench: BodyWrench {
-                linear: linear + turned(linear, rod.force),
-                angular: angular + turned(angular, rod.moment),
-            },
-        }
-    }
-}
-
-/// What the chain is closed for.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Task<'a> {
-    pub frame: &'a Frame,
-    pub mesh: &'a Mesh,
-    pub loads: &'a AppliedLoads,
-    /// Factor on all loads; where Newton's method starts, if it is free.
-    pub load: f64,
-    /// What the linear steps are for.
-    pub step: path::Step<'a, NodeStep>,
-    /// Which of the tensions each passage has.
-    pub groups: &'a [usize],
-    /// What drives each of them, where any is driven by its length; else empty.
-    pub commands: &'a [Command],
-    /// Whether the derivatives of the lengths by the tensions are wanted.
-    pub derivatives: bool,
-    /// Greatest gap that counts as closed.
-    pub tolerance: f64,
-    pub meter: &'a Meter,
-}
 
 /// The chain, and memory.
 #[derive(Clone, Debug, Default)]

@@ -4,10 +4,12 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::chain::{Chain, Node, Task};
+use super::chain::Chain;
 use super::layout::Mesh;
 use super::loaded_span::Gap;
 use super::model::{CosseratDisks, Workspace};
+use super::node::Node;
+use super::task::Task;
 use super::unloaded::From;
 use crate::budget::Budget;
 use crate::case::Case;

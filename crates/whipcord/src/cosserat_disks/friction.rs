@@ -2,11 +2,15 @@
 
 use whipcord_numerics::Vec3;
 
-use super::chain::{ANGLE_ROWS, Chain, Node, NodeStep, ROWS, Task};
-use super::linear_step::Column;
-use super::load_continuation::Raise;
+use super::chain::{ANGLE_ROWS, Chain, ROWS};
+use super::column::Column;
 use super::loaded_span::{Push, Slope};
-use super::statics::{Problem, Rod, Scratch, copy_out};
+use super::node::{Node, NodeStep};
+use super::problem::Problem;
+use super::raise::Raise;
+use super::scratch::{Scratch, copy_out};
+use super::task::Task;
+use super::tensions::Rod;
 use crate::budget::Meter;
 use crate::section::{BodyWrench, Fault};
 use crate::statics::elimination::{Change, Size};

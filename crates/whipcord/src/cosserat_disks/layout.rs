@@ -4,8 +4,9 @@ use core::ops::Range;
 
 use whipcord_numerics::{Pose, magnus_6};
 
+use super::between_disks::Span;
+use super::chord::Chord;
 use super::repeated_spans::{self, RepeatedSpan};
-use super::span::Chord;
 use crate::case::Loads;
 use crate::derivatives::StraightSpan;
 use crate::error::SolveError;
@@ -13,22 +14,8 @@ use crate::kind::ModelKind;
 use crate::robot::{Cable, Robot};
 use crate::statics::friction::Holes;
 use crate::statics::grid::{Grid, Layout};
-use crate::statics::passages::{Anchor, Passage, passages};
+use crate::statics::passages::{Anchor, passages};
 use crate::statics::scales::Scales;
-
-/// What lies between two neighbouring disks.
-#[derive(Clone, Debug)]
-pub(super) struct Span {
-    /// Arc length of the disk nearer the base in m.
-    pub start: f64,
-    pub passages: Vec<Passage>,
-    /// Number of the first passage among those of all spans.
-    pub first: usize,
-    /// Its anchors among those of all spans.
-    pub anchors: Range<usize>,
-    /// Where the rows of its anchors begin, one for each pair of an anchor and a passage, among those of all spans.
-    pub anchor_rows: usize,
-}
 
 /// What does not depend on how finely the spans are integrated.
 #[derive(Clone, Debug)]

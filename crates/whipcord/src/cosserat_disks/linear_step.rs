@@ -2,21 +2,16 @@
 
 use whipcord_numerics::Vec3;
 
-use super::chain::{Chain, Direction, NodeStep, ROWS, Task};
+use super::chain::{Chain, ROWS};
+use super::chord;
+use super::column::Column;
 use super::loaded_span::Push;
-use super::span;
+use super::node::{Direction, NodeStep};
+use super::task::Task;
 use crate::statics::elimination::{Change, Size};
 use crate::statics::path::state::PartChange;
 use crate::statics::path::{self, pattern};
 use crate::statics::shared_unknowns::Cables;
-
-/// A column of what all spans share, or the answer to what is left of the equations.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Column {
-    Load,
-    Tension(usize),
-    Closing,
-}
 
 impl Chain {
     /// What a column changes at a span, beside its start.
@@ -50,7 +45,7 @@ impl Chain {
                 continue;
             }
             let chord = &self.chords[span.first + i];
-            push.own.pull = push.own.pull + span::unit_pull(passage.near, chord) * change;
+            push.own.pull = push.own.pull + chord::unit_pull(passage.near, chord) * change;
             if !passage.is_anchored_inside() {
                 push.own.moment += change * passage.far.cross(to_far.rotate(chord.along));
             }

@@ -3,10 +3,13 @@
 use whipcord_numerics::{UnitQuaternion, Vec3};
 
 use super::anchors::ChordChange;
-use super::chain::{Node, Task};
-use super::rod::{self, By, End, InSpan, Variation};
-use super::span::{self, Answer, Chord, Factors, Taut};
+use super::chord::Chord;
+use super::node::Node;
+use super::rod::{self, By, InSpan};
+use super::span::{self, Answer, Factors, Taut};
+use super::task::Task;
 use super::unloaded_span;
+use super::variation::{End, Variation};
 use crate::section::BodyWrench;
 use crate::statics::elimination::Change;
 use crate::statics::scales::Scales;

@@ -2,11 +2,13 @@ use std::sync::{Arc, OnceLock};
 
 use whipcord_numerics::Pose;
 
-use super::chain::Node;
 use super::layout::{Frame, Mesh};
-use super::refinement::{FINER_MESHES, Refined, STABILITY_STEPS};
+use super::levels::{FINER_MESHES, Refined, STABILITY_STEPS};
+use super::node::Node;
+use super::problem::{Neighbour, Problem, Start};
+use super::scratch::Scratch;
 use super::stability_check;
-use super::statics::{self, Neighbour, Problem, Scratch, Start};
+use super::statics;
 use super::unloaded::Unloaded;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;

@@ -2,7 +2,8 @@
 
 use whipcord_numerics::{Equations, NewtonOptions, Reuse, Solved, newton};
 
-use super::chain::{Chain, Task};
+use super::chain::Chain;
+use super::task::Task;
 use crate::section::Fault;
 use crate::statics::outcome::Open;
 

@@ -2,10 +2,13 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::chain::{Chain, Direction, Node, NodeStep, State, Task};
-use super::load_continuation::finish;
+use super::chain::Chain;
+use super::node::{Direction, Node, NodeStep, State};
+use super::problem::Problem;
+use super::scratch::Scratch;
+use super::scratch::finish;
 use super::stability_check;
-use super::statics::{Problem, Scratch};
+use super::task::Task;
 use crate::statics::command::Command;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::{Found, Open};

@@ -4,9 +4,13 @@ use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use super::layout::Mesh;
+use super::levels::MAX_REFINEMENTS;
+use super::levels::Refined;
+use super::levels::STABILITY_LEVEL;
 use super::model::{CosseratDisks, StepHistory, Workspace};
-use super::stability_check::Sampled;
-use super::statics::{self, Start};
+use super::problem::Sampled;
+use super::problem::Start;
+use super::statics;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::statics::friction::History;
@@ -15,25 +19,10 @@ use crate::statics::outcome::Found;
 use crate::statics::refinement::ERROR_RATIO;
 use crate::statics::strength::Strength;
 
-/// Finer meshes that are kept once they were needed.
-pub(super) const FINER_MESHES: usize = 5;
-/// Of them the finest on which stability is computed where it has steps enough.
-pub(super) const STABILITY_LEVEL: usize = 2;
-/// How often the steps may be halved.
-pub(super) const MAX_REFINEMENTS: usize = 8;
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 4;
 /// What an unstable equilibrium could be left for is looked for with steps halved this often.
 const LEAVE_LEVEL: usize = 3;
-/// With so many, the least eigenvalue of a column is known to better than 1e-6.
-pub(super) const STABILITY_STEPS: usize = 16;
-
-/// An answer that the workspace holds, how often the steps of its mesh are halved, and its estimated error in m where it was refined.
-pub(super) struct Refined {
-    pub found: Found,
-    pub level: usize,
-    pub error: Option<f64>,
-}
 
 impl CosseratDisks {
     /// Halves the steps until the answer changes no more.

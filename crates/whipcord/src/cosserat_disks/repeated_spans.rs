@@ -7,7 +7,7 @@ use core::ops::Range;
 
 use whipcord_numerics::{UnitQuaternion, Vec3};
 
-use super::layout::Span;
+use super::between_disks::Span;
 use crate::section::Section;
 use crate::statics::grid::Grid;
 

@@ -23,10 +23,14 @@
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
 use super::anchors::{Anchors, ChordChange, Varied};
+use super::chord::Chord;
 use super::layout::{Frame, Mesh};
-use super::span::{Chord, Taut};
+use super::span::Taut;
 use super::unloaded_span;
-use crate::section::{BodyWrench, Strain};
+use super::variation::End;
+use super::variation::Sample;
+use super::variation::Variation;
+use crate::section::BodyWrench;
 use crate::shape::Wrench;
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
@@ -46,37 +50,6 @@ pub(super) struct InSpan<'a> {
     pub to_disk: UnitQuaternion,
     /// Dead force at the start of the span, base frame.
     pub at_start: Vec3,
-}
-
-/// The rod at the end of a span, in the frame of the disk the span starts from.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct End {
-    pub pose: Pose,
-    /// Moment in the rod.
-    pub moment: Vec3,
-    /// Sum of the forces that turn with the rod and act inside the span.
-    pub followers: Vec3,
-}
-
-/// A section of the span: what eq. (2) needs of it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sample {
-    pub strain: Strain,
-    pub wrench: BodyWrench,
-    pub rotation: UnitQuaternion,
-    /// In the frame of the disk.
-    pub position: Vec3,
-    /// Dead load between the start of the span and here, in the frame of the disk.
-    pub dead: Vec3,
-}
-
-/// A variation: rotation, displacement and moment in the body frame, force in that of the disk.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Variation {
-    pub turn: Vec3,
-    pub shift: Vec3,
-    pub moment: Vec3,
-    pub force: Vec3,
 }
 
 /// Integrates eqs. (1) over the steps of a span from the wrench at its start. `poses` takes the
@@ -345,16 +318,4 @@ pub(super) fn linearise(
     }
     at.force -= of_anchors;
     at
-}
-
-impl Variation {
-    #[inline(always)]
-    fn plus(&self, f: f64, slope: &Self) -> Self {
-        Self {
-            turn: self.turn + f * slope.turn,
-            shift: self.shift + f * slope.shift,
-            moment: self.moment + f * slope.moment,
-            force: self.force + f * slope.force,
-        }
-    }
 }

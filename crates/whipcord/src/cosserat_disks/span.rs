@@ -15,29 +15,13 @@
 use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::anchors::{Anchors, ChordChange};
-use super::layout::Span;
-use super::rod::{End, Sample, Variation};
+use super::between_disks::Span;
+use super::chord::Chord;
+use super::chord::along_cable;
+use super::chord::unit_pull;
+use super::variation::{End, Sample, Variation};
 use crate::section::BodyWrench;
-use crate::statics::passages::{Anchor, Passage};
-
-/// A straight piece of cable, in the frame of the disk nearer the base.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Chord {
-    /// `t`.
-    pub along: Vec3,
-    /// `ℓ` in m.
-    pub length: f64,
-}
-
-impl Chord {
-    /// Of a passage whose end stands on a cross-section at `pose`, as seen from the near disk.
-    #[inline(always)]
-    pub fn between(passage: &Passage, pose: &Pose) -> Self {
-        let way = pose.transform(passage.far) - passage.near;
-        let length = way.norm();
-        Self { along: way * (1.0 / length), length }
-    }
-}
+use crate::statics::passages::Anchor;
 
 /// A cable's piece that has no length left.
 #[derive(Clone, Copy, Debug)]
@@ -84,12 +68,6 @@ pub(super) fn pull(span: &Span, chords: &[Chord], tensions: &[f64]) -> BodyWrenc
         sum = sum + unit_pull(passage.near, chord) * tension;
     }
     sum
-}
-
-/// What a unit tension exerts at the near disk.
-#[inline(always)]
-pub(super) fn unit_pull(near: Vec3, chord: &Chord) -> BodyWrench {
-    along_cable(near, chord.along)
 }
 
 /// What rod and cables exert together on the far disk's near side, as a moment in its frame.
@@ -238,10 +216,4 @@ impl Tangent {
             Self::Cables(factors) => factors.solve(right),
         }
     }
-}
-
-/// The wrench of a force that acts at a hole.
-#[inline(always)]
-pub(super) fn along_cable(near: Vec3, force: Vec3) -> BodyWrench {
-    BodyWrench { linear: force, angular: near.cross(force) }
 }

@@ -22,9 +22,10 @@
 
 use whipcord_numerics::{Mat3, UnitQuaternion, Vec3, symmetric_eigenvalues};
 
-use super::layout::{Frame, Mesh, Span};
-use super::rod::Sample;
-use super::span::Chord;
+use super::between_disks::Span;
+use super::chord::Chord;
+use super::layout::{Frame, Mesh};
+use super::variation::Sample;
 use crate::section::Tangent;
 use crate::shape::{Diagnostics, NoStability};
 use crate::statics::eigenvalue::{

@@ -1,10 +1,12 @@
 //! The stability check of an answer: its sampled sections, and the cables that hold it.
 
+use super::chord::Chord;
 use super::layout::Mesh;
+use super::problem::Problem;
+use super::problem::Sampled;
 use super::rod::{self, InSpan};
-use super::span::Chord;
+use super::scratch::Scratch;
 use super::stability::{Equilibrium, Locked, Stability};
-use super::statics::{Problem, Scratch};
 use crate::section::BodyWrench;
 use crate::shape::{Diagnostics, NoStability, Verdict};
 use crate::statics::command::Command;
@@ -209,23 +211,6 @@ pub(super) fn is_above_without_load(
     above(&finest, bound)
 }
 
-/// The meshes on which stability is computed. Its error goes with the fourth power of the step, and is far below
-/// what anybody asks of it where positions still matter.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sampled<'a> {
-    /// Where no span is near its own buckling load.
-    pub usual: &'a Mesh,
-    /// With four elements to a span at least.
-    pub fine: &'a Mesh,
-}
-
-impl<'a> Sampled<'a> {
-    /// The mesh for spans whose rods bear these wrenches at their start.
-    fn mesh(&self, wrench: impl Fn(usize) -> BodyWrench) -> &'a Mesh {
-        if is_compressed(self.usual, wrench) { self.fine } else { self.usual }
-    }
-}
-
 /// A span whose elements bear this much, in units of EI/h², has too few of them: a span that buckles under a
 /// central cable bears `π²/16` with four.
 const COMPRESSED: f64 = 0.63;
@@ -318,4 +303,11 @@ fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64], locked
     let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);
     let Locked { of_cable, of_passage, .. } = locked;
     of_passage.extend(passages.map(|passage| of_cable[passage.cable]));
+}
+
+impl<'a> Sampled<'a> {
+    /// The mesh for spans whose rods bear these wrenches at their start.
+    fn mesh(&self, wrench: impl Fn(usize) -> BodyWrench) -> &'a Mesh {
+        if is_compressed(self.usual, wrench) { self.fine } else { self.usual }
+    }
 }

@@ -9,12 +9,15 @@ use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::anchors::{Anchors, ChordChange};
+use super::between_disks::Span;
 use super::chain::Chain;
-use super::layout::{Frame, Mesh, Span};
+use super::chord;
+use super::chord::Chord;
+use super::layout::{Frame, Mesh};
 use super::repeated_spans::RepeatedSpan;
-use super::rod::Sample;
-use super::span::{self, Answer, Chord, Factors, Tangent, Taut, Vanished};
+use super::span::{self, Answer, Factors, Tangent, Taut, Vanished};
 use super::unloaded_span;
+use super::variation::Sample;
 use crate::section::Fault;
 use crate::section::{BodyWrench, SectionFault};
 use crate::statics::passages::{Anchor, Passage};
@@ -243,7 +246,7 @@ impl Unloaded {
             for (i, passage) in span.passages.iter().enumerate() {
                 let (chord, tension) =
                     (&frame.rest_chords[span.first + i], tensions[span.first + i]);
-                pull = pull + span::unit_pull(passage.near, chord) * -tension;
+                pull = pull + chord::unit_pull(passage.near, chord) * -tension;
                 lever += tension * (passage.near + passage.far);
             }
             (pull, lever)
@@ -362,7 +365,7 @@ impl Unloaded {
         };
         let mut wrench = guess.wrench;
         if let [passage] = &span.passages[..] {
-            wrench = span::along_cable(passage.near, wrench.linear);
+            wrench = chord::along_cable(passage.near, wrench.linear);
         }
         let mut kept = if guess.linearised { self.tangents[k] } else { None };
         let near = if derivatives { NEAR_FOR_DERIVATIVES } else { NEAR };
@@ -433,7 +436,7 @@ impl Unloaded {
         let first = self.length_by_tension.len();
         self.length_by_tension.resize(first + cables * cables, 0.0);
         for (j, passage) in span.passages.iter().enumerate() {
-            let mut pull = span::unit_pull(passage.near, &self.chords[span.first + j]);
+            let mut pull = chord::unit_pull(passage.near, &self.chords[span.first + j]);
             let anchor = anchors.iter().position(|anchor| anchor.passage == j);
             if let Some(a) = anchor {
                 pull = pull + self.of_anchors.pulls[span.anchors.start + a];
@@ -485,7 +488,7 @@ fn linearise(
     }
     let mut answers = [Answer::default(); 6];
     if let [Passage { near, .. }] = taut.span.passages[..] {
-        let units = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| span::along_cable(near, axis));
+        let units = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| chord::along_cable(near, axis));
         let by = unloaded_span::linearise(grid, steps, taut, &units, None, changes);
         for (c, ((answer, by), row)) in
             answers.iter_mut().zip(&by).zip(rows.chunks_exact_mut(1)).enumerate()

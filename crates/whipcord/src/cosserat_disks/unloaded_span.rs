@@ -14,8 +14,9 @@ use core::ops::Range;
 use whipcord_numerics::{BUTCHER_5, Pose, Twist, UnitQuaternion, Vec3};
 
 use super::anchors::{Anchors, ChordChange, Varied};
-use super::rod::{Sample, Variation};
-use super::span::{Chord, Taut};
+use super::chord::Chord;
+use super::span::Taut;
+use super::variation::{Sample, Variation};
 use crate::section::{BodyWrench, Section};
 use crate::statics::grid::Grid;
 
