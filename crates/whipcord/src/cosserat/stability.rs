@@ -60,7 +60,8 @@ pub(super) struct Stability {
     corner: Vec<f64>,
     schur: Vec<f64>,
     self_stress: SelfStress,
-    beyond: Vec<Vec3>,
+    /// Of the locked cables, what the part before a step leaves of their borders at its start, and at its end.
+    near: Vec<Vec3>,
     next: Vec<Vec3>,
 }
 
@@ -302,8 +303,7 @@ impl Stability {
     }
 
     /// Whether `energy − shift · metric` has a negative direction. From the clamped base no pivot is small where the robot
-    /// is stable: rounding matters less than in [`Self::negative_directions`], where the first pivots are those of a free
-    /// end.
+    /// is stable.
     fn is_indefinite(&self, shift: f64) -> bool {
         self.left_at_tip(shift).is_none_or(|tip| tip.ldlt().is_none())
     }
@@ -340,7 +340,7 @@ impl Stability {
     }
 
     /// The number of negative directions of `energy − shift · metric` among the fields that the
-    /// locked cables admit, eq. (11): by elimination from the tip to the base through negative pivots,
+    /// locked cables admit, eq. (11): by elimination from the base to the tip through negative pivots,
     /// with the borders carried along.
     fn negative_directions(&mut self, shift: f64) -> usize {
         let negative = self.eliminate(shift);
@@ -353,40 +353,57 @@ impl Stability {
     /// of the locked cables is left behind.
     fn eliminate(&mut self, shift: f64) -> usize {
         let p = self.locked.len();
-        let Self { elements, borders, corner, schur, beyond: far, next, .. } = self;
+        let Self { elements, borders, corner, schur, near, next, .. } = self;
         schur.clone_from(corner);
-        far.clear();
-        far.resize(p, Vec3::ZERO);
+        near.clear();
+        near.resize(p, Vec3::ZERO);
         let mut negative = 0;
-        let mut beyond = Mat3::ZERO;
-        for (k, element) in elements.iter().enumerate().rev() {
+        // What the part before a step contributes at its start.
+        let mut before = Mat3::ZERO;
+        for (k, element) in elements.iter().enumerate() {
             let border = &borders[k * p..(k + 1) * p];
             let block = |i: usize, j: usize| element.energy[i][j] - element.metric[i][j] * shift;
             let (middle, below) = pivot(block(1, 1));
             negative += below;
-            let to_end = middle * block(1, 2);
-            let to_start = middle * block(1, 0);
-            let (end, below) = pivot(symmetric(block(2, 2) + beyond - block(2, 1) * to_end));
-            negative += below;
-            let coupling = block(2, 0) - block(2, 1) * to_start;
-            beyond = block(0, 0) - block(0, 1) * to_start - coupling.transpose() * (end * coupling);
-            beyond = symmetric(beyond);
-            for (far, border) in far.iter_mut().zip(border) {
-                *far += border[2] - to_end.transpose_mul(border[1]);
-            }
+            let (to_start, to_end) = (middle * block(1, 0), middle * block(1, 2));
+            let end = block(2, 2) - block(2, 1) * to_end;
             next.clear();
+            next.extend(border.iter().map(|of| of[2] - to_end.transpose_mul(of[1])));
             for i in 0..p {
-                let (at_middle, at_end) = (middle * border[i][1], end * far[i]);
+                let at_middle = middle * border[i][1];
                 for j in 0..p {
-                    schur[i * p + j] -= at_middle.dot(border[j][1]) + at_end.dot(far[j]);
+                    schur[i * p + j] -= at_middle.dot(border[j][1]);
                 }
-                next.push(
-                    border[i][0]
-                        - to_start.transpose_mul(border[i][1])
-                        - coupling.transpose_mul(at_end),
-                );
             }
-            core::mem::swap(far, next);
+            if k == 0 {
+                // The base is clamped.
+                before = symmetric(end);
+            } else {
+                let coupling = block(0, 2) - block(0, 1) * to_end;
+                let start = before + block(0, 0) - block(0, 1) * to_start;
+                let (start, below) = pivot(symmetric(start));
+                negative += below;
+                for (near, of) in near.iter_mut().zip(border) {
+                    *near += of[0] - to_start.transpose_mul(of[1]);
+                }
+                for i in 0..p {
+                    let at_start = start * near[i];
+                    for j in 0..p {
+                        schur[i * p + j] -= at_start.dot(near[j]);
+                    }
+                    next[i] = next[i] - coupling.transpose_mul(at_start);
+                }
+                before = symmetric(end - coupling.transpose() * (start * coupling));
+            }
+            core::mem::swap(near, next);
+        }
+        let (tip, below) = pivot(before);
+        negative += below;
+        for i in 0..p {
+            let at_tip = tip * near[i];
+            for j in 0..p {
+                schur[i * p + j] -= at_tip.dot(near[j]);
+            }
         }
         negative
     }

@@ -9,8 +9,8 @@ use core::f64::consts::PI;
 use crate::common::solve_with;
 use whipcord::cosserat::Options;
 use whipcord::{
-    Along, Backbone, Case, Disks, DistributedLoad, Loads, NoStability, PointLoad, Robot,
-    StabilityAnalysis, Stiffness, Vec3,
+    Along, Backbone, Cable, Case, Disks, DistributedLoad, Loads, NoStability, PointLoad, Robot,
+    Routing, Shortening, StabilityAnalysis, Stiffness, Vec3,
 };
 
 /// A rod of these bending stiffnesses about x and y, the same or given at places.
@@ -35,7 +35,8 @@ fn pushed(force: f64) -> Loads {
 }
 
 fn stability(robot: &Robot, loads: Loads) -> f64 {
-    let case = Case { loads, ..Case::default() };
+    let lengths = vec![Shortening::Length(1e-4); robot.cables().len()];
+    let case = Case { loads, ..Case::with_shortenings(&lengths) };
     let solution = solve_with(
         Options { stability: StabilityAnalysis::Eigenvalue, ..Options::default() },
         robot,
@@ -118,6 +119,30 @@ fn a_strip_tips_over_sideways() {
         ..Loads::default()
     };
     loses_stability_at(12.853_763_321_383_318 * scale, &strip, spread);
+}
+
+/// The same with a cable that is held at its length, but so soft that it holds nothing.
+#[test]
+fn a_strip_with_a_soft_locked_cable_tips_over_as_without_it() {
+    for edge in [1e2, 1e5, 1e8] {
+        let bare = rod(Along::Uniform([1.0, edge]), 0.7);
+        let routing = Routing::Straight { angle: 0.4, radius: 0.01 };
+        let soft = Cable { axial_stiffness: Some(1e-9), ..Cable::new("soft", routing) };
+        let strip = Robot::new(bare.backbone().clone(), bare.disks().clone(), vec![soft]).unwrap();
+        let edgewise = |force: f64| Loads { tip_force: force * Vec3::X, ..Loads::default() };
+        let values = |factor: f64| {
+            let force = factor * 4.012_599_343_578_901 * 0.7_f64.sqrt();
+            [&bare, &strip].map(|robot| stability(robot, edgewise(force)))
+        };
+        for below in [0.01, 0.3, 0.6, 0.9] {
+            let [bare, locked] = values(below);
+            assert!((bare - locked).abs() < 1e-6, "{edge:e}, {below}: {bare} and {locked}");
+        }
+        for above in [1.1, 1.3] {
+            let [bare, locked] = values(above);
+            assert!(bare < 0.0 && locked < 0.0, "{edge:e}, {above}: {bare} and {locked}");
+        }
+    }
 }
 
 #[test]
