@@ -131,15 +131,16 @@ impl Model {
         self
     }
 
-    /// Whether the cables of its robots may rub at their holes.
+    /// Whether the cables of its robots may have friction.
     #[must_use]
     pub const fn has_hole_friction(&self) -> bool {
         match self {
-            Self::CosseratDisks(_)
+            Self::Cosserat(_)
+            | Self::CosseratDisks(_)
             | Self::PiecewiseConstantCurvature(_)
             | Self::PseudoRigidBody(_) => true,
             Self::FourBar(options) => options.has_energy(),
-            Self::Cosserat(_) | Self::ConstantCurvature(_) => false,
+            Self::ConstantCurvature(_) => false,
         }
     }
 
@@ -163,8 +164,7 @@ impl Model {
     }
 }
 
-/// The robot before actuation and load, on a base of this pose: by the Cosserat model, or with hole friction
-/// by the one with cables from hole to hole. `None` for a robot without section or material, which is known
+/// The robot before actuation and load, on a base of this pose, by a Cosserat model. `None` for a robot without section or material, which is known
 /// to a geometric model only.
 #[must_use]
 pub fn at_rest(robot: &Robot, base: Pose, stations: &Stations) -> Option<Solution> {
@@ -391,6 +391,9 @@ impl Prepared {
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         match self {
+            Self::Cosserat(model, workspace) => {
+                return model.solve_steps(case, workspace, each);
+            }
             Self::CosseratDisks(model, workspace) => {
                 return model.solve_steps(case, workspace, each);
             }

@@ -82,7 +82,7 @@ pub enum IdentifyError {
     MixedUnits,
     /// Friction is estimated with a model that has none.
     #[error(
-        "{path} cannot be estimated with the {model} model, which has no friction: use cosserat-disks, piecewise-constant-curvature or pseudo-rigid-body"
+        "{path} cannot be estimated with the {model} model, which has no friction: use cosserat, cosserat-disks, piecewise-constant-curvature or pseudo-rigid-body"
     )]
     NoFriction {
         /// Path of the unknown.

@@ -1,8 +1,7 @@
 //! All equilibria of the rod under a load that lie on the path from no load and on the branches off it.
 
-use super::model::{Cosserat, Workspace};
 use super::path::RodPath;
-use super::refinement::{FOLLOW_LEVEL, MAX_REFINEMENTS};
+use super::prepared::{Cosserat, FOLLOW_LEVEL, MAX_REFINEMENTS, Workspace};
 use super::state::State;
 use super::statics;
 use crate::budget::Budget;
@@ -29,6 +28,7 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
         refusal::among_obstacles("branches", ModelKind::Cosserat, case)?;
+        refusal::friction_with_branches(ModelKind::Cosserat, &self.robot)?;
         let found = self.follow_branches(case, options, workspace);
         self.options.cancel.checked(found)
     }

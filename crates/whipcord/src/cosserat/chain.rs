@@ -9,9 +9,9 @@
 use whipcord_numerics::{Equations, NewtonOptions, Pose, Vec3, newton};
 
 use super::loaded::{Target, Trajectory};
-use super::sensitivity::{Column, Sensitivity, Unknowns};
+use super::problem::Problem;
+use super::sensitivity::{Column, Sensitivity, Tensions, Unknowns};
 use super::state::{Direction, State, weight};
-use super::statics::Problem;
 use crate::budget::Meter;
 use crate::derivatives::StepGap;
 use crate::section::Fault;
@@ -30,25 +30,27 @@ use crate::statics::trace::Trace;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     pub state: State,
-    kept: State,
-    gaps: Vec<Gap>,
+    /// Tensions in N of all cables at each shooting node in turn, where friction makes them vary; else none.
+    pub varying: Vec<f64>,
+    pub(super) kept: State,
+    pub(super) gaps: Vec<Gap>,
     size: Size,
     /// Of the end of each step by rotation and cut at its start and what all share.
     columns: Vec<Column>,
     /// `∂ℓᵢ` of each step by rotation and cut at its start and what all share.
     length_rows: Vec<f64>,
-    step: Direction,
-    elimination: Elimination,
-    sensitivity: Sensitivity,
+    pub(super) step: Direction,
+    pub(super) elimination: Elimination,
+    pub(super) sensitivity: Sensitivity,
     shared: SharedUnknowns,
 }
 
 /// How a step ends short of the next node.
 #[derive(Clone, Copy, Debug, Default)]
-struct Gap {
-    change: Change,
+pub(super) struct Gap {
+    pub change: Change,
     /// Frame at the end, with the position relative to the start.
-    end: Pose,
+    pub end: Pose,
 }
 
 /// What the chain is solved for.
@@ -203,11 +205,16 @@ impl Chain {
         self.gaps.clear();
         let mut greatest: f64 = 0.0;
         let state = &self.state;
+        let (tensions, per_node) = match self.varying.is_empty() {
+            true => (&state.tensions, 0),
+            false => (&self.varying, state.tensions.len()),
+        };
         for k in 0..task.grid.len() {
             let (start, next) = (state.nodes[k], state.nodes[k + 1]);
             let moment = start.rotation.rotate(start.moment);
             let target = Target {
-                tensions: &state.tensions,
+                tensions,
+                per_node,
                 base_moment: Vec3::ZERO,
                 follower_force: start.force,
                 load: state.load,
@@ -254,7 +261,7 @@ impl Chain {
         let by = Unknowns {
             follower_force: task.loads.any_follower_force(),
             load: by_load,
-            tensions: if by_length { task.commands.len() } else { 0 },
+            tensions: Tensions::Even(if by_length { task.commands.len() } else { 0 }),
         };
         let cut = if by.follower_force { 6 } else { 3 };
         self.size = Size { cut, shared: by.count() - 3 - cut };

@@ -3,13 +3,14 @@
 use whipcord_numerics::Vec3;
 
 use super::contact_response::ContactResponse;
-use super::model::{Cosserat, Workspace};
+use super::prepared::{Cosserat, Workspace};
 use crate::case::Case;
 use crate::contact::{self, RodAdapter, Unobstructed};
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
+use crate::refusal;
 use crate::shape::Solution;
 
 impl Cosserat {
@@ -56,6 +57,7 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<Option<Solution>, SolveError> {
         case.check(&self.robot)?;
+        refusal::friction_among_obstacles(ModelKind::Cosserat, &self.robot)?;
         let watched = contact::watched(&self.robot);
         let initial_lengths = self.initial_lengths();
         let mut free = FreeRod { model: self, workspace, watched, initial_lengths };

@@ -8,7 +8,7 @@ use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Chain, Task};
 use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
-use super::model::{Cosserat, Workspace};
+use super::prepared::{Cosserat, Workspace};
 use super::state::{Direction, Node, State};
 use crate::budget::Budget;
 use crate::case::Case;
@@ -81,6 +81,7 @@ impl ContactResponse {
         let base = self.chain.state.nodes.first()?;
         let target = Target {
             tensions: &self.chain.state.tensions,
+            per_node: 0,
             base_moment: base.moment,
             follower_force: base.force,
             load: 1.0,
@@ -507,6 +508,7 @@ fn near(
     let tensions: Vec<f64> = contact_grid.model.layout.order.iter().map(tension).collect();
     let target = Target {
         tensions: &tensions,
+        per_node: 0,
         base_moment: base.moment,
         follower_force: loads.follower_share(base.force),
         load: 1.0,

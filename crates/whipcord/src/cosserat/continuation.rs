@@ -3,9 +3,10 @@
 use whipcord_numerics::{Missed, continuation};
 
 use super::chain::{Chain, Task};
+use super::problem::{Problem, StabilityCheck};
+use super::scratch::Scratch;
 use super::shooting::finish_chain;
 use super::state::State;
-use super::statics::{Problem, Scratch, StabilityCheck};
 use super::without_load::start_without_load;
 use crate::section::Fault;
 use crate::section::SectionFault;

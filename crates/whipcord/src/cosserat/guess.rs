@@ -6,21 +6,13 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::statics::{Problem, Scratch};
+use super::problem::Problem;
+use super::scratch::Scratch;
 use super::unloaded::integrate;
-use crate::section::{BodyWrench, Strain, equilibrium};
+use crate::section::BodyWrench;
 use crate::shape::Wrench;
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
-
-/// Memory.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Guess {
-    /// Wrench in the middle of each step, in its frame.
-    wrenches: Vec<BodyWrench>,
-    strains: Vec<Strain>,
-    poses: Vec<Pose>,
-}
 
 /// Of the base moment: a pass that changes it more is not going to converge soon.
 const MOST_CHANGE: f64 = 0.3;
@@ -53,28 +45,6 @@ pub(super) fn guess(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     newton.point.base_moment = at_base.moment;
     newton.point.follower_force = at_base.force;
     newton.point.tensions.clone_from(tensions);
-}
-
-impl Guess {
-    /// The strains of the rod whose sections yield to these wrenches, one for each step; `false` where
-    /// one does not bear it.
-    #[inline(always)]
-    fn relax(&mut self, grid: &Grid, tensions: &[f64], unloaded: &[Strain]) -> bool {
-        self.strains.clear();
-        for (k, step) in grid.steps.iter().enumerate() {
-            let (node, crossings) = grid.gauss.at(k, 1, step.active);
-            let rest = unloaded[3 * k + 1];
-            let mut strain = rest;
-            let active = &tensions[..step.active];
-            let wrench = self.wrenches[k];
-            if equilibrium(&node.section, crossings, active, wrench, &mut strain).is_err() {
-                return false;
-            }
-            let change = strain - rest;
-            self.strains.extend([0, 1, 2].map(|j| unloaded[3 * k + j] + change));
-        }
-        true
-    }
 }
 
 /// What the base would exert if the loads acted on this shape. `pass` is told, from the tip down, the

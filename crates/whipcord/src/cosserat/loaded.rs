@@ -20,7 +20,7 @@ use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 use crate::section::Fault;
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::shape::Wrench;
-use crate::statics::grid::Grid;
+use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::quadratic_form::Sample;
 use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES, State, pack, unpack};
@@ -52,8 +52,10 @@ pub(super) struct Trajectory {
 /// What is aimed at the tip.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target<'a> {
-    /// Tensions in N, in the order of the grid.
+    /// Tensions in N, in the order of the grid: of all cables, or of all cables at each shooting node in turn.
     pub tensions: &'a [f64],
+    /// How many of them belong to a node: none where they are the same at all nodes.
+    pub per_node: usize,
     /// Moment at the base in N·m.
     pub base_moment: Vec3,
     /// Force at the base that follower forces exert, in N.
@@ -62,6 +64,14 @@ pub(super) struct Target<'a> {
     pub load: f64,
     /// Whether [`Trajectory::samples`] are wanted.
     pub sample: bool,
+}
+
+impl Target<'_> {
+    /// Tensions of the first `active` cables at shooting node `j` of step `k`.
+    #[inline(always)]
+    fn tensions_at(&self, k: usize, j: usize, active: usize) -> &[f64] {
+        &self.tensions[self.per_node * (k * SHOOTING_NODES.len() + j)..][..active]
+    }
 }
 
 /// [`Trajectory::shoot`] with the instructions that the processor has. No sum is reordered or fused: the
@@ -215,7 +225,7 @@ impl Trajectory {
     ) -> Result<(), Fault> {
         let table = &BUTCHER_5;
         let step = grid.steps[k];
-        let (h, tensions) = (step.length, &target.tensions[..step.active]);
+        let h = step.length;
         // Of each stage, and of the end: what the slopes so far come to.
         let mut stages = [*state; STAGES];
         let (mut stage, mut end) = (*state, *state);
@@ -226,6 +236,7 @@ impl Trajectory {
         for i in 0..STAGES {
             let (node, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
             let section = &node.section;
+            let tensions = target.tensions_at(k, NODE_OF_STAGE[i], step.active);
             // The norm of the quaternion is put right after the vectors are turned: each section waits
             // for the one before, and all of a shot for this chain.
             let [w, x, y, z, _, _, _, mx, my, mz] = stage;
@@ -339,6 +350,7 @@ mod tests {
             applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
             let target = Target {
                 tensions: &[3.9, 1.2, 0.4][..cables],
+                per_node: 0,
                 base_moment: Vec3::new(1e-3, 8e-3, 4e-4),
                 follower_force: Vec3::ZERO,
                 load: 1.0,

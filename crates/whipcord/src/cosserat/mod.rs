@@ -4,11 +4,12 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | `model` | the interface: robot, loads and options to solutions |
+//! | `model`, `prepared` | the interface: robot, loads and options to solutions; the model of one robot, and its memory |
+//! | `problem`, `scratch` | what is to be solved on one grid, and memory |
 //! | `unloaded`, `loaded` | the rod without load; the rod integrated from its base under loads |
 //! | `sensitivity` | derivatives of the loaded rod at its tip |
-//! | `statics` | equilibrium on one grid: the order of the strategies below |
-//! | `guess`, `without_load` | initial guesses: the loaded rod after one step; the rod without load |
+//! | `solve`, `statics` | equilibrium on one grid: the order of the strategies below |
+//! | `guess`, `relaxation`, `without_load` | initial guesses: the loaded rod after one step; the rod without load |
 //! | `shooting`, `newton` | single shooting on eq. (7), and its Newton step |
 //! | `chain` | multiple shooting |
 //! | `redundant_cables` | antagonistic cables under load |
@@ -16,8 +17,9 @@
 //! | `path`, `state` | the rod as an equilibrium path, and its states |
 //! | `branches` | all equilibria that are connected to the unloaded shape |
 //! | `search` | equilibria from many base moments |
-//! | `stability` | stability under dead loads, eqs. (8) and (11) |
+//! | `stability`, `verdict` | stability under dead loads, eqs. (8) and (11), and of the answer |
 //! | `refinement` | halving of the steps to a tolerance, and the check of stability |
+//! | `tension_nodes`, `friction`, `friction_steps` | friction of cables: where their tension is given, the rod's answer to it, and steps of actuation |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 //! | `derivatives` | exact derivatives |
 //! | `lanes` | many unloaded rods at once |
@@ -28,25 +30,34 @@ mod chain;
 mod contact;
 mod contact_response;
 mod continuation;
+mod friction;
+mod friction_steps;
 mod guess;
 mod lanes;
 mod loaded;
 mod model;
 mod newton;
 mod path;
+mod prepared;
+mod problem;
 mod redundant_cables;
 mod refinement;
+mod relaxation;
+mod scratch;
 mod search;
 mod sensitivity;
 mod shooting;
+mod solve;
 mod stability;
 mod state;
 mod statics;
+mod tension_nodes;
 mod trace;
 mod unloaded;
+mod verdict;
 mod without_load;
 
 pub use crate::statics::options::{Accuracy, Options};
 pub use crate::statics::trace::{Stage, TraceEvent};
 pub(crate) use lanes::UnloadedLanes;
-pub use model::{Cosserat, Workspace};
+pub use prepared::{Cosserat, Workspace};

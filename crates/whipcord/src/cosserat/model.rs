@@ -1,10 +1,16 @@
+//! The interface of the model: robot, loads and options to solutions.
+
 use std::borrow::Cow;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::lanes::{Setting, UnloadedLanes};
+use super::prepared::{
+    COARSE_STEPS, Cosserat, FOLD_LEVEL, MAX_REFINEMENTS, Progress, Refined, Workspace,
+};
+use super::problem::{self, StabilityCheck};
 use super::redundant_cables;
-use super::refinement::{COARSE_STEPS, FINER_GRIDS, FOLD_LEVEL, MAX_REFINEMENTS, Refined};
-use super::statics::{self, Scratch, StabilityCheck, Start};
+use super::scratch::{Scratch, Start};
+use super::verdict;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
@@ -14,100 +20,22 @@ use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Problem, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, NoStability, Solution};
+use crate::shape::{CableState, Diagnostics, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::grid::steps_for_twist;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::loads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
-use crate::statics::refinement::Coarse;
 use crate::statics::strength::Strength;
 use crate::warm_start::{Status, WarmStart};
-
-/// The Cosserat model of one robot: all that does not change from case to case.
-///
-/// ```
-/// use whipcord::cosserat::{Cosserat, Options, Workspace};
-/// use whipcord::{Backbone, Cable, Case, Disks, Loads, Material, Robot, Routing, Section};
-///
-/// let backbone = Backbone {
-///     section: Some(Section::circle(0.003)),
-///     material: Material {
-///         young_modulus: Some(1.1e9),
-///         poisson_ratio: Some(0.3),
-///         ..Default::default()
-///     },
-///     ..Backbone::new(0.18)
-/// };
-/// let disks = Disks::equally_spaced(0.18, 10, 0.008);
-/// let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.008 });
-/// let robot = Robot::new(backbone, disks, vec![cable])?;
-///
-/// let model = Cosserat::new(&robot, &Loads::default(), &Options::default())?;
-/// let mut workspace = Workspace::default();
-/// let solution = model.solve(&Case::with_tensions(&[3.0]), None, &mut workspace)?;
-/// // A straight cable bends the rod to a circle of curvature τ r/EI.
-/// let bend = 0.18 * 3.0 * 0.008 / (1.1e9 * core::f64::consts::PI * 0.003_f64.powi(4) / 64.0);
-/// assert!((solution.disks.tip().rotation.log().norm() - bend).abs() < 1e-9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct Cosserat {
-    pub(super) robot: Robot,
-    pub(super) layout: Layout,
-    pub(super) options: Options,
-    /// Whether some of its cables pull against one another to no effect.
-    redundant_cables: bool,
-    /// How often the steps of the first grid are halved to follow the twist of the unloaded rod.
-    pub(super) twist_level: usize,
-    /// The only grid, or the first of a sequence in which the steps are halved.
-    pub(super) grid: Grid,
-    /// The next of them, made when the first case needs them and shared by all copies of the model.
-    pub(super) finer: Arc<[OnceLock<Grid>; FINER_GRIDS]>,
-}
-
-/// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
-/// memory itself.
-#[derive(Clone, Debug, Default)]
-pub struct Workspace {
-    pub(super) scratch: Scratch,
-    pub(super) commands: Vec<Command>,
-    pub(super) meter: Meter,
-    /// Where the solve starts, and the answer on the coarser grid as the start on a finer one.
-    start: Start,
-    pub(super) from_coarser: Start,
-    /// How far the solve came: the best shape where its budget is spent.
-    pub(super) progress: Progress,
-    /// What the answer on the coarser grid was.
-    pub(super) coarse: Coarse,
-    /// The coarser grid at the tensions that the finer one found.
-    pub(super) at_tensions: Scratch,
-    pub(super) tensions: Vec<Command>,
-}
-
-/// What a solve has found so far.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Progress {
-    /// How often the steps of the grid are halved that it is on.
-    pub level: usize,
-    /// Whether there is an answer on coarser steps, in [`Workspace::coarse`] and [`Workspace::from_coarser`].
-    pub coarser: Option<Found>,
-}
 
 impl Cosserat {
     /// The model of a robot whose loads sit, begin and end at the places where `loads` has them.
     ///
     /// # Errors
-    /// [`SolveError::Missing`] when the robot's stiffness is not given, and
-    /// [`SolveError::Unsupported`] for cables with hole friction.
+    /// [`SolveError::Missing`] when the robot's stiffness is not given.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
-        refusal::hole_friction(
-            ModelKind::Cosserat,
-            robot,
-            "friction at the holes",
-            "its cables slide freely: use cosserat-disks, or set the friction to 0",
-        )?;
         options.stations.check(robot)?;
         let stations = options.stations.arc_lengths(robot);
         let layout = Layout::new(robot, stations, loads);
@@ -164,7 +92,10 @@ impl Cosserat {
     pub(crate) fn unloaded_lanes(&self) -> Option<UnloadedLanes<'_>> {
         let &Options { accuracy, stability, actuation, .. } = &self.options;
         let stability = stability != StabilityAnalysis::Off;
-        if self.robot.cables().is_empty() || actuation == Actuation::Shortening {
+        if self.robot.cables().is_empty()
+            || actuation == Actuation::Shortening
+            || self.has_friction()
+        {
             return None;
         }
         let tolerance = match accuracy {
@@ -176,6 +107,9 @@ impl Cosserat {
     }
 
     /// The shape under a case, starting from the solution of a neighbouring one when given.
+    ///
+    /// Friction of cables depends on the history, so that pulling and releasing differ: the steps
+    /// [`Case::before`] are taken first, from the robot at rest.
     ///
     /// # Errors
     /// [`SolveError`] with the reason why there is no answer.
@@ -190,7 +124,8 @@ impl Cosserat {
         workspace.meter.answered((status, solution))
     }
 
-    /// [`Self::solve`] into memory that is at hand: without obstacles and after the first call nothing is allocated.
+    /// [`Self::solve`] into memory that is at hand: without obstacles and friction of cables and after the first call nothing is
+    /// allocated.
     ///
     /// # Errors
     /// As [`Self::solve`]; [`SolveError::BudgetSpent`] where there is no shape yet.
@@ -207,8 +142,14 @@ impl Cosserat {
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);
         }
-        let outcome = self.solve_keeping_grid(case, from, workspace, solution);
-        match workspace.meter.checked(outcome.map(|_| ())) {
+        let outcome = if self.has_friction() {
+            case.check(&self.robot)?;
+            let steps: Vec<Case> = case.single_steps().collect();
+            self.solve_with_friction(&steps, true, workspace, solution)
+        } else {
+            self.solve_keeping_grid(case, from, workspace, solution).map(|_| ())
+        };
+        match workspace.meter.checked(outcome) {
             Ok(()) => Ok(Status::Converged),
             Err(error @ SolveError::BudgetSpent { .. }) => {
                 let written = self.write_best(case, workspace, solution)?;
@@ -223,7 +164,8 @@ impl Cosserat {
     ///
     /// # Errors
     /// As [`Self::solve`]; [`SolveError::Invalid`] for a parameter that robot and case do not have,
-    /// and [`SolveError::NoDerivatives`] where the robot is about to buckle.
+    /// [`SolveError::Unsupported`] where a cable has friction: pulling and releasing it then give different derivatives; and
+    /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
     pub fn solve_with_derivatives(
         &self,
         case: &Case,
@@ -231,6 +173,7 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
+        refusal::friction_with_derivatives(ModelKind::Cosserat, &self.robot)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
             let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
@@ -347,8 +290,8 @@ impl Cosserat {
         grid: &'a Grid,
         case: &'a Case,
         (commands, meter): (&'a [Command], &'a Meter),
-    ) -> statics::Problem<'a> {
-        statics::Problem {
+    ) -> problem::Problem<'a> {
+        problem::Problem {
             grid,
             length: self.robot.backbone().length,
             commands,
@@ -409,8 +352,22 @@ impl Cosserat {
         solution: &mut Solution,
     ) -> Result<(), SolveError> {
         let problem = self.problem(grid, case, (&workspace.commands, &workspace.meter));
-        let verdict = statics::stability(&problem, self.options.stability, &mut workspace.scratch)
+        let verdict = verdict::stability(&problem, self.options.stability, &mut workspace.scratch)
             .map_err(|failure| self.explain(failure, &workspace.commands))?;
+        self.write_answer(grid, case, workspace, (found, discretization_error), verdict, solution);
+        Ok(())
+    }
+
+    /// Writes the answer that the workspace holds, of this stability.
+    pub(super) fn write_answer(
+        &self,
+        grid: &Grid,
+        case: &Case,
+        workspace: &Workspace,
+        (found, discretization_error): (Found, Option<f64>),
+        verdict: Result<Verdict, NoStability>,
+        solution: &mut Solution,
+    ) {
         let scratch = &workspace.scratch;
         let at = |k: &usize| scratch.poses[*k];
         solution.shape.set(self.layout.stations(), grid.stations.iter().map(at), case.base);
@@ -428,7 +385,6 @@ impl Cosserat {
             ..Diagnostics::default()
         }
         .with_stability(verdict);
-        Ok(())
     }
 
     /// Writes what became of the cables, from tensions and lengths in the order of the grid; and that nothing touches.

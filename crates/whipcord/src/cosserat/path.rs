@@ -3,8 +3,9 @@
 use whipcord_numerics::Vec3;
 
 use super::chain::{Chain, Task};
+use super::problem::Problem;
+use super::scratch::Scratch;
 use super::state::{Direction, Node, State, weight};
-use super::statics::{Problem, Scratch};
 use crate::statics::command::Command;
 use crate::statics::elimination::Change;
 use crate::statics::path::{EquilibriumPath, Step};

@@ -6,7 +6,9 @@
 //! a little first, and then as many of them as the others do without, those that pull least, are let go
 //! altogether. What is left of their lengths they must have in play.
 
-use super::statics::{Problem, Scratch, Start, solve_independent};
+use super::problem::Problem;
+use super::scratch::{Scratch, Start};
+use super::statics::solve_independent;
 use super::unloaded::Unloaded;
 use super::without_load::start_without_load;
 use crate::robot::Robot;

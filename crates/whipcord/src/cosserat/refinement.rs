@@ -3,8 +3,14 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-use super::model::{Cosserat, Workspace};
-use super::statics::{self, Scratch, StabilityCheck, Start};
+use super::prepared::{
+    COARSE_STEPS, Cosserat, FOLD_LEVEL, FOLLOW_LEVEL, GIVE_UP_LEVEL, MAX_REFINEMENTS, Refined,
+    Workspace,
+};
+use super::problem::{self, StabilityCheck};
+use super::scratch::{Scratch, Start};
+use super::solve;
+use super::verdict;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::Solution;
@@ -15,19 +21,6 @@ use crate::statics::outcome::{Failure, Found};
 use crate::statics::refinement::ERROR_RATIO;
 use crate::statics::strength::{GAVE_UP, Strength};
 
-/// Steps from base to tip on the grid that [`Accuracy::Tolerance`] starts with.
-pub(super) const COARSE_STEPS: usize = 8;
-/// Finer grids that are kept once they were needed: to make them takes longer than to solve on them.
-pub(super) const FINER_GRIDS: usize = 5;
-/// A failure to converge is believed only with steps halved this often.
-pub(super) const GIVE_UP_LEVEL: usize = 3;
-/// Where the load path loses its stability or ends, it is followed on with steps halved this often:
-/// coarser ones may lose it too early.
-pub(super) const FOLLOW_LEVEL: usize = 2;
-/// How far a cable can be shortened is said with steps halved this often.
-pub(super) const FOLD_LEVEL: usize = 5;
-/// How often the steps may be halved.
-pub(super) const MAX_REFINEMENTS: usize = 9;
 /// Residual of a shape that is only looked at.
 const COARSE_RESIDUAL: f64 = 1e-6;
 /// Where lengths are given they do not change with the steps; the tensions do. The steps are those
@@ -35,13 +28,6 @@ const COARSE_RESIDUAL: f64 = 1e-6;
 /// those of another grid. The positions may be off by this much more than the tolerance, where they
 /// hang more on the lengths than on the tensions.
 const LENGTHS_SLACK: f64 = 100.0;
-
-/// An answer that the workspace holds, its grid, and its estimated error in m where it was refined.
-pub(super) struct Refined<'a> {
-    pub found: Found,
-    pub grid: Cow<'a, Grid>,
-    pub error: Option<f64>,
-}
 
 impl Workspace {
     /// Keeps what the answer on a coarse grid is compared by.
@@ -109,7 +95,7 @@ impl Cosserat {
     fn is_kept(&self, grid: &Grid, case: &Case, workspace: &mut Workspace) -> bool {
         let problem = self.problem(grid, case, (&workspace.commands, &workspace.meter));
         let scratch = &mut workspace.scratch;
-        !scratch.applied.any_dead_moment() || statics::is_stable(&problem, scratch)
+        !scratch.applied.any_dead_moment() || verdict::is_stable(&problem, scratch)
     }
 
     /// The answer on the first grid on which it changes by no more than the tolerance, and its estimated error in m.
@@ -125,8 +111,7 @@ impl Cosserat {
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let (mut error, mut steps) = (f64::INFINITY, 0);
         let strength = self.strength(case, workspace);
-        let twist_level = if case.loads.is_none() { 0 } else { self.twist_level };
-        let first = strength.first_level().max(twist_level);
+        let first = self.first_level(case, workspace);
         workspace.scratch.trajectory.steps_left = strength.allowance(self.grid(first)?.as_ref());
         for level in first..=MAX_REFINEMENTS {
             if workspace.meter.has_ended() {
@@ -197,7 +182,7 @@ impl Cosserat {
         self.accept(case, workspace)?;
         let grid = &self.grid;
         let allowance = self.strength(case, workspace).allowance(grid);
-        let problem = statics::Problem {
+        let problem = problem::Problem {
             stability: StabilityCheck::Off,
             follow: false,
             bracket: false,
@@ -205,8 +190,14 @@ impl Cosserat {
             ..self.problem(grid, case, (&workspace.commands, &workspace.meter))
         };
         workspace.scratch.trajectory.steps_left = allowance;
-        let found = statics::solve(&problem, &Start::default(), &mut workspace.scratch);
+        let found = solve::solve(&problem, &Start::default(), &mut workspace.scratch);
         found.map(|_| ()).map_err(|failure| self.explain(failure, &workspace.commands))
+    }
+
+    /// How often the steps are halved on the first grid that a case is tried on.
+    pub(super) fn first_level(&self, case: &Case, workspace: &mut Workspace) -> usize {
+        let twist_level = if case.loads.is_none() { 0 } else { self.twist_level };
+        self.strength(case, workspace).first_level().max(twist_level)
     }
 
     /// How strong the loads of a case are.
@@ -231,14 +222,14 @@ impl Cosserat {
     ) -> Option<f64> {
         workspace.tensions.clear();
         workspace.tensions.extend(workspace.scratch.tensions.iter().map(|&t| Command::Tension(t)));
-        let problem = statics::Problem {
+        let problem = problem::Problem {
             // What is stable at given lengths need not be so at given tensions.
             stability: StabilityCheck::Off,
             ..self.problem(coarse, case, (&workspace.tensions, &workspace.meter))
         };
         workspace.scratch.keep_start(&mut workspace.from_coarser);
         workspace.at_tensions.trajectory.steps_left = workspace.scratch.trajectory.steps_left;
-        statics::solve(&problem, &workspace.from_coarser, &mut workspace.at_tensions).ok()?;
+        solve::solve(&problem, &workspace.from_coarser, &mut workspace.at_tensions).ok()?;
         let Workspace { at_tensions, coarse: kept, .. } = &mut *workspace;
         kept.keep(coarse, &at_tensions.poses, &at_tensions.lengths);
         Some(workspace.error(grid))
@@ -252,13 +243,13 @@ impl Cosserat {
         (level, stability): (usize, StabilityCheck),
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let problem = statics::Problem {
+        let problem = problem::Problem {
             follow: level >= FOLLOW_LEVEL,
             bracket: level >= FOLD_LEVEL,
             stability,
             ..self.problem(grid, case, (&workspace.commands, &workspace.meter))
         };
-        statics::solve(&problem, start, &mut workspace.scratch).map_err(|failure| {
+        solve::solve(&problem, start, &mut workspace.scratch).map_err(|failure| {
             let Scratch { trajectory, applied, .. } = &workspace.scratch;
             let strength = Strength::of(applied, grid, self.robot.backbone().length);
             let failure = match failure {

@@ -6,8 +6,10 @@
 use whipcord_numerics::Vec3;
 
 use super::guess::guess;
+use super::problem::{Problem, StabilityCheck};
+use super::scratch::Scratch;
 use super::shooting::{finish, shoot};
-use super::statics::{Problem, Scratch, StabilityCheck, is_stable};
+use super::verdict::is_stable;
 use super::without_load::start_without_load;
 use crate::statics::outcome::Found;
 use crate::statics::scales::Scales;

@@ -21,7 +21,7 @@ use crate::section::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose
 use crate::section::{BodyWrench, Strain};
 use crate::shape::Wrench;
 use crate::statics::elimination::Change;
-use crate::statics::grid::Grid;
+use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::quadratic_form::Sample;
 
@@ -34,6 +34,9 @@ pub(super) struct Sensitivity {
     /// `∂ℓᵢ` by each unknown, by rows of cables; empty unless tensions are among the unknowns.
     pub lengths: Vec<f64>,
     pub columns: Vec<Column>,
+    /// Of a step with [`Tensions::Varying`]: what each unknown does to the direction of each cable at start and middle, in the
+    /// base frame; of every place in turn for every cable, by unknowns.
+    pub directions: Vec<Vec3>,
 }
 
 /// Change of rotation and moment with one unknown, in the body frame, and of the followers' force in
@@ -122,18 +125,36 @@ const STAGES: [(usize, f64, f64); 4] =
     [(0, 0.0, 1.0 / 6.0), (1, 0.5, 1.0 / 3.0), (1, 0.5, 1.0 / 3.0), (2, 1.0, 1.0 / 6.0)];
 
 /// Which unknowns a step of its own is differentiated by: rotation and moment at its start, then
-/// the followers' force there, the load factor, and the first so many tensions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Unknowns {
+/// the followers' force there, the load factor, and the tensions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Unknowns<'a> {
     pub follower_force: bool,
     pub load: bool,
-    pub tensions: usize,
+    pub tensions: Tensions<'a>,
 }
 
-impl Unknowns {
+/// Which tensions a step is differentiated by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Tensions<'a> {
+    /// Of the first so many cables.
+    Even(usize),
+    /// Of the first so many cables in the middle of the step, with their profile at all shooting nodes of the step in turn.
+    Varying(usize, &'a [f64]),
+}
+
+impl Tensions<'_> {
+    /// Their number.
+    pub const fn count(self) -> usize {
+        match self {
+            Self::Even(cables) | Self::Varying(cables, _) => cables,
+        }
+    }
+}
+
+impl Unknowns<'_> {
     /// Their number.
     pub fn count(&self) -> usize {
-        6 + if self.follower_force { 3 } else { 0 } + usize::from(self.load) + self.tensions
+        6 + if self.follower_force { 3 } else { 0 } + usize::from(self.load) + self.tensions.count()
     }
 }
 
@@ -170,7 +191,7 @@ impl Sensitivity {
         k: usize,
         samples: &[Sample],
         end: UnitQuaternion,
-        by: Unknowns,
+        by: Unknowns<'_>,
     ) {
         let unknowns = by.count();
         self.columns.clear();
@@ -182,11 +203,16 @@ impl Sensitivity {
                 self.columns[6 + j].follower_force = axis;
             }
         }
+        let tensions = by.tensions.count();
         if by.load {
-            self.columns[unknowns - by.tensions - 1].load = 1.0;
+            self.columns[unknowns - tensions - 1].load = 1.0;
         }
         self.lengths.clear();
-        self.lengths.resize(by.tensions * unknowns, 0.0);
+        self.lengths.resize(tensions * unknowns, 0.0);
+        self.directions.clear();
+        if matches!(by.tensions, Tensions::Varying(..)) {
+            self.directions.resize(2 * tensions * unknowns, Vec3::ZERO);
+        }
         self.step(grid, loads, load, k, samples, by.tensions);
         self.jump(loads, load, k + 1, end);
     }
@@ -228,7 +254,7 @@ impl Sensitivity {
         self.lengths.clear();
         self.lengths.resize(tensions * unknowns, 0.0);
         for (k, triple) in samples.chunks_exact(3).enumerate() {
-            self.step(grid, loads, load, k, triple, tensions);
+            self.step(grid, loads, load, k, triple, Tensions::Even(tensions));
             if k + 1 < grid.len() {
                 self.jump(loads, load, k + 1, poses[k + 1].rotation);
             }
@@ -271,8 +297,10 @@ impl Sensitivity {
         load: f64,
         k: usize,
         samples: &[Sample],
-        tensions: usize,
+        tensions: Tensions<'_>,
     ) {
+        let none = [Spread::default(); 3];
+        let varying = matches!(tensions, Tensions::Varying(..));
         if let Some(line) = loads.line(k) {
             let spread = [0, 1, 2].map(|q: usize| {
                 let t = 0.5 * q as f64;
@@ -285,25 +313,37 @@ impl Sensitivity {
                     load,
                 }
             });
-            self.step_of::<true>(grid, loads, k, samples, &spread, tensions);
+            if varying {
+                self.step_of::<true, true>(grid, loads, k, samples, &spread, tensions);
+            } else {
+                self.step_of::<true, false>(grid, loads, k, samples, &spread, tensions);
+            }
+        } else if varying {
+            self.step_of::<false, true>(grid, loads, k, samples, &none, tensions);
         } else {
-            self.step_of::<false>(grid, loads, k, samples, &[Spread::default(); 3], tensions);
+            self.step_of::<false, false>(grid, loads, k, samples, &none, tensions);
         }
     }
 
+    /// `LINE`: whether something is spread along the step. `VARYING`: whether the tensions are those of [`Tensions::Varying`].
     #[inline(always)]
-    fn step_of<const LINE: bool>(
+    fn step_of<const LINE: bool, const VARYING: bool>(
         &mut self,
         grid: &Grid,
         loads: &AppliedLoads,
         k: usize,
         samples: &[Sample],
         spread: &[Spread; 3],
-        tensions: usize,
+        tensions: Tensions<'_>,
     ) {
         let step = grid.steps[k];
         let unknowns = self.columns.len();
         let h = step.length;
+        let (tensions, profile) = match tensions {
+            Tensions::Even(cables) => (cables, &[][..]),
+            Tensions::Varying(cables, profile) => (cables, profile),
+        };
+        let per_node = profile.len() / SHOOTING_NODES.len();
         for first in (0..unknowns).step_by(LANES) {
             let group = first..unknowns.min(first + LANES);
             let start = Columns::of(&self.columns[group.clone()]);
@@ -325,10 +365,12 @@ impl Sensitivity {
                 if tensions > 0 {
                     let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
                     for (lane, c) in group.clone().enumerate() {
-                        if let Some(crossing) =
-                            c.checked_sub(unknowns - tensions).and_then(|j| crossings.get(j))
-                        {
-                            let pull = crossing.pull(&sample.strain).0;
+                        let Some(i) = c.checked_sub(unknowns - tensions) else { continue };
+                        if let Some(crossing) = crossings.get(i) {
+                            let mut pull = crossing.pull(&sample.strain).0;
+                            if VARYING {
+                                pull = pull * profile[per_node * SAMPLED_NODES[q] + i];
+                            }
                             linear.set(lane, linear.get(lane) - pull.linear);
                             angular.set(lane, angular.get(lane) - pull.angular);
                         }
@@ -340,11 +382,25 @@ impl Sensitivity {
                     let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
                     for (i, crossing) in crossings.iter().enumerate() {
                         let pull = crossing.pull(&sample.strain).0;
-                        let row = i * unknowns;
                         let work = dv.dot(pull.linear) + du.dot(pull.angular);
+                        let row = i * unknowns;
                         let sums = &mut self.lengths[row + group.start..row + group.end];
                         for (sum, work) in sums.iter_mut().zip(work.0) {
                             *sum += weight * h * work;
+                        }
+                    }
+                }
+                if VARYING && q < 2 {
+                    let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
+                    for (i, crossing) in crossings.iter().enumerate() {
+                        let (pull, stretch) = crossing.pull(&sample.strain);
+                        let row = (q * crossings.len() + i) * unknowns;
+                        let changes = &mut self.directions[row + group.start..row + group.end];
+                        for (lane, change) in changes.iter_mut().enumerate() {
+                            let of = dv.get(lane) + du.get(lane).cross(crossing.offset);
+                            let across = of - pull.linear * pull.linear.dot(of);
+                            let turned = stage.turn.get(lane).cross(pull.linear);
+                            *change = sample.rotation.rotate(across * (1.0 / stretch) + turned);
                         }
                     }
                 }

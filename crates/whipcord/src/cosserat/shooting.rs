@@ -2,7 +2,8 @@
 
 use super::loaded::{Target, Trajectory};
 use super::newton::{Point, residual};
-use super::statics::{Problem, Scratch};
+use super::problem::Problem;
+use super::scratch::Scratch;
 use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
@@ -41,7 +42,7 @@ pub(super) fn shoot(
     let shoot = |trajectory: &mut Trajectory, point: &Point, sample| -> Result<(), Fault> {
         problem.meter.integrate(problem.grid.len());
         let Point { base_moment, follower_force, ref tensions } = *point;
-        let target = Target { tensions, base_moment, follower_force, load, sample };
+        let target = Target { tensions, per_node: 0, base_moment, follower_force, load, sample };
         trajectory.shoot(problem.grid, applied, &target)?;
         if lengths_driven {
             trajectory.measure(problem.grid);
@@ -157,6 +158,7 @@ pub(super) fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(),
     let Scratch { trajectory, applied, tensions, base_wrench, .. } = scratch;
     let target = Target {
         tensions,
+        per_node: 0,
         base_moment: base_wrench.moment,
         follower_force: applied.follower_share(base_wrench.force),
         load: 1.0,

@@ -391,7 +391,7 @@ impl Stability {
                     for j in 0..p {
                         schur[i * p + j] -= at_start.dot(near[j]);
                     }
-                    next[i] = next[i] - coupling.transpose_mul(at_start);
+                    next[i] -= coupling.transpose_mul(at_start);
                 }
                 before = symmetric(end - coupling.transpose() * (start * coupling));
             }

@@ -1,6 +1,6 @@
 //! Solves with a record of the iterations.
 
-use super::model::{Cosserat, Workspace};
+use super::prepared::{Cosserat, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::Solution;

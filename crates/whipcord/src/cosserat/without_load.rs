@@ -1,6 +1,7 @@
 //! The rod without load on one grid: the answer where there is none, the start where there is.
 
-use super::statics::{Problem, Scratch};
+use super::problem::Problem;
+use super::scratch::Scratch;
 use super::unloaded::Unloaded;
 use crate::section::Fault;
 use crate::shape::Wrench;

@@ -3,7 +3,7 @@
 use crate::identification::synthetic::{
     cases, experiments, model, quantity, robot, settings, unknowns,
 };
-use whipcord::{Cancel, ModelKind, Pose, Vec3};
+use whipcord::{Actuation, Cancel, Model, ModelKind, Pose, Stations, Vec3};
 use whipcord_estimation::camera::{Camera, Lens, Orthographic};
 use whipcord_estimation::identification::{
     Experiment, IdentifyError, Misfit, NoAnswerReason, Prior, Settings, Unknown, cross_validate,
@@ -84,6 +84,11 @@ fn measurements_that_are_not_enough_or_do_not_fit() {
 fn unknowns_that_do_not_fit() {
     let wrong = |unknown: Unknown| refusal(&seen(), &[unknown]).to_string();
     let young = || Unknown::new(quantity("backbone.young_modulus"));
+    let arc = Model::new(ModelKind::ConstantCurvature, Stations::default(), Actuation::Natural);
+    let arc = Settings { model: arc, ..settings() };
+    let friction = Unknown::new(quantity("cables.friction"));
+    let refused = identify(&robot(), &seen(), &[friction], &arc).unwrap_err();
+    assert!(matches!(refused, IdentifyError::NoFriction { .. }), "{refused}");
     for (unknown, message) in [
         (
             Unknown::new(quantity("backbone.inner_diameter")),
@@ -97,10 +102,6 @@ fn unknowns_that_do_not_fit() {
         (
             Unknown::of(quantity("base.position[0]"), 4),
             "base.position[0] is to be estimated for case 5, but there are 1",
-        ),
-        (
-            Unknown::new(quantity("cables.friction")),
-            "cables.friction cannot be estimated with the cosserat model, which has no friction",
         ),
         (
             Unknown { bounds: [2.0, 1.0], ..young() },

@@ -15,7 +15,7 @@ use pulp::{Simd, WithSimd};
 use whipcord_numerics::Pose;
 use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
 
-use super::model::Cosserat;
+use super::prepared::Cosserat;
 use crate::statics::grid::Grid;
 use crate::statics::refinement::ERROR_RATIO;
 use grid::{LaneGrid, LaneSection};
@@ -195,7 +195,9 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                     out.as_slice()[lane] <= 0.0 && error.as_slice()[lane] <= tolerance
                 };
                 if (0..rows).any(met) {
-                    let value = setting.stability.then(|| stability(grid, &sweep));
+                    let value = setting
+                        .stability
+                        .then(|| stability(simd, grid, &sweep.tensions, &sweep.strains));
                     for (to, from) in lengths.chunks_exact_mut(lanes).zip(&sweep.lengths) {
                         to.copy_from_slice(from.as_slice());
                     }

@@ -2,16 +2,18 @@
 
 use pulp::Simd;
 use whipcord_numerics::Mat3;
-use whipcord_numerics::lanes::{LaneSym3, Lanes};
+use whipcord_numerics::lanes::{LaneSym3, LaneTwist, Lanes};
 
-use super::Sweep;
 use super::grid::{LaneGrid, LaneSection};
 
 /// The stability of all lanes on one grid; a NaN where there is none.
 #[inline(always)]
-pub(super) fn stability<S: Simd>(grid: &LaneGrid, sweep: &Sweep<S>) -> Lanes<S> {
-    let Sweep { simd, tensions, strains, .. } = sweep;
-    let simd = *simd;
+pub(super) fn stability<S: Simd>(
+    simd: S,
+    grid: &LaneGrid,
+    tensions: &[Lanes<S>],
+    strains: &[LaneTwist<S>],
+) -> Lanes<S> {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     // Of the cables through a step: more than one, or just the bare rod's.
     let mut several = zero.at_most(one);

@@ -13,6 +13,7 @@ mod contradictions;
 mod distributed;
 mod dual_numbers;
 mod follower;
+mod friction;
 mod lengths;
 mod load_properties;
 mod properties;

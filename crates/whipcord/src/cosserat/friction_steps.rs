@@ -1,0 +1,371 @@
+//! Steps of actuation of the rod whose cables have friction.
+
+use std::borrow::Cow;
+
+use super::friction::{Answer, Friction, FrictionRod, FrictionWorkspace, Level, base_wrench};
+use super::prepared::{Cosserat, FOLD_LEVEL, GIVE_UP_LEVEL, Progress, Refined, Workspace};
+use super::problem::{Problem, StabilityCheck};
+use super::scratch::Scratch;
+use super::state::State;
+use super::verdict;
+use crate::case::Case;
+use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::robot::Cable;
+use crate::shape::{NoStability, SlipState, Solution, Verdict};
+use crate::statics::friction::{self, History, PassageResponse as _};
+use crate::statics::grid::Grid;
+use crate::statics::options::Accuracy;
+use crate::statics::outcome::{Failure, Found};
+
+/// How often the steps may be halved.
+const MAX_REFINEMENTS: usize = 5;
+/// Where every cable slides one way along all of its length, halved steps lose all but 1/8 of the error, so that the change is
+/// seven times what is left.
+const ERROR_RATIO: f64 = 7.0;
+/// Where it does not, the place where the sliding ends moves with the grid, and with it the shape by so much of the length, less
+/// than what a step of actuation leaves that is divided for its accuracy.
+const FRONT_TOLERANCE: f64 = 3e-4;
+/// Of all cables together no grid beyond the second has more nodes than this, because the linear system of an iteration is full.
+const MOST_NODES: usize = 320;
+/// An answer on the last grid is taken if it is known to this part of the length, which it says.
+const LAST_TOLERANCE: f64 = 2e-3;
+
+/// How often a step of actuation is found anew with the profile of the tensions that the pass before leaves.
+const MOST_PASSES: usize = 3;
+/// A profile that changes by less is kept.
+const PROFILE_TOLERANCE: f64 = 1e-4;
+
+impl Cosserat {
+    /// Whether a cable has friction.
+    pub(super) fn has_friction(&self) -> bool {
+        self.robot.cables().iter().any(Cable::has_friction)
+    }
+
+    /// The answer to the last of several steps of actuation, each of which starts where the one before ends; those that were
+    /// found in this workspace before are not taken again, unless `anew`.
+    pub(super) fn solve_with_friction(
+        &self,
+        cases: &[Case],
+        anew: bool,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<(), SolveError> {
+        for case in cases {
+            self.accept(case, workspace)?;
+        }
+        workspace.progress = Progress::default();
+        workspace.scratch.open = None;
+        if anew {
+            workspace.friction.levels.clear();
+            workspace.friction.schedules.clear();
+        }
+        workspace.friction.schedules.resize(cases.len(), Vec::new());
+        let Some(last) = cases.last() else { return Ok(()) };
+        let Refined { found, grid, error } = match self.options.accuracy {
+            Accuracy::Steps(_) => {
+                let grid = &self.grid;
+                workspace.progress.level = 0;
+                let found = self.take_steps(0, grid, cases, workspace)?;
+                Refined { found, grid: Cow::Borrowed(grid), error: None }
+            }
+            Accuracy::Tolerance(tolerance) => {
+                self.refine_with_friction(tolerance, cases, workspace)?
+            }
+        };
+        let friction = self.friction_on(&grid);
+        let verdict = self.stability_with_friction(&grid, last, &friction, workspace)?;
+        self.write_answer(&grid, last, workspace, (found, error), verdict, solution);
+        let Workspace { friction: memory, progress, .. } = workspace;
+        if let Some(Level { history, .. }) = memory.levels.get(progress.level) {
+            self.write_friction(&grid, &friction, history, solution);
+        }
+        Ok(())
+    }
+
+    fn friction_on(&self, grid: &Grid) -> Friction {
+        Friction::new(&self.robot, grid, &self.layout.order, &self.layout.rest_lengths)
+    }
+
+    /// Halves the steps until the answer to the last step of actuation changes no more.
+    fn refine_with_friction(
+        &self,
+        tolerance: f64,
+        cases: &[Case],
+        workspace: &mut Workspace,
+    ) -> Result<Refined<'_>, SolveError> {
+        let length = self.robot.backbone().length;
+        let tolerance = tolerance * length;
+        let (mut error, mut steps) = (f64::INFINITY, 0);
+        let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
+        let mut failed = None;
+        let first = cases
+            .iter()
+            .map(|case| self.first_level(case, workspace))
+            .max()
+            .unwrap_or(0)
+            .min(MAX_REFINEMENTS);
+        let nodes = |level: usize| {
+            self.grid(level).map(|grid| self.friction_on(&grid).nodes.count()).unwrap_or(usize::MAX)
+        };
+        let first = (0..=first).rev().find(|&level| 2 * nodes(level) <= MOST_NODES).unwrap_or(0);
+        for level in first..=MAX_REFINEMENTS.max(first + 1) {
+            if workspace.meter.has_ended() {
+                return Err(workspace.meter.end());
+            }
+            if level > first + 1 && nodes(level) > MOST_NODES {
+                break;
+            }
+            let grid = self.grid(level)?;
+            workspace.progress.level = level;
+            let mut found = match self.take_steps(level, &grid, cases, workspace) {
+                Err(failure) => {
+                    let last_level = match failure {
+                        SolveError::NotConverged { .. } | SolveError::SectionFolds { .. } => {
+                            GIVE_UP_LEVEL
+                        }
+                        SolveError::UnreachableLength { .. } => FOLD_LEVEL,
+                        _ => 0,
+                    };
+                    if level >= last_level || workspace.meter.has_ended() {
+                        return Err(failure);
+                    }
+                    (coarser, failed) = (None, Some(failure));
+                    continue;
+                }
+                Ok(found) => found,
+            };
+            if let Some((earlier, _)) = &coarser {
+                found = found.after(earlier);
+                let change = self.change_with_friction(&grid, workspace);
+                let answer = workspace.friction.levels[level].answers.last();
+                let one_way = answer.is_some_and(|answer| self.slides_one_way(&grid, answer));
+                let bound =
+                    if one_way { tolerance } else { tolerance.max(FRONT_TOLERANCE * length) };
+                error = if one_way { change / ERROR_RATIO } else { change };
+                if error <= bound {
+                    return Ok(Refined { found, grid, error: Some(error) });
+                }
+            }
+            workspace.keep_coarse(&grid);
+            workspace.friction.coarse_tensions.clone_from(&workspace.scratch.tensions);
+            steps = grid.len();
+            coarser = Some((found, grid));
+        }
+        match coarser {
+            Some((found, grid)) if error <= LAST_TOLERANCE * length => {
+                Ok(Refined { found, grid, error: Some(error) })
+            }
+            _ => Err(failed.unwrap_or(SolveError::StepsTooCoarse { error, tolerance, steps })),
+        }
+    }
+
+    /// Whether every taut cable with friction slides one way along all of its length.
+    fn slides_one_way(&self, grid: &Grid, answer: &Answer) -> bool {
+        let nodes = self.friction_on(grid).nodes;
+        (0..nodes.cables()).filter(|&cable| nodes.steps(cable) > 0).all(|cable| {
+            let states = &answer.slip_states[nodes.of_cable(cable)];
+            let is_slack = answer.varying[cable] == 0.0;
+            is_slack || (states[0] != SlipState::Sticks && states.iter().all(|s| *s == states[0]))
+        })
+    }
+
+    /// Largest change since the coarser grid of a position or a cable's length in m, and where lengths are given of a
+    /// tension as a part of the length.
+    fn change_with_friction(&self, grid: &Grid, workspace: &Workspace) -> f64 {
+        let Scratch { poses, lengths, tensions, .. } = &workspace.scratch;
+        let moved = workspace.coarse.change(grid, poses, lengths);
+        let length = self.robot.backbone().length;
+        let pairs = tensions.iter().zip(&workspace.friction.coarse_tensions);
+        let relative = |(fine, coarse): (&f64, &f64)| {
+            length * (fine - coarse).abs() / fine.max(f64::MIN_POSITIVE)
+        };
+        pairs.filter(|(fine, coarse)| fine != coarse).map(relative).fold(moved, f64::max)
+    }
+
+    /// The answer to the last step of actuation on one grid, which the workspace then holds.
+    fn take_steps(
+        &self,
+        level: usize,
+        grid: &Grid,
+        cases: &[Case],
+        workspace: &mut Workspace,
+    ) -> Result<Found, SolveError> {
+        let friction = self.friction_on(grid);
+        let levels = &mut workspace.friction.levels;
+        if levels.len() <= level {
+            levels.resize(level + 1, Level::default());
+        }
+        // Where a step fails the way starts anew.
+        let Level { mut history, mut answers } = core::mem::take(&mut levels[level]);
+        let coarse = level.checked_sub(1).map(|coarser| levels[coarser].answers.clone());
+        if answers.len() > cases.len() {
+            (history, answers) = (History::default(), Vec::new());
+        }
+        let mut found = Found::default();
+        for (n, case) in cases.iter().enumerate().skip(answers.len()) {
+            self.accept(case, workspace)?;
+            let Workspace { scratch, commands, meter, friction: memory, .. } = &mut *workspace;
+            scratch.applied.gather(grid, &case.loads, case.base.rotation);
+            scratch.trajectory.steps_left = usize::MAX;
+            let problem = self.problem(grid, case, (commands, meter));
+            let guess = coarse.as_ref().and_then(|answers| answers.get(n));
+            let guess = guess.filter(|answer| 2 * (answer.shape.nodes.len() - 1) == grid.len());
+            let mut schedule = core::mem::take(&mut memory.schedules[n]);
+            let from = (guess, &mut schedule);
+            let stepped = take_step(&problem, &friction, from, &mut history, scratch, memory);
+            memory.schedules[n] = schedule;
+            let (taken, answer) = stepped.map_err(|failure| self.explain(failure, commands))?;
+            found = taken;
+            answers.push(answer);
+        }
+        workspace.friction.levels[level] = Level { history, answers };
+        Ok(found)
+    }
+
+    /// Stability of the answer in the workspace: known where no cable with friction pulls.
+    fn stability_with_friction(
+        &self,
+        grid: &Grid,
+        case: &Case,
+        friction: &Friction,
+        workspace: &mut Workspace,
+    ) -> Result<Result<Verdict, NoStability>, SolveError> {
+        let Workspace { scratch, commands, meter, .. } = workspace;
+        let problem = self.problem(grid, case, (commands, meter));
+        let pulls =
+            |(cable, &tension): (usize, &f64)| tension > 0.0 && friction.nodes.steps(cable) > 0;
+        if problem.stability != StabilityCheck::Off
+            && scratch.tensions.iter().enumerate().any(pulls)
+        {
+            return Ok(Err(NoStability::Sliding));
+        }
+        let Scratch { unloaded, tensions, applied, .. } = scratch;
+        if !applied.any() && unloaded.sweep(grid, tensions, false, false).is_err() {
+            return Ok(Err(NoStability::Undetermined));
+        }
+        verdict::stability(&problem, self.options.stability, scratch)
+            .map_err(|failure| self.explain(failure, commands))
+    }
+
+    /// Writes tensions and slip of the cables with friction.
+    fn write_friction(
+        &self,
+        grid: &Grid,
+        friction: &Friction,
+        history: &History<State>,
+        solution: &mut Solution,
+    ) {
+        for (place, &cable) in self.layout.order.iter().enumerate() {
+            let state = &mut solution.cables[cable];
+            let steps = friction.nodes.steps(place);
+            if steps == 0 {
+                continue;
+            }
+            let (spans, states) = (&mut state.span_tensions, &mut state.slip_states);
+            let mut ends: Vec<usize> =
+                grid.disks.iter().copied().filter(|&k| k < steps).chain([steps]).collect();
+            if ends[0] > 0 {
+                ends.insert(0, 0);
+            }
+            for pair in ends.windows(2) {
+                let of = |k: usize| history.tensions[friction.nodes.at(place, k)];
+                let length = |k: usize| grid.steps[k].length;
+                let mean = (pair[0]..pair[1]).map(|k| length(k) * of(k)).sum::<f64>();
+                spans.push(mean / (pair[0]..pair[1]).map(length).sum::<f64>());
+                states.push(history.slip_states[friction.nodes.at(place, pair[0])]);
+            }
+        }
+    }
+
+    /// The answers to all steps of a case in order, each from where the one before left the robot:
+    /// those of [`Cosserat::solve`] to each of [`Case::steps`], in time that grows with their number, not with its
+    /// square. `each` gets them as they come.
+    ///
+    /// # Errors
+    /// The number of the first step without an answer, from 0, and why it has none.
+    pub fn solve_steps(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        mut each: impl FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        let steps: Vec<Case> = case.single_steps().collect();
+        let remembers = self.has_friction() && case.obstacles.is_empty();
+        let mut last: Option<Solution> = None;
+        for (n, step) in steps.iter().enumerate() {
+            let solved = if remembers {
+                workspace.meter.start(&self.options.cancel, self.options.budget);
+                let mut solution = Solution::empty(ModelKind::Cosserat);
+                let solved =
+                    self.solve_with_friction(&steps[..=n], n == 0, workspace, &mut solution);
+                workspace.meter.checked(solved.map(|()| solution))
+            } else {
+                self.solve(step, last.as_ref(), workspace)
+            };
+            each(last.insert(solved.map_err(|error| (n, error))?).clone());
+        }
+        Ok(())
+    }
+}
+
+/// One step of actuation from where `history` ends; the answer is left in `scratch` as well.
+fn take_step(
+    problem: &Problem<'_>,
+    friction: &Friction,
+    (guess, schedule): (Option<&Answer>, &mut Vec<f64>),
+    history: &mut History<State>,
+    scratch: &mut Scratch,
+    memory: &mut FrictionWorkspace,
+) -> Result<(Found, Answer), Failure> {
+    let (grid, cables) = (problem.grid, problem.commands.len());
+    let Friction { holes, nodes } = friction;
+    scratch.trace.steps = grid.len();
+    let fault = |fault| Failure::of_section(fault, &vec![0.0; cables], 0.0);
+    scratch.unloaded.sweep(grid, &vec![0.0; cables], false, false).map_err(fault)?;
+    let FrictionWorkspace { scratch: newton, response, at, .. } = memory;
+    let mut profile = nodes.flat_profile(grid);
+    let mut start = guess.map(|answer| {
+        let (tensions, states) = nodes.halved(&answer.slip_states, &answer.varying);
+        nodes.set_profile(grid, &tensions, &states, &mut profile);
+        (State { load: 1.0, ..answer.shape.halved() }, tensions)
+    });
+    let before = history.clone();
+    let (mut found, mut answer) = (Found::default(), Answer::default());
+    for _ in 0..MOST_PASSES {
+        *history = before.clone();
+        let mut rod = FrictionRod::new(problem, (friction, &profile), scratch, response);
+        let near = start.as_ref().map(|(shape, tensions)| {
+            rod.set_shape(shape);
+            &tensions[..]
+        });
+        let stepped =
+            friction::step(&mut rod, holes, problem.commands, history, (near, schedule), newton)?;
+        if let Some(shape) = &history.shape {
+            rod.set_shape(shape);
+        }
+        rod.measure(&history.tensions, at)
+            .map_err(|fault| rod.failure(fault, &history.tensions))?;
+        found = stepped.after(&found);
+        let varying = scratch.chain.varying.clone();
+        let shape = scratch.chain.state.clone();
+        let (tensions, slip_states) = (history.tensions.clone(), history.slip_states.clone());
+        let earlier = profile.clone();
+        nodes.set_profile(grid, &tensions, &slip_states, &mut profile);
+        let change = profile.iter().zip(&earlier).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        start = Some((shape.clone(), tensions));
+        answer = Answer { shape, slip_states, varying };
+        if change <= PROFILE_TOLERANCE {
+            break;
+        }
+    }
+    let Scratch { chain, poses, lengths, tensions, .. } = &mut *scratch;
+    chain.varying.clear();
+    chain.poses(poses);
+    holes.cable_lengths(&at.lengths, lengths);
+    tensions.clone_from(&history.base);
+    chain.state.tensions.clone_from(&history.base);
+    scratch.base_wrench = base_wrench(scratch);
+    (scratch.on_chain, scratch.sampled) = (true, true);
+    Ok((found, answer))
+}

@@ -1,0 +1,97 @@
+//! Memory of a solve on one grid, and where it starts.
+
+use whipcord_numerics::Pose;
+
+use super::chain::Chain;
+use super::loaded::Trajectory;
+use super::newton::Newton;
+use super::relaxation::Relaxation;
+use super::stability::Stability;
+use super::state::{Node, State};
+use super::unloaded::Unloaded;
+use crate::shape::Wrench;
+use crate::statics::lengths::{Effort, LengthScratch};
+use crate::statics::loads::AppliedLoads;
+use crate::statics::trace::Trace;
+
+/// Where the iteration starts: from the robot without load, or from a neighbouring answer.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Start {
+    /// In N, in the order of the grid; none from the robot without load.
+    pub tensions: Vec<f64>,
+    /// Wrench at the base of a neighbouring answer.
+    pub base_wrench: Option<Wrench>,
+    /// Whether that answer was stable, so that this one is held to be.
+    pub stable: bool,
+    /// Whether it took multiple shooting.
+    pub on_chain: bool,
+    /// Its nodes then, on a grid with half as many steps.
+    pub chain: State,
+    /// Cables that were let go, see [`super::redundant_cables`].
+    pub slackened: Vec<usize>,
+}
+
+impl Start {
+    /// From the robot without load, in the memory that it has.
+    pub fn forget(&mut self) {
+        self.tensions.clear();
+        self.slackened.clear();
+        (self.base_wrench, self.stable, self.on_chain) = (None, false, false);
+    }
+}
+
+/// Memory of a solve, and the answer it ends with.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    /// Frames at the ends of all steps.
+    pub poses: Vec<Pose>,
+    /// Tensions in N and lengths in m, in the order of the grid.
+    pub tensions: Vec<f64>,
+    pub lengths: Vec<f64>,
+    pub base_wrench: Wrench,
+    pub(super) unloaded: Unloaded,
+    pub(super) applied: AppliedLoads,
+    pub(super) guess: Relaxation,
+    pub(super) trajectory: Trajectory,
+    pub(super) newton: Newton,
+    pub(super) chain: Chain,
+    pub(super) stability: Stability,
+    pub(super) length_scratch: LengthScratch,
+    pub trace: Trace,
+    /// Cables that were let go, see [`super::redundant_cables`].
+    pub(super) slackened: Vec<usize>,
+    /// Whether the answer is that of the chain, which single shooting would miss.
+    pub(super) on_chain: bool,
+    /// Whether the samples of the last shot are those of the answer.
+    pub(super) sampled: bool,
+    /// Whether the answer is stable, as far as that was asked for.
+    pub(super) stable: bool,
+    /// Whether an equilibrium was accepted whose stability was not checked, see [`StabilityCheck::AtAnswer`].
+    pub(super) unverified: bool,
+    /// Whether branches off the path are left alone.
+    pub(super) stays_on_path: bool,
+    /// What the iterate leaves open at which the budget was spent; it is then in the place of the answer.
+    pub(super) open: Option<Effort>,
+}
+
+impl Scratch {
+    /// Moment, and force of the followers, in the base frame at the start of each step, of an answer
+    /// that single shooting would miss.
+    pub fn chain_starts(&self) -> Vec<Option<Wrench>> {
+        let start =
+            |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
+        let nodes = self.chain.state.nodes.iter().filter(|_| self.on_chain);
+        nodes.map(|node| Some(start(node))).collect()
+    }
+
+    /// Keeps the answer as the start of another solve.
+    pub fn keep_start(&self, start: &mut Start) {
+        start.tensions.clone_from(&self.tensions);
+        (start.base_wrench, start.stable) = (Some(self.base_wrench), self.stable);
+        start.on_chain = self.on_chain;
+        if self.on_chain {
+            start.chain.copy_from(&self.chain.state);
+        }
+        start.slackened.clone_from(&self.slackened);
+    }
+}

@@ -1,0 +1,265 @@
+//! Where the tension of a cable with friction is given, and the tension in between.
+//!
+//! The tension of such a cable is given in the middle of each step that the cable reaches through. To these places friction
+//! is what it is to holes: from one to the next the tension changes by the capstan law with the angle by
+//! which the cable turns on the way. Within a step the tension is that of its middle, times a profile: the parabola through
+//! three neighbouring tensions where the cable slides one way past all of them, and 1 else. An iteration keeps the
+//! profile that the iteration before leaves. These are eqs. (14) and (15) of `docs/theory/cosserat.md`.
+
+use whipcord_numerics::Vec3;
+
+use super::loaded::Trajectory;
+use crate::section::Strain;
+use crate::shape::SlipState;
+use crate::statics::grid::{Grid, SHOOTING_NODES};
+use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES};
+use whipcord_numerics::BUTCHER_5;
+
+const PLACES: usize = SHOOTING_NODES.len();
+/// An angle so small, in rad, has no direction.
+const STRAIGHT: f64 = 1e-9;
+/// The profile stays within these bounds.
+const PROFILE: [f64; 2] = [0.5, 2.0];
+
+/// The nodes of all cables, numbered from cable to cable, in the order of the grid.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct TensionNodes {
+    cables: Vec<CableNodes>,
+    count: usize,
+}
+
+/// The nodes of one cable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct CableNodes {
+    first: usize,
+    /// Steps that it reaches through.
+    steps: usize,
+    /// Whether friction makes its tension vary; else it has one node.
+    varies: bool,
+}
+
+impl CableNodes {
+    const fn count(&self) -> usize {
+        if self.varies { self.steps } else { 1 }
+    }
+
+    const fn at(&self, step: usize) -> usize {
+        if self.varies { self.first + step } else { self.first }
+    }
+}
+
+/// How the turn on the way to a node changes with the directions of the cable in the middle of the step before, and at start
+/// and middle of its own step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct TurnSlope {
+    pub before: Vec3,
+    pub start: Vec3,
+    pub middle: Vec3,
+}
+
+impl TensionNodes {
+    /// Of cables with these coefficients of friction, in the order of the grid.
+    pub fn new(grid: &Grid, friction: &[f64]) -> Self {
+        let mut count = 0;
+        let cables = friction.iter().enumerate().map(|(cable, &coefficient)| {
+            let steps = grid.steps.iter().take_while(|step| step.active > cable).count();
+            let nodes = CableNodes { first: count, steps, varies: coefficient > 0.0 };
+            count += nodes.count();
+            nodes
+        });
+        let cables = cables.collect();
+        Self { cables, count }
+    }
+
+    /// Number of all nodes.
+    pub const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of cables.
+    pub const fn cables(&self) -> usize {
+        self.cables.len()
+    }
+
+    /// Nodes of a cable, from the base on.
+    pub fn of_cable(&self, cable: usize) -> core::ops::Range<usize> {
+        let nodes = &self.cables[cable];
+        nodes.first..nodes.first + nodes.count()
+    }
+
+    /// Steps that a cable with friction reaches through; none of one without.
+    pub fn steps(&self, cable: usize) -> usize {
+        let nodes = &self.cables[cable];
+        if nodes.varies { nodes.steps } else { 0 }
+    }
+
+    /// The node of a cable in a step.
+    pub fn at(&self, cable: usize, step: usize) -> usize {
+        self.cables[cable].at(step)
+    }
+
+    /// Tensions and sliding of all nodes of this grid, from those on the grid whose steps were halved to it, whose tensions at
+    /// all shooting nodes are given too.
+    pub fn halved(&self, coarse: &[SlipState], all: &[f64]) -> (Vec<f64>, Vec<SlipState>) {
+        let (mut tensions, mut states) = (vec![0.0; self.count], Vec::with_capacity(self.count));
+        let (per_node, mut first) = (self.cables.len(), 0);
+        for (cable, nodes) in self.cables.iter().enumerate() {
+            // The middles of the halves lie at a quarter and at three quarters of the step.
+            let tension = |k: usize| {
+                let place = if k.is_multiple_of(2) { 1 } else { 3 };
+                all[per_node * (k / 2 * PLACES + place) + cable]
+            };
+            let count = nodes.count();
+            for k in 0..count {
+                tensions[nodes.first + k] = tension(k);
+                states.push(coarse[first + k / 2]);
+            }
+            first += count.div_ceil(2);
+        }
+        (tensions, states)
+    }
+
+    /// Tensions of all cables at all shooting nodes in turn, from those at the nodes of each and from the profile.
+    pub fn expand(&self, grid: &Grid, tensions: &[f64], profile: &[f64], all: &mut Vec<f64>) {
+        let per_node = self.cables.len();
+        all.clear();
+        all.extend_from_slice(profile);
+        for (k, at_step) in all.chunks_exact_mut(per_node * PLACES).enumerate() {
+            for at_node in at_step.chunks_exact_mut(per_node) {
+                for (slot, nodes) in at_node[..grid.steps[k].active].iter_mut().zip(&self.cables) {
+                    *slot *= tensions[nodes.at(k)];
+                }
+            }
+        }
+    }
+
+    /// The profile that is 1 everywhere.
+    pub fn flat_profile(&self, grid: &Grid) -> Vec<f64> {
+        vec![1.0; self.cables.len() * PLACES * grid.len()]
+    }
+
+    /// The profile at all shooting nodes, of these tensions and of how the cables slid past the nodes.
+    pub fn set_profile(
+        &self,
+        grid: &Grid,
+        tensions: &[f64],
+        states: &[SlipState],
+        profile: &mut [f64],
+    ) {
+        let per_node = self.cables.len();
+        profile.fill(1.0);
+        let middle = |k: usize| grid.steps[k].start + 0.5 * grid.steps[k].length;
+        for (cable, nodes) in self.cables.iter().enumerate().filter(|(_, nodes)| nodes.varies) {
+            let slides = |k: usize| states[nodes.first + k];
+            for k in 0..nodes.steps {
+                // Three steps, or as many as there are, with this one in the middle where that can be.
+                let first = k.saturating_sub(1).min(nodes.steps.saturating_sub(3));
+                let near = first..nodes.steps.min(first + 3);
+                let way = slides(near.end - 1);
+                let one_way = near.clone().all(|j| slides(j) == way);
+                let here = tensions[nodes.first + k];
+                if !one_way || way == SlipState::Sticks || here <= 0.0 {
+                    continue;
+                }
+                for (place, at) in SHOOTING_NODES.iter().enumerate() {
+                    let s = grid.steps[k].start + at * grid.steps[k].length;
+                    let part = |j: usize| {
+                        let others = near.clone().filter(|&i| i != j);
+                        let of = |i: usize| (s - middle(i)) / (middle(j) - middle(i));
+                        tensions[nodes.first + j] * others.map(of).product::<f64>()
+                    };
+                    let value = near.clone().map(part).sum::<f64>() / here;
+                    profile[per_node * (k * PLACES + place) + cable] =
+                        value.clamp(PROFILE[0], PROFILE[1]);
+                }
+            }
+        }
+    }
+
+    /// Adds the length of each cable in each step to that of its node, by strains at all stages of a shot.
+    pub fn add_lengths(&self, grid: &Grid, strains: &[Strain], lengths: &mut [f64]) {
+        self.integrate(grid, |k, stage| strains[STAGES * k + stage], lengths);
+    }
+
+    /// The same of the rod at rest.
+    pub fn add_lengths_at_rest(&self, grid: &Grid, lengths: &mut [f64]) {
+        let strain = |k, stage: usize| {
+            let node = NODE_OF_STAGE[stage];
+            grid.shooting.at(k, node, grid.steps[k].active).0.section.rest_strain()
+        };
+        self.integrate(grid, strain, lengths);
+    }
+
+    fn integrate(&self, grid: &Grid, strain: impl Fn(usize, usize) -> Strain, lengths: &mut [f64]) {
+        for (k, step) in grid.steps.iter().enumerate() {
+            for stage in 0..STAGES {
+                let weight = BUTCHER_5.b[stage] * step.length;
+                if weight == 0.0 {
+                    continue;
+                }
+                let (_, crossings) = grid.shooting.at(k, NODE_OF_STAGE[stage], step.active);
+                let strain = strain(k, stage);
+                for (crossing, nodes) in crossings.iter().zip(&self.cables) {
+                    lengths[nodes.at(k)] += weight * crossing.tangent(&strain).norm();
+                }
+            }
+        }
+    }
+
+    /// Angle by which each cable turns on the way to each node from the one before, and to the first from the base's axis;
+    /// and how it changes. From the samples of a shot of all steps.
+    pub fn turns(
+        &self,
+        grid: &Grid,
+        trajectory: &Trajectory,
+        turns: &mut [f64],
+        slopes: &mut [TurnSlope],
+    ) {
+        let direction = |cable: usize, k: usize, q: usize| {
+            let (_, crossings) = grid.shooting.at(k, 2 * q, grid.steps[k].active);
+            let sample = &trajectory.samples[3 * k + q];
+            let tangent = crossings[cable].tangent(&sample.strain);
+            sample.rotation.rotate(tangent * (1.0 / tangent.norm()))
+        };
+        for (cable, nodes) in self.cables.iter().enumerate().filter(|(_, nodes)| nodes.varies) {
+            let mut before = Vec3::Z;
+            for k in 0..nodes.steps {
+                let (start, middle) = (direction(cable, k, 0), direction(cable, k, 1));
+                let (first, second) =
+                    (Angle::between(before, start), Angle::between(start, middle));
+                let mut slope = TurnSlope {
+                    before: first.by_first,
+                    start: first.by_second + second.by_first,
+                    middle: second.by_second,
+                };
+                let mut turn = first.size + second.size;
+                if k > 0 {
+                    // What two chords of the turn leave of it is a quarter of what one leaves.
+                    let both = Angle::between(before, middle);
+                    turn += (turn - both.size) / 3.0;
+                    slope.before = (4.0 * slope.before - both.by_first) * (1.0 / 3.0);
+                    slope.start *= 4.0 / 3.0;
+                    slope.middle = (4.0 * slope.middle - both.by_second) * (1.0 / 3.0);
+                }
+                (turns[nodes.at(k)], slopes[nodes.at(k)]) = (turn, slope);
+                before = middle;
+            }
+        }
+    }
+}
+
+/// The angle between two unit vectors, and its derivatives by them.
+#[derive(Clone, Copy, Debug)]
+struct Angle {
+    size: f64,
+    by_first: Vec3,
+    by_second: Vec3,
+}
+
+impl Angle {
+    fn between(first: Vec3, second: Vec3) -> Self {
+        let (sine, cosine) = (first.cross(second).norm(), first.dot(second));
+        let slope = if sine > STRAIGHT { -1.0 / sine } else { 0.0 };
+        Self { size: sine.atan2(cosine), by_first: second * slope, by_second: first * slope }
+    }
+}
