@@ -300,7 +300,7 @@ fn hardly_any_friction_is_none() {
 fn every_way_to_ask_gives_the_same() {
     let robot = robot(6, vec![rubbing(helix(20.0, 0.6), 0.3), rubbing(straight(200.0), 0.2)]);
     let steps = pulls(&[&[3.0, 1.0], &[0.4, 1.5], &[2.5, 0.8]]);
-    for kind in WITH_ROD {
+    for kind in MODELS {
         let case = in_steps(&steps, &several_loads());
         let walked = path(kind, &robot, &steps, &case.loads);
         let mut prepared = model(kind).prepare(&robot, &case.loads).unwrap();
