@@ -38,6 +38,8 @@ pub(crate) struct Meter {
     budget: Budget,
     iterations: Counter,
     integration_steps: Counter,
+    /// Integration steps at which the attempt at hand ends; 0 where it has no end of its own.
+    attempt: Counter,
 }
 
 /// A count that can be raised through a shared reference: of a solve, which is the work of one thread.
@@ -71,6 +73,24 @@ impl Meter {
         self.budget = budget;
         self.iterations.set(0);
         self.integration_steps.set(0);
+        self.attempt.set(0);
+    }
+
+    /// Begins an attempt that ends after so many integration steps, after which the solve goes on otherwise.
+    pub fn attempt(&self, steps: usize) {
+        self.attempt.set(self.integration_steps.get().saturating_add(steps).max(1));
+    }
+
+    /// Lets the attempt at hand, if there is one, end only after so many integration steps more.
+    pub fn extend_attempt(&self, steps: usize) {
+        if self.attempt.get() > 0 {
+            self.attempt(steps);
+        }
+    }
+
+    /// Ends the attempt: what follows may spend the whole budget.
+    pub fn end_attempt(&self) {
+        self.attempt.set(0);
     }
 
     /// Counts a Newton iteration.
@@ -89,9 +109,12 @@ impl Meter {
             || self.integration_steps.get() >= self.budget.integration_steps
     }
 
-    /// Whether the solve goes no further.
+    /// Whether the solve, or its attempt at hand, goes no further.
     pub fn has_ended(&self) -> bool {
-        self.is_spent() || self.cancel.is_cancelled()
+        let attempt = self.attempt.get();
+        self.is_spent()
+            || (attempt > 0 && self.integration_steps.get() >= attempt)
+            || self.cancel.is_cancelled()
     }
 
     /// The answer of a solve; where its budget is spent that it is, though there is a shape.

@@ -19,6 +19,11 @@ use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::trace::Stage;
 
+/// What an attempt may spend under load, in shapes of the whole robot.
+const SHAPES_UNDER_LOAD: usize = 400;
+/// The same where the robot was not found without load, and its cables are slack at first.
+const SHAPES_FROM_SLACK: usize = 40;
+
 /// Finds the equilibrium under the loads that `scratch.applied` has gathered; the answer is left in
 /// `scratch`.
 pub(super) fn solve(
@@ -48,6 +53,8 @@ pub(super) fn solve(
         return Ok(finish(problem, scratch, effort));
     }
     let without = start_without_load(problem, scratch);
+    let shapes = if without.is_ok() { SHAPES_UNDER_LOAD } else { SHAPES_FROM_SLACK };
+    problem.meter.extend_attempt(shapes * problem.mesh.grid.len());
     let rest = Place::of(&scratch.chain);
     let mut ended = None;
     let mut unstable = None;
@@ -55,6 +62,10 @@ pub(super) fn solve(
         Ok(effort) if raise.is_stable(scratch, 1.0) => return Ok(finish(problem, scratch, effort)),
         Ok(effort) => unstable = Some((Place::of(&scratch.chain), effort)),
         Err(end) => ended = Some(end),
+    }
+    if unstable.is_some() {
+        // What it is left for is on no finer mesh with less effort.
+        problem.meter.end_attempt();
     }
     let mut lost_at = None;
     if unstable.is_some() {

@@ -21,6 +21,11 @@ use crate::statics::strength::Strength;
 
 /// A failure to converge is believed only with steps halved this often.
 const GIVE_UP_LEVEL: usize = 4;
+/// On so many meshes, one finer than the other, the answer is first looked for with little effort: steps that are too coarse for strong bends, or
+/// for cables that are held at their lengths, cost a long search in vain.
+const ATTEMPTS: usize = 3;
+/// What such an attempt may spend on the robot without load, in shapes of the whole robot.
+const SHAPES_WITHOUT_LOAD: usize = 300;
 /// What an unstable equilibrium could be left for is looked for with steps halved this often.
 const LEAVE_LEVEL: usize = 3;
 
@@ -38,10 +43,36 @@ impl CosseratDisks {
         let (mut error, mut steps, mut iterations) = (f64::INFINITY, 0, 0);
         let mut lost_at = None;
         let mut coarser = false;
-        for level in self.first_level(cases, workspace)..=MAX_REFINEMENTS {
+        let first = self.first_level(cases, workspace);
+        // What holes remember is found step by step of actuation, for which there is no telling what it takes.
+        let mut attempts = if self.holes.is_none() { ATTEMPTS } else { 0 };
+        let mut next = first;
+        while next <= MAX_REFINEMENTS {
+            let level = next;
+            next += 1;
             let mesh = self.mesh(level)?;
             workspace.progress.level = level;
-            let found = match self.solve_on(level, &mesh, cases, start, workspace) {
+            let is_attempt = attempts > 0 && !coarser;
+            if is_attempt {
+                workspace.meter.attempt(SHAPES_WITHOUT_LOAD * mesh.grid.len());
+            }
+            let found = self.solve_on(level, &mesh, cases, start, workspace);
+            workspace.meter.end_attempt();
+            let found = match found {
+                // Little effort proves nothing.
+                Err(
+                    SolveError::NotConverged { .. }
+                    | SolveError::TensionsNotFound
+                    | SolveError::SectionFolds { .. }
+                    | SolveError::UnreachableLength { .. }
+                    | SolveError::ContradictoryLengths { .. }
+                    | SolveError::Buckled { .. },
+                ) if is_attempt && !workspace.meter.has_ended() => {
+                    attempts -= 1;
+                    next = if attempts == 0 { first } else { next };
+                    workspace.scratch.open = None;
+                    continue;
+                }
                 // Steps that are too coarse for a strong bend can keep Newton's method away.
                 Err(
                     SolveError::NotConverged { .. }
