@@ -442,4 +442,23 @@ mod tests {
             assert!(text.contains(words), "{text}");
         }
     }
+
+    /// What a robot that slides off a wall is told makes sense for a wall.
+    #[test]
+    fn a_robot_that_nothing_holds_is_told_why() {
+        let error = SolveError::Obstructed {
+            reached: 0.25,
+            touching: vec!["obstacle-1".to_owned()],
+            why: Obstruction::Slips,
+        };
+        let text = error.to_string();
+        for words in [
+            "in contact with `obstacle-1`, an equilibrium was found only up to 0.25 of",
+            "the contact forces cannot hold the robot, and it slides off the obstacle",
+            "lower the tensions or the loads, move or extend the obstacle, or set its `friction`",
+        ] {
+            assert!(text.contains(words), "{text}");
+        }
+        assert!(!text.contains("enclose"), "{text}");
+    }
 }

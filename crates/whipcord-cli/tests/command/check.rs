@@ -241,24 +241,6 @@ fn keys_are_set_beside_the_file() {
     );
 }
 
-/// What a robot that slides off a wall is told makes sense for a wall.
-#[test]
-fn a_robot_that_slides_along_a_wall_is_told_why() {
-    let scratch = Scratch::new();
-    let wall =
-        "[[obstacles]]\nkind = \"half-space\"\nposition = [0, 0.03, 0.1]\nnormal = [0, -1, 0]\n";
-    let file = scratch.write("wall.toml", &format!("{}{wall}", robot("tension = \"60 N\"")));
-    let told = fail(1, &["solve", &file]);
-    for words in [
-        "in contact with `obstacle-1`, an equilibrium was found only up to ",
-        "the contact forces cannot hold the robot, and it slides off the obstacle",
-        "lower the tensions or the loads, move or extend the obstacle, or set its `friction`",
-    ] {
-        assert!(told.contains(words), "{told}");
-    }
-    assert!(!told.contains("enclose"), "{told}");
-}
-
 #[test]
 fn messages_of_the_command_line() {
     let scratch = Scratch::new();
