@@ -61,6 +61,8 @@ from .solution import (
     Diagnostics,
     Equilibrium,
     Grasp,
+    ObjectContact,
+    ObjectState,
     Shape,
     Solution,
 )
@@ -110,6 +112,8 @@ __all__ = [
     "Measured",
     "ModelError",
     "ModelFit",
+    "ObjectContact",
+    "ObjectState",
     "Observation",
     "Obstacle",
     "Overlaid",

@@ -44,6 +44,7 @@ __all__ = [
     "NoRowError",
     "NotConvergedError",
     "NothingFoundError",
+    "ObjectOverlapsError",
     "ObstacleInTheWayError",
     "ObstructedError",
     "SectionFoldsError",
@@ -322,6 +323,17 @@ class ObstacleInTheWayError(SolveError):
     """Name of the obstacle."""
     arc_length: float
     """Arc length in m of the cross-section that it overlaps most."""
+    depth: float
+    """How far they overlap in m."""
+
+
+class ObjectOverlapsError(SolveError):
+    """A movable object overlaps an obstacle, or another object, before anything moves."""
+
+    object: str
+    """Name of one."""
+    obstacle: str
+    """Name of the other."""
     depth: float
     """How far they overlap in m."""
 

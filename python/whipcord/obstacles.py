@@ -17,7 +17,7 @@ Vector = Sequence[Quantity]
 
 @dataclass(frozen=True, init=False, repr=False)
 class Obstacle(Table):
-    """A rigid body, fixed in the world, that the robot touches but does not enter.
+    """A rigid body that the robot touches but does not enter: fixed in the world or, with a mass, a movable object.
 
     Parameters
     ----------
@@ -51,6 +51,13 @@ class Obstacle(Table):
     file, unit, scale
         STL or OBJ file of a mesh, the unit of its lengths (``"m"``, ``"cm"``, ``"mm"``, ``"um"`` or ``"in"``),
         and a factor on them.
+    mass, density
+        One of them, in kg or kg/m³, makes it a movable object: contacts balance its weight, and `Solution.objects` has
+        its pose. `position` and `orientation` are then those of rest.
+    center_of_mass
+        (3,) of a movable object in its frame in m; the centroid of its volume by default.
+    force, moment
+        (3,) dead force in N at the centre of mass of a movable object, and dead moment in N·m, in the frame of the loads.
 
     Examples
     --------
@@ -75,6 +82,11 @@ class Obstacle(Table):
     file: str | None = None
     unit: str | None = None
     scale: float | None = None
+    mass: float | None = None
+    density: float | None = None
+    center_of_mass: tuple[float, ...] | None = None
+    force: tuple[float, ...] | None = None
+    moment: tuple[float, ...] | None = None
 
     _name: ClassVar[str] = "obstacles"
 
@@ -98,6 +110,11 @@ class Obstacle(Table):
         file: str | os.PathLike[str] | None = None,
         unit: str | None = None,
         scale: float | None = None,
+        mass: Quantity | None = None,
+        density: Quantity | None = None,
+        center_of_mass: Vector | None = None,
+        force: Vector | None = None,
+        moment: Vector | None = None,
     ) -> None:
         self._set(
             kind=kind,
@@ -117,6 +134,11 @@ class Obstacle(Table):
             file=None if file is None else os.path.abspath(file),
             unit=unit,
             scale=scale,
+            mass=mass,
+            density=density,
+            center_of_mass=center_of_mass,
+            force=force,
+            moment=moment,
         )
 
     def _keep(self, entries: Mapping[str, Any]) -> None:

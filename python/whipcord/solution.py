@@ -139,6 +139,48 @@ class Grasp:
     sliding: 0 where one slides. None without friction, and from a model that knows no forces."""
 
 
+@dataclass(frozen=True, eq=False)
+class ObjectContact:
+    """A place where a movable object touches an obstacle, or another object."""
+
+    obstacle: str
+    """Name of what it touches."""
+    point: Array
+    """(3,) the place in m, in the world."""
+    normal: Array
+    """(3,) unit normal towards the object."""
+    force: float
+    """With how much the object is pushed along the normal, in N."""
+    friction: Array
+    """(3,) force along the surface on the object in N."""
+    sticks: bool
+    """Whether friction keeps it from sliding."""
+    gap: float
+    """Distance in m; negative where they overlap by a remainder of the iteration."""
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectState:
+    """A movable object in equilibrium with the robot and the obstacles."""
+
+    obstacle: str
+    """Its name."""
+    position: Array
+    """(3,) origin of its frame in m, in the world."""
+    orientation: Array
+    """(4,) quaternion (w, x, y, z) from its frame to the world."""
+    center_of_mass: Array
+    """(3,) in m, in the world."""
+    load: Array
+    """(6,) its weight and its own force in N and its moment in N·m at its centre of mass, in the world."""
+    imbalance: Array
+    """(6,) the sum of its load and of all contact forces, about its centre of mass: a remainder of the iteration."""
+    slip_margin: float | None
+    """As that of a grasp, of all contacts of the object."""
+    contacts: tuple[ObjectContact, ...]
+    """Where it touches other obstacles than the robot."""
+
+
 @dataclass(frozen=True)
 class CableOverlap:
     """A taut cable that passes through an obstacle: the deepest place in one span between two disks. Cables have no contact
@@ -356,6 +398,18 @@ class Solution:
             CableOverlap(**{**overlap, "point": np.array(overlap["point"]), "normal": np.array(overlap["normal"])})
             for overlap in self._case._setup.cable_overlaps(self._answer)
         )
+    def objects(self) -> tuple[ObjectState, ...]:
+        """The movable objects of its case, where they are in equilibrium."""
+
+        def arrays(values: dict[str, Any], *keys: str) -> dict[str, Any]:
+            return {**values, **{key: np.array(values[key]) for key in keys}}
+
+        def state(of: dict[str, Any]) -> ObjectState:
+            touching = [arrays(touch, "point", "normal", "friction") for touch in of["contacts"]]
+            known = arrays(of, "position", "orientation", "center_of_mass", "load", "imbalance")
+            return ObjectState(**{**known, "contacts": tuple(ObjectContact(**touch) for touch in touching)})
+
+        return tuple(state(of) for of in self._answer.objects)
 
     @cached_property
     def diagnostics(self) -> Diagnostics:

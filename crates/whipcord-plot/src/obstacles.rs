@@ -49,6 +49,8 @@ enum Drawing {
 /// Obstacles around a robot.
 pub(crate) struct Obstacles {
     drawings: Vec<(Drawing, Vec3)>,
+    /// Movable objects where they were before.
+    initial: Vec<(Drawing, Vec3)>,
     /// The middle of the robot.
     middle: Vec3,
     /// All that is drawn lies in this box.
@@ -57,16 +59,17 @@ pub(crate) struct Obstacles {
 
 impl Obstacles {
     /// Around a robot that these points span.
-    pub fn new(obstacles: &[Obstacle], points: &[Vec3]) -> Self {
+    pub fn new(obstacles: &[Obstacle], initial: &[Obstacle], points: &[Vec3]) -> Self {
         let ranges = [0, 1, 2].map(|i| range(points, i));
         let extent = ranges.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
         let corner = |k: usize, out: f64| Vec3::from(ranges.map(|ends| ends[k] + out * extent));
         let room = [corner(0, -ROOM), corner(1, ROOM)];
-        let drawings = obstacles.iter().map(|obstacle| {
+        let drawn = |obstacle: &Obstacle| {
             let pose = &obstacle.pose;
             (drawing(&obstacle.form, pose, room), pose.position)
-        });
-        Self { drawings: drawings.collect(), middle: 0.5 * (corner(0, 0.0) + corner(1, 0.0)), room }
+        };
+        let [drawings, initial] = [obstacles, initial].map(|all| all.iter().map(drawn).collect());
+        Self { drawings, initial, middle: 0.5 * (corner(0, 0.0) + corner(1, 0.0)), room }
     }
 
     /// Points that span what is to be seen of them: as much as is near the robot.
@@ -74,7 +77,7 @@ impl Obstacles {
         let [low, high] = self.room;
         let near = move |p: Vec3| Vec3::from([0, 1, 2].map(|i| p[i].clamp(low[i], high[i])));
         let is_near = move |p: &Vec3| near(*p) == *p;
-        self.drawings.iter().flat_map(move |(drawing, _)| match drawing {
+        self.drawings.iter().chain(&self.initial).flat_map(move |(drawing, _)| match drawing {
             Drawing::Hull { points, .. } => points.iter().copied().map(near).collect::<Vec<_>>(),
             Drawing::Bore { pieces } => {
                 pieces.iter().flatten().flatten().map(|&p| near(p)).collect()
@@ -110,7 +113,7 @@ impl Obstacles {
                 before == (solid && view.depth(*centre) > view.depth(self.middle))
             })
             .collect();
-        if drawn.is_empty() {
+        if drawn.is_empty() && (before || self.initial.is_empty()) {
             return;
         }
         drawn.sort_by(|a, b| view.depth(a.1).total_cmp(&view.depth(b.1)));
@@ -121,6 +124,9 @@ impl Obstacles {
             for (drawing, _) in drawn.iter().filter(|(drawing, _)| is_plane(drawing) == plane) {
                 drawing.draw(svg, view, if before { BEFORE } else { 1.0 });
             }
+        }
+        for (drawing, _) in self.initial.iter().filter(|_| !before) {
+            drawing.draw_outline(svg, view);
         }
         svg.close();
     }
@@ -239,6 +245,19 @@ fn bore(pipe: &Pipe, pose: &Pose) -> Vec<Vec<Vec<Vec3>>> {
 }
 
 impl Drawing {
+    /// Where a movable object was: its outline, faintly.
+    fn draw_outline(&self, svg: &mut Svg, view: &Projection) {
+        let outline = |points: &mut dyn Iterator<Item = &Vec3>| -> Vec<Point> {
+            convex(&points.map(|&p| view.place(p)).collect::<Vec<_>>())
+        };
+        let polygon = match self {
+            Self::Hull { points, .. } => outline(&mut points.iter()),
+            Self::Triangles(all) => outline(&mut all.iter().flatten()),
+            Self::Bore { .. } | Self::Plane { .. } => return,
+        };
+        svg.polygon(&polygon, None, Some(Stroke::new(OBSTACLE.tint(0.45), 0.9).dash("4 3")));
+    }
+
     fn draw(&self, svg: &mut Svg, view: &Projection, opacity: f64) {
         let paper =
             |points: &[Vec3]| -> Vec<Point> { points.iter().map(|&p| view.place(p)).collect() };

@@ -72,6 +72,8 @@ pub struct FigureOptions {
     pub ellipsoids: Vec<Ellipsoid>,
     /// What stands in its way.
     pub obstacles: Vec<Obstacle>,
+    /// Movable objects where they were before; drawn faintly.
+    pub initial: Vec<Obstacle>,
     /// Where one of the shapes touches it; drawn over all of them.
     pub contacts: Vec<Contact>,
     /// Direction from which the robot is seen in space, in rad from x towards y; `None` for one
@@ -83,6 +85,23 @@ pub struct FigureOptions {
     pub width: f64,
 }
 
+impl FigureOptions {
+    /// The same with these obstacles as an answer has them: movable objects in equilibrium, and faintly where they were before.
+    #[must_use]
+    pub fn among(self, obstacles: &[Obstacle], solution: Option<&Solution>) -> Self {
+        let Some(solution) = solution else {
+            return Self { obstacles: obstacles.to_vec(), ..self };
+        };
+        let before = solution.objects.iter().filter_map(|state| obstacles.get(state.obstacle));
+        Self {
+            initial: before.cloned().collect(),
+            obstacles: solution.placed(obstacles),
+            contacts: solution.contacts.clone(),
+            ..self
+        }
+    }
+}
+
 impl Default for FigureOptions {
     fn default() -> Self {
         Self {
@@ -92,6 +111,7 @@ impl Default for FigureOptions {
             loads: Acting::default(),
             ellipsoids: Vec::new(),
             obstacles: Vec::new(),
+            initial: Vec::new(),
             contacts: Vec::new(),
             azimuth: None,
             elevation: 22_f64.to_radians(),
@@ -195,7 +215,7 @@ impl<'a> Drawn<'a> {
         points.extend(loads.outline().chain(ellipsoids.outline()));
         let contacts = TouchMarks::new(&options.contacts, extent);
         points.extend(contacts.outline());
-        let obstacles = Obstacles::new(&options.obstacles, &points);
+        let obstacles = Obstacles::new(&options.obstacles, &options.initial, &points);
         points.extend(obstacles.outline());
         let (measured, outliers) = (options.measured.as_slice(), options.outliers.as_slice());
         Self { bodies, measured, outliers, loads, ellipsoids, obstacles, contacts, points }

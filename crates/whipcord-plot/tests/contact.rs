@@ -39,6 +39,7 @@ fn at(form: Form, position: Vec3) -> Obstacle {
         form,
         pose: Pose { position, rotation },
         friction: 0.0,
+        movable: None,
     }
 }
 

@@ -319,6 +319,10 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
                 ("depth", Number(*depth)),
             ],
         ),
+        SolveError::ObjectOverlaps { object, obstacle, depth } => raise(
+            "ObjectOverlapsError",
+            &[("object", Text(object)), ("obstacle", Text(obstacle)), ("depth", Number(*depth))],
+        ),
         SolveError::Obstructed { reached, touching, .. } => {
             exception(py, "ObstructedError", message, |dict| {
                 dict.set_item("reached", reached)?;

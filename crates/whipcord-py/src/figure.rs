@@ -26,11 +26,10 @@ pub fn svg(
     let options = FigureOptions {
         title: title.unwrap_or_else(|| setup.title.clone()),
         loads: Acting::on(&setup.case, loaded),
-        obstacles: setup.case.obstacles.clone(),
-        contacts: solutions.last().map_or_else(Vec::new, |(_, of)| of.inner.contacts.clone()),
         width,
         ..FigureOptions::default()
-    };
+    }
+    .among(&setup.case.obstacles, solutions.last().map(|(_, of)| &*of.inner));
     let svg = robot_figure(&setup.robot, &views, &options);
     svg.map_err(|error| errors::input(py, "solution", error.to_string()))
 }

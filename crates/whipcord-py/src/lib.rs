@@ -16,6 +16,7 @@ mod fit;
 mod measurement;
 mod model;
 mod notice;
+mod object_state;
 mod overlay;
 mod photo;
 mod prepared;

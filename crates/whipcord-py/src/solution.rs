@@ -10,6 +10,8 @@ use whipcord::{
     Pose, Robot, Shape, SlipState, UnitQuaternion, Vec3, Wrench,
 };
 
+use crate::object_state::{self, ObjectRow};
+
 use crate::convert::{array, flat};
 use crate::errors;
 use crate::setup::Setup;
@@ -60,6 +62,7 @@ type State = (
     Option<[f64; 6]>,
     DiagnosticsRow,
     Vec<TouchRow>,
+    Vec<ObjectRow>,
 );
 
 #[pymethods]
@@ -173,6 +176,12 @@ impl Solution {
         Ok(list)
     }
 
+    /// The movable objects where they are in equilibrium.
+    #[getter]
+    fn objects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        object_state::list(py, &self.inner.objects, &self.case.obstacles)
+    }
+
     /// How it was obtained.
     #[getter]
     fn diagnostics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -232,13 +241,14 @@ impl Solution {
                 d.stability_absent.map(|reason| reason.name().to_owned()),
             ),
             of.contacts.iter().map(touch_row).collect(),
+            of.objects.iter().map(object_state::row).collect(),
         )
     }
 
     /// The answer of such numbers to a case.
     #[staticmethod]
     fn from_state(py: Python<'_>, setup: &Setup, state: State) -> PyResult<Self> {
-        let (model, shape, disks, cables, wrench, d, contacts) = state;
+        let (model, shape, disks, cables, wrench, d, contacts, objects) = state;
         let model: ModelKind =
             model.parse().map_err(|_| errors::input(py, "state", format!("no model `{model}`")))?;
         let cables = cables.into_iter().map(|row| {
@@ -258,6 +268,7 @@ impl Solution {
                 moment: Vec3::new(a, b, c),
             }),
             contacts: contacts.into_iter().map(touch_of).collect(),
+            objects: objects.into_iter().map(object_state::of_row).collect(),
             diagnostics: Diagnostics {
                 iterations,
                 residual,

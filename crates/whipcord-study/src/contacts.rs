@@ -130,3 +130,53 @@ pub fn cable_overlaps(robot: &Robot, solution: &Solution, obstacles: &[Obstacle]
     }
     Some(table)
 }
+
+/// The movable objects where an answer has them, what carries them, and what is left of their balance; `None` where there are none.
+pub fn objects(solution: &Solution, obstacles: &[Obstacle]) -> Option<Table> {
+    if solution.objects.is_empty() {
+        return None;
+    }
+    let any_friction = solution.objects.iter().any(|state| state.slip_margin.is_some());
+    let mut columns = vec![
+        ("object", Align::Left),
+        ("at x, y, z (mm)", Align::Right),
+        ("moved by", Align::Right),
+        ("load x, y, z (N)", Align::Right),
+        ("touches", Align::Left),
+    ];
+    if any_friction {
+        columns.push(("slip margin", Align::Right));
+    }
+    columns.push(("left of balance", Align::Right));
+    let mut table = Table::new(columns);
+    table.group();
+    for state in &solution.objects {
+        let Some(obstacle) = obstacles.get(state.obstacle) else { continue };
+        let moved = (state.pose.position - obstacle.pose.position).norm();
+        let mut touched: Vec<String> = Vec::new();
+        let by_robot = solution.contacts.iter().filter(|touch| touch.obstacle == state.obstacle);
+        if by_robot.count() > 0 {
+            touched.push("the robot".to_owned());
+        }
+        for touch in &state.contacts {
+            if let Some(other) = obstacles.get(touch.obstacle)
+                && !touched.contains(&other.name)
+            {
+                touched.push(other.name.clone());
+            }
+        }
+        let mut row = vec![
+            obstacle.name.clone(),
+            state.pose.position.to_array().map(|x| fixed_millimetres(x, 3)).join(", "),
+            format!("{} mm", fixed_millimetres(moved, 3)),
+            state.load.force.to_array().map(|x| number(x, 4)).join(", "),
+            touched.join(", "),
+        ];
+        if any_friction {
+            row.push(state.slip_margin.map_or_else(|| "–".to_owned(), percent));
+        }
+        row.push(newtons(state.imbalance.force.norm()));
+        table.row(row);
+    }
+    Some(table)
+}

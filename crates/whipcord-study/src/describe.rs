@@ -52,7 +52,10 @@ pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
         lines.push(("base".to_owned(), placed(&case.base)));
     }
     for obstacle in &case.obstacles {
-        let words = format!("{}, {}", form(&obstacle.form), placed(&obstacle.pose));
+        let mut words = format!("{}, {}", form(&obstacle.form), placed(&obstacle.pose));
+        if let Some(body) = &obstacle.movable {
+            words += &format!(", movable, of {}", format!("{} g", number(1e3 * body.mass, 4)));
+        }
         lines.push((format!("obstacle {}", obstacle.name), words));
     }
     lines

@@ -12,7 +12,7 @@ use whipcord::{
 use whipcord_io::CaseFile;
 
 use crate::protocol::{
-    self, Answer, CableState, Compliance, Contact, Frame, Malformed, Request, Solved,
+    self, Answer, CableState, Compliance, Contact, Frame, Malformed, PlacedObject, Request, Solved,
 };
 use crate::scene::{array, model};
 use crate::stations::Places;
@@ -274,6 +274,14 @@ fn solved(
         cables: cables.collect(),
         contacts: contacts.collect(),
         grasps: grasps(solution, &file.case.obstacles),
+        objects: solution
+            .objects
+            .iter()
+            .map(|state| PlacedObject {
+                obstacle: state.obstacle,
+                pose: crate::scene::pose(&state.pose),
+            })
+            .collect(),
         residual: diagnostics.residual,
         iterations: diagnostics.iterations,
         stability: diagnostics.stability,

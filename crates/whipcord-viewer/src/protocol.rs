@@ -315,6 +315,8 @@ pub struct Solved {
     pub contacts: Vec<Contact>,
     /// What it exerts on each obstacle that it touches, where the model knows forces.
     pub grasps: Vec<Grasp>,
+    /// Where the movable objects are in equilibrium.
+    pub objects: Vec<PlacedObject>,
     /// What is left of the equations, relative to their scale.
     pub residual: f64,
     /// Newton iterations.
@@ -331,6 +333,15 @@ pub struct Solved {
     pub compliance: Option<Compliance>,
     /// Warnings about the shape, except that it is unstable: [`Self::unstable`] says that.
     pub warnings: Vec<Warning>,
+}
+
+/// A movable object in equilibrium.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlacedObject {
+    /// The obstacle that it is, by its number in the scene.
+    pub obstacle: usize,
+    /// Where it is.
+    pub pose: Pose,
 }
 
 /// What the robot exerts on an obstacle, all contacts together.

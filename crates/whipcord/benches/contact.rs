@@ -34,6 +34,7 @@ fn case(shortening: f64) -> Case {
         form: Form::Sphere { radius: 0.03 },
         pose: Pose { position, rotation: UnitQuaternion::IDENTITY },
         friction: 0.0,
+        movable: None,
     };
     Case { obstacles: vec![ball], ..Case::with_shortenings(&[Shortening::Length(shortening)]) }
 }

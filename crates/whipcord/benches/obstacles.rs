@@ -76,8 +76,13 @@ const NAMES: [&str; 10] = [
 /// Of 256 points around it, most of them outside; for one of them.
 #[divan::bench(args = NAMES)]
 fn distance(bencher: Bencher, name: &str) {
-    let obstacle =
-        Obstacle { name: name.to_owned(), form: form(name), pose: Pose::IDENTITY, friction: 0.0 };
+    let obstacle = Obstacle {
+        name: name.to_owned(),
+        form: form(name),
+        pose: Pose::IDENTITY,
+        friction: 0.0,
+        movable: None,
+    };
     let coordinate = |k: u32, step: u32| 0.05 * (f64::from(k * step % 256) / 128.0 - 1.0);
     let points: Vec<Vec3> = (0..256)
         .map(|k| Vec3::new(coordinate(k, 37), coordinate(k, 101), coordinate(k, 171)))

@@ -74,6 +74,7 @@ impl CableOverlap {
     #[must_use]
     pub fn all(robot: &Robot, solution: &Solution, obstacles: &[Obstacle]) -> Vec<Self> {
         let mut found = Vec::new();
+        let placed = solution.placed(obstacles);
         for (cable, (route, state)) in robot.routes().iter().zip(&solution.cables).enumerate() {
             if state.slack || obstacles.is_empty() {
                 continue;
@@ -81,7 +82,7 @@ impl CableOverlap {
             let path = Path::new(robot, solution, cable);
             for span in 0..robot.disks().arc_lengths.len().saturating_sub(1) {
                 let pieces = path.of_span(span, route.end());
-                for (number, obstacle) in obstacles.iter().enumerate() {
+                for (number, obstacle) in placed.iter().enumerate() {
                     let each = pieces.iter().filter_map(|piece| path.deepest(piece, obstacle));
                     let deepest = each.max_by(|a, b| (-a.1.distance).total_cmp(&-b.1.distance));
                     let Some((at, surface)) = deepest else { continue };

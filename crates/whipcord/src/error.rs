@@ -226,6 +226,20 @@ pub enum SolveError {
         last_load: Option<f64>,
     },
 
+    /// A movable object that overlaps an obstacle, or another object, where the robot is at rest.
+    #[error(
+        "`{object}` and `{obstacle}` overlap by {} before anything moves, and one of them is a movable object: move it away by as much, or make it smaller",
+        millimetres(*depth, Round::Up)
+    )]
+    ObjectOverlaps {
+        /// Name of one.
+        object: String,
+        /// Name of the other.
+        obstacle: String,
+        /// Depth in m.
+        depth: f64,
+    },
+
     /// A robot that its obstacles let get only a part of the way.
     #[error(
         "{}an equilibrium was found only up to {} of the change of actuation and loads: {why}",
@@ -279,6 +293,19 @@ pub enum Obstruction {
         contacts: usize,
         /// The most of them for this robot.
         most: usize,
+    },
+    /// Nothing balances what acts on a movable object.
+    #[error(
+        "movable object `{object}` is not held: no contact balances a force of {} and a moment of {} N·m on it; put it where the robot or a fixed obstacle carries it, press harder, or give the object and what carries it more `friction`",
+        newtons(*force), significant(*moment, 3, Round::Nearest)
+    )]
+    NotHeld {
+        /// Name of the object.
+        object: String,
+        /// What is left of the balance of forces in N.
+        force: f64,
+        /// What is left of the balance of moments about its centre of mass in N·m.
+        moment: f64,
     },
     /// The iteration stopped before the conditions of contact were met.
     #[error(
@@ -340,6 +367,17 @@ impl SolveError {
             }
             other => other,
         }
+    }
+
+    /// Whether obstacles are what keeps the robot from the answer, and a solve of less than its budget ended there.
+    pub(crate) const fn is_obstruction(&self) -> bool {
+        !matches!(
+            self,
+            Self::Cancelled { .. }
+                | Self::ObjectOverlaps { .. }
+                | Self::ObstacleInTheWay { .. }
+                | Self::Obstructed { why: Obstruction::BudgetSpent { .. }, .. }
+        )
     }
 
     /// Fraction of what was given up to which equilibrium was found, from 0 to 1, where it is known.

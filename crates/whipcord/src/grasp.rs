@@ -20,6 +20,7 @@ use crate::shape::{Contact, Solution, Wrench};
 ///     form: Form::Sphere { radius: 0.03 },
 ///     pose: Pose { position: Vec3::new(0.05, 0.0, 0.12), ..Pose::IDENTITY },
 ///     friction: 0.0,
+///     movable: None,
 /// };
 /// let case = Case { obstacles: vec![ball], ..Case::with_shortenings(&[Shortening::Length(0.004)]) };
 /// let model = Model::new(ModelKind::Cosserat, Stations::default(), Actuation::Shortening);
@@ -41,8 +42,8 @@ pub struct Grasp {
     pub sliding: usize,
     /// Sum of the normal forces in N: how hard the robot presses. `None` from a model that knows no forces.
     pub normal_force: Option<f64>,
-    /// What the robot exerts on the obstacle, moments about the origin of the obstacle's frame, in the frame that its pose is
-    /// given in. `None` from a model that knows no forces.
+    /// What the robot exerts on the obstacle, moments about the origin of the obstacle's frame, of a movable object where it is in
+    /// equilibrium, in the frame that its pose is given in. `None` from a model that knows no forces.
     pub wrench: Option<Wrench>,
     /// `1 − ‖t‖/(μλ)` of the contact that is nearest to sliding, with its normal force λ and its force along the surface t: 0 where
     /// one slides, 1 where none holds on. `None` without friction, and from a model that knows no forces.
@@ -53,12 +54,13 @@ impl Grasp {
     /// Of each of these obstacles that the robot touches in an answer, in their order.
     #[must_use]
     pub fn all(solution: &Solution, obstacles: &[Obstacle]) -> Vec<Self> {
+        let placed = solution.placed(obstacles);
         let of_obstacle = |(number, obstacle): (usize, &Obstacle)| {
             let touching = solution.contacts.iter().filter(move |touch| touch.obstacle == number);
             let contacts: Vec<&Contact> = touching.collect();
             (!contacts.is_empty()).then(|| Self::of(number, obstacle, &contacts))
         };
-        obstacles.iter().enumerate().filter_map(of_obstacle).collect()
+        placed.iter().enumerate().filter_map(of_obstacle).collect()
     }
 
     fn of(number: usize, obstacle: &Obstacle, contacts: &[&Contact]) -> Self {

@@ -56,7 +56,7 @@ pub use grasp::Grasp;
 pub use kind::{CommandDerivatives, ModelKind};
 pub use linearization::Linearization;
 pub use model::{Differentiable, Model, Prepared, at_rest};
-pub use obstacle::{Form, Obstacle};
+pub use obstacle::{Form, MovableBody, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use presets::ModelPreset;
 pub use robot::{
@@ -64,7 +64,8 @@ pub use robot::{
     RobotError, Routing, Section, Stiffness,
 };
 pub use shape::{
-    CableState, Contact, Diagnostics, NoStability, Part, Shape, SlipState, Solution, Wrench,
+    CableState, Contact, Diagnostics, NoStability, ObjectContact, ObjectState, Part, Shape,
+    SlipState, Solution, Wrench,
 };
 pub use statics::Statics;
 pub use statics::options::StabilityAnalysis;

@@ -66,6 +66,18 @@ pub(crate) fn branches(model: ModelKind) -> SolveError {
     }
 }
 
+/// Refuses movable objects, on behalf of a model that does not know how stiff the robot is.
+pub(crate) fn movable_objects(model: ModelKind, case: &Case) -> Result<(), SolveError> {
+    if case.obstacles.iter().all(|obstacle| obstacle.movable.is_none()) {
+        return Ok(());
+    }
+    Err(SolveError::Missing {
+        model,
+        path: "backbone.young_modulus".to_owned(),
+        advice: "a movable object is held by forces: give the stiffness of the backbone, or remove the mass of the object",
+    })
+}
+
 /// Refuses a case with obstacles where something other than its shape is asked for.
 pub(crate) fn among_obstacles(what: &str, model: ModelKind, case: &Case) -> Result<(), SolveError> {
     if case.obstacles.is_empty() {

@@ -3,6 +3,7 @@
 use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
 use crate::kind::ModelKind;
+use crate::obstacle::Obstacle;
 use crate::robot::Route;
 
 /// Frames along the backbone, in the frame that the pose of the base is given in.
@@ -220,6 +221,8 @@ pub struct Solution {
     pub base_wrench: Option<Wrench>,
     /// Where it touches the obstacles of its case.
     pub contacts: Vec<Contact>,
+    /// The movable objects among these obstacles, in their order.
+    pub objects: Vec<ObjectState>,
     /// How it was obtained.
     pub diagnostics: Diagnostics,
 }
@@ -247,6 +250,44 @@ pub struct Contact {
     pub sticks: bool,
     /// Distance between robot and obstacle in m; negative where they overlap by a remainder of the
     /// iteration.
+    pub gap: f64,
+}
+
+/// A movable object in equilibrium: the contacts with the robot ([`Solution::contacts`]) and with obstacles balance its load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectState {
+    /// The obstacle that it is, by its number in [`crate::Case::obstacles`].
+    pub obstacle: usize,
+    /// Pose of the obstacle's frame, in the frame that the pose of the base is given in.
+    pub pose: Pose,
+    /// Centre of mass, in the same frame.
+    pub center_of_mass: Vec3,
+    /// Its weight and its own load at its centre of mass, in the same frame.
+    pub load: Wrench,
+    /// The sum of its load and of all contact forces, about its centre of mass: a remainder of the iteration.
+    pub imbalance: Wrench,
+    /// `1 − ‖t‖/(μλ)` of the contact that is nearest to sliding, of those with the robot and of its own; `None` without friction.
+    pub slip_margin: Option<f64>,
+    /// Where it touches other obstacles than the robot.
+    pub contacts: Vec<ObjectContact>,
+}
+
+/// A point at which a movable object touches an obstacle, or another object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectContact {
+    /// What it touches, by its number in [`crate::Case::obstacles`].
+    pub obstacle: usize,
+    /// The point, in the frame that the pose of the base is given in.
+    pub point: Vec3,
+    /// Unit normal towards the object, in the same frame.
+    pub normal: Vec3,
+    /// With how much the object is pushed along the normal, in N.
+    pub force: f64,
+    /// The force along the surface on the object, in N and the same frame.
+    pub friction: Vec3,
+    /// Whether friction keeps it from sliding.
+    pub sticks: bool,
+    /// Distance in m; negative where they overlap by a remainder of the iteration.
     pub gap: f64,
 }
 
@@ -292,6 +333,18 @@ impl SlipState {
 }
 
 impl Solution {
+    /// The obstacles of its case, the movable objects where they are in equilibrium.
+    #[must_use]
+    pub fn placed(&self, obstacles: &[Obstacle]) -> Vec<Obstacle> {
+        let mut placed = obstacles.to_vec();
+        for state in &self.objects {
+            if let Some(obstacle) = placed.get_mut(state.obstacle) {
+                obstacle.pose = state.pose;
+            }
+        }
+        placed
+    }
+
     /// An empty one, for [`crate::Prepared::solve_into`] to write to.
     #[must_use]
     pub fn empty(model: ModelKind) -> Self {
@@ -302,6 +355,7 @@ impl Solution {
             cables: Vec::new(),
             base_wrench: None,
             contacts: Vec::new(),
+            objects: Vec::new(),
             diagnostics: Diagnostics::default(),
         }
     }

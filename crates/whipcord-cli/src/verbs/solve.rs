@@ -221,10 +221,9 @@ fn draw(
         title: file.title.clone(),
         measured,
         loads: Acting::on(&file.case, &solution.shape),
-        obstacles: file.case.obstacles.clone(),
-        contacts: solution.contacts.clone(),
         ..FigureOptions::default()
-    };
+    }
+    .among(&file.case.obstacles, Some(solution));
     let svg = robot_figure(&file.robot, &views, &options)
         .map_err(|error| files::plot_failure(path, &error))?;
     Ok(Picture { bytes: files::picture(&svg, path)?, lacks })
@@ -273,7 +272,8 @@ fn summary(
     let touching = contacts::table(solution, &file.case.obstacles);
     let grasps = contacts::grasps(solution, &file.case.obstacles);
     let overlaps = contacts::cable_overlaps(&file.robot, solution, &file.case.obstacles);
-    for table in [rubbing, touching, grasps, overlaps].into_iter().flatten() {
+    let objects = contacts::objects(solution, &file.case.obstacles);
+    for table in [rubbing, touching, grasps, objects, overlaps].into_iter().flatten() {
         text += &format!("\n{}", table.text(style));
     }
     text.push('\n');

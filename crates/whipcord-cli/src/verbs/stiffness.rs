@@ -149,11 +149,10 @@ fn draw(
     let options = FigureOptions {
         title: file.title.clone(),
         loads: Acting::on(&file.case, &fine.shape),
-        obstacles: file.case.obstacles.clone(),
-        contacts: solution.contacts.clone(),
         ellipsoids: ellipsoids(solution, local, file.case.base.rotation),
         ..FigureOptions::default()
-    };
+    }
+    .among(&file.case.obstacles, Some(solution));
     let view = RobotView::model(label(solution.model, solution), &fine);
     let svg = robot_figure(&file.robot, &[view], &options)
         .map_err(|error| files::plot_failure(path, &error))?;

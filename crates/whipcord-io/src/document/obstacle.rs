@@ -1,7 +1,7 @@
 //! An obstacle as a table of a file.
 
 use whipcord::obstacle::Bends;
-use whipcord::{Form, Obstacle};
+use whipcord::{Form, Obstacle, Vec3};
 
 use super::Table;
 use super::describe::{Inexpressible, placed};
@@ -43,6 +43,15 @@ pub(super) fn obstacle(obstacle: &Obstacle) -> Result<Table, Inexpressible> {
     }
     if obstacle.friction > 0.0 {
         table.insert("friction", obstacle.friction);
+    }
+    if let Some(body) = &obstacle.movable {
+        table.insert("mass", body.mass);
+        table.insert("center_of_mass", body.center_of_mass);
+        for (key, vector) in [("force", body.force), ("moment", body.moment)] {
+            if vector != Vec3::ZERO {
+                table.insert(key, vector);
+            }
+        }
     }
     Ok(placed(table, &obstacle.pose))
 }

@@ -1,7 +1,7 @@
 use serde_json::{Map, Number, Value, json};
 use whipcord::{
-    CableOverlap, CableState, Contact, Diagnostics, Grasp, Obstacle, Pose, Robot, Shape, Solution,
-    Vec3, Wrench,
+    CableOverlap, CableState, Contact, Diagnostics, Grasp, ObjectContact, ObjectState, Obstacle,
+    Pose, Robot, Shape, Solution, Vec3, Wrench,
 };
 
 use super::NonFinite;
@@ -35,7 +35,7 @@ pub fn solution_json(
     });
     let overlaps =
         robot.map_or_else(Vec::new, |robot| CableOverlap::all(robot, solution, obstacles));
-    Ok(json!({
+    let mut object = json!({
         "title": title,
         "model": solution.model.name(),
         // A model answers with a converged solution or with an error.
@@ -62,6 +62,48 @@ pub fn solution_json(
             .map(|(i, of)| cable_overlap(i, of, solution, obstacles))
             .collect::<Result<Vec<_>, _>>()?,
         "diagnostics": diagnostics(&solution.diagnostics, solve_time)?,
+    });
+    if !solution.objects.is_empty() {
+        let objects = solution.objects.iter().enumerate();
+        object["objects"] =
+            objects.map(|(i, of)| movable(i, of, obstacles)).collect::<Result<_, _>>()?;
+    }
+    Ok(object)
+}
+
+/// A movable object where it is in equilibrium.
+fn movable(index: usize, state: &ObjectState, obstacles: &[Obstacle]) -> Result<Value, NonFinite> {
+    let path = |name: &str| format!("objects[{index}].{name}");
+    let name = |number: usize| obstacles.get(number).map(|obstacle| obstacle.name.as_str());
+    let wrench = |key: &str, wrench: Wrench| -> Result<Value, NonFinite> {
+        Ok(json!({
+            "force": vector(|| path(&format!("{key}.force")), wrench.force)?,
+            "moment": vector(|| path(&format!("{key}.moment")), wrench.moment)?,
+        }))
+    };
+    let contact = |(k, contact): (usize, &ObjectContact)| -> Result<Value, NonFinite> {
+        let path = |name: &str| path(&format!("contacts[{k}].{name}"));
+        Ok(json!({
+            "obstacle": contact.obstacle,
+            "name": name(contact.obstacle),
+            "point": vector(|| path("point"), contact.point)?,
+            "normal": vector(|| path("normal"), contact.normal)?,
+            "force": number(|| path("force"), contact.force)?,
+            "friction": vector(|| path("friction"), contact.friction)?,
+            "sticks": contact.sticks,
+            "gap": number(|| path("gap"), contact.gap)?,
+        }))
+    };
+    Ok(json!({
+        "obstacle": state.obstacle,
+        "name": name(state.obstacle),
+        "position": vector(|| path("position"), state.pose.position)?,
+        "orientation": quaternion(|| path("orientation"), &state.pose)?,
+        "center_of_mass": vector(|| path("center_of_mass"), state.center_of_mass)?,
+        "load": wrench("load", state.load)?,
+        "contacts": state.contacts.iter().enumerate().map(contact).collect::<Result<Vec<_>, _>>()?,
+        "imbalance": wrench("imbalance", state.imbalance)?,
+        "slip_margin": optional(|| path("slip_margin"), state.slip_margin)?,
     }))
 }
 
@@ -279,6 +321,7 @@ mod tests {
                     gap: 0.0,
                 },
             ],
+            objects: Vec::new(),
             diagnostics: Diagnostics {
                 steps: 18,
                 stability_absent: Some(NoStability::NotAsked),
@@ -289,7 +332,13 @@ mod tests {
 
     fn ball() -> Obstacle {
         let form = Form::Sphere { radius: 0.02 };
-        Obstacle { name: "ball".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0 }
+        Obstacle {
+            name: "ball".to_owned(),
+            form,
+            pose: Pose::IDENTITY,
+            friction: 0.0,
+            movable: None,
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use whipcord::obstacle::{Bends, Mesh, MeshFile, Pipe, Superellipsoid};
-use whipcord::{Form, Obstacle, Pose, Problem, RobotError, UnitQuaternion, Vec3};
+use whipcord::{Form, MovableBody, Obstacle, Pose, Problem, RobotError, UnitQuaternion, Vec3};
 
 use super::{mesh, pose, vec3, vector};
 use crate::check::Fields;
@@ -35,10 +35,23 @@ pub(crate) fn obstacles(
         let name = fields.text("name").map_or_else(|| format!("obstacle-{}", k + 1), str::to_owned);
         if let (Ok(form), Ok(pose)) = (form, placed) {
             let friction = fields.number("friction").unwrap_or(0.0);
-            all.push(Obstacle { name, form, pose, friction });
+            let movable = movable(fields, &form);
+            all.push(Obstacle { name, form, pose, friction, movable });
         }
     }
     all
+}
+
+/// What makes it a movable object, where it has a mass.
+fn movable(fields: &Fields, form: &Form) -> Option<MovableBody> {
+    let by_density = || Some(fields.number("density")? * form.volume()?);
+    let body = MovableBody::with_mass(form, fields.number("mass").or_else(by_density)?)?;
+    Some(MovableBody {
+        center_of_mass: vec3(fields, "center_of_mass").unwrap_or(body.center_of_mass),
+        force: vec3(fields, "force").unwrap_or(body.force),
+        moment: vec3(fields, "moment").unwrap_or(body.moment),
+        ..body
+    })
 }
 
 /// What the library has against a part of an obstacle; nothing where that has been reported.

@@ -6,8 +6,10 @@ use super::keys::{ANGLE, DISTANCE, key, ratio};
 use super::{Kind, Rule, Table};
 use crate::units::Dimension;
 
-const FORCE_VECTOR: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Force], limits::FORCE), 3);
-const MOMENT_VECTOR: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Moment], limits::MOMENT), 3);
+pub(super) const FORCE_VECTOR: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Force], limits::FORCE), 3);
+pub(super) const MOMENT_VECTOR: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Moment], limits::MOMENT), 3);
 const LINE_FORCE: Kind =
     Kind::Vector(&Kind::Quantity(&[Dimension::LineForce], limits::LINE_FORCE), 3);
 const LINE_MOMENT: Kind =

@@ -3,7 +3,7 @@
 use whipcord::robot::limits;
 
 use super::keys::{LENGTH, key, ratio};
-use super::load_keys::{DIRECTION, POSITION, ROTATION};
+use super::load_keys::{DIRECTION, FORCE_VECTOR, MOMENT_VECTOR, POSITION, ROTATION};
 use super::{Key, Kind, Rule, Table};
 use crate::read::LENGTH_UNITS;
 use crate::units::Dimension;
@@ -12,7 +12,7 @@ pub(super) const OBSTACLES: Key = key(
     "obstacles",
     Kind::TablesOfKinds { title: "[[obstacles]]", tag: &KIND, variants: FORMS },
     "[[obstacles]]",
-    "A rigid body that the robot touches but does not enter, fixed in the world.",
+    "A rigid body that the robot touches but does not enter: fixed in the world or, with a mass, a movable object.",
 );
 
 static KIND: Key = key(
@@ -63,8 +63,56 @@ const RUBS: Key = key(
 );
 const RADIUS: Key = key("radius", LENGTH, r#""20 mm""#, "Radius.");
 
+const MASS: Key = key(
+    "mass",
+    Kind::Quantity(&[Dimension::Mass], limits::MASS),
+    r#""50 g""#,
+    "Mass. With a mass or a density the obstacle is a movable object: its pose is that of rest, and contacts balance its weight.",
+);
+const DENSITY: Key = key(
+    "density",
+    Kind::Quantity(&[Dimension::Density], limits::DENSITY),
+    r#""1200 kg/m^3""#,
+    "Density; instead of `mass`.",
+);
+const CENTER_OF_MASS: Key = key(
+    "center_of_mass",
+    POSITION,
+    r#"["0 mm", "0 mm", "-4 mm"]"#,
+    "Centre of mass of a movable object in its frame; the centroid of its volume by default.",
+);
+const OWN_FORCE: Key = key(
+    "force",
+    FORCE_VECTOR,
+    r#"["0 N", "0 N", "-0.2 N"]"#,
+    "Dead force on a movable object at its centre of mass, in the frame of the loads.",
+);
+const OWN_MOMENT: Key = key(
+    "moment",
+    MOMENT_VECTOR,
+    r#"["0", "0", "1 mN*m"]"#,
+    "Dead moment on a movable object, in the frame of the loads.",
+);
+
 /// The table of a form, with what all forms have around what is its own.
 macro_rules! form {
+    ($title:literal, $doc:literal, [$($key:expr),*], [$($rule:expr),*]) => {
+        Table {
+            title: $title,
+            doc: $doc,
+            keys: &[
+                NAME, $($key,)* RUBS, PLACE, ORIENTATION, TURN, MASS, DENSITY, CENTER_OF_MASS, OWN_FORCE, OWN_MOMENT
+            ],
+            rules: &[
+                $($rule,)*
+                Rule::AtMostOne(&["orientation", "rotation"]),
+                Rule::AtMostOne(&["mass", "density"]),
+                Rule::Needs("center_of_mass", &["mass", "density"]),
+                Rule::Needs("force", &["mass", "density"]),
+                Rule::Needs("moment", &["mass", "density"]),
+            ],
+        }
+    };
     ($title:literal, $doc:literal, [$($key:expr),*], [$($rule:expr),*], [$($turns:literal),*]) => {
         Table {
             title: $title,
@@ -97,8 +145,7 @@ static FORMS: &[(&str, Table)] = &[
             "a sphere",
             "A ball about the origin of its frame.",
             [RADIUS],
-            [Rule::Required("radius")],
-            ["orientation", "rotation"]
+            [Rule::Required("radius")]
         ),
     ),
     (
@@ -115,8 +162,7 @@ static FORMS: &[(&str, Table)] = &[
                     "Length of the segment; from tip to tip it is longer by twice the radius."
                 )
             ],
-            [Rule::Required("radius"), Rule::Required("length")],
-            ["orientation", "rotation"]
+            [Rule::Required("radius"), Rule::Required("length")]
         ),
     ),
     (
@@ -130,8 +176,7 @@ static FORMS: &[(&str, Table)] = &[
                 r#"["40 mm", "20 mm", "20 mm"]"#,
                 "Lengths of its edges along x, y and z."
             )],
-            [Rule::Required("size")],
-            ["orientation", "rotation"]
+            [Rule::Required("size")]
         ),
     ),
     (
@@ -140,8 +185,7 @@ static FORMS: &[(&str, Table)] = &[
             "a cylinder",
             "A solid cylinder about the z axis of its frame, whose middle is the origin.",
             [RADIUS, key("length", LENGTH, r#""60 mm""#, "Length.")],
-            [Rule::Required("radius"), Rule::Required("length")],
-            ["orientation", "rotation"]
+            [Rule::Required("radius"), Rule::Required("length")]
         ),
     ),
     (
@@ -187,8 +231,7 @@ static FORMS: &[(&str, Table)] = &[
                     "Its exponents e1, of its sections along z, and e2, of its sections across z: 1 is round, small is square, 1.9 all but a rhombus."
                 )
             ],
-            [Rule::Required("semi_axes"), Rule::Required("exponents")],
-            ["orientation", "rotation"]
+            [Rule::Required("semi_axes"), Rule::Required("exponents")]
         ),
     ),
     (
@@ -216,8 +259,7 @@ static FORMS: &[(&str, Table)] = &[
                     "Factor on the lengths in the file; 1 by default."
                 )
             ],
-            [Rule::Required("file"), Rule::Required("unit")],
-            ["orientation", "rotation"]
+            [Rule::Required("file"), Rule::Required("unit")]
         ),
     ),
 ];

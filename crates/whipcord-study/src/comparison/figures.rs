@@ -35,10 +35,9 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         title: study.file.title.clone(),
         measured: measured.map(|marker| marker.measured).collect(),
         loads: Acting::on(&study.file.case, &reference.fine),
-        obstacles: study.file.case.obstacles.clone(),
-        contacts: reference.solution.contacts.clone(),
         ..FigureOptions::default()
-    };
+    }
+    .among(&study.file.case.obstacles, Some(&reference.solution));
     figures.push(Figure {
         name: "robot".into(),
         caption: String::from(

@@ -37,7 +37,13 @@ fn obstacle(load_kind: LoadKind) -> Result<Option<Obstacle>, RobotError> {
         }
     };
     let name = load_kind.name().to_owned();
-    Ok(Some(Obstacle { name, form, pose: Pose { position, rotation }, friction: 0.0 }))
+    Ok(Some(Obstacle {
+        name,
+        form,
+        pose: Pose { position, rotation },
+        friction: 0.0,
+        movable: None,
+    }))
 }
 
 pub(super) fn cases() -> Result<Vec<SuiteCase>, RobotError> {

@@ -383,6 +383,7 @@ export class App {
     }
     this.#stage.robots([...this.#shown.values()].map(({ mesh }) => mesh.group));
     this.#stage.contacts(solved.flatMap((answer) => answer.contacts));
+    this.#stage.objects(solved[0]?.objects ?? []);
     const yields = solved.flatMap(({ compliance }) => (compliance?.status === "known" ? compliance.values : []));
     const bodies = solved.map(({ compliance, positions, model }) =>
       compliance ? ellipsoid(compliance, Math.max(...yields), positions.at(-1)!, scene, modelColour(model)) : undefined,

@@ -144,6 +144,8 @@ export interface Solved {
   cables: CableState[];
   contacts: Contact[];
   grasps: Grasp[];
+  /** Movable objects where they are in equilibrium. */
+  objects: { obstacle: number; pose: Pose }[];
   residual: number;
   iterations: number;
   stability: number | null;

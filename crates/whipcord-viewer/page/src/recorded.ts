@@ -237,6 +237,7 @@ export class Recorded implements Source {
       // Those of the nearest frame: contact comes and goes, and has no mean.
       contacts: contacts[nearest]!,
       grasps: [],
+      objects: [],
       residual: recorded.greatest_residual,
       iterations: 0,
       stability: null,
@@ -263,7 +264,7 @@ export function describe({ scene, axes, models }: Recording): string {
     );
   });
   const moving = fixed === 0 ? "" : ` The sliders of the last ${fixed} cables do not move.`;
-  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame.";
+  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame, and movable objects stay where they are at rest.";
   return (
     `A page without a server, by whipcord ${scene.version}: ${positions} positions of each slider. ${words.join(". ")}.` +
     `${moving} Loads are those of the file.${contact} Compliance is not in it.`

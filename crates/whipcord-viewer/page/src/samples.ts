@@ -1184,6 +1184,24 @@ export const toPage: ToPage[] = [
             "slip_margin": 0.4
           }
         ],
+        "objects": [
+          {
+            "obstacle": 0,
+            "pose": {
+              "position": [
+                0.0,
+                0.0,
+                0.2
+              ],
+              "orientation": [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ]
+            }
+          }
+        ],
         "residual": 1e-12,
         "iterations": 3,
         "stability": 0.9,
@@ -1270,6 +1288,7 @@ export const toPage: ToPage[] = [
         ],
         "contacts": [],
         "grasps": [],
+        "objects": [],
         "residual": 1e-12,
         "iterations": 3,
         "stability": null,

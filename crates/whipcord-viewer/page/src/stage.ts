@@ -13,6 +13,7 @@ import {
   MeshBasicMaterial,
   MeshStandardMaterial,
   PerspectiveCamera,
+  Quaternion as Turn,
   Plane,
   Raycaster,
   Scene as Space,
@@ -28,7 +29,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { axes } from "./axes";
 import { HANDLE, TOUCHING } from "./colours";
 import { add, rotate } from "./geometry";
-import type { Contact, Scene, Vector } from "./protocol";
+import type { Contact, Scene, Solved, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
 import type { Colours } from "./theme";
 import { drawsBySoftware, REST, Sharpness } from "./sharpness";
@@ -173,6 +174,17 @@ export class Stage {
     this.#robots.clear();
     if (groups.length > 0) this.#robots.add(...groups);
     this.draw();
+  }
+
+  /** Movable objects where the first answer has them. */
+  objects(objects: Solved["objects"]): void {
+    for (const { obstacle, pose } of objects) {
+      const mesh = this.#surroundings.children[obstacle];
+      if (mesh === undefined) continue;
+      const [w, x, y, z] = pose.orientation;
+      mesh.position.set(...pose.position);
+      mesh.setRotationFromQuaternion(new Turn(x, y, z, w));
+    }
   }
 
   /** Where obstacles push the robot, and how strongly relative to one another. */

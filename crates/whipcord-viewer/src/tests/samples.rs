@@ -6,7 +6,8 @@ use std::{env, fs};
 
 use crate::protocol::{
     Answer, Cable, CableState, Command, Compliance, Contact, Disk, Form, Frame, FromPage, Grasp,
-    ModelChoice, Obstacle, Pose, Ranges, Request, Scene, Section, Solved, ToPage, Warning, read,
+    ModelChoice, Obstacle, PlacedObject, Pose, Ranges, Request, Scene, Section, Solved, ToPage,
+    Warning, read,
 };
 
 fn request() -> Request {
@@ -124,6 +125,10 @@ fn frame() -> Frame {
             moment: [0.0, 0.0, 0.001],
             slip_margin: Some(0.4),
         }],
+        objects: vec![PlacedObject {
+            obstacle: 0,
+            pose: Pose { position: [0.0, 0.0, 0.2], orientation: [1.0, 0.0, 0.0, 0.0] },
+        }],
         residual: 1e-12,
         iterations: 3,
         stability: Some(0.9),
@@ -148,6 +153,7 @@ fn frame() -> Frame {
         }],
         contacts: vec![],
         grasps: vec![],
+        objects: vec![],
         stability: None,
         driven_by: Some("cosserat".to_owned()),
         compliance: Some(Compliance::Unknown { message: "why".to_owned() }),

@@ -17,6 +17,8 @@ pub(super) struct Complementarity {
     /// The forces that were, then those that solve it.
     pub forces: Vec<f64>,
     pub contacts: Vec<Contact>,
+    /// Whether movable objects touch: contacts of a rigid body with a rigid floor often depend on one another.
+    pub are_dependent: bool,
     rubbing: FrictionNewton,
     lu: DenseLu,
 }
@@ -56,12 +58,18 @@ struct FrictionNewton {
 
 /// What a contact yields of itself, as a part of what the robot does.
 const SHARING: f64 = 1e-11;
+/// The same between rigid bodies: forces of contacts that depend on one another are known to the quotient of rounding by this.
+const SHARING_OF_OBJECTS: f64 = 1e-8;
 /// Forces and gaps smaller than this beside the largest are rounding.
 const ROUNDING: f64 = 1e-9;
 /// Steps of Newton's method with friction.
 const STEPS: usize = 60;
+/// Steps before those between rigid bodies are halved.
+const TO_AND_FRO: usize = 12;
 /// It ends where a step changes no force by more, relative to the largest.
 const SETTLED: f64 = 1e-13;
+/// The same between rigid bodies: at first, where steps are halved, and at the end.
+const SETTLED_OF_OBJECTS: [f64; 3] = [1e-10, 1e-12, 1e-6];
 
 impl Contact {
     /// How many lines it has.
@@ -93,7 +101,15 @@ impl Complementarity {
             self.gaps[i] -= pushed;
         }
         if self.contacts.iter().any(|contact| contact.coefficient > 0.0) {
-            return self.rub();
+            if !self.are_dependent {
+                return self.rub(false);
+            }
+            // Between rigid bodies several states may hold: first all stick, where none slides far.
+            let forces = self.forces.clone();
+            return self.rub(true).or_else(|_| {
+                self.forces = forces;
+                self.rub(false)
+            });
         }
         for _ in 0..2 * lines + 1 {
             match self.with_touching() {
@@ -109,22 +125,29 @@ impl Complementarity {
         self.with_touching().map_err(|_| Unsolved)
     }
 
+    fn sharing(&self) -> f64 {
+        if self.are_dependent { SHARING_OF_OBJECTS } else { SHARING }
+    }
+
     /// Without friction, the forces that close the gaps of those that touch, if none pulls and nothing else
     /// overlaps; else the one that does so most, where there are forces at all.
     fn with_touching(&mut self) -> Result<Touching, Option<usize>> {
         let count = self.gaps.len();
         let touching: Vec<usize> = (0..count).filter(|&i| self.contacts[i].touches).collect();
         let m = touching.len();
+        let sharing = self.sharing();
         let part: Vec<f64> = touching
             .iter()
             .flat_map(|i| touching.iter().map(move |j| (i, j)))
             .map(|(i, j)| {
                 // Contacts that depend on one another share what they carry.
-                let share = if i == j { 1.0 + SHARING } else { 1.0 };
+                let share = if i == j { 1.0 + sharing } else { 1.0 };
                 self.matrix[i * count + j] * share
             })
             .collect();
-        let mut forces: Vec<f64> = touching.iter().map(|&i| -self.gaps[i]).collect();
+        // What is shared is the change of the forces, so that gaps close.
+        let shared = |i: usize| sharing * self.matrix[i * count + i] * self.forces[i];
+        let mut forces: Vec<f64> = touching.iter().map(|&i| shared(i) - self.gaps[i]).collect();
         let mut negative = false;
         if m > 0 {
             self.lu.factor(m, &part).map_err(|_| None)?;
@@ -161,11 +184,12 @@ impl Complementarity {
     /// ```
     ///
     /// from the forces that were.
-    fn rub(&mut self) -> Result<Touching, Unsolved> {
+    fn rub(&mut self, begins_sticking: bool) -> Result<Touching, Unsolved> {
         let lines = self.gaps.len();
-        let Self { matrix, gaps, forces, contacts, rubbing, .. } = self;
+        let sharing = self.sharing();
+        let Self { matrix, gaps, forces, contacts, are_dependent, rubbing, .. } = self;
         let FrictionNewton { values, jacobian, step, lu } = rubbing;
-        for _ in 0..STEPS {
+        for number in 0..STEPS {
             values.clear();
             values.extend((0..lines).map(|i| {
                 let row = &matrix[i * lines..(i + 1) * lines];
@@ -192,7 +216,7 @@ impl Complementarity {
                 let close = |row: usize, jacobian: &mut [f64], step: &mut [f64]| {
                     let of = row * lines..(row + 1) * lines;
                     jacobian[of.clone()].copy_from_slice(&matrix[of]);
-                    jacobian[row * lines + row] *= 1.0 + SHARING;
+                    jacobian[row * lines + row] *= 1.0 + sharing;
                     step[row] = -values[row];
                 };
                 close(i, jacobian, step);
@@ -203,7 +227,7 @@ impl Complementarity {
                 let by_slip = 2.0 / (matrix[x * lines + x] + matrix[y * lines + y]).abs();
                 let [a, b] = [x, y].map(|k| forces[k] - by_slip * values[k]);
                 let (size, most) = (a.hypot(b), contact.coefficient * forces[i].max(0.0));
-                if size <= most {
+                if size <= most || begins_sticking && number == 0 {
                     contact.sticks = true;
                     close(x, jacobian, step);
                     close(y, jacobian, step);
@@ -230,9 +254,17 @@ impl Complementarity {
             if step.iter().any(|change| !change.is_finite()) {
                 return Err(Unsolved);
             }
-            forces.iter_mut().zip(&*step).for_each(|(force, change)| *force += change);
+            // Where it goes to and fro between two states, what lies between them may hold.
+            let part = if *are_dependent && number >= TO_AND_FRO { 0.5 } else { 1.0 };
+            forces.iter_mut().zip(&*step).for_each(|(force, change)| *force += part * change);
             let largest = |list: &[f64]| list.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if largest(step) <= SETTLED * largest(forces) {
+            let settled = match number {
+                _ if !*are_dependent => SETTLED,
+                ..TO_AND_FRO => SETTLED_OF_OBJECTS[0],
+                _ if number + 1 < STEPS => SETTLED_OF_OBJECTS[1],
+                _ => SETTLED_OF_OBJECTS[2],
+            };
+            if largest(step) <= settled * largest(forces) {
                 for contact in contacts.iter() {
                     forces[contact.first] = forces[contact.first].max(0.0);
                 }

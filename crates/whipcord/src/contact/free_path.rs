@@ -47,8 +47,9 @@ pub(crate) fn solve_free(
     case: &Case,
     warm_start: Option<&Solution>,
 ) -> Result<Option<Solution>, SolveError> {
+    let can_move = case.obstacles.iter().any(|obstacle| obstacle.movable.is_some());
     let has_history = !case.before.is_empty() && case.obstacles.iter().any(Obstacle::has_friction);
-    if has_history || warm_start.is_some_and(|answer| !answer.contacts.is_empty()) {
+    if can_move || has_history || warm_start.is_some_and(|answer| !answer.contacts.is_empty()) {
         return Ok(None);
     }
     let homotopy = match warm_start {

@@ -33,9 +33,16 @@ impl Grip {
         along(point - before, nearest.normal)
     }
 
-    /// Looks again where the robot is now.
-    pub fn refresh(&mut self, pose: &Pose, nearest: &Nearest, rounding: f64) {
-        self.slip = self.slip_at(pose, nearest, rounding);
+    /// Takes over what a step found, or a part of it.
+    pub fn take(&mut self, touches: bool, sticks: bool, traction: Vec3, part: f64) {
+        let next = self.traction + (traction - self.traction) * part;
+        self.traction = if touches { next } else { Vec3::ZERO };
+        self.sticks = sticks && touches;
+    }
+
+    /// Looks again where the robot is now, and where the step began as carried along with the obstacle.
+    pub fn refresh(&mut self, pose: &Pose, nearest: &Nearest, rounding: f64, from: Pose) {
+        self.slip = Self { from, ..*self }.slip_at(pose, nearest, rounding);
         self.traction = along(self.traction, nearest.normal);
     }
 
@@ -50,7 +57,7 @@ impl Grip {
 }
 
 /// The part of a vector along a surface.
-fn along(vector: Vec3, normal: Vec3) -> Vec3 {
+pub(super) fn along(vector: Vec3, normal: Vec3) -> Vec3 {
     vector - normal * normal.dot(vector)
 }
 

@@ -15,11 +15,15 @@
 use whipcord_numerics::{DenseLu, Pose, Vec3};
 
 use super::body::wrench_of;
+use super::carried::Carried;
+use super::differences::differences;
 use super::friction::{Grip, tangents};
+use super::held_contact::{Unknown, is_near_change};
 use super::model::Compliant;
-use super::pairs::{OVERLAP, Pair, Pairs};
+use super::object::Objects;
+use super::pairs::{Pair, Pairs};
 use super::scene::Scene;
-use super::step::differences;
+use super::two_bodies::dot;
 use crate::shape::Part;
 use crate::statics::hold::Critical;
 
@@ -27,8 +31,6 @@ use crate::statics::hold::Critical;
 const ONE_CONTACT: f64 = 1e-3;
 /// A backbone that bends away from what it touches by less than this, in units of 1/L, lies on it: its contacts stay.
 const LIES_ON: f64 = 1e-2;
-/// A contact that is so near to another state, as a part of what its force, gap, grip or slip can be, is about to change it.
-const ABOUT_TO_CHANGE: f64 = 1e-6;
 
 /// The linearised contacts of an answer.
 #[derive(Clone, Debug, Default)]
@@ -40,31 +42,31 @@ pub(crate) struct Holding {
     /// `G` of each contact.
     geometric: Vec<[[f64; 6]; 6]>,
     unknowns: Vec<Unknown>,
-}
-
-/// A force along a line that holds, or a way along the backbone.
-#[derive(Clone, Copy, Debug)]
-struct Unknown {
-    contact: usize,
-    /// What it adds to the push.
-    push: [f64; 6],
-    /// How what it keeps at zero changes with the motion of the cross-section.
-    rate: [f64; 6],
-    /// How that changes with the unknown itself.
-    own: f64,
+    carried: Carried,
 }
 
 impl Holding {
     /// Of the pairs that touch.
-    pub(super) fn new(pairs: &Pairs, model: &impl Compliant, scene: &Scene, length: f64) -> Self {
+    pub(super) fn new(
+        pairs: &Pairs,
+        objects: &Objects,
+        model: &impl Compliant,
+        scene: &Scene,
+        length: f64,
+    ) -> Self {
         let mut holding = Self::default();
         let scale = model.force_scale();
         for pair in &pairs.near {
             holding.is_about_to_change |= is_about_to_change(pair, scale, length);
         }
-        for pair in merged(pairs, length) {
-            holding.add(&pair, model, scene, length);
+        let touching = merged(pairs, length);
+        for pair in &touching {
+            holding.add(pair, model, scene, length);
         }
+        let Self { geometric, unknowns, .. } = &holding;
+        holding.carried =
+            Carried::new((geometric, unknowns), &touching, objects, (model, scene), length);
+        holding.is_about_to_change |= holding.carried.is_about_to_change;
         holding
     }
 
@@ -130,6 +132,9 @@ impl Holding {
     /// of the places under pushes, by rows too, all with a force and a moment to a place.
     pub fn gain(&self, compliance: &[f64]) -> Result<Vec<f64>, Critical> {
         let n = 6 * self.places.len();
+        if !self.carried.is_empty() {
+            return self.carried.gain(n, (&self.geometric, &self.unknowns), compliance);
+        }
         let size = n + self.unknowns.len();
         let mut matrix = vec![0.0; size * size];
         for i in 0..n {
@@ -246,22 +251,7 @@ fn merged(pairs: &Pairs, length: f64) -> Vec<Pair> {
 
 /// Whether a pair is about to touch or to open, to stick or to slide.
 fn is_about_to_change(pair: &Pair, force_scale: f64, length: f64) -> bool {
-    if pair.force <= 0.0 {
-        return pair.nearest.gap <= ABOUT_TO_CHANGE * length;
-    }
-    let of_grip = pair.grip.is_some_and(|grip| {
-        let most = grip.coefficient * pair.force;
-        if grip.sticks {
-            grip.traction.norm() >= (1.0 - ABOUT_TO_CHANGE) * most
-        } else {
-            grip.slip.norm() <= OVERLAP * length
-        }
-    });
-    of_grip || pair.force <= ABOUT_TO_CHANGE * force_scale
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    is_near_change((pair.nearest.gap, pair.force, pair.grip), force_scale, length)
 }
 
 #[cfg(test)]
@@ -277,6 +267,7 @@ mod tests {
             is_about_to_change: false,
             geometric: vec![[[0.0; 6]; 6]],
             unknowns: vec![Unknown { contact: 0, push: unit, rate: unit, own: 0.0 }],
+            carried: Carried::default(),
         };
         let compliance: Vec<f64> = (0..36).map(|i| if i % 7 == 0 { 2.0 } else { 0.0 }).collect();
         let gain = holding.gain(&compliance).unwrap();

@@ -34,6 +34,11 @@ impl<'a> Homotopy<'a> {
         Self { from, loaded: true, to }
     }
 
+    /// The part of the loads that acts on the way.
+    pub fn load_factor(&self, way: f64) -> f64 {
+        if self.loaded { 1.0 } else { way }
+    }
+
     /// The case so far on the way, from 0 to 1, without obstacles; `initial` are the initial lengths of the
     /// cables in m.
     pub fn at(&self, way: f64, initial: &[f64]) -> Case {

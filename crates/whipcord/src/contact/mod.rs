@@ -12,21 +12,29 @@
 //! | `sliding` | contacts that move along the backbone |
 //! | `friction` | stick and slip of a contact |
 //! | `complementarity` | which contacts touch and which stick |
-//! | `step` | Newton's method on the conditions of contact |
-//! | `holding` | the contacts of an answer, linearised |
+//! | `step`, `two_bodies`, `differences` | Newton's method on the conditions of contact |
+//! | `object`, `object_pair`, `object_pairs`, `features` | movable objects, and what of them and of obstacles can touch |
+//! | `holding`, `held_contact`, `carried` | the contacts of an answer, linearised; the movable objects among them |
 //! | `free_path` | robots that keep clear of all obstacles |
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
 mod body;
+mod carried;
 mod complementarity;
 mod dampers;
 mod dense_output;
+mod differences;
+mod features;
 mod free_path;
 mod friction;
+mod held_contact;
 mod holding;
 mod homotopy;
 pub(crate) mod model;
+mod object;
+mod object_pair;
+mod object_pairs;
 mod pairs;
 mod path;
 mod pushed_places;
@@ -37,6 +45,7 @@ mod rod_response;
 mod scene;
 mod sliding;
 mod step;
+mod two_bodies;
 
 pub(crate) use dense_output::DenseOutput;
 pub(crate) use free_path::{Unobstructed, solve_free};

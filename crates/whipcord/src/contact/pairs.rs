@@ -115,10 +115,13 @@ impl Pairs {
             let rounding = pair.member.body.rounding;
             pair.nearest = pair.look(obstacle, &pose);
             if let Some(grip) = &mut pair.grip {
-                grip.refresh(&pose, &pair.nearest, rounding);
+                let from = scene.carry(pair.obstacle, grip.from);
+                grip.refresh(&pose, &pair.nearest, rounding, from);
             }
             // What a contact with friction has slid counts at its own cross-section.
-            let slides = pair.member.part == Part::Backbone && pair.grip.is_none();
+            let slides = pair.member.part == Part::Backbone
+                && pair.grip.is_none()
+                && obstacle.movable.is_none();
             let place = (pair.member.arc_length, rounding);
             pair.slide = if slides { Slide::of(model, obstacle, place, self.length) } else { None };
         }
@@ -443,6 +446,19 @@ impl Pairs {
         self.near.push(pair);
     }
 
+    /// How far the robot is from an obstacle that it has no pair with, no more than that; infinitely where it has one.
+    pub fn room(&self, model: &impl Compliant, number: usize, obstacle: &Obstacle) -> f64 {
+        if self.near.iter().any(|pair| pair.obstacle == number) {
+            return f64::INFINITY;
+        }
+        let of_disk = |member: &Member| (member.arc_length, member.body.reach());
+        let along = self.watched.iter().copied().zip(self.radii.iter().copied()).skip(1);
+        let all = self.disks.iter().map(of_disk).chain(along);
+        let apart =
+            |(s, reach): (f64, f64)| obstacle.surface(model.pose(s).position).distance - reach;
+        all.map(apart).fold(f64::INFINITY, f64::min)
+    }
+
     /// The deepest overlap of the robot with an obstacle where it is now: obstacle, part, arc length and
     /// depth in m.
     pub fn deepest(
@@ -558,9 +574,7 @@ impl Pair {
     pub fn hold(&mut self, sticks: bool, traction: Vec3, part: f64) {
         let touches = self.force > 0.0;
         if let Some(grip) = &mut self.grip {
-            let next = grip.traction + (traction - grip.traction) * part;
-            grip.traction = if touches { next } else { Vec3::ZERO };
-            grip.sticks = sticks && touches;
+            grip.take(touches, sticks, traction, part);
         }
     }
 }

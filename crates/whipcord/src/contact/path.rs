@@ -3,9 +3,12 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use super::dampers::Dampers;
+use super::friction::Grip;
 use super::holding::Holding;
 use super::homotopy::Homotopy;
 use super::model::{Compliant, Push};
+use super::object::{Object, Objects};
+use super::object_pair::ObjectPair;
 use super::pairs::{OVERLAP, Pair, Pairs};
 use super::scene::{DistanceBound, Scene, is_pipe};
 use super::step::{NoStep, Scratch, turned};
@@ -58,8 +61,25 @@ pub(super) enum Stop {
     Slips,
     /// The solve may spend no more, in iterations or in contacts: no shorter step helps.
     Spent(Obstruction),
+    /// Nothing holds a movable object: no shorter step helps.
+    Lost(Obstruction),
     /// The solve was ended from outside.
     Cancelled,
+}
+
+/// What acts at a place of the way besides the case.
+#[derive(Clone, Copy, Debug)]
+struct Acting {
+    /// How far the base is drawn back, in m.
+    drawn_back: f64,
+    /// The part of the loads of the objects.
+    loads: f64,
+    /// The part that is left of what held the objects.
+    held: f64,
+}
+
+impl Acting {
+    const ALL: Self = Self { drawn_back: 0.0, loads: 1.0, held: 0.0 };
 }
 
 pub(super) struct PathTracker<'a, M> {
@@ -68,6 +88,7 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) length: f64,
     pub(super) pairs: Pairs,
     pub(super) dampers: Dampers,
+    pub(super) objects: Objects,
     pushes: Vec<Push>,
     scratch: Scratch,
     iterations: usize,
@@ -89,6 +110,7 @@ pub(super) struct PathTracker<'a, M> {
 /// What is known of the contacts, besides where the model is kept.
 pub(super) struct Kept {
     pairs: Pairs,
+    objects: Objects,
     odd: Option<bool>,
 }
 
@@ -131,7 +153,7 @@ pub(crate) fn solve_holding(
 ) -> Result<(Solution, Holding), SolveError> {
     if warm_start.is_none()
         && !case.before.is_empty()
-        && case.obstacles.iter().any(Obstacle::has_friction)
+        && case.obstacles.iter().any(Obstacle::has_history)
     {
         // Friction remembers the steps before the last.
         let mut last: Option<(Solution, Holding)> = None;
@@ -148,12 +170,14 @@ pub(crate) fn solve_holding(
         None => Homotopy::from_rest(case),
     };
     let pairs = Pairs::new(robot, model.watched());
+    let (force_scale, length) = (model.force_scale(), robot.backbone().length);
     let mut tracker = PathTracker {
         model,
         scene: Scene::new(case),
-        length: robot.backbone().length,
+        length,
         pairs,
         dampers: Dampers::default(),
+        objects: Objects::new(case, warm_start, force_scale, length),
         pushes: Vec::new(),
         scratch: Scratch::default(),
         iterations: 0,
@@ -166,8 +190,17 @@ pub(crate) fn solve_holding(
     };
     let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
     let at = |way: f64| homotopy.at(way, &initial);
+    let grow = |way: f64| Acting { loads: homotopy.load_factor(way), ..Acting::ALL };
     tracker.start(&at(0.0), warm_start, &to_base)?;
-    tracker.go(at, |_| 0.0)?;
+    let mut gone = tracker.go(case, at, grow);
+    if let Err(error) = &gone
+        && warm_start.is_none()
+        && !tracker.objects.list.is_empty()
+        && error.is_obstruction()
+    {
+        gone = tracker.hold_and_release(case, &at, &to_base);
+    }
+    gone?;
     while tracker.model.refine()? {
         let here: Vec<Vec3> =
             (0..tracker.model.watched().len()).map(|k| tracker.model.centre(k)).collect();
@@ -179,15 +212,25 @@ pub(crate) fn solve_holding(
     if let Some((.., depth)) = tracker.pairs.deepest(tracker.model, &tracker.scene) {
         return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
     }
+    if let Some((.., depth)) = tracker.objects.deepest(&tracker.scene, tracker.length) {
+        return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
+    }
     let length = tracker.length;
-    let holding = Holding::new(&tracker.pairs, tracker.model, &tracker.scene, length);
+    let holding =
+        Holding::new(&tracker.pairs, &tracker.objects, tracker.model, &tracker.scene, length);
     let mut solution = tracker.model.solution(&at(1.0), &tracker.pushes)?;
     let forces = tracker.model.knows_forces();
     solution.contacts = tracker.pairs.contacts(tracker.model, &case.base, forces);
+    solution.objects = tracker.objects.states(&tracker.pairs, &case.base);
     solution.diagnostics.iterations = tracker.iterations;
     solution.diagnostics.stability_lost_at = tracker.slipped_at;
     solution.diagnostics.residual = solution.diagnostics.residual.max(tracker.residual);
     Ok((solution, holding))
+}
+
+/// Whether an obstruction may be that of an object, and not of the budget.
+const fn error_of_object(why: &Obstruction) -> bool {
+    !matches!(why, Obstruction::BudgetSpent { .. } | Obstruction::TooManyContacts { .. })
 }
 
 impl<M: Compliant> PathTracker<'_, M> {
@@ -198,16 +241,26 @@ impl<M: Compliant> PathTracker<'_, M> {
         answer: Option<&Solution>,
         to_base: &Pose,
     ) -> Result<(), SolveError> {
+        self.objects.place(&mut self.scene);
+        self.scene.begin_step();
         let Some(answer) = answer else {
             self.rest(case)?;
             self.scene.keep_only_pipes(true);
             if self.pairs.deepest(self.model, &self.scene).is_some() {
+                let are_held = core::mem::replace(&mut self.objects.are_held, true);
                 self.insert(case)?;
+                self.objects.are_held = are_held;
             }
             self.scene.keep_only_pipes(false);
+            if let Some((owner, other, depth)) = self.objects.deepest(&self.scene, self.length) {
+                let [object, obstacle] =
+                    [owner, other].map(|number| self.scene.get(number).name.clone());
+                return Err(SolveError::ObjectOverlaps { object, obstacle, depth });
+            }
             return self.refuse_overlap();
         };
         self.model.start_from(answer);
+        self.objects.resume(answer, to_base, &self.scene, self.length);
         let count = self.scene.count();
         for contact in answer.contacts.iter().filter(|t| t.obstacle < count) {
             self.pairs.resume(contact, answer, to_base, &self.scene);
@@ -241,7 +294,43 @@ impl<M: Compliant> PathTracker<'_, M> {
         let start = INSERTED * self.length;
         self.scene.draw_back(start);
         self.refuse_overlap()?;
-        self.go(|_| case.clone(), |way| start * (1.0 - way))
+        let back = |way: f64| Acting { drawn_back: start * (1.0 - way), ..Acting::ALL };
+        self.go(case, |_| case.clone(), back)
+    }
+
+    /// Goes the way once more with all objects held where they are, then takes away what holds them: a grasp may be the first thing
+    /// that carries an object.
+    fn hold_and_release(
+        &mut self,
+        case: &Case,
+        at: &impl Fn(f64) -> Case,
+        to_base: &Pose,
+    ) -> Result<(), SolveError> {
+        self.odd = None;
+        self.pairs.near.clear();
+        self.model.reset();
+        self.objects = Objects::new(case, None, self.model.force_scale(), self.length);
+        self.objects.are_held = true;
+        self.start(&at(0.0), None, to_base)?;
+        self.go(case, at, |_| Acting::ALL)?;
+        self.objects.load(case, case, 1.0, 0.0);
+        self.objects.balance(&self.pairs, self.model);
+        self.objects.release();
+        self.odd = None;
+        let gone = self.go(case, |_| at(1.0), |way| Acting { held: 1.0 - way, ..Acting::ALL });
+        gone.map_err(|error| match error {
+            SolveError::Obstructed { reached, touching, why } if error_of_object(&why) => {
+                // As much as still held it.
+                let why = self.objects.most_held().map_or(why, |(object, holding)| {
+                    let [force, moment] =
+                        [holding.force, holding.moment].map(|x| x.norm() * (1.0 - reached));
+                    let object = self.scene.get(object.number).name.clone();
+                    Obstruction::NotHeld { object, force, moment }
+                });
+                SolveError::Obstructed { reached, touching, why }
+            }
+            error => error,
+        })
     }
 
     fn refuse_overlap(&self) -> Result<(), SolveError> {
@@ -257,11 +346,12 @@ impl<M: Compliant> PathTracker<'_, M> {
         }
     }
 
-    /// Goes the way from 0 to 1, with a case and a base that is drawn back at each place of it.
+    /// Goes the way from 0 to 1 to a case, with what acts at each place of it.
     fn go(
         &mut self,
+        asked: &Case,
         at: impl Fn(f64) -> Case,
-        drawn_back: impl Fn(f64) -> f64,
+        acting: impl Fn(f64) -> Acting,
     ) -> Result<(), SolveError> {
         let (mut way, mut step) = (0.0, 1.0_f64);
         let mut jumps = Jumps::default();
@@ -273,13 +363,17 @@ impl<M: Compliant> PathTracker<'_, M> {
             let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
             let kept_back = self.scene.drawn_back();
             self.scene.begin_step();
-            self.scene.draw_back(drawn_back(next));
+            let Acting { drawn_back, loads, held } = acting(next);
+            self.scene.draw_back(drawn_back);
+            let case = at(next);
+            self.objects.load(&case, asked, loads, held);
             if way > 0.0 || !self.is_off_answer {
                 self.pairs.begin_step(self.model, &self.scene);
+                self.objects.begin_step(&self.scene);
             }
             // Where they were, as the base sees it from where it will be.
             before.extend((0..watched).map(|k| self.scene.carried_point(self.model.centre(k))));
-            let stop = match self.touch(&at(next), &before) {
+            let stop = match self.touch(&case, &before) {
                 Ok(None) => {
                     way = next;
                     if way == 1.0 {
@@ -299,7 +393,7 @@ impl<M: Compliant> PathTracker<'_, M> {
                     step = (next - way) * part;
                     None
                 }
-                Err(stop @ (Stop::Spent(_) | Stop::Cancelled)) => {
+                Err(stop @ (Stop::Spent(_) | Stop::Lost(_) | Stop::Cancelled)) => {
                     return Err(self.obstructed(way, Some(stop)));
                 }
                 Err(stop) => {
@@ -312,11 +406,14 @@ impl<M: Compliant> PathTracker<'_, M> {
             if step >= LEAST_STEP {
                 continue;
             }
+            if self.objects.count() > 0 {
+                return Err(self.obstructed(way, stop));
+            }
             // Beyond here it has no equilibrium near: it jumps to another.
             let Some(ahead) = jumps.next(way) else { return Err(self.obstructed(way, stop)) };
             let next = (way + ahead).min(1.0);
             self.scene.begin_step();
-            self.scene.draw_back(drawn_back(next));
+            self.scene.draw_back(acting(next).drawn_back);
             match self.relax(&at(next)) {
                 Ok(moved) => {
                     if moved > JUMP * self.length {
@@ -327,7 +424,7 @@ impl<M: Compliant> PathTracker<'_, M> {
                     }
                     (way, step) = (next, 10.0 * LEAST_STEP);
                 }
-                Err(why @ (Stop::Spent(_) | Stop::Cancelled)) => {
+                Err(why @ (Stop::Spent(_) | Stop::Lost(_) | Stop::Cancelled)) => {
                     return Err(self.obstructed(way, Some(why)));
                 }
                 Err(_) => return Err(self.obstructed(way, stop)),
@@ -338,12 +435,14 @@ impl<M: Compliant> PathTracker<'_, M> {
     /// Where it is, to go back to.
     pub(super) fn kept(&mut self) -> Kept {
         self.model.keep();
-        Kept { pairs: self.pairs.clone(), odd: self.odd }
+        Kept { pairs: self.pairs.clone(), objects: self.objects.clone(), odd: self.odd }
     }
 
     pub(super) fn restore(&mut self, kept: Kept) {
         self.model.go_back();
         (self.pairs, self.odd) = (kept.pairs, kept.odd);
+        self.objects = kept.objects;
+        self.objects.place(&mut self.scene);
     }
 
     /// A force on the tip in no direction that a robot is built along.
@@ -362,7 +461,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             Some(Stop::Model(error)) => Obstruction::Model(Box::new(error)),
             Some(Stop::NotConverged(residual)) => Obstruction::NotConverged { residual },
             Some(Stop::Slips) => Obstruction::Slips,
-            Some(Stop::Spent(why)) => why,
+            Some(Stop::Spent(why) | Stop::Lost(why)) => why,
             Some(Stop::Cancelled) => return SolveError::Cancelled { last_load: Some(way) },
             None => Obstruction::Leaps,
         };
@@ -385,11 +484,19 @@ impl<M: Compliant> PathTracker<'_, M> {
                 return Ok(Some(part));
             }
             self.pairs.refresh(self.model, &self.scene);
+            if self.objects.count() > 0 {
+                self.objects.refresh(&self.scene, self.length);
+                self.objects.discover(&self.scene, self.length);
+                if let Some(object) = self.objects.lost(self.length) {
+                    return Err(Stop::Lost(self.not_held(object)));
+                }
+            }
             if self.pairs.discover(self.model, &self.scene, false) && !looked {
                 // The model has not been asked there yet.
                 looked = true;
                 continue;
             }
+            self.objects.balance(&self.pairs, self.model);
             self.residual = self.error();
             if self.residual <= MET && self.pairs.discover(self.model, &self.scene, true) && !looked
             {
@@ -418,11 +525,17 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.model.compliance(&self.pushes, compliance, drift).map_err(Stop::Model)?;
             let (length, cap) = (self.length, STRIDE * self.length);
             let stepped = {
-                let Self { pairs, dampers, model, scene, scratch, .. } = &mut *self;
-                scratch.step((pairs, dampers), *model, scene, (length, cap))
+                let Self { pairs, dampers, objects, model, scene, scratch, .. } = &mut *self;
+                scratch.step((pairs, dampers, objects), *model, scene, (length, cap))
             };
             match stepped {
-                Ok(stepped) => self.odd = Some(stepped.odd),
+                Ok(stepped) => {
+                    self.odd = Some(stepped.odd);
+                    // An object that is on its way has no progress to show.
+                    if stepped.part < 1.0 && self.objects.count() > 0 {
+                        since = 0;
+                    }
+                }
                 Err(NoStep::Contacts) => return Err(Stop::NotConverged(self.residual)),
                 Err(NoStep::Model(error)) => return Err(Stop::Model(error)),
             }
@@ -470,6 +583,14 @@ impl<M: Compliant> PathTracker<'_, M> {
 
     fn is_touching(&self) -> bool {
         self.pairs.near.iter().any(|pair| pair.force > 0.0)
+            || self.objects.count() > 0 && self.objects.near.iter().any(|pair| pair.force > 0.0)
+    }
+
+    /// What is left of the balance of an object that nothing holds.
+    fn not_held(&self, object: &Object) -> Obstruction {
+        let Wrench { force, moment } = object.imbalance;
+        let object = self.scene.get(object.number).name.clone();
+        Obstruction::NotHeld { object, force: force.norm(), moment: moment.norm() }
     }
 
     /// The equilibrium without pushes.
@@ -489,21 +610,33 @@ impl<M: Compliant> PathTracker<'_, M> {
         let scale = self.model.force_scale();
         let dampers = self.dampers.residual(self.model, scale, self.length);
         let converged = self.model.unsettled().max(dampers);
-        let of = |pair: &Pair| {
-            let gap = pair.nearest.gap / self.length;
+        let contact = |gap: f64, force: f64, grip: Option<Grip>| {
+            let gap = gap / self.length;
             let overlaps = if gap < -OVERLAP { -gap } else { 0.0 };
-            let open = if pair.force > 0.0 { gap.abs() } else { overlaps };
+            let open = if force > 0.0 { gap.abs() } else { overlaps };
+            let lack =
+                grip.map_or(0.0, |grip| grip.complementarity_residual(force, scale / self.length));
+            (open, lack)
+        };
+        let of = |pair: &Pair| {
+            let (open, lack) = contact(pair.nearest.gap, pair.force, pair.grip);
             let left = pair.slide.map_or(0.0, |slide| slide.left().abs() / self.length);
             let open = if left > NEARLY_THERE && pair.force > 0.0 { open.max(left) } else { open };
-            let lack = pair
-                .grip
-                .map_or(0.0, |grip| grip.complementarity_residual(pair.force, scale / self.length));
             let turned = turned(pair);
             let [force, moment] =
                 [0, 3].map(|i| Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm());
             open.max((force + moment / self.length + lack) / (scale + pair.force))
         };
-        self.pairs.near.iter().map(of).fold(converged, f64::max)
+        let of_object = |pair: &ObjectPair| {
+            let (open, lack) = contact(pair.nearest.gap, pair.force, pair.grip);
+            open.max(lack / (scale + pair.force))
+        };
+        let of_robot = self.pairs.near.iter().map(of).fold(converged, f64::max);
+        if self.objects.count() == 0 {
+            return of_robot;
+        }
+        let lack = self.objects.least_balanced().map_or(0.0, |(_, lack)| lack);
+        self.objects.near.iter().map(of_object).fold(of_robot.max(lack), f64::max)
     }
 
     /// By which part the step was too long, if any cross-section could have passed through an obstacle or a
@@ -517,10 +650,10 @@ impl<M: Compliant> PathTracker<'_, M> {
                 part = part.min(STRIDE * self.length / way);
             }
         }
-        for (_, obstacle) in self.scene.iter().filter(|(_, o)| !is_pipe(o)) {
+        for (number, obstacle) in self.scene.iter().filter(|(_, o)| !is_pipe(o)) {
             let mut distances = [DistanceBound::new(obstacle); 2];
             for (k, old) in before.iter().enumerate().skip(1) {
-                let points = [*old, self.model.centre(k)];
+                let points = [self.scene.carry_point(number, *old), self.model.centre(k)];
                 let way = (points[1] - points[0]).norm();
                 let bound = |i: usize| distances[i].least(points[i]);
                 if way <= least || bound(0).min(bound(1)) > 0.5 * way {

@@ -9,7 +9,7 @@ use super::refinement::Refinement;
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::derivatives::Derivatives;
-use crate::error::SolveError;
+use crate::error::{Obstruction, SolveError};
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::{NoStability, Solution};
@@ -29,6 +29,10 @@ pub(crate) fn on_few_steps_or_more<T>(
 ) -> Result<T, SolveError> {
     let [few, more] = CONTACT_STEPS;
     match (solve(few), accuracy) {
+        // What nothing holds falls on any steps.
+        (Err(error @ SolveError::Obstructed { why: Obstruction::NotHeld { .. }, .. }), _) => {
+            Err(error)
+        }
         (
             Err(
                 SolveError::Obstructed { .. }

@@ -16,6 +16,8 @@ pub(super) struct Scene {
     drawn_back: f64,
     /// By how much when the step on the way began.
     began_at: f64,
+    /// Where the obstacles were then, as the base sees them where the case has it.
+    began: Vec<Pose>,
 }
 
 impl Scene {
@@ -24,7 +26,39 @@ impl Scene {
         let seen =
             |obstacle: &Obstacle| Obstacle { pose: to_base * obstacle.pose, ..obstacle.clone() };
         let there: Vec<Obstacle> = case.obstacles.iter().map(seen).collect();
-        Self { obstacles: there.clone(), there, only_pipes: false, drawn_back: 0.0, began_at: 0.0 }
+        Self {
+            began: there.iter().map(|obstacle| obstacle.pose).collect(),
+            obstacles: there.clone(),
+            there,
+            only_pipes: false,
+            drawn_back: 0.0,
+            began_at: 0.0,
+        }
+    }
+
+    /// Puts a movable object to where it is, as the base sees it where the case has it.
+    pub fn place(&mut self, number: usize, pose: Pose) {
+        let forward = Pose { position: Vec3::Z * self.drawn_back, ..Pose::IDENTITY };
+        self.obstacles[number].pose = forward * pose;
+        self.there[number].pose = pose;
+    }
+
+    /// A pose of when the step began, carried along with a movable object since.
+    pub fn carry(&self, number: usize, pose: Pose) -> Pose {
+        match self.obstacles[number].movable {
+            Some(_) => self.there[number].pose * (self.began[number].inverse() * pose),
+            None => pose,
+        }
+    }
+
+    /// A point likewise.
+    pub fn carry_point(&self, number: usize, point: Vec3) -> Vec3 {
+        match self.obstacles[number].movable {
+            Some(_) => {
+                self.there[number].pose.transform(self.began[number].inverse().transform(point))
+            }
+            None => point,
+        }
     }
 
     /// Draws the base back by so many metres.
@@ -43,6 +77,8 @@ impl Scene {
     /// A step on the way begins.
     pub fn begin_step(&mut self) {
         self.began_at = self.drawn_back;
+        self.began.clear();
+        self.began.extend(self.there.iter().map(|obstacle| obstacle.pose));
     }
 
     /// A pose of when the step began, carried along with the obstacles since.

@@ -1,16 +1,20 @@
 //! One step of Newton's method on the conditions of contact.
 
-use whipcord_numerics::{DenseLu, Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{DenseLu, Pose, Vec3};
 
-use super::body::wrench_of;
+use super::body::Nearest;
 use super::complementarity::{Complementarity, Contact};
 use super::dampers::Dampers;
-use super::friction::tangents;
+use super::friction::Grip;
 use super::model::Compliant;
+use super::object::Objects;
+use super::object_pair::{NEAR, ObjectPair};
 use super::pairs::{Pair, Pairs};
 use super::scene::Scene;
 use super::sliding::Slide;
+use super::two_bodies::{Block, Bodies, End, Line, TwoBodies, dot};
 use crate::error::SolveError;
+use crate::shape::Wrench;
 
 /// Scratch memory of the steps.
 #[derive(Clone, Debug, Default)]
@@ -18,8 +22,10 @@ pub(super) struct Scratch {
     pub compliance: Vec<f64>,
     /// How the cross-sections move by themselves.
     pub drift: Vec<f64>,
-    /// `∂W/∂X` of each pair.
-    geometric: Vec<[[f64; 6]; 6]>,
+    /// Compliance of the cross-sections and of the objects.
+    all: Vec<f64>,
+    /// `G = ∂W/∂X` of all pairs.
+    geometric: Vec<Block>,
     lines: Vec<Line>,
     matrix: Vec<f64>,
     lu: DenseLu,
@@ -30,28 +36,14 @@ pub(super) struct Scratch {
     changes: Vec<[f64; 6]>,
 }
 
-/// A direction in which a pair pushes: the normal or, where there is friction, a tangent.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    pair: usize,
-    /// The force of 1 N.
-    force: Vec3,
-    /// `w`, the same with its moment.
-    unit: [f64; 6],
-    /// How the gap, or the slip, changes with the cross-section's motion.
-    rate: [f64; 6],
-    /// The gap, or the slip, in m.
-    gap: f64,
-    /// The force that was, in N.
-    before: f64,
-}
-
 /// What came of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stepped {
     /// Whether the contacts change an odd number of directions from stable to unstable or back: the sign of
     /// `det(I − CG) det M` in eq. (6).
     pub odd: bool,
+    /// The part of the step that was taken.
+    pub part: f64,
 }
 
 /// No step leads on.
@@ -63,41 +55,69 @@ pub(super) enum NoStep {
 }
 
 impl Scratch {
-    /// Changes the forces of the pairs and dampers, what the model is to be given, and the model, eqs. (3) to (5); no
-    /// cross-section is to move farther than `cap`.
+    /// Changes the forces of the pairs, what the model is to be given, the model, and the poses of the objects, eqs. (3) to (5); no
+    /// cross-section or object is to move farther than `cap`, in a scene of this length.
     pub fn step(
         &mut self,
-        (pairs, dampers): (&mut Pairs, &mut Dampers),
+        (pairs, dampers, objects): (&mut Pairs, &mut Dampers, &mut Objects),
         model: &mut impl Compliant,
-        scene: &Scene,
+        scene: &mut Scene,
         (length, cap): (f64, f64),
     ) -> Result<Stepped, NoStep> {
         let count = pairs.near.len();
-        let n = 6 * (count + dampers.all.len());
+        // The cross-sections of pairs and dampers, then the objects.
+        let sections = count + dampers.all.len();
+        let n = 6 * (sections + objects.count());
         self.lines.clear();
-        for k in 0..count {
-            add_lines(&mut self.lines, k, &pairs.near[k], model, scene);
-        }
         self.geometric.clear();
-        self.geometric.extend(pairs.near.iter().map(|pair| geometric(pair, model, scene)));
+        for (k, pair) in pairs.near.iter().enumerate() {
+            let contact = of_robot(k, pair, (&*model, &*scene, &*objects), sections);
+            let carried = |grip: Grip| Grip { from: scene.carry(pair.obstacle, grip.from), ..grip };
+            let normal_line = self.lines.len();
+            contact.lines(pair.force, pair.grip.map(carried).as_ref(), &mut self.lines);
+            self.lines[normal_line].gap -= pair.slide.map_or(0.0, |slide| slide.depth());
+            let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
+            // A ball looks the same from all sides.
+            let motions = if pair.member.body.is_ball() { 3 } else { 6 };
+            let normal = |nearest: &Nearest| nearest.normal * pair.force;
+            if pair.force > 0.0 {
+                let force = |nearest: &Nearest| normal(nearest) + traction;
+                contact.geometric(force, normal(&pair.nearest), motions, &mut self.geometric);
+                if let Some(slide) = &pair.slide {
+                    let matrix = slide.stiffness(pair.force);
+                    self.geometric.push(Block { row: k, column: k, matrix });
+                }
+            }
+        }
+        for (k, damper) in (count..).zip(&dampers.all) {
+            let mut matrix = [[0.0; 6]; 6];
+            for b in 0..6 {
+                matrix[b][b] = -damper.stiffness(b);
+            }
+            self.geometric.push(Block { row: k, column: k, matrix });
+        }
+        let touching = if objects.count() > 0 { objects.near.as_slice() } else { &[] };
+        for pair in touching {
+            let contact = of_objects(pair, (&*scene, &*objects), sections);
+            let carried = |grip: Grip| Grip { from: scene.carry(pair.other, grip.from), ..grip };
+            contact.lines(pair.force, pair.grip.map(carried).as_ref(), &mut self.lines);
+            let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
+            let normal = |nearest: &Nearest| nearest.normal * pair.force;
+            if pair.force > 0.0 {
+                let force = |nearest: &Nearest| normal(nearest) + traction;
+                contact.geometric(force, normal(&pair.nearest), 6, &mut self.geometric);
+            }
+        }
+        self.add_objects(sections, objects);
         // I − CG
         self.matrix.clear();
         self.matrix.resize(n * n, 0.0);
         for i in 0..n {
-            for (k, block) in self.geometric.iter().enumerate() {
-                if pairs.near[k].force == 0.0 {
-                    continue;
-                }
+            for Block { row, column, matrix } in &self.geometric {
                 for b in 0..6 {
-                    let row = &self.compliance[i * n + 6 * k..i * n + 6 * k + 6];
-                    let sum: f64 = row.iter().zip(block).map(|(c, g)| c * g[b]).sum();
-                    self.matrix[i * n + 6 * k + b] = -sum;
-                }
-            }
-            for (k, damper) in (count..).zip(&dampers.all) {
-                for b in 0..6 {
-                    let at = i * n + 6 * k + b;
-                    self.matrix[at] = self.compliance[at] * damper.stiffness(b);
+                    let from = &self.all[i * n + 6 * row..i * n + 6 * row + 6];
+                    let sum: f64 = from.iter().zip(matrix).map(|(c, g)| c * g[b]).sum();
+                    self.matrix[i * n + 6 * column + b] -= sum;
                 }
             }
             self.matrix[i * n + i] += 1.0;
@@ -119,9 +139,10 @@ impl Scratch {
         for (k, column) in self.moves.iter_mut().enumerate() {
             column.clear();
             column.extend((0..n).map(|i| {
-                let row = &self.compliance[i * n..(i + 1) * n];
+                let row = &self.all[i * n..(i + 1) * n];
+                let by = |end: &End| dot(&row[6 * end.body..6 * end.body + 6], &end.unit);
                 match self.lines.get(k) {
-                    Some(Line { pair, unit, .. }) => dot(&row[6 * pair..6 * pair + 6], unit),
+                    Some(line) => line.ends().map(by).sum(),
                     None => {
                         let turned = turned.iter().enumerate();
                         let by = turned.map(|(j, turned)| dot(&row[6 * j..6 * j + 6], turned));
@@ -133,22 +154,22 @@ impl Scratch {
         self.lu.solve_columns(&mut self.moves);
         let problem = &mut self.complementarity;
         problem.reset(total);
-        let approach = |line: &Line, column: &[f64]| {
-            dot(&column[6 * line.pair..6 * line.pair + 6], &line.rate)
-        };
+        problem.are_dependent = objects.count() > 0;
         for (i, line) in self.lines.iter().enumerate() {
-            problem.gaps[i] = line.gap + approach(line, &self.moves[total]);
+            problem.gaps[i] = line.gap + line.approach(&self.moves[total]);
             problem.forces[i] = line.before;
             for j in 0..total {
-                problem.matrix[i * total + j] = approach(line, &self.moves[j]);
+                problem.matrix[i * total + j] = line.approach(&self.moves[j]);
             }
         }
         let mut first = 0;
-        for pair in &pairs.near {
+        let of_robot = pairs.near.iter().map(|pair| (pair.force, pair.nearest.gap, pair.grip));
+        let of_objects = touching.iter().map(|pair| (pair.force, pair.nearest.gap, pair.grip));
+        for (force, gap, grip) in of_robot.chain(of_objects) {
             let contact = Contact {
                 first,
-                coefficient: pair.grip.map_or(0.0, |grip| grip.coefficient),
-                touches: pair.force > 0.0 || pair.nearest.gap < 0.0,
+                coefficient: grip.map_or(0.0, |grip| grip.coefficient),
+                touches: force > 0.0 || gap < 0.0,
                 sticks: false,
             };
             first += contact.lines();
@@ -166,9 +187,19 @@ impl Scratch {
             return Err(NoStep::Contacts);
         }
         let part = if farthest > cap { cap / farthest } else { 1.0 };
+        let moved = &motion[6 * sections..];
+        let part = part.min(objects.part_of_step(moved, (&*model, pairs), scene, NEAR * length));
         self.changes.clear();
         let next = |pair: &Pair, part: f64, contact: &Contact, forces: &[f64]| {
             pair.force + part * (forces[contact.first] - pair.force)
+        };
+        let turned_by = |row: usize| {
+            let mut wrench = turned[row];
+            for Block { column, matrix, .. } in self.geometric.iter().filter(|b| b.row == row) {
+                let moved = &motion[6 * column..6 * column + 6];
+                wrench.iter_mut().zip(matrix).for_each(|(sum, row)| *sum += dot(row, moved));
+            }
+            wrench
         };
         for (j, pair) in pairs.near.iter().enumerate() {
             let contact = &problem.contacts[j];
@@ -176,24 +207,19 @@ impl Scratch {
                 self.changes.push(pair.given.map(|component| -component));
                 continue;
             }
-            let moved = &motion[6 * j..6 * j + 6];
-            let mut wrench: [f64; 6] =
-                core::array::from_fn(|a| turned[j][a] + dot(&self.geometric[j][a], moved));
+            let mut wrench = turned_by(j);
             let range = contact.first..contact.first + contact.lines();
             for (line, &force) in self.lines[range.clone()].iter().zip(&problem.forces[range]) {
-                for (component, unit) in wrench.iter_mut().zip(line.unit) {
+                let Some(end) = line.ends[0] else { continue };
+                for (component, unit) in wrench.iter_mut().zip(end.unit) {
                     *component += (force - line.before) * unit;
                 }
             }
             self.changes.push(wrench);
         }
-        for (j, damper) in (count..).zip(&dampers.all) {
-            let moved = &motion[6 * j..6 * j + 6];
-            self.changes
-                .push(core::array::from_fn(|a| turned[j][a] - damper.stiffness(a) * moved[a]));
-        }
+        self.changes.extend((count..sections).map(turned_by));
         let part = model.advance(&self.changes, part).map_err(NoStep::Model)?;
-        let mut moved = Vec::new();
+        let mut slid = Vec::new();
         for (j, pair) in pairs.near.iter_mut().enumerate() {
             let contact = &problem.contacts[j];
             let range = contact.first..contact.first + contact.lines();
@@ -206,7 +232,7 @@ impl Scratch {
             if let Some(slide) = &pair.slide {
                 let way = part * slide.way(&motion[6 * j..6 * j + 6]);
                 let s = Slide::moved(pair.member.arc_length, way, length);
-                moved.push((j, s));
+                slid.push((j, s));
                 // The force on a ball has no moment about the centre of its cross-section, wherever that is.
                 pair.given[3..].fill(0.0);
             }
@@ -216,7 +242,7 @@ impl Scratch {
             }
             pair.hold(contact.sticks, tangential, part);
         }
-        for (j, s) in moved {
+        for (j, s) in slid {
             pairs.move_to(j, s);
         }
         for (damper, change) in dampers.all.iter_mut().zip(&self.changes[count..]) {
@@ -224,39 +250,81 @@ impl Scratch {
                 *given += part * change;
             }
         }
-        Ok(Stepped { odd })
+        if objects.count() > 0 {
+            for (pair, contact) in objects.near.iter_mut().zip(&problem.contacts[count..]) {
+                let range = contact.first + 1..contact.first + contact.lines();
+                let along = self.lines[range.clone()].iter().zip(&problem.forces[range]);
+                let tangential = along.fold(Vec3::ZERO, |sum, (line, f)| sum + line.force * *f);
+                pair.hold(problem.forces[contact.first], contact.sticks, tangential, part);
+            }
+            objects.advance(&motion[6 * sections..], part, scene);
+        }
+        Ok(Stepped { odd, part })
+    }
+
+    /// Compliance and drift of cross-sections and objects together: a step gives each object a small stiffness, so that the
+    /// contacts alone hold it at the end.
+    fn add_objects(&mut self, sections: usize, objects: &Objects) {
+        if objects.count() == 0 {
+            core::mem::swap(&mut self.all, &mut self.compliance);
+            return;
+        }
+        let (robot, n) = (6 * sections, 6 * (sections + objects.count()));
+        self.all.clear();
+        self.all.resize(n * n, 0.0);
+        for i in 0..robot {
+            self.all[i * n..i * n + robot]
+                .copy_from_slice(&self.compliance[i * robot..(i + 1) * robot]);
+        }
+        for (k, object) in objects.list.iter().enumerate() {
+            let Wrench { force, moment } = object.imbalance;
+            let imbalance = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
+            for (a, compliance) in objects.compliance(k).into_iter().enumerate() {
+                let i = robot + 6 * k + a;
+                self.all[i * n + i] = compliance;
+                self.drift.push(compliance * imbalance[a]);
+            }
+        }
     }
 }
 
-/// The lines of a pair.
-fn add_lines(
-    lines: &mut Vec<Line>,
+/// A pair of the robot with an obstacle, as the contact between two bodies that it is.
+fn of_robot<'a>(
     number: usize,
-    pair: &Pair,
-    model: &impl Compliant,
-    scene: &Scene,
-) {
-    let Pair { nearest, member, force, .. } = pair;
-    let unit = nearest.push();
-    let gap = nearest.gap - pair.slide.map_or(0.0, |slide| slide.depth());
-    let before = *force;
-    lines.push(Line { pair: number, force: nearest.normal, unit, rate: unit, gap, before });
-    let Some(grip) = &pair.grip else { return };
-    let rounding = member.body.rounding;
-    let slip = |pose: &Pose| {
-        let nearest = pair.look(scene.get(pair.obstacle), pose);
-        [grip.slip_at(pose, &nearest, rounding)]
-    };
-    let rates = differences(6, &model.pose(member.arc_length), member.body.reach(), slip);
-    for axis in tangents(nearest.normal) {
-        lines.push(Line {
-            pair: number,
-            force: axis,
-            unit: wrench_of(axis, nearest.lever(rounding)),
-            rate: rates.map(|[rate]| rate.dot(axis)),
-            gap: grip.slip.dot(axis),
-            before: grip.traction.dot(axis),
-        });
+    pair: &'a Pair,
+    (model, scene, objects): (&impl Compliant, &'a Scene, &Objects),
+    count: usize,
+) -> TwoBodies<'a, impl Fn(&Pose) -> Nearest> {
+    let second = objects.of(pair.obstacle).map(|k| (count + k, objects.list[k].pose.position));
+    let Pair { member, nearest, .. } = pair;
+    TwoBodies {
+        bodies: Bodies { first: Some(number), second },
+        pose: model.pose(member.arc_length),
+        reach: member.body.reach(),
+        rounding: member.body.rounding,
+        nearest,
+        look: |pose: &Pose| pair.look(scene.get(pair.obstacle), pose),
+    }
+}
+
+/// A pair of two obstacles likewise.
+pub(super) fn of_objects<'a>(
+    pair: &'a ObjectPair,
+    (scene, objects): (&'a Scene, &'a Objects),
+    count: usize,
+) -> TwoBodies<'a, impl Fn(&Pose) -> Nearest> {
+    let ObjectPair { owner, other, part, nearest, rounding, .. } = pair;
+    let pose = objects.pose_of(*owner, scene);
+    let second = objects.of(*other).map(|k| (count + k, objects.list[k].pose.position));
+    TwoBodies {
+        bodies: Bodies { first: objects.of(*owner).map(|k| count + k), second },
+        pose,
+        reach: nearest.arm.norm() + rounding,
+        rounding: *rounding,
+        nearest,
+        look: |pose: &Pose| {
+            objects.features[*owner].track(*part, scene.get(*other), pose, nearest.local)
+        },
     }
 }
 
@@ -265,72 +333,3 @@ pub(super) fn turned(pair: &Pair) -> [f64; 6] {
     let push = pair.push();
     core::array::from_fn(|a| push[a] - pair.given[a])
 }
-
-/// `G = ∂W/∂X` of what a pair pushes while its forces along normal and surface stay as they are.
-fn geometric(pair: &Pair, model: &impl Compliant, scene: &Scene) -> [[f64; 6]; 6] {
-    let mut matrix = [[0.0; 6]; 6];
-    if pair.force == 0.0 {
-        return matrix;
-    }
-    let body = &pair.member.body;
-    let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
-    let push = |pose: &Pose| {
-        let nearest = pair.look(scene.get(pair.obstacle), pose);
-        let normal = nearest.push();
-        let drag = wrench_of(traction, nearest.lever(body.rounding));
-        let [x, y, z, u, v, w] = core::array::from_fn(|a| pair.force * normal[a] + drag[a]);
-        [Vec3::new(x, y, z), Vec3::new(u, v, w)]
-    };
-    let pose = model.pose(pair.member.arc_length);
-    // A ball looks the same from all sides.
-    let motions = if body.is_ball() { 3 } else { 6 };
-    let rates = differences(motions, &pose, body.reach(), push);
-    for (b, [force, moment]) in rates.into_iter().enumerate() {
-        let column = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
-        for (row, value) in matrix.iter_mut().zip(column) {
-            row[b] = value;
-        }
-    }
-    if let Some(slide) = &pair.slide {
-        for (row, by) in matrix.iter_mut().zip(slide.stiffness(pair.force)) {
-            row.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
-        }
-    }
-    matrix
-}
-
-/// Central differences by the first so many motions of a cross-section, of something that is smooth and quick and does
-/// not change with the others.
-pub(super) fn differences<const N: usize>(
-    motions: usize,
-    pose: &Pose,
-    reach: f64,
-    value: impl Fn(&Pose) -> [Vec3; N],
-) -> [[Vec3; N]; 6] {
-    let size = reach.max(1e-9);
-    core::array::from_fn(|b| {
-        if b >= motions {
-            return [Vec3::ZERO; N];
-        }
-        let mut axis = [0.0; 3];
-        axis[b % 3] = 1.0;
-        let h = if b < 3 { STEP * size } else { STEP };
-        let at = |h: f64| {
-            let change = Vec3::from(axis) * h;
-            value(&if b < 3 {
-                Pose { position: pose.position + change, ..*pose }
-            } else {
-                Pose { rotation: UnitQuaternion::exp(change) * pose.rotation, ..*pose }
-            })
-        };
-        let (after, before) = (at(h), at(-h));
-        core::array::from_fn(|k| (after[k] - before[k]) / (2.0 * h))
-    })
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// Of the differences, relative to the part that touches, and in rad.
-const STEP: f64 = 1e-5;

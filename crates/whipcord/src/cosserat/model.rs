@@ -397,6 +397,7 @@ impl Cosserat {
     ) {
         solution.model = ModelKind::Cosserat;
         solution.contacts.clear();
+        solution.objects.clear();
         let cables = self.robot.cables();
         solution.cables.resize_with(cables.len(), CableState::default);
         for (place, &cable) in self.layout.order.iter().enumerate() {

@@ -635,6 +635,7 @@ impl CosseratDisks {
     ) {
         solution.model = ModelKind::CosseratDisks;
         solution.contacts.clear();
+        solution.objects.clear();
         let cables = self.robot.cables();
         let backbone = self.robot.backbone().length;
         solution.cables.resize_with(cables.len(), CableState::default);

@@ -286,6 +286,7 @@ impl FourBar {
         solution.model = ModelKind::FourBar;
         solution.base_wrench = None;
         solution.contacts.clear();
+        solution.objects.clear();
         solution.diagnostics = Diagnostics {
             iterations: tally.iterations,
             residual: tally.residual / self.robot.backbone().length,

@@ -13,6 +13,7 @@ use crate::contact::{self, Unobstructed};
 use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
+use crate::refusal;
 use crate::shape::{NoStability, Solution};
 use crate::statics::command::Command;
 use crate::statics::loads::check as check_loads;
@@ -69,6 +70,9 @@ impl Linkage {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        if !self.knows_forces {
+            refusal::movable_objects(self.kind, case)?;
+        }
         let watched = Watched::new(self);
         let mut free = FreeChain { model: self, workspace, watched: &watched.places };
         if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
@@ -90,6 +94,9 @@ impl Linkage {
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
         case.check(&self.robot)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
+        if !self.knows_forces {
+            refusal::movable_objects(self.kind, case)?;
+        }
         let watched = Watched::new(self);
         let mut free = FreeChain { model: self, workspace, watched: &watched.places };
         if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {

@@ -451,6 +451,7 @@ impl Linkage {
         }
         solution.model = self.kind;
         solution.contacts.clear();
+        solution.objects.clear();
         solution.base_wrench = self.knows_forces.then_some(chain.base);
         solution.diagnostics = Diagnostics {
             iterations: effort.iterations,

@@ -166,6 +166,15 @@ impl Superellipsoid {
         [alpha * (y - x), beta * z - beta / alpha * log_sum(alpha * x, alpha * y)]
     }
 
+    /// The point of the surface that is farthest in a direction, in m.
+    pub(crate) fn support(&self, direction: Vec3) -> Vec3 {
+        // In a plane of symmetry the parameters are infinite.
+        let octant = [0, 1, 2].map(|i| direction[i].abs().max(FLOOR));
+        let st = self.with_normal(octant.into()).map(|x| x.clamp(-REACH, REACH));
+        let point = self.patch(st).point;
+        [0, 1, 2].map(|i| if direction[i] < 0.0 { -point[i] } else { point[i] }).into()
+    }
+
     /// The precomputed points that are nearer than those around them: at most five.
     fn other_starts(&self, p: Vec3) -> [Option<[f64; 2]>; 5] {
         let n = GRID.len();

@@ -253,6 +253,14 @@ pub enum Problem {
         /// What it encloses in m³, negative, or zero.
         volume: f64,
     },
+    /// A mass of an obstacle that has no end.
+    #[error(
+        "makes the obstacle a movable object, but a {form} has no end and cannot move: leave out the mass, or give the object another shape"
+    )]
+    CannotMove {
+        /// Name of the form.
+        form: &'static str,
+    },
     /// More holes than disks.
     #[error(
         "names {given} holes, but there are only {disks} disks: give at most one hole for each disk, from the base on"

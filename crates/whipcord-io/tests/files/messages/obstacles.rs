@@ -44,6 +44,39 @@ fn forms_that_cannot_be() {
 }
 
 #[test]
+fn movable_objects_that_cannot_be() {
+    let ball =
+        |lines: &str| message(&with_obstacle(&format!("kind = \"sphere\"\nradius = 1\n{lines}")));
+    for (lines, words) in [
+        ("mass = \"-1 kg\"", "`obstacles[0].mass`"),
+        ("mass = \"3 mm\"", "mass"),
+        ("mass = 1\ndensity = 2", "density"),
+        ("center_of_mass = [0, 0, 0]", "mass"),
+        ("force = [0, 0, 1]", "mass"),
+        ("mass = 1\nforce = [0, 0, \"1 kg\"]", "force"),
+        ("mass = 1\nmoment = [0, 1]", "moment"),
+    ] {
+        let text = ball(lines);
+        assert!(text.contains("error") && text.contains(words), "{lines}: {text}");
+    }
+    let floor = message(&with_obstacle("kind = \"half-space\"\nmass = 1"));
+    assert!(floor.contains("error") && floor.contains("mass"), "{floor}");
+}
+
+/// A movable object is read in SI, its centre of mass by default that of its volume.
+#[test]
+fn movable_objects_are_read() {
+    let text = with_obstacle(
+        "kind = \"box\"\nsize = [\"10 mm\", \"20 mm\", \"30 mm\"]\ndensity = \"1000 kg/m^3\"\nforce = [0, 0, \"1 N\"]",
+    );
+    let file = whipcord_io::parse(&text, "robot.toml").unwrap();
+    let body = file.case.obstacles[0].movable.unwrap();
+    assert!((body.mass - 6e-3).abs() < 1e-12);
+    assert_eq!(body.center_of_mass.to_array(), [0.0; 3]);
+    assert_eq!(body.force.to_array(), [0.0, 0.0, 1.0]);
+}
+
+#[test]
 fn disks_that_are_too_thick() {
     let thick = |thickness: &str| {
         let disks = "[disks]\ncount = 10\nhole_circle_radius = \"8 mm\"\nouter_radius = \"9 mm\"\n";

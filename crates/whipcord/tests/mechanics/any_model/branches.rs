@@ -400,8 +400,13 @@ fn what_has_no_branches_says_what_to_use_instead() {
     let rubbing = blade(6, 0.0, rubbing);
     assert!(refused(ModelKind::CosseratDisks, &rubbing, &case).contains("friction"));
     let pose = Pose { position: Vec3::new(0.5, 0.0, 0.5), ..Pose::IDENTITY };
-    let ball =
-        Obstacle { name: "ball".into(), form: Form::Sphere { radius: 0.1 }, pose, friction: 0.0 };
+    let ball = Obstacle {
+        name: "ball".into(),
+        form: Form::Sphere { radius: 0.1 },
+        pose,
+        friction: 0.0,
+        movable: None,
+    };
     let crowded = Case { obstacles: vec![ball], ..case };
     for kind in ALL {
         refused(kind, &robot, &crowded);

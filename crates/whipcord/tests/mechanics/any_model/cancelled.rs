@@ -34,6 +34,7 @@ fn ball() -> Obstacle {
         form: Form::Sphere { radius: 0.022 },
         pose: Pose { position: Vec3::new(0.031, 0.0, 0.030), rotation: UnitQuaternion::IDENTITY },
         friction: 0.0,
+        movable: None,
     }
 }
 

@@ -297,6 +297,7 @@ fn the_base_bears_the_contacts_too() {
             form: Form::Sphere { radius: 0.03 },
             pose: base * there,
             friction,
+            movable: None,
         };
         let loads = Loads {
             gravity: Some(Vec3::new(0.0, 0.0, -9.81)),

@@ -38,7 +38,7 @@ fn robot(sections: usize) -> Robot {
 fn bore(clearance: f64, end: f64) -> Obstacle {
     let points = [Vec3::new(0.0, 0.0, -0.05), Vec3::new(0.0, 0.0, end)];
     let form = Form::Pipe(Pipe::new(RADIUS + clearance, &points, Bends::Corners).unwrap());
-    Obstacle { name: "bore".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0 }
+    Obstacle { name: "bore".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0, movable: None }
 }
 
 fn solve(

@@ -10,6 +10,7 @@ mod free_path;
 mod friction;
 mod grasp;
 mod limits;
+mod movable;
 mod overlap;
 mod pipe;
 mod sections;
@@ -46,6 +47,7 @@ pub fn sphere(position: Vec3, radius: f64) -> Obstacle {
         form: Form::Sphere { radius },
         pose: Pose { position, rotation: UnitQuaternion::IDENTITY },
         friction: 0.0,
+        movable: None,
     }
 }
 
@@ -57,6 +59,7 @@ pub fn wall(x: f64) -> Obstacle {
         form: Form::HalfSpace,
         pose: Pose { position: Vec3::new(x, 0.0, 0.0), rotation: UnitQuaternion::exp(quarter) },
         friction: 0.0,
+        movable: None,
     }
 }
 

@@ -188,6 +188,7 @@ fn placed(solve: Solve, scenario: &Scenario) -> Option<Case> {
         form: form.clone(),
         pose: Pose { position: Vec3::ZERO, rotation: UnitQuaternion::exp(*turn) },
         friction: 0.0,
+        movable: None,
     };
     if matches!(form, Form::HalfSpace) {
         // Its free side is that of the base.
@@ -446,6 +447,7 @@ impl Outcomes {
                     Obstruction::BudgetSpent { .. } => "given up",
                     Obstruction::TooManyContacts { .. } => "too many contacts",
                     Obstruction::Model(_) => "no shape under the contacts",
+                    Obstruction::NotHeld { .. } => "an object is not held",
                 },
                 Err(_) => "no shape",
             };

@@ -40,7 +40,7 @@ fn pipe(steps: u8) -> Obstacle {
     let end = points[points.len() - 1];
     points.extend([0.02, 0.08, 0.14].map(|on| end + tangent * on));
     let form = Form::Pipe(Pipe::new(0.003, &points, Bends::Smooth).unwrap());
-    Obstacle { name: "vessel".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0 }
+    Obstacle { name: "vessel".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0, movable: None }
 }
 
 fn chain(robot: &Robot, case: &Case) -> Result<Solution, SolveError> {

@@ -7,7 +7,7 @@ use whipcord::{Form, Obstacle, Pose, UnitQuaternion, Vec3};
 
 /// The form where it stands as it is.
 pub fn at_origin(form: Form) -> Obstacle {
-    Obstacle { name: "it".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0 }
+    Obstacle { name: "it".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0, movable: None }
 }
 
 pub fn superellipsoid(semi_axes: [f64; 3], exponents: [f64; 2]) -> Superellipsoid {

@@ -1,0 +1,39 @@
+//! What a contact of an answer keeps at zero, and whether it is about to change.
+
+use super::friction::Grip;
+use super::pairs::OVERLAP;
+
+/// A contact that is so near to another state, as a part of what its force, gap, grip or slip can be, is about to change it.
+const ABOUT_TO_CHANGE: f64 = 1e-6;
+
+/// A force along a line that holds, or a way along the backbone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unknown {
+    pub contact: usize,
+    /// What it adds to the push.
+    pub push: [f64; 6],
+    /// How what it keeps at zero changes with the motion of the cross-section.
+    pub rate: [f64; 6],
+    /// How that changes with the unknown itself.
+    pub own: f64,
+}
+
+/// Whether a contact with this gap, force and grip is about to touch or to open, to stick or to slide.
+pub(super) fn is_near_change(
+    (gap, force, grip): (f64, f64, Option<Grip>),
+    force_scale: f64,
+    length: f64,
+) -> bool {
+    if force <= 0.0 {
+        return gap <= ABOUT_TO_CHANGE * length;
+    }
+    let of_grip = grip.is_some_and(|grip| {
+        let most = grip.coefficient * force;
+        if grip.sticks {
+            grip.traction.norm() >= (1.0 - ABOUT_TO_CHANGE) * most
+        } else {
+            grip.slip.norm() <= OVERLAP * length
+        }
+    });
+    of_grip || force <= ABOUT_TO_CHANGE * force_scale
+}
