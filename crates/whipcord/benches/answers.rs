@@ -111,7 +111,7 @@ fn finger(cables: u32) -> Robot {
 
 fn obstacle(form: Form, position: Vec3) -> Vec<Obstacle> {
     let pose = Pose { position, rotation: UnitQuaternion::IDENTITY };
-    vec![Obstacle { name: "obstacle".to_owned(), form, pose, friction: 0.0 }]
+    vec![Obstacle { name: "obstacle".to_owned(), form, pose, friction: 0.0, movable: None }]
 }
 
 /// A ball beside the finger, on the side to which it bends.
