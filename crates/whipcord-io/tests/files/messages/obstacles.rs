@@ -48,7 +48,7 @@ fn movable_objects_that_cannot_be() {
     let ball =
         |lines: &str| message(&with_obstacle(&format!("kind = \"sphere\"\nradius = 1\n{lines}")));
     for (lines, words) in [
-        ("mass = \"-1 kg\"", "`obstacles[0].mass`"),
+        ("mass = \"-1 kg\"", "`mass` of obstacle 1"),
         ("mass = \"3 mm\"", "mass"),
         ("mass = 1\ndensity = 2", "density"),
         ("center_of_mass = [0, 0, 0]", "mass"),
