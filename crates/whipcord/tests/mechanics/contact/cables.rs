@@ -82,6 +82,7 @@ fn no_deeper_place_is_left_out() {
         form,
         pose: Pose { position, rotation: UnitQuaternion::exp(turn) },
         friction: 0.0,
+        movable: None,
     };
     case.obstacles = vec![
         thing(
