@@ -42,6 +42,9 @@ pub(crate) struct Meter {
     attempt: Counter,
 }
 
+/// An integration step takes about as long as the elimination of a dense matrix takes for so much of the cube of its rows.
+const ELIMINATION: usize = 3_000;
+
 /// A count that can be raised through a shared reference: of a solve, which is the work of one thread.
 #[derive(Debug, Default)]
 struct Counter(AtomicUsize);
@@ -101,6 +104,11 @@ impl Meter {
     /// Counts integration steps.
     pub fn integrate(&self, steps: usize) {
         self.integration_steps.add(steps);
+    }
+
+    /// Counts the elimination of a dense matrix with so many rows, as the integration steps that take as long.
+    pub fn eliminate(&self, rows: usize) {
+        self.integrate(rows.saturating_pow(3) / ELIMINATION);
     }
 
     /// Whether all of the budget is spent.

@@ -80,6 +80,7 @@ impl FrictionScratch {
                 return Err(failed(iteration, before, None));
             };
             model.meter().iterate();
+            model.meter().eliminate(self.tensions.len());
             self.kept.clone_from(&self.tensions);
             recent.rotate_right(1);
             recent[0] = before;

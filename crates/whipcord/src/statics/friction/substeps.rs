@@ -368,7 +368,8 @@ impl Way<'_> {
                 Err(_) => None,
             };
             match (found, error) {
-                (Ok(effort), Some(error)) if error <= 1.0 || length <= LEAST_ACCURATE => {
+                // The last substep takes what is left, which is up to a third longer than it would be.
+                (Ok(effort), Some(error)) if error <= 1.0 || 0.75 * length <= LEAST_ACCURATE => {
                     self.advance(model, history);
                     at = if length >= left { 1.0 } else { at + length };
                     residual = effort.residual;
