@@ -553,9 +553,10 @@ impl<M: Compliant> PathTracker<'_, M> {
         if contacts > most {
             return Err(Stop::Spent(Obstruction::TooManyContacts { contacts, most }));
         }
-        let contacts_now = contacts as f64;
-        let columns = 1.0 + contacts_now / COSTLY;
-        self.spent += self.model.effort() * columns + (contacts_now / DENSE).powi(3);
+        // Dampers have columns as contacts have.
+        let pushes = (contacts + self.dampers.all.len()) as f64;
+        let columns = 1.0 + pushes / COSTLY;
+        self.spent += self.model.effort() * columns + (pushes / DENSE).powi(3);
         if self.spent > self.model.budget() {
             let Self { iterations, residual, .. } = *self;
             return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts, residual }));
