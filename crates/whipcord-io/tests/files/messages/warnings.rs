@@ -330,7 +330,7 @@ fn a_cable_that_passes_through_an_obstacle_is_told_of() {
             .replace("\"4 N\"", "0.01");
         let position = format!("[0, {distance}, 0.09]");
         format!(
-            "{robot}[[obstacles]]\nname = \"ball\"\nshape = \"sphere\"\nradius = 0.003\nposition = {position}\n"
+            "{robot}[[obstacles]]\nname = \"ball\"\nkind = \"sphere\"\nradius = 0.003\nposition = {position}\n"
         )
     };
     let warnings = |distance: f64| about_answer(&file(&text(distance)), ModelKind::CosseratDisks);
