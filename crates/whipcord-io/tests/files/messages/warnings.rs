@@ -340,7 +340,7 @@ fn a_cable_that_passes_through_an_obstacle_is_told_of() {
     let message = warning.warning.to_string();
     assert!(
         message.starts_with(
-            "cable `cable-1` passes through the obstacle `ball` between disks 2 and 3, 0."
+            "cable `pull` passes through the obstacle `ball` between disks 2 and 3, 0."
         ),
         "{message}"
     );
