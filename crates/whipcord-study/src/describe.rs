@@ -54,7 +54,7 @@ pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
     for obstacle in &case.obstacles {
         let mut words = format!("{}, {}", form(&obstacle.form), placed(&obstacle.pose));
         if let Some(body) = &obstacle.movable {
-            words += &format!(", movable, of {}", format!("{} g", number(1e3 * body.mass, 4)));
+            words += &format!(", movable, of {} g", number(1e3 * body.mass, 4));
         }
         lines.push((format!("obstacle {}", obstacle.name), words));
     }

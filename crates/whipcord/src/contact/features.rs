@@ -299,7 +299,7 @@ fn corners(mesh: &Mesh) -> Vec<Vec3> {
             out = out / out.norm();
             let worst = edges.iter().max_by(|a, b| a.dot(out).total_cmp(&b.dot(out)));
             let Some(worst) = worst.filter(|edge| edge.dot(out) > -POINTED) else { break };
-            out = out - *worst * (1.0 / f64::from(step + 2));
+            out -= *worst * (1.0 / f64::from(step + 2));
         }
         let steepest = if out.norm() > 0.0 { slope(out / out.norm()) } else { 1.0 };
         if steepest < -POINTED {
