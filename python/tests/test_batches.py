@@ -220,7 +220,9 @@ def test_cases_of_other_robots_and_loads_are_solved_at_once(case: whipcord.Case)
     assert np.array_equal(first.position, case.solve(stations=7).position)
     assert second == others[1].solve(stations=7) and second.case == others[1]
     assert isinstance(third, whipcord.errors.SectionFoldsError)
-    assert isinstance(fourth, whipcord.ModelError)
+    assert fourth == others[3].solve(stations=7)
+    (refused,) = whipcord.solve_cases(others[3:], model="constant-curvature")
+    assert isinstance(refused, whipcord.ModelError)
     assert whipcord.solve_cases([]) == []
 
 

@@ -153,10 +153,11 @@ def test_what_cannot_be_fitted_is_refused(cases: list[Case]) -> None:
         (([cases[0], cases[1].with_parameters({YOUNG: 1e9})], [YOUNG]), "the backbone differ"),
         ((cases, [Unknown(YOUNG, start="a")]), "start must be a number"),
         ((cases, [Unknown(YOUNG, least=2.0, greatest=1.0)]), "least value must be below"),
-        ((cases, ["cables.friction"]), "cosserat-disks"),
     ]:
         with pytest.raises(InputError, match=words):
             whipcord.fit(*given)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="has no friction: use cosserat"):
+        whipcord.fit(cases, ["cables.friction"], model="constant-curvature")
     with pytest.raises(InputError, match="there is no loss `l1`"):
         whipcord.fit(cases, [YOUNG], loss="l1")  # type: ignore[arg-type]
     with pytest.raises(errors.FitError, match=r"cases\[0\] has no answer") as start:
