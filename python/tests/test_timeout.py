@@ -105,7 +105,7 @@ def test_an_overlay_ends() -> None:
 
 
 def test_a_search_in_a_photograph_ends() -> None:
-    photo = np.random.default_rng(1).integers(0, 255, (600, 600, 3), dtype=np.uint8)
+    photo = np.random.default_rng(1).integers(0, 255, (2000, 2000, 3), dtype=np.uint8)
     with pytest.raises(whipcord.errors.WhipcordTimeout, match="the search for disks or markers was not done"):
         whipcord.measure(photo, count=4, timeout=1e-3)
     assert rests()

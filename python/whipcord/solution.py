@@ -398,6 +398,8 @@ class Solution:
             CableOverlap(**{**overlap, "point": np.array(overlap["point"]), "normal": np.array(overlap["normal"])})
             for overlap in self._case._setup.cable_overlaps(self._answer)
         )
+
+    @cached_property
     def objects(self) -> tuple[ObjectState, ...]:
         """The movable objects of its case, where they are in equilibrium."""
 

@@ -36,6 +36,7 @@ const MOST_DISTANCES: usize = 2000;
 ///     form: Form::Sphere { radius: 0.003 },
 ///     pose: Pose { position: Vec3::new(0.010, 0.0, 0.09), ..Pose::IDENTITY },
 ///     friction: 0.0,
+///     movable: None,
 /// };
 /// let case = Case { obstacles: vec![ball], ..Case::with_tensions(&[0.01]) };
 /// let model = Model::new(ModelKind::CosseratDisks, Stations::default(), Actuation::Tension);
