@@ -153,7 +153,7 @@ pub(super) fn newton(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(us
 }
 
 /// Whether the equilibrium of the closed chain is stable, as far as that is asked for and known.
-fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
+pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     let Scratch { trajectory, applied, stability, chain, .. } = scratch;
     let State { tensions, load, .. } = &chain.state;
     problem.stability == StabilityCheck::Off

@@ -38,6 +38,7 @@ mod loaded;
 mod model;
 mod newton;
 mod path;
+mod perturbed;
 mod prepared;
 mod problem;
 mod redundant_cables;

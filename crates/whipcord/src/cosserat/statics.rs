@@ -15,7 +15,8 @@ use super::continuation::{Ended, newton, raise_load, raise_load_at_tensions, ref
 use super::guess::guess;
 use super::newton::Point;
 use super::path::RodPath;
-use super::problem::Problem;
+use super::perturbed;
+use super::problem::{Problem, StabilityCheck};
 use super::scratch::{Scratch, Start};
 use super::search;
 use super::shooting::{Failed, finish, finish_chain, shoot};
@@ -161,6 +162,7 @@ fn from_no_load(
     let Ended { failure, state, iterations } = ended;
     let Some(state) = state.filter(|_| problem.follow) else { return Err(failure) };
     let stays_on_path = scratch.stays_on_path;
+    let last_stable = state.load;
     let mut path = RodPath::new(problem, scratch);
     let beyond = next_stable(&mut path, &state, stays_on_path, iterations);
     let lost_at = beyond.lost_at;
@@ -178,6 +180,15 @@ fn from_no_load(
     {
         scratch.stable = true;
         return Ok(Found { lost_at, ..found });
+    }
+    if problem.stability != StabilityCheck::Off
+        && !scratch.applied.any_follower()
+        && !stays_on_path
+        && let Some(found) = perturbed::stable_equilibrium(problem, scratch)
+    {
+        scratch.stable = true;
+        let iterations = beyond.iterations + found.iterations;
+        return Ok(Found { iterations, lost_at: lost_at.or(Some(last_stable)), ..found });
     }
     if let Some(state) = beyond.unstable
         && let Ok(found) = converge(problem, scratch, state)

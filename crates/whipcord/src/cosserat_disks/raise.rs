@@ -14,8 +14,10 @@ use crate::statics::continuation::{
     FIRST_LOAD_STEP, LEAST_LOAD_STEP, PATH_ENDS, SHORT_ITERATION, load_steps,
 };
 use crate::statics::lengths::Effort;
+use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::{Failure, Open};
 use crate::statics::path;
+use crate::statics::perturbation::{self, Perturbation, Perturbed};
 use crate::statics::trace::Stage;
 
 /// Shapes that are tried where the load leads to none that is stable: bent by so much in all, in rad,
@@ -23,18 +25,6 @@ use crate::statics::trace::Stage;
 const FAR_BENDS: [f64; 3] = [1.0, 2.5, 5.0];
 
 const FAR_WAYS: usize = 8;
-
-/// Dead moments that lead a robot off a path that is not stable, in all in units of EI/L, and the parts of them
-/// that are left as they are taken away.
-const PERTURBATIONS: [f64; 2] = [0.05, 0.4];
-
-const TAKEN_AWAY: [f64; 7] = [0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4, 0.0];
-
-/// Their direction: none that a robot is built along.
-const SIDEWAYS: Vec3 = Vec3::new(0.48, 0.64, 0.6);
-
-/// Multiples of it are spread evenly over the unit interval.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Halvings that locate the loss of stability.
 pub(super) const LOSS_HALVINGS: usize = 12;
@@ -57,12 +47,7 @@ pub(super) struct Ended {
 }
 
 impl Raise<'_> {
-    pub fn task<'a>(
-        &'a self,
-        groups: &'a [usize],
-        loads: &'a crate::statics::loads::AppliedLoads,
-        load: f64,
-    ) -> Task<'a> {
+    pub fn task<'a>(&'a self, groups: &'a [usize], loads: &'a AppliedLoads, load: f64) -> Task<'a> {
         let Problem { frame, mesh, tolerance, meter, .. } = *self.problem;
         let Self { commands, derivatives, .. } = *self;
         let step = path::Step::Close;
@@ -175,42 +160,13 @@ impl Raise<'_> {
         (low > 0.0).then_some(low)
     }
 
-    /// A stable equilibrium on a branch off the path: the load is raised once more together with small dead
-    /// moments on the disks, which are then taken away. They point in no direction that a robot is built along and
-    /// differ from disk to disk, so that they work on every mode.
+    /// A stable equilibrium on a branch off the path, by dead moments on the disks.
     pub fn perturbed(&self, scratch: &mut Scratch, rest: &Place) -> Option<Effort> {
-        let Problem { frame, mesh, .. } = *self.problem;
-        let kept = scratch.applied.clone();
-        let spans = mesh.spans.len() as f64;
-        let total = frame.scales(mesh).moment;
-        let disturb = |scratch: &mut Scratch, part: f64| {
-            scratch.applied.clone_from(&kept);
-            for (k, steps) in mesh.spans.iter().enumerate() {
-                let share = part * total * (0.5 + (k as f64 * GOLDEN).fract()) / spans;
-                scratch.applied.add_moment(steps.end, share * SIDEWAYS);
-            }
-        };
-        let mut found = None;
-        for size in PERTURBATIONS {
-            disturb(scratch, size);
-            rest.restore(scratch);
-            let raised = self.steadily(scratch).ok();
-            let Some(effort) = raised.or_else(|| self.all(scratch, true).ok()) else { continue };
-            let mut iterations = effort.iterations;
-            let taken_away = TAKEN_AWAY.into_iter().try_fold(effort, |_, part| {
-                disturb(scratch, size * part);
-                let effort = self.newton(scratch, 1.0, false).ok()?;
-                iterations += effort.iterations;
-                Some(Effort { iterations, ..effort })
-            });
-            scratch.applied.clone_from(&kept);
-            found = taken_away
-                .filter(|_| stability_check::is_nearly_stable(self.problem, scratch) == Some(true));
-            if found.is_some() {
-                break;
-            }
-        }
-        scratch.applied.clone_from(&kept);
+        let loads = scratch.applied.clone();
+        let kept = Place::of(&scratch.chain);
+        let mut perturbed = PerturbedChain { raise: self, scratch, loads: &loads, rest, kept };
+        let found = perturbation::stable_equilibrium(&mut perturbed);
+        scratch.applied.clone_from(&loads);
         found
     }
 
@@ -298,6 +254,55 @@ impl Raise<'_> {
             let fault = reason.fault.unwrap_or(none);
             Ended { load, residual, iterations: effort.iterations, fault }
         })
+    }
+}
+
+/// A chain that dead moments lead off its path.
+struct PerturbedChain<'a> {
+    raise: &'a Raise<'a>,
+    scratch: &'a mut Scratch,
+    /// Those of the case.
+    loads: &'a AppliedLoads,
+    /// The chain without load.
+    rest: &'a Place,
+    kept: Place,
+}
+
+impl Perturbed for PerturbedChain<'_> {
+    fn perturb(&mut self, by: Perturbation) {
+        let Problem { frame, mesh, .. } = *self.raise.problem;
+        let unit = frame.scales(mesh).moment;
+        let applied = &mut self.scratch.applied;
+        applied.clone_from(self.loads);
+        for (k, steps) in mesh.spans.iter().enumerate() {
+            applied.add_moment(steps.end, by.moment(k, mesh.spans.len(), unit));
+        }
+    }
+
+    fn raise(&mut self) -> Option<Effort> {
+        self.rest.restore(self.scratch);
+        let raised = self.raise.steadily(self.scratch).ok();
+        raised.or_else(|| self.raise.all(self.scratch, true).ok())
+    }
+
+    fn converge(&mut self) -> Option<Effort> {
+        self.raise.newton(self.scratch, 1.0, false).ok()
+    }
+
+    fn keep(&mut self) {
+        self.kept = Place::of(&self.scratch.chain);
+    }
+
+    fn restore(&mut self) {
+        self.kept.restore(self.scratch);
+    }
+
+    fn has_ended(&self) -> bool {
+        self.raise.problem.meter.has_ended()
+    }
+
+    fn is_stable(&mut self) -> bool {
+        stability_check::is_nearly_stable(self.raise.problem, self.scratch) == Some(true)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Steps of actuation with friction at the holes, and what the holes do at the end of them.
 
 use super::friction::{Memory, Rubbing, RubbingChain};
+use super::held::HeldCable;
 use super::statics::Effort;
 use super::task::Task;
 use super::{Linkage, Workspace};
@@ -108,17 +109,17 @@ impl Linkage {
                 && holes.coefficients[cable] == 0.0
                 && history.tensions[first] > 0.0
             {
-                held.push((first, compliance));
+                held.push(HeldCable::taut(first, compliance));
             }
         }
-        let lock = |p: usize, compliance: f64| held.push((p, compliance));
+        let lock = |p: usize, compliance: f64| held.push(HeldCable::taut(p, compliance));
         holes
             .lock(commands, &memory.at.turns, history, lock)
             .map_err(|Slides| NoStability::Sliding)?;
         let task = Task { sections: strands, ..self.task(loads, &history.tensions, meter) };
-        let least = scratch.least_eigenvalue(&task, held);
+        let verdict = scratch.verdict(&task, held, self.options.stability);
         holes.cable_lengths(&memory.at.lengths, &mut scratch.chain.lengths);
-        least.map(Verdict::of_eigenvalue).ok_or(NoStability::Undetermined)
+        verdict
     }
 
     /// Writes what the holes do.

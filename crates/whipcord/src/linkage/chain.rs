@@ -33,8 +33,10 @@ struct Inner {
     motion: Motion,
     /// What is applied to it.
     load: Wrench,
-    /// The part of it that turns with the cross-section.
-    follower: Wrench,
+    /// The part of the force that turns with the cross-section.
+    follower: Vec3,
+    /// What a turn of the cross-section does to the moment.
+    moment_by: Mat3,
 }
 
 /// Memory of the iteration, and the point it is at.
@@ -134,7 +136,7 @@ impl Chain {
             let axes: [Vec3; 3] = core::array::from_fn(|j| rotations.column(j));
             for load in task.loads.inside(k) {
                 let motion = Motion::up_to(division, section.length, q, load.at);
-                inner.push(Inner::new(motion, load, &axes, task.load));
+                inner.push(Inner::new(motion, load, &axes, task));
             }
             // The frame of the disk at its end, by rows of its transpose.
             rotations = rotations * link.motion.rotation;
@@ -223,11 +225,12 @@ impl Chain {
                     tangent[a][b] -= second[a][b];
                 }
             }
-            for Inner { motion, load, follower } in (&mut inner).take(task.loads.inside(k).len()) {
+            let inside = (&mut inner).take(task.loads.inside(k).len());
+            for Inner { motion, load, follower, moment_by } in inside {
                 let second = motion.second(division, section.length, load.moment, load.force);
                 for a in 0..count {
                     let (turn, shift) = (motion.turn[a], motion.shift[a]);
-                    let by = follower.force.cross(shift) + follower.moment.cross(turn);
+                    let by = follower.cross(shift) + moment_by.transpose_mul(turn);
                     for b in 0..count {
                         tangent[a][b] -= second[a][b] + by.dot(motion.turn[b]);
                     }
@@ -282,6 +285,8 @@ impl Chain {
             let section = &task.sections[k];
             first -= section.passages.len();
             let own = task.loads.followers[k + 1];
+            let dead = seen_from(&self.turns[3 * k..3 * k + 3], task.loads.dead[k + 1].moment);
+            let own_by = task.moments.by_turn(own.moment * task.load, dead * task.load);
             let inside = left - task.loads.inside(k).len()..left;
             left = inside.start;
             let inside = &self.inner[inside];
@@ -289,7 +294,7 @@ impl Chain {
             let turn = link.motion.rotation;
             let back = turn.transpose();
             force_by = turn * (force_by - Mat3::skew(own.force * task.load)) * back;
-            moment_by = turn * (moment_by - Mat3::skew(own.moment * task.load)) * back;
+            moment_by = turn * (moment_by + own_by) * back;
             let Link { motion, wrench, residual, tangent, by_turn } = link;
             self.matrix.clear();
             for a in 0..count {
@@ -306,9 +311,10 @@ impl Chain {
                     + by_force
                     + motion.turn[a].cross(wrench.moment)
                     + motion.shift[a].cross(wrench.force);
-                for Inner { motion, load, follower } in inside {
-                    by_turn[a] += motion.turn[a].cross(load.moment - follower.moment)
-                        + motion.shift[a].cross(load.force - follower.force);
+                for Inner { motion, load, follower, moment_by } in inside {
+                    by_turn[a] += motion.turn[a].cross(load.moment)
+                        + moment_by.transpose_mul(motion.turn[a])
+                        + motion.shift[a].cross(load.force - *follower);
                 }
             }
             negative += negative_pivots(count, &self.matrix, &mut self.column)?;
@@ -332,16 +338,16 @@ impl Chain {
             moment_by = old_moment_by * turned.plus_identity()
                 - Mat3::skew(wrench.force) * (moved - arm)
                 + arm * force_by;
-            for Inner { motion, load, follower } in inside {
+            for Inner { motion, load, follower, moment_by: own_by } in inside {
                 let (mut turned, mut moved) = (Mat3::default(), -Mat3::skew(motion.end));
                 for a in 0..count {
                     turned += Mat3::outer(motion.turn[a], by_turn[a]);
                     moved += Mat3::outer(motion.shift[a], by_turn[a]);
                 }
                 let turned = turned.plus_identity();
-                let by_force = -Mat3::skew(follower.force) * turned;
+                let by_force = -Mat3::skew(*follower) * turned;
                 force_by += by_force;
-                moment_by += -Mat3::skew(follower.moment) * turned - Mat3::skew(load.force) * moved
+                moment_by += *own_by * turned - Mat3::skew(load.force) * moved
                     + Mat3::skew(motion.end) * by_force;
             }
             for side in 0..sides {
@@ -391,17 +397,16 @@ impl Chain {
                     + old_moment_by * turned
                     + moved.cross(wrench.force)
                     + motion.end.cross(force);
-                for Inner { motion, load, follower } in inside {
+                for Inner { motion, load, follower, moment_by } in inside {
                     let (mut turned, mut moved) = (Vec3::ZERO, Vec3::ZERO);
                     for a in 0..count {
                         turned += motion.turn[a] * step[a];
                         moved += motion.shift[a] * step[a];
                     }
-                    let change = turned.cross(follower.force);
+                    let change = turned.cross(*follower);
                     force += change;
-                    moment += turned.cross(follower.moment)
-                        + moved.cross(load.force)
-                        + motion.end.cross(change);
+                    moment +=
+                        *moment_by * turned + moved.cross(load.force) + motion.end.cross(change);
                 }
                 if let Some(Pushed { about_start, .. }) = push {
                     force += about_start.force;
@@ -517,25 +522,28 @@ impl Chain {
 
 impl Inner {
     /// Of a load on the cross-section that moves like this, behind a disk whose axes, in the base frame, are these.
-    fn new(motion: Motion, load: &InnerLoad, axes: &[Vec3; 3], factor: f64) -> Self {
-        let seen = |v: Vec3| Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v)) * factor;
-        let turned = |v: Vec3| motion.rotation * v * factor;
-        let follower =
-            Wrench { force: turned(load.follower.force), moment: turned(load.follower.moment) };
-        let load = Wrench {
-            force: seen(load.dead.force) + follower.force,
-            moment: seen(load.dead.moment) + follower.moment,
-        };
-        Self { motion, load, follower }
+    fn new(motion: Motion, load: &InnerLoad, axes: &[Vec3; 3], task: &Task<'_>) -> Self {
+        let seen = |v: Vec3| seen_from(axes, v) * task.load;
+        let turned = |v: Vec3| motion.rotation * v * task.load;
+        let (follower, dead) = (turned(load.follower.moment), seen(load.dead.moment));
+        let moment_by = task.moments.by_turn(follower, dead);
+        let moment = dead + follower;
+        let follower = turned(load.follower.force);
+        let load = Wrench { force: seen(load.dead.force) + follower, moment };
+        Self { motion, load, follower, moment_by }
     }
 }
 
 /// What is applied to a disk whose axes, in the base frame, are these, in its own frame.
 fn applied(task: &Task<'_>, disk: usize, axes: &[Vec3]) -> Wrench {
     let (dead, own) = (&task.loads.dead[disk], &task.loads.followers[disk]);
-    let seen = |v: Vec3| Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v));
     Wrench {
-        force: (seen(dead.force) + own.force) * task.load,
-        moment: (seen(dead.moment) + own.moment) * task.load,
+        force: (seen_from(axes, dead.force) + own.force) * task.load,
+        moment: (seen_from(axes, dead.moment) + own.moment) * task.load,
     }
+}
+
+/// A vector of the base frame in a frame whose axes, in the base frame, are these.
+fn seen_from(axes: &[Vec3], v: Vec3) -> Vec3 {
+    Vec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v))
 }

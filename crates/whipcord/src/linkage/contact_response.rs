@@ -66,8 +66,9 @@ impl ContactResponse {
         let of_cable = |i: usize| (i, compliance(i) + LENGTH_REGULARISATION * greatest);
         let bordered: Vec<(usize, f64)> =
             (0..count).filter(|&i| is_active[i]).map(of_cable).collect();
-        let positive = positive_pivots(&bordered, |i, j| -by_tension(i, j), pivots, work)
-            .ok_or(SolveError::NoDerivatives)?;
+        let positive =
+            positive_pivots(bordered.iter().copied(), |i, j| -by_tension(i, j), pivots, work)
+                .ok_or(SolveError::NoDerivatives)?;
         self.stands = (negative + bordered.len() - positive).is_multiple_of(2);
         tensions.clear();
         twists.clear();

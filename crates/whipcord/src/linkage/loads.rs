@@ -91,6 +91,12 @@ impl AppliedLoads {
         (dead[0], followers[0]) = (Wrench::default(), Wrench::default());
     }
 
+    /// Whether a dead moment acts: it has no energy where the section that bears it can turn.
+    pub fn any_dead_moment(&self) -> bool {
+        let inner = self.inner.iter().map(|load| &load.dead);
+        self.dead.iter().chain(inner).any(|wrench| wrench.moment != Vec3::ZERO)
+    }
+
     /// The loads within this section.
     pub fn inside(&self, section: usize) -> &[InnerLoad] {
         &self.inner[self.first[section]..self.first[section + 1]]

@@ -4,7 +4,7 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
-//! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `derivatives` differentiates it, `local` at one place;
+//! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `stability` judges it, `stable_branch` finds another where it is not stable, `derivatives` differentiates it, `local` at one place;
 //! `places` are cross-sections that wrenches act on, `contact` is the chain among obstacles; `friction` gives every
 //! passage of a cable a tension of its own, for `actuation_steps` with friction at the holes.
 
@@ -16,6 +16,7 @@ mod derivatives;
 pub(crate) mod division;
 mod energy;
 mod friction;
+mod held;
 mod layout;
 mod loads;
 mod local;
@@ -24,6 +25,8 @@ mod path;
 mod pivots;
 mod places;
 mod pushed;
+mod stability;
+mod stable_branch;
 mod statics;
 mod swing;
 mod task;
@@ -48,11 +51,12 @@ use crate::warm_start::{Status, WarmStart};
 
 use division::Division;
 use friction::Rubbing;
+use held::{HeldCable, HoldScratch};
 use layout::Section;
 use loads::AppliedLoads;
 use motion::Coordinates;
 use statics::{Effort, Responder, Scratch};
-use task::Task;
+use task::{DeadMoments, Task};
 
 /// How a model is driven, and what it computes.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +114,8 @@ pub struct Workspace {
     commands: Vec<Command>,
     tensions: Vec<f64>,
     search: LengthScratch,
-    held: Vec<(usize, f64)>,
+    held: Vec<HeldCable>,
+    hold: HoldScratch,
     meter: Meter,
     friction: friction::Memory,
 }
@@ -242,10 +247,9 @@ impl Linkage {
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);
         }
-        let found = self.find(case, from.given(solution), workspace);
+        let found = self.find_stable(case, from.given(solution), workspace);
         match workspace.meter.checked(found) {
-            Ok(effort) => {
-                let verdict = self.stability(case, workspace);
+            Ok((effort, verdict)) => {
                 self.write(case, effort, verdict, workspace, solution);
                 Ok(Status::Converged)
             }
@@ -266,8 +270,7 @@ impl Linkage {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
-        let effort = self.find(case, warm_start, workspace)?;
-        let verdict = self.stability(case, workspace);
+        let (effort, verdict) = self.find_stable(case, warm_start, workspace)?;
         Ok(self.solution(case, effort, verdict, workspace))
     }
 
@@ -294,6 +297,13 @@ impl Linkage {
         }
         self.converge(1.0, warm_start.is_some(), workspace)
             .map_err(|failure| self.explain(failure, &workspace.commands))
+    }
+
+    /// The least bending stiffness of a section over the length of the robot, in N·m: the unit of moments.
+    fn bending_scale(&self) -> f64 {
+        let bending = |a: usize| self.sections.iter().map(move |s| s.stiffness[a] * s.length);
+        let least = bending(1).chain(bending(2)).fold(f64::INFINITY, f64::min);
+        least / self.robot.backbone().length
     }
 
     /// Gathers the loads and commands of a checked case.
@@ -365,6 +375,7 @@ impl Linkage {
             load: 1.0,
             pull: 1.0,
             tensions,
+            moments: DeadMoments::Exact,
             meter,
         }
     }
@@ -462,47 +473,4 @@ impl Linkage {
         }
         .with_stability(verdict);
     }
-
-    /// The stability of an answer to a case that was found by other means.
-    pub(crate) fn judge(
-        &self,
-        case: &Case,
-        solution: &Solution,
-        workspace: &mut Workspace,
-    ) -> Result<Verdict, NoStability> {
-        self.accept(case, workspace).map_err(|_| NoStability::Undetermined)?;
-        let Workspace { scratch, tensions, .. } = &mut *workspace;
-        self.start_from(solution, scratch);
-        tensions.clear();
-        tensions.extend(solution.cables.iter().map(|cable| cable.tension.unwrap_or(0.0)));
-        self.stability(case, workspace)
-    }
-
-    /// Stability by the least eigenvalue of the tangent, or why it is not known.
-    fn stability(&self, case: &Case, workspace: &mut Workspace) -> Result<Verdict, NoStability> {
-        if self.options.stability == StabilityAnalysis::Off {
-            return Err(NoStability::NotAsked);
-        }
-        if case.loads.has_follower() {
-            return Err(NoStability::Followers);
-        }
-        if let Some(rubbing) = &self.friction {
-            return self.stability_with_friction(rubbing, workspace);
-        }
-        let Workspace { scratch, loads, commands, tensions, held, meter, .. } = workspace;
-        hold(commands, tensions, held);
-        let task = self.task(loads, tensions, meter);
-        let least = scratch.least_eigenvalue(&task, held).ok_or(NoStability::Undetermined)?;
-        Ok(Verdict::of_eigenvalue(least))
-    }
-}
-
-/// The cables that are held at their lengths, and how far each of them gives in m/N.
-fn hold(commands: &[Command], tensions: &[f64], held: &mut Vec<(usize, f64)>) {
-    let cables = commands.iter().zip(tensions).enumerate();
-    held.clear();
-    held.extend(cables.filter_map(|(i, (command, &tension))| match *command {
-        Command::Length { compliance, .. } if tension > 0.0 => Some((i, compliance)),
-        _ => None,
-    }));
 }

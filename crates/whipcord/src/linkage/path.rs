@@ -4,7 +4,7 @@ use whipcord_numerics::{Pose, Solved, Vec3};
 
 use super::motion::{self, Coordinates, MOST};
 use super::statics::{Effort, Scratch};
-use super::task::{Right, Task};
+use super::task::{DeadMoments, Right, Task};
 use super::{Linkage, Workspace};
 use crate::budget::Budget;
 use crate::case::Case;
@@ -28,7 +28,7 @@ type Direction = state::Direction<Coordinates>;
 const REGULARISATION: f64 = 1e-9;
 
 /// The chain under the loads of a case.
-struct LinkagePath<'a> {
+pub(super) struct LinkagePath<'a> {
     model: &'a Linkage,
     workspace: &'a mut Workspace,
     commands: Vec<Command>,
@@ -57,7 +57,7 @@ impl PartChange for Coordinates {
 
 impl<'a> LinkagePath<'a> {
     /// Of a case that was accepted.
-    fn new(model: &'a Linkage, case: &Case, workspace: &'a mut Workspace) -> Self {
+    pub fn new(model: &'a Linkage, case: &Case, workspace: &'a mut Workspace) -> Self {
         let commands = workspace.commands.clone();
         let has_followers = case.loads.has_follower();
         let shared = SharedUnknowns::default();
@@ -84,7 +84,7 @@ impl<'a> LinkagePath<'a> {
     }
 
     /// Newton's method from the state.
-    fn newton(&mut self, across: Option<&Direction>, residual: f64) -> Option<Solved> {
+    pub fn newton(&mut self, across: Option<&Direction>, residual: f64) -> Option<Solved> {
         let tolerance = self.model.options.residual.max(residual);
         converge(self, across, tolerance, |path| Some(path.residual()).filter(|r| r.is_finite()))
     }
@@ -113,8 +113,7 @@ impl EquilibriumPath for LinkagePath<'_> {
 
     fn scales(&self) -> Scales {
         let length = self.model.robot.backbone().length;
-        let bending = |a: usize| self.model.sections.iter().map(move |s| s.stiffness[a] * s.length);
-        let moment = bending(1).chain(bending(2)).fold(f64::INFINITY, f64::min) / length;
+        let moment = self.model.bending_scale();
         Scales { moment, force: moment / length, length }
     }
 
@@ -214,19 +213,15 @@ impl EquilibriumPath for LinkagePath<'_> {
     }
 
     fn unstable_directions(&mut self) -> Option<usize> {
-        let mut held = core::mem::take(&mut self.workspace.held);
-        super::hold(&self.commands, &self.workspace.tensions, &mut held);
-        let has_followers = self.has_followers;
-        let below = self.ask(self.load, |scratch, task| {
-            scratch.chain.evaluate(task);
-            scratch.chain.linearise(task);
-            if has_followers {
-                return Some(scratch.eigenvalues_below(task, &held, 0.0)? % 2);
-            }
-            scratch.eigenvalues_below(task, &held, -Diagnostics::NEUTRAL)
-        });
-        self.workspace.held = held;
-        below
+        let Workspace { scratch, loads, tensions, meter, held, hold, .. } = &mut *self.workspace;
+        let task = Task { load: self.load, ..self.model.task(loads, tensions, meter) };
+        if self.has_followers {
+            self.model.hold(scratch, &task, &self.commands, (hold, held))?;
+            return Some(scratch.eigenvalues_below(&task, held, 0.0)? % 2);
+        }
+        let task = Task { moments: DeadMoments::Symmetric { more: 0.0 }, ..task };
+        self.model.hold(scratch, &task, &self.commands, (hold, held))?;
+        scratch.eigenvalues_below(&task, held, -Diagnostics::NEUTRAL)
     }
 
     fn lengths(&mut self) -> Option<&[f64]> {

@@ -22,16 +22,17 @@ pub(super) fn negative_pivots(n: usize, matrix: &[f64], work: &mut Vec<f64>) -> 
 }
 
 /// Of the matrix `c + CᵀH⁻¹C` of the held cables, by elimination.
+/// The cables are given with how far each of them gives in m/N.
 pub(super) fn positive_pivots(
-    held: &[(usize, f64)],
+    held: impl ExactSizeIterator<Item = (usize, f64)> + Clone,
     entry: impl Fn(usize, usize) -> f64,
     pivots: &mut Vec<f64>,
     work: &mut Vec<f64>,
 ) -> Option<usize> {
     let n = held.len();
     pivots.clear();
-    for (i, &(cable, gives)) in held.iter().enumerate() {
-        for (j, &(other, _)) in held.iter().enumerate() {
+    for (i, (cable, gives)) in held.clone().enumerate() {
+        for (j, (other, _)) in held.clone().enumerate() {
             pivots.push(entry(cable, other) + if i == j { gives } else { 0.0 });
         }
     }

@@ -8,7 +8,6 @@ use whipcord_numerics::{
 use super::chain::Chain;
 use super::layout::Section;
 use super::motion::{Coordinates, bend};
-use super::pivots::positive_pivots;
 use super::task::{Asked, Elimination, Task};
 use crate::section::Fault;
 use crate::section::SectionFault;
@@ -70,8 +69,8 @@ pub(super) struct Scratch {
     last: Known,
     /// Where a search may have to go back to.
     start: Vec<Coordinates>,
-    pivots: Vec<f64>,
-    work: Vec<f64>,
+    pub pivots: Vec<f64>,
+    pub work: Vec<f64>,
 }
 
 /// An equilibrium and its tensions.
@@ -338,61 +337,6 @@ impl Scratch {
             last_load: reached,
             advice: "pull or load it less, put more disks on it, or use cosserat-disks",
         }
-    }
-
-    /// Least eigenvalue of the tangent relative to the sections' own stiffness, eq. (8), by bisection on the number of
-    /// eigenvalues below. `held` are the cables that are held at their lengths, and how far each
-    /// of them gives in m/N.
-    pub fn least_eigenvalue(&mut self, task: &Task<'_>, held: &[(usize, f64)]) -> Option<f64> {
-        const FARTHEST: f64 = 1e6;
-        const BISECTIONS: usize = 22;
-        let below = |scratch: &mut Self, value| scratch.eigenvalues_below(task, held, value);
-        self.chain.evaluate(task);
-        self.chain.linearise(task);
-        let (mut low, mut high) = (0.5, 1.4);
-        while below(self, low)? > 0 {
-            if low < -FARTHEST {
-                return None;
-            }
-            (high, low) = (low, low.min(0.25) * 4.0 - 1.5);
-        }
-        while below(self, high)? == 0 {
-            if high > FARTHEST {
-                return None;
-            }
-            (low, high) = (high, 2.0 * high);
-        }
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            // At an eigenvalue itself the tangent is singular, as with many at 1.
-            let beside = middle - 1e-7 * middle.abs().max(1.0);
-            let count = below(self, middle).or_else(|| below(self, beside))?;
-            if count > 0 { high = middle } else { low = middle }
-        }
-        Some(0.5 * (low + high))
-    }
-
-    /// The number of eigenvalues of the tangent that was linearised last, relative to the sections' own stiffness, below
-    /// a value; `held` as in [`Self::least_eigenvalue`].
-    pub fn eigenvalues_below(
-        &mut self,
-        task: &Task<'_>,
-        held: &[(usize, f64)],
-        value: f64,
-    ) -> Option<usize> {
-        let asked = if held.is_empty() { Asked::Signs } else { Asked::Responses };
-        let negative = self.chain.eliminate(task, Elimination { shift: value, asked })?;
-        if held.is_empty() {
-            return Some(negative);
-        }
-        // Held cables make rows of the tangent's own: of `[H C; Cᵀ −c]` as many eigenvalues are
-        // negative as there are below, and one for each cable.
-        let Self { chain, length_by_tension, pivots, work, .. } = self;
-        chain.length_by_tension(task, length_by_tension);
-        let cables = task.tensions.len();
-        let entry = |i: usize, j: usize| -length_by_tension[i * cables + j];
-        let positive = positive_pivots(held, entry, pivots, work)?;
-        Some((negative + positive).saturating_sub(held.len()))
     }
 }
 

@@ -8,6 +8,7 @@
 //! | `infeasible_lengths` | lengths that exclude one another |
 //! | `rank` | redundant cables |
 //! | `active_set` | which cables are taut at the end of a Newton step, eq. (13) |
+//! | `perturbation` | stable equilibria on branches off the load path, by dead moments that are taken away again |
 //! | `self_stress` | which cables at their lengths without tension constrain the rod |
 //! | `grid`, `refinement` | integration steps, and the error that they leave |
 //! | `loads`, `strength` | loads at the nodes of a grid, and how strong they are for the rod |
@@ -43,6 +44,7 @@ pub(crate) mod options;
 pub(crate) mod outcome;
 pub(crate) mod passages;
 pub(crate) mod path;
+pub(crate) mod perturbation;
 pub(crate) mod quadratic_form;
 pub(crate) mod rank;
 pub(crate) mod refinement;
