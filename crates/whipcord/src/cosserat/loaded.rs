@@ -110,6 +110,29 @@ impl Trajectory {
         self.strains = steps.flat_map(of).collect();
     }
 
+    /// Starts the sections of the next shot from those of the last one, whose steps were the same or twice as long;
+    /// from their neighbours where they were others.
+    pub fn refine(&mut self, grid: &Grid) {
+        let slots = STAGES * grid.len();
+        if self.strains.len() == slots {
+            return;
+        }
+        if 2 * self.strains.len() != slots {
+            return self.forget();
+        }
+        self.strains.resize(slots, Strain::default());
+        for k in (0..grid.len() / 2).rev() {
+            // At the five equally spaced places of the long step.
+            let at = [0, 2, 3, 4, 5].map(|i| self.strains[STAGES * k + i]);
+            let between = |i: usize| (at[i] + at[i + 1]) * 0.5;
+            for (half, first) in [0, 2].into_iter().enumerate() {
+                let (near, far) = (between(first), between(first + 1));
+                let short = [at[first], near, near, at[first + 1], far, at[first + 2]];
+                self.strains[STAGES * (2 * k + half)..][..STAGES].copy_from_slice(&short);
+            }
+        }
+    }
+
     /// Lets the sections of the next shot start from their neighbours instead of the last shot.
     pub fn forget(&mut self) {
         self.strains.clear();

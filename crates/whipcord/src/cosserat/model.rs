@@ -9,6 +9,7 @@ use super::prepared::{
 };
 use super::problem::{self, StabilityCheck};
 use super::redundant_cables;
+use super::refinement::Attempt;
 use super::scratch::{Scratch, Start};
 use super::verdict;
 use crate::budget::{Budget, Meter};
@@ -250,8 +251,8 @@ impl Cosserat {
                 self.solve_checked(case, workspace, solution, |check, workspace| {
                     let allowance = Strength::default().allowance(grid);
                     workspace.scratch.trajectory.steps_left = allowance;
-                    let level = (FOLD_LEVEL, check);
-                    let found = self.solve_on(grid, case, start, level, workspace)?;
+                    let kind = Attempt { level: FOLD_LEVEL, check, is_final: true };
+                    let found = self.solve_on(grid, case, start, kind, workspace)?;
                     Ok(Refined { found, grid: Cow::Borrowed(grid), error: None })
                 })
             }
@@ -305,6 +306,7 @@ impl Cosserat {
             follow: true,
             bracket: true,
             redundant_cables: self.redundant_cables,
+            is_final: true,
             tolerance: self.options.greatest_residual(),
             meter,
         }

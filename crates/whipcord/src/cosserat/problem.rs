@@ -43,6 +43,8 @@ pub(super) struct Problem<'a> {
     /// Whether the robot has cables that pull against one another to no effect, see
     /// [`super::redundant_cables`].
     pub redundant_cables: bool,
+    /// Whether the answer may be that of the case: its stability is then asked for.
+    pub is_final: bool,
     /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
     pub tolerance: f64,
     pub meter: &'a Meter,
@@ -53,6 +55,16 @@ impl<'a> Problem<'a> {
     /// from its rotation, and the shape from its base.
     pub fn is_only(&self, applied: &AppliedLoads) -> bool {
         applied.only_dead_moments() && !self.commands.iter().any(Command::is_length)
+    }
+
+    /// Whether the stability of the answer is asked for at once.
+    pub fn is_checked(&self, applied: &AppliedLoads) -> bool {
+        let is_due = match self.stability {
+            StabilityCheck::Off => false,
+            StabilityCheck::AtAnswer => self.is_final,
+            StabilityCheck::EveryGrid => true,
+        };
+        is_due && !applied.any_follower()
     }
 
     /// An equilibrium of it whose stability is asked for.

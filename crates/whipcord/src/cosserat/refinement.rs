@@ -21,6 +21,8 @@ use crate::statics::outcome::{Failure, Found};
 use crate::statics::refinement::ERROR_RATIO;
 use crate::statics::strength::{GAVE_UP, Strength};
 
+/// Residual on the first grid, relative to that of the answer: what it leaves is far below the error of its steps.
+const COARSER_RESIDUAL: f64 = 10.0;
 /// Residual of a shape that is only looked at.
 const COARSE_RESIDUAL: f64 = 1e-6;
 /// Where lengths are given they do not change with the steps; the tensions do. The steps are those
@@ -28,6 +30,16 @@ const COARSE_RESIDUAL: f64 = 1e-6;
 /// those of another grid. The positions may be off by this much more than the tolerance, where they
 /// hang more on the lengths than on the tensions.
 const LENGTHS_SLACK: f64 = 100.0;
+
+/// How an answer on one grid is looked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Attempt {
+    /// How often the steps of the first grid are halved.
+    pub level: usize,
+    pub check: StabilityCheck,
+    /// Whether it may be the answer, or only what a finer grid starts from.
+    pub is_final: bool,
+}
 
 impl Workspace {
     /// Keeps what the answer on a coarse grid is compared by.
@@ -121,7 +133,8 @@ impl Cosserat {
             workspace.progress.level = level;
             let from_coarser = core::mem::take(&mut workspace.from_coarser);
             let from = if coarser.is_some() { &from_coarser } else { start };
-            let solved = self.solve_on(&grid, case, from, (level, check), workspace);
+            let kind = Attempt { level, check, is_final: coarser.is_some() };
+            let solved = self.solve_on(&grid, case, from, kind, workspace);
             workspace.from_coarser = from_coarser;
             let mut found = match solved {
                 // Steps that are too coarse for a strong bend can keep Newton's method away, and near a
@@ -228,6 +241,7 @@ impl Cosserat {
             ..self.problem(coarse, case, (&workspace.tensions, &workspace.meter))
         };
         workspace.scratch.keep_start(&mut workspace.from_coarser);
+        workspace.from_coarser.remembered = false;
         workspace.at_tensions.trajectory.steps_left = workspace.scratch.trajectory.steps_left;
         solve::solve(&problem, &workspace.from_coarser, &mut workspace.at_tensions).ok()?;
         let Workspace { at_tensions, coarse: kept, .. } = &mut *workspace;
@@ -240,14 +254,18 @@ impl Cosserat {
         grid: &Grid,
         case: &Case,
         start: &Start,
-        (level, stability): (usize, StabilityCheck),
+        attempt: Attempt,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
+        let Attempt { level, check, is_final } = attempt;
+        let whole = self.problem(grid, case, (&workspace.commands, &workspace.meter));
         let problem = problem::Problem {
             follow: level >= FOLLOW_LEVEL,
             bracket: level >= FOLD_LEVEL,
-            stability,
-            ..self.problem(grid, case, (&workspace.commands, &workspace.meter))
+            stability: check,
+            is_final,
+            tolerance: whole.tolerance * if is_final { 1.0 } else { COARSER_RESIDUAL },
+            ..whole
         };
         solve::solve(&problem, start, &mut workspace.scratch).map_err(|failure| {
             let Scratch { trajectory, applied, .. } = &workspace.scratch;

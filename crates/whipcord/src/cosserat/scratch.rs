@@ -29,6 +29,8 @@ pub(super) struct Start {
     pub chain: State,
     /// Cables that were let go, see [`super::redundant_cables`].
     pub slackened: Vec<usize>,
+    /// Whether the memory of the solve still has the derivatives and the strains of that answer.
+    pub remembered: bool,
 }
 
 impl Start {
@@ -37,6 +39,7 @@ impl Start {
         self.tensions.clear();
         self.slackened.clear();
         (self.base_wrench, self.stable, self.on_chain) = (None, false, false);
+        self.remembered = false;
     }
 }
 
@@ -64,6 +67,8 @@ pub(super) struct Scratch {
     pub(super) on_chain: bool,
     /// Whether the samples of the last shot are those of the answer.
     pub(super) sampled: bool,
+    /// Whether [`Newton::sensitivity`] and the strains of the last shot are those near the answer.
+    pub(super) differentiated: bool,
     /// Whether the answer is stable, as far as that was asked for.
     pub(super) stable: bool,
     /// Whether an equilibrium was accepted whose stability was not checked, see [`StabilityCheck::AtAnswer`].
@@ -93,5 +98,6 @@ impl Scratch {
             start.chain.copy_from(&self.chain.state);
         }
         start.slackened.clone_from(&self.slackened);
+        start.remembered = self.differentiated && !self.on_chain;
     }
 }

@@ -1,6 +1,6 @@
 //! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
 
-use super::loaded::{Target, Trajectory};
+use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
 use super::newton::{Point, residual};
 use super::problem::Problem;
 use super::scratch::Scratch;
@@ -14,6 +14,9 @@ use crate::statics::scales::Scales;
 const MAX_ITERATIONS: usize = 40;
 /// Steps smaller than this, relative to the scales, are made with the derivatives at hand.
 const KEEP_BELOW: f64 = 0.05;
+/// Derivatives at the answer on a coarser grid serve up to this residual, and are expected to leave so much of it.
+const KEPT_RESIDUAL: f64 = 1e-4;
+const EXPECTED_RATIO: f64 = 1e-3;
 /// Derivatives are made anew when a step leaves more of the residual than this.
 const KEEP_RATIO: f64 = 0.1;
 /// The line search gives up here.
@@ -27,7 +30,8 @@ pub(super) struct Failed {
 }
 
 /// Newton's method on eq. (7) from `scratch.newton.point`, where it also ends. The derivatives are
-/// kept as long as each step with them takes most of the residual away.
+/// kept as long as each step with them takes most of the residual away; those at the answer on a coarser grid serve
+/// as well.
 pub(super) fn shoot(
     problem: &Problem<'_>,
     scratch: &mut Scratch,
@@ -37,7 +41,9 @@ pub(super) fn shoot(
     let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
     let tensions = if lengths_driven { commands.len() } else { 0 };
     let scales = Scales::of(problem.grid, problem.length);
-    let Scratch { trajectory, applied, newton, trace, .. } = scratch;
+    let Scratch { trajectory, applied, newton, trace, differentiated, .. } = scratch;
+    // Where the stability of the answer is asked for, its last shot is sampled.
+    let is_checked = problem.is_checked(applied);
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
     let shoot = |trajectory: &mut Trajectory, point: &Point, sample| -> Result<(), Fault> {
         problem.meter.integrate(problem.grid.len());
@@ -49,13 +55,22 @@ pub(super) fn shoot(
         }
         Ok(())
     };
-    if shoot(trajectory, &newton.point, true).is_err() {
+    let mut known =
+        core::mem::take(differentiated) && newton.sensitivity.lengths.is_empty() != lengths_driven;
+    let mut fresh = !known;
+    if shoot(trajectory, &newton.point, fresh).is_err() {
         return Err(Failed { effort });
     }
     effort.residual = residual(commands, &newton.point, trajectory, &scales);
-    let mut fresh = true;
+    if !fresh && effort.residual > KEPT_RESIDUAL {
+        fresh = true;
+        if shoot(trajectory, &newton.point, true).is_err() {
+            return Err(Failed { effort });
+        }
+    }
     while effort.iterations < MAX_ITERATIONS {
         if effort.residual <= problem.tolerance {
+            *differentiated = known;
             return Ok(effort);
         }
         if trajectory.steps_left == 0 {
@@ -71,6 +86,7 @@ pub(super) fn shoot(
         effort.iterations += 1;
         problem.meter.iterate();
         if fresh {
+            known = true;
             newton.sensitivity.compute(
                 problem.grid,
                 applied,
@@ -84,10 +100,12 @@ pub(super) fn shoot(
             return Err(Failed { effort });
         }
         let small = newton.relative_step(&scales) < KEEP_BELOW;
+        let expected = effort.residual * if fresh { effort.residual } else { EXPECTED_RATIO };
+        let sampled = !small || is_checked && expected <= problem.tolerance;
         let mut fraction = 1.0;
         loop {
             newton.set_trial(fraction);
-            if shoot(trajectory, &newton.trial, !small).is_ok() {
+            if shoot(trajectory, &newton.trial, sampled).is_ok() {
                 let now = residual(commands, &newton.trial, trajectory, &scales);
                 if now < (1.0 - 1e-4 * fraction) * effort.residual {
                     core::mem::swap(&mut newton.point, &mut newton.trial);
@@ -95,7 +113,7 @@ pub(super) fn shoot(
                     if small && now > KEEP_RATIO * effort.residual && now > problem.tolerance {
                         // The kept derivatives no longer serve.
                         fresh = true;
-                        if shoot(trajectory, &newton.point, true).is_err() {
+                        if !sampled && shoot(trajectory, &newton.point, true).is_err() {
                             return Err(Failed { effort });
                         }
                     }
@@ -113,6 +131,13 @@ pub(super) fn shoot(
                 }
             }
             trajectory.forget();
+            if !fresh {
+                fresh = true;
+                if shoot(trajectory, &newton.point, true).is_err() {
+                    return Err(Failed { effort });
+                }
+                break;
+            }
             fraction *= 0.5;
             if fraction < LEAST_FRACTION {
                 return Err(Failed { effort });
@@ -126,7 +151,8 @@ pub(super) fn shoot(
 pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
     let Scratch { trajectory, applied, newton, .. } = scratch;
     trajectory.measure(problem.grid);
-    (scratch.on_chain, scratch.sampled) = (false, false);
+    scratch.on_chain = false;
+    scratch.sampled = trajectory.samples.len() == SAMPLED_STAGES.len() * problem.grid.len();
     scratch.poses.clone_from(&trajectory.poses);
     scratch.lengths.clone_from(&trajectory.lengths);
     scratch.tensions.clone_from(&newton.point.tensions);

@@ -38,6 +38,7 @@ pub(super) fn solve_independent(
 ) -> Result<Found, Failure> {
     (scratch.trace.stage, scratch.trace.steps) = (Stage::Warm, problem.grid.len());
     (scratch.on_chain, scratch.sampled, scratch.stable) = (false, false, true);
+    scratch.differentiated = false;
     scratch.tensions.clear();
     scratch.tensions.resize(problem.commands.len(), 0.0);
     for (tension, &given) in scratch.tensions.iter_mut().zip(&start.tensions) {
@@ -61,7 +62,12 @@ pub(super) fn solve_independent(
     scratch.newton.point.base_moment = wrench.moment;
     scratch.newton.point.follower_force = scratch.applied.follower_share(wrench.force);
     scratch.newton.point.tensions.clone_from(&scratch.tensions);
-    scratch.trajectory.forget();
+    scratch.differentiated = start.remembered;
+    if start.remembered {
+        scratch.trajectory.refine(problem.grid);
+    } else {
+        scratch.trajectory.forget();
+    }
     let mut near = None;
     match shoot(problem, scratch, 1.0) {
         Ok(effort) => {
