@@ -86,9 +86,14 @@ impl Meter {
 
     /// Lets the attempt at hand, if there is one, end only after so many integration steps more.
     pub fn extend_attempt(&self, steps: usize) {
-        if self.attempt.get() > 0 {
+        if self.is_attempt() {
             self.attempt(steps);
         }
+    }
+
+    /// Whether an attempt is at hand.
+    pub fn is_attempt(&self) -> bool {
+        self.attempt.get() > 0
     }
 
     /// Ends the attempt: what follows may spend the whole budget.

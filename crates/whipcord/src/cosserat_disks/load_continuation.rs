@@ -21,6 +21,8 @@ use crate::statics::trace::Stage;
 
 /// What an attempt may spend under load, in shapes of the whole robot.
 const SHAPES_UNDER_LOAD: usize = 400;
+/// The same from one stable equilibrium to the next.
+const SHAPES_TO_STABLE: usize = 100;
 /// The same where the robot was not found without load, and its cables are slack at first.
 const SHAPES_FROM_SLACK: usize = 40;
 
@@ -53,6 +55,7 @@ pub(super) fn solve(
         return Ok(finish(problem, scratch, effort));
     }
     let without = start_without_load(problem, scratch);
+    scratch.found_without_load = without.is_ok();
     let shapes = if without.is_ok() { SHAPES_UNDER_LOAD } else { SHAPES_FROM_SLACK };
     problem.meter.extend_attempt(shapes * problem.mesh.grid.len());
     let rest = Place::of(&scratch.chain);
@@ -63,15 +66,22 @@ pub(super) fn solve(
         Ok(effort) => unstable = Some((Place::of(&scratch.chain), effort)),
         Err(end) => ended = Some(end),
     }
-    if unstable.is_some() {
-        // What it is left for is on no finer mesh with less effort.
-        problem.meter.end_attempt();
-    }
     let mut lost_at = None;
-    if unstable.is_some() {
+    if let Some((_, effort)) = unstable {
+        let is_attempt = problem.meter.is_attempt() && problem.stability != StabilityAnalysis::Off;
+        if is_attempt {
+            problem.meter.extend_attempt(SHAPES_TO_STABLE * problem.mesh.grid.len());
+        } else {
+            problem.meter.end_attempt();
+        }
         rest.restore(scratch);
         match raise.steadily(scratch) {
             Ok(effort) => return Ok(finish(problem, scratch, effort)),
+            Err(_) if is_attempt => {
+                // What it is left for is looked for where no finer mesh leads to a stable one.
+                scratch.unstable = true;
+                return Ok(finish(problem, scratch, effort));
+            }
             Err(end) => lost_at = raise.lost_at(scratch, end.load),
         }
     }

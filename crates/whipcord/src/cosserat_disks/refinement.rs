@@ -46,6 +46,8 @@ impl CosseratDisks {
         let first = self.first_level(cases, workspace);
         // What holes remember is found step by step of actuation, for which there is no telling what it takes.
         let mut attempts = if self.holes.is_none() { ATTEMPTS } else { 0 };
+        // Where the robot under loads was found without them: with all effort nothing coarser is tried.
+        let mut without_load = None;
         let mut next = first;
         while next <= MAX_REFINEMENTS {
             let level = next;
@@ -58,8 +60,14 @@ impl CosseratDisks {
             }
             let found = self.solve_on(level, &mesh, cases, start, workspace);
             workspace.meter.end_attempt();
-            let found = match found {
-                // Little effort proves nothing.
+            if is_attempt && workspace.scratch.found_without_load {
+                without_load = without_load.or(Some(level));
+            }
+            let is_left =
+                workspace.scratch.unstable && self.options.stability != StabilityAnalysis::Off;
+            // Little effort proves nothing.
+            let is_open = match &found {
+                Ok(_) => is_left,
                 Err(
                     SolveError::NotConverged { .. }
                     | SolveError::TensionsNotFound
@@ -67,12 +75,16 @@ impl CosseratDisks {
                     | SolveError::UnreachableLength { .. }
                     | SolveError::ContradictoryLengths { .. }
                     | SolveError::Buckled { .. },
-                ) if is_attempt && !workspace.meter.has_ended() => {
-                    attempts -= 1;
-                    next = if attempts == 0 { first } else { next };
-                    workspace.scratch.open = None;
-                    continue;
-                }
+                ) => !workspace.meter.has_ended(),
+                Err(_) => false,
+            };
+            if is_attempt && is_open {
+                attempts -= 1;
+                next = if attempts == 0 { without_load.unwrap_or(first) } else { next };
+                workspace.scratch.open = None;
+                continue;
+            }
+            let found = match found {
                 // Steps that are too coarse for a strong bend can keep Newton's method away.
                 Err(
                     SolveError::NotConverged { .. }
@@ -86,10 +98,7 @@ impl CosseratDisks {
             };
             iterations += found.iterations;
             // A stable branch may not be there on coarse steps, or in another place.
-            if workspace.scratch.unstable
-                && self.options.stability != StabilityAnalysis::Off
-                && level < LEAVE_LEVEL
-            {
+            if is_left && level < LEAVE_LEVEL {
                 continue;
             }
             lost_at = lost_at.or(found.lost_at);

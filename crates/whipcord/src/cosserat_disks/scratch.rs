@@ -30,6 +30,8 @@ pub(super) struct Scratch {
     pub(super) history: History<Vec<Node>>,
     /// Whether the last answer from cold is an equilibrium that the robot leaves, and no stable one was found.
     pub(super) unstable: bool,
+    /// Whether the robot under loads was found without them.
+    pub(super) found_without_load: bool,
     /// What the iterate leaves open at which the budget was spent; it is then in the place of the answer.
     pub(super) open: Option<Effort>,
     /// The state of the holes in the iteration.

@@ -20,7 +20,7 @@ pub(super) fn solve(
     start: Start<'_>,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
-    scratch.unstable = false;
+    (scratch.unstable, scratch.found_without_load) = (false, false);
     if let Some(holes) = problem.holes {
         return friction::solve(problem, holes, matches!(start, Start::Coarser), scratch);
     }

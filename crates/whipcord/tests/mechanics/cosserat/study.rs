@@ -152,23 +152,9 @@ fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
         println!("{n}: {reason} — {verdict}, {:.1} ms", 1e3 * taken);
         row.unconfirmed += usize::from(!confirmed);
     }
-    print_times("all", times);
-    print_times("failures", failure_times);
+    bending::print_times("all", times);
+    bending::print_times("failures", failure_times);
     rows
-}
-
-fn print_times(of: &str, mut times: Vec<f64>) {
-    times.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let place = ((share * times.len() as f64) as usize).min(times.len().saturating_sub(1));
-        1e3 * times.get(place).copied().unwrap_or(0.0)
-    };
-    println!(
-        "{of}: median {:.2} ms, 99 % within {:.1} ms, slowest {:.1} ms",
-        at(0.5),
-        at(0.99),
-        at(1.0)
-    );
 }
 
 fn print(title: &str, rows: &[Row]) {

@@ -6,6 +6,7 @@
 //! `cargo test --release -p whipcord --test mechanics -- --ignored --nocapture cosserat_disks::study::`.
 
 use core::f64::consts::PI;
+use std::time::Instant;
 
 use crate::common::bending::{self, CLASSES};
 use crate::common::{ball, bending_stiffness, lengths_of, routing, samples};
@@ -20,6 +21,8 @@ use whipcord::{
 
 const LENGTH: f64 = 0.2;
 const RADIUS: f64 = 0.009;
+/// Solves that take longer, in s, are named.
+const SLOW: f64 = 0.05;
 
 /// One to six cables of any routing that the files know, anchored at a disk; six to fifteen sections.
 pub fn robots() -> impl Strategy<Value = (Robot, Case)> {
@@ -121,6 +124,7 @@ fn none_is_found(robot: &Robot, case: &Case, actuation: Actuation) -> bool {
 /// Solves so many robots and sorts what comes of it by how far the cables alone bend them.
 fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
     let mut rows = [Row::default(); CLASSES];
+    let (mut times, mut failure_times) = (Vec::new(), Vec::new());
     for (n, (robot, case)) in samples(robots(), count).enumerate() {
         let Some((bent, alone)) = bent_by(&robot, &case, bending::target(n)) else { continue };
         let asked = match actuation {
@@ -129,7 +133,13 @@ fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
         };
         let row = &mut rows[bending::class(&alone)];
         let options = Options { actuation, ..Options::default() };
+        let begun = Instant::now();
         let outcome = Model::CosseratDisks(options).solve(&robot, &asked);
+        let taken = begun.elapsed().as_secs_f64();
+        times.push(taken);
+        if taken > SLOW {
+            println!("{n}: {:.0} ms", 1e3 * taken);
+        }
         let reason = match outcome {
             Ok(solution) if solution.diagnostics.is_unstable() => {
                 row.unstable += 1;
@@ -145,6 +155,7 @@ fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
             }
             Err(reason) => reason,
         };
+        failure_times.push(taken);
         *match reason {
             SolveError::SectionFolds { .. } => &mut row.folds,
             SolveError::UnreachableLength { .. } => &mut row.unreachable,
@@ -155,6 +166,8 @@ fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
         println!("{n}: {reason} — {}", if confirmed { "confirmed" } else { "NOT CONFIRMED" });
         row.unconfirmed += usize::from(!confirmed);
     }
+    bending::print_times("all", times);
+    bending::print_times("failures", failure_times);
     rows
 }
 
