@@ -242,16 +242,15 @@ def test_weights_that_are_no_numbers_are_refused(case: whipcord.Case, name: str,
 
 
 def test_unstable_rows_are_answers_and_are_marked() -> None:
-    """A bare rod of linkages, pressed on its end by less and by more than it bears."""
-    robot = whipcord.load("examples/table1/case-3.toml").robot.replace(cables=[])
-    rod = whipcord.Case(robot)
-    pressed = [rod.replace(loads=whipcord.Loads(tip_force=[0, 0, -force])) for force in (0.01, 0.5)]
-    held, buckled = (case.solve(model="pseudo-rigid-body") for case in pressed)
+    """Linkages under the pull of a cable in their centre, by less and by more than what buckles their sections."""
+    robot = whipcord.load("examples/table1/case-3.toml").robot
+    central = whipcord.Cable("central", routing=whipcord.Routing.straight(angle=0, radius=0))
+    rod = whipcord.Case(robot.replace(cables=[central]))
+    held, buckled = (rod.solve(tension=[pull], model="pseudo-rigid-body") for pull in (5.0, 150.0))
     assert held.stable is True and held.diagnostics.stability_absent is None
     assert buckled.stable is False and "unstable" in repr(buckled)
-    # Without cables there are no rows: one that is slack makes them.
-    slack = [case.replace(robot=_with_cable(robot)) for case in pressed]
-    stable, unstable = (case.solve_batch([[0.0], [0.0], [-1.0]], model="pseudo-rigid-body") for case in slack)
+    stable = rod.solve_batch([[1.0], [5.0], [-1.0]], model="pseudo-rigid-body")
+    unstable = rod.solve_batch([[150.0], [160.0], [-1.0]], model="pseudo-rigid-body")
     assert stable.ok.tolist() == unstable.ok.tolist() == [True, True, False]
     assert stable.stable.tolist() == [True, True, False] and not stable.unstable.any()
     assert unstable.unstable.tolist() == [True, True, False] and not unstable.stable.any()
@@ -261,7 +260,8 @@ def test_unstable_rows_are_answers_and_are_marked() -> None:
     assert lines["unstable"].sum() == 2 * len(unstable.arc_length)
     assert np.isnan(lines["x"][-1]) and "negative" in lines["error"][-1] and lines["error"][0] == ""
     # Without a verdict there is neither.
-    four_bar = slack[0].replace(loads=None).solve_batch(shortening=[[0.0]], model="four-bar")
+    beside = whipcord.Case(_with_cable(robot.replace(cables=[])))
+    four_bar = beside.solve_batch(shortening=[[0.0]], model="four-bar")
     assert four_bar.ok.all() and not four_bar.stable.any() and not four_bar.unstable.any()
 
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
+use crate::support::{BUCKLED_SPANS, Scratch, fail, pushed_rod, robot, settings, succeed, warned};
 use whipcord::{Actuation, ModelKind};
 
 /// Of a case that all models take: each once, and the geometric ones again with the lengths of another.
@@ -111,27 +111,44 @@ fn a_refusal_is_shown_and_not_fatal() {
 }
 
 #[test]
+fn a_robot_without_cables_has_no_table_of_them() {
+    let scratch = Scratch::new();
+    let html = |text: &str, name: &str| {
+        let (file, out) = (scratch.write(name, text), scratch.file(&format!("{name}.report")));
+        warned(&["compare", &file, "--out", &out]);
+        std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap()
+    };
+    assert!(!html(&pushed_rod(""), "rod.toml").contains("<h3>Cables"));
+    assert!(html(BUCKLED_SPANS, "spans.toml").contains("<h3>Cables"));
+}
+
+#[test]
 fn what_the_robot_leaves_is_marked() {
     let scratch = Scratch::new();
-    let file = scratch.write("rod.toml", &pushed_rod(""));
+    let file = scratch.write("spans.toml", BUCKLED_SPANS);
     let out = scratch.file("report");
     let (text, warnings) = warned(&["compare", &file, "--out", &out]);
     assert!(warnings.contains("the equilibrium is unstable (stability -0.4"), "{warnings}");
     settings(Some(Path::new(&out))).bind(|| insta::assert_snapshot!("unstable", text));
     let html = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
     assert!(html.contains(
-        "<li>piecewise-constant-curvature: unstable: the robot leaves this shape (stability -0.4"
+        "<li>piecewise-constant-curvature: unstable: the robot leaves this shape (stability -0.1"
     ));
     assert!(html.contains("piecewise-constant-curvature †"));
-    // A robot without cables has no table of them.
-    assert!(!html.contains("<h3>Cables"));
     let names: Vec<_> = files(Path::new(&out), "csv")
         .iter()
         .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
         .collect();
     assert_eq!(
         names,
-        ["accuracy.csv", "cases.csv", "distances.csv", "rod-disks.csv", "rod-stations.csv"]
+        [
+            "accuracy.csv",
+            "cases.csv",
+            "distances.csv",
+            "spans-cables.csv",
+            "spans-disks.csv",
+            "spans-stations.csv"
+        ]
     );
 }
 

@@ -1,6 +1,6 @@
 //! `whipcord fit`.
 
-use crate::support::{Scratch, fail, pushed_rod, robot, settings, succeed, warned};
+use crate::support::{BUCKLED_SPANS, Scratch, fail, robot, settings, succeed, warned};
 use serde_json::Value;
 
 /// A robot file with a comment and units, whose rod is this thick, pulled by this much, with what was
@@ -62,7 +62,7 @@ fn a_fit_is_printed_written_and_reported() {
     assert!(diameter.starts_with("diameter = \"2.99") || diameter.starts_with("diameter = \"3.0"));
 }
 
-/// A straight rod under more than it bears, measured in that shape: an equilibrium that no robot stays in.
+/// A straight rod whose spans buckle under the pull of a cable, measured in that shape: an equilibrium that no robot stays in.
 #[test]
 fn unstable_answers_are_named() {
     let scratch = Scratch::new();
@@ -70,15 +70,15 @@ fn unstable_answers_are_named() {
         .map(|i| format!("{},0.002,{},{}\n", i + 1, 1e-4 * (i % 2) as f64, 0.02 * i as f64))
         .collect();
     scratch.write("seen.csv", &format!("disk,x,y,z\n{seen}"));
-    let fitted = |force: &str| {
-        let rod = pushed_rod("[measured]\ndisks = \"seen.csv\"").replace("-0.5", force);
-        let file = scratch.write("rod.toml", &rod);
+    let fitted = |tension: &str| {
+        let spans = BUCKLED_SPANS.replace("150", tension);
+        let file = scratch.write("rod.toml", &format!("{spans}[measured]\ndisks = \"seen.csv\"\n"));
         let args =
             ["fit", &file, "--parameter", "base.position[0]", "--model", "pseudo-rigid-body"];
         let (json, warnings) = warned(&[&args[..], &["--json"]].concat());
         (serde_json::from_str::<Value>(&json).unwrap(), warnings, warned(&args).0)
     };
-    let (json, warnings, text) = fitted("-0.5");
+    let (json, warnings, text) = fitted("150");
     let what = "the answer that the measurements are compared with is an unstable equilibrium at the estimates: rod (stability -";
     let help = "check the loads, the commands and the start values";
     assert!(warnings.starts_with(&format!("warning: {what}")), "{warnings}");
@@ -94,7 +94,7 @@ fn unstable_answers_are_named() {
     assert_eq!((&unstable["case"], &unstable["step"]), (&"rod".into(), &1.into()));
     assert!(unstable["stability"].as_f64().unwrap() < -0.1);
     // What the rod bears is nothing to warn of.
-    let (json, warnings, text) = fitted("-0.1");
+    let (json, warnings, text) = fitted("20");
     assert!(warnings.is_empty() && !text.contains("unstable"), "{warnings} {text}");
     assert_eq!((&json["answers"], &json["unstable"]), (&1.into(), &serde_json::json!([])));
 }

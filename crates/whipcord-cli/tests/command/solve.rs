@@ -3,7 +3,9 @@
 use std::io::Read;
 use std::process::Stdio;
 
-use crate::support::{Scratch, command, fail, pushed_rod, robot, run, settings, succeed, warned};
+use crate::support::{
+    BUCKLED_SPANS, Scratch, command, fail, pushed_rod, robot, run, settings, succeed, warned,
+};
 use serde_json::Value;
 
 const CASE_3: &str = "examples/table1/case-3.toml";
@@ -185,7 +187,7 @@ fn a_column_that_buckles_is_bent_and_says_at_what_load_it_buckled() {
 #[test]
 fn stability_stands_beside_the_status() {
     let scratch = Scratch::new();
-    let file = scratch.write("rod.toml", &pushed_rod(""));
+    let file = scratch.write("spans.toml", BUCKLED_SPANS);
     let args = ["solve", &file, "--json", "--model", "pseudo-rigid-body"];
     let solved = run(&args);
     let json: Value = serde_json::from_str(&solved.stdout).unwrap();

@@ -1,6 +1,6 @@
 //! `whipcord stiffness`.
 
-use crate::support::{Scratch, fail, robot, settings, succeed, warned};
+use crate::support::{BUCKLED_SPANS, Scratch, fail, robot, settings, succeed, warned};
 use serde_json::Value;
 
 const THREE: &str = "examples/three-cable-segment.toml";
@@ -184,11 +184,6 @@ fn sections_move_and_may_not_know_how_they_yield() {
     let svg = std::fs::read_to_string(&path).unwrap();
     assert!(svg.contains("manipulability") && !svg.contains("compliance"), "{svg}");
 }
-
-/// A rod under the pull of a cable in its centre, beyond the π² EI/l² = 108 N at which its spans buckle.
-const BUCKLED_SPANS: &str = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\nyoung_modulus = \"1.1 GPa\"\n\
-    poisson_ratio = 0.3\n[disks]\ncount = 10\n[[cables]]\n\
-    routing = { kind = \"straight\", angle = 0, radius = 0 }\ntension = 150\n";
 
 /// It yields against the force that pushes it.
 #[test]

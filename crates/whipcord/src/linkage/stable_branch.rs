@@ -35,7 +35,10 @@ impl Linkage {
     ) -> Result<Judged, SolveError> {
         let mut effort = self.find(case, start, workspace)?;
         let verdict = self.stability(case, workspace);
-        let stays = self.friction.is_some() || start.is_some_and(|s| s.diagnostics.is_unstable());
+        // Without load sections that buckle under their own cables stay as they are, as spans of the rod do.
+        let stays = case.loads.is_none()
+            || self.friction.is_some()
+            || start.is_some_and(|s| s.diagnostics.is_unstable());
         if stays || !is_unstable(&verdict) {
             return Ok((effort, verdict));
         }
@@ -59,9 +62,6 @@ impl Linkage {
         effort: &mut Effort,
         workspace: &mut Workspace,
     ) -> Option<Judged> {
-        if case.loads.is_none() {
-            return None;
-        }
         workspace.tensions.fill(0.0);
         self.converge(0.0, false, workspace).ok()?;
         let mut path = LinkagePath::new(self, case, workspace);

@@ -118,6 +118,11 @@ pub fn pushed_rod(lines: &str) -> String {
     format!("{rod}[loads]\ntip_force = [0, 0, -0.5]\n{lines}\n")
 }
 
+/// A rod under the pull of a cable in its centre, beyond the π² EI/l² = 107 N at which its spans buckle.
+pub const BUCKLED_SPANS: &str = "title = \"Spans\"\n[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\ninner_diameter = \"1 mm\"\n\
+    young_modulus = \"1.1 GPa\"\npoisson_ratio = 0.3\n[disks]\ncount = 10\n[[cables]]\n\
+    routing = { kind = \"straight\", angle = 0, radius = 0 }\ntension = 150\n";
+
 /// A robot with one straight cable, whose last lines are given.
 pub fn robot(cable: &str) -> String {
     format!(
