@@ -308,6 +308,13 @@ impl Ldlt3 {
         })
     }
 
+    /// Of a diagonal matrix, by the inverses of its diagonal.
+    #[inline]
+    #[must_use]
+    pub const fn diagonal(inverses: Vec3) -> Self {
+        Self { l10: 0.0, l20: 0.0, l21: 0.0, inv_d: inverses }
+    }
+
     /// Solves `A x = b`.
     #[inline]
     #[must_use]

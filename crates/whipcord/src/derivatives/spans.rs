@@ -256,7 +256,9 @@ impl Spans {
         maps.prepare(self.spans.len(), cables, more);
         let nodes: usize = self.spans.iter().map(|span| span.kept.len()).sum();
         self.along.clear();
+        self.along.reserve(nodes);
         self.inside.clear();
+        self.inside.reserve(nodes);
         self.inside_effects.clear();
         self.inside_effects.resize(nodes * self.inputs, Effect::default());
         for k in 0..self.spans.len() {

@@ -24,6 +24,10 @@ pub(crate) fn equilibrium(
     wrench: BodyWrench,
     strain: &mut Strain,
 ) -> Result<(), SectionFault> {
+    if crossings.is_empty() {
+        *strain = section.bare_strain(wrench);
+        return Ok(());
+    }
     if let ([crossing], [tension], true) = (crossings, tensions, section.isotropic) {
         *strain = one_cable::equilibrium(section, crossing, *tension, wrench)?.strain;
         return Ok(());

@@ -27,6 +27,9 @@ impl Tangent {
         tensions: &[f64],
         strain: &Strain,
     ) -> Result<Self, SectionFault> {
+        if crossings.is_empty() && section.coupling.is_none() {
+            return Ok(Self::of_bare(section));
+        }
         let mut hessian = Hessian::of(section);
         for (crossing, &tension) in crossings.iter().zip(tensions) {
             if tension != 0.0 {
@@ -35,6 +38,17 @@ impl Tangent {
             }
         }
         hessian.factor().ok_or(SectionFault::Diverged)
+    }
+
+    /// Of a section without cables whose stiffness is diagonal.
+    #[inline(always)]
+    fn of_bare(section: &Section) -> Self {
+        Self {
+            force: Ldlt3::diagonal(section.compliance.shear),
+            coupling: Mat3::ZERO,
+            moment: Ldlt3::diagonal(section.compliance.bending),
+            reduced: Mat3::diagonal(section.stiffness.bending),
+        }
     }
 
     /// The change of strain under a change of wrench, `H⁻¹ w`.

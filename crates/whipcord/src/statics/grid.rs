@@ -8,7 +8,7 @@ use whipcord_numerics::{GAUSS_3, Vec3};
 
 use crate::case::Loads;
 use crate::error::SolveError;
-use crate::robot::{Robot, Route, RoutePoint};
+use crate::robot::{Along, Robot, Route, RoutePoint};
 use crate::section::of_robot::section_at;
 use crate::section::one_cable::Reduced;
 use crate::section::{BodyWrench, Crossing, Section};
@@ -195,11 +195,19 @@ impl Grid {
         for &k in &disks {
             disk_masses[k] += robot.disks().mass;
         }
-        let masses = distal_masses(robot, &grid_steps, &disk_masses);
+        let sections = Sections::of(robot)?;
+        let masses = distal_masses(&sections, &grid_steps, &disk_masses);
         Ok(Self {
-            gauss: nodes(robot, layout, &grid_steps, &masses, &GAUSS_3.nodes, &GAUSS_3.weights)?
-                .reduced(&grid_steps),
-            shooting: nodes(robot, layout, &grid_steps, &masses, &SHOOTING_NODES, &BOOLE)?,
+            gauss: nodes(
+                &sections,
+                layout,
+                &grid_steps,
+                &masses,
+                &GAUSS_3.nodes,
+                &GAUSS_3.weights,
+            )?
+            .reduced(&grid_steps),
+            shooting: nodes(&sections, layout, &grid_steps, &masses, &SHOOTING_NODES, &BOOLE)?,
             stations: layout.stations.iter().map(place).collect(),
             disks,
             loads: layout.loads.iter().map(place).collect(),
@@ -275,29 +283,55 @@ fn effort(robot: &Robot, from: f64, to: f64) -> f64 {
     BEND * h / robot.backbone().length + reaching.map(of_route).fold(0.0, f64::max)
 }
 
-/// Mass of a piece of backbone; exact for a linear taper.
-fn mass_between(robot: &Robot, from: f64, to: f64) -> f64 {
-    let backbone = robot.backbone();
-    // Without a density it has no weight.
-    let density = |s| backbone.linear_density_at(robot.disks(), s).unwrap_or(0.0);
-    let at = |i: usize| density(from + GAUSS_3.nodes[i] * (to - from));
-    (to - from) * (0..3).map(|i| GAUSS_3.weights[i] * at(i)).sum::<f64>()
+/// The sections of a backbone; one that is the same everywhere is looked up once.
+struct Sections<'a> {
+    robot: &'a Robot,
+    uniform: Option<Section>,
+    density: Option<f64>,
+}
+
+impl<'a> Sections<'a> {
+    fn of(robot: &'a Robot) -> Result<Self, SolveError> {
+        let backbone = robot.backbone();
+        let is_uniform = backbone.is_uniform();
+        let is_even = is_uniform && backbone.linear_density.as_ref().is_none_or(Along::is_uniform);
+        let middle = 0.5 * backbone.length;
+        let uniform = is_uniform.then(|| section_at(robot, middle, middle)).transpose()?;
+        Ok(Self { robot, uniform, density: is_even.then(|| linear_density(robot, middle)) })
+    }
+
+    /// At one end or inside of a piece in which nothing jumps; `inside` lies between its ends.
+    fn at(&self, s: f64, inside: f64) -> Result<Section, SolveError> {
+        self.uniform.clone().map_or_else(|| section_at(self.robot, s, inside), Ok)
+    }
+
+    /// Mass of a piece of backbone; exact for a linear taper.
+    fn mass_between(&self, from: f64, to: f64) -> f64 {
+        let density = |s| self.density.unwrap_or_else(|| linear_density(self.robot, s));
+        let at = |i: usize| density(from + GAUSS_3.nodes[i] * (to - from));
+        (to - from) * (0..3).map(|i| GAUSS_3.weights[i] * at(i)).sum::<f64>()
+    }
+}
+
+/// Without a density a backbone has no weight.
+fn linear_density(robot: &Robot, s: f64) -> f64 {
+    robot.backbone().linear_density_at(robot.disks(), s).unwrap_or(0.0)
 }
 
 /// Mass beyond the end of each step; the disk at that end is counted.
-fn distal_masses(robot: &Robot, steps: &[Step], disk_masses: &[f64]) -> Vec<f64> {
+fn distal_masses(sections: &Sections<'_>, steps: &[Step], disk_masses: &[f64]) -> Vec<f64> {
     let mut masses = vec![0.0; steps.len()];
     let mut mass = 0.0;
     for (k, step) in steps.iter().enumerate().rev() {
         mass += disk_masses[k + 1];
         masses[k] = mass;
-        mass += mass_between(robot, step.start, step.start + step.length);
+        mass += sections.mass_between(step.start, step.start + step.length);
     }
     masses
 }
 
 fn nodes(
-    robot: &Robot,
+    sections: &Sections<'_>,
     layout: &Layout,
     steps: &[Step],
     masses: &[f64],
@@ -318,10 +352,10 @@ fn nodes(
         let end = step.start + step.length;
         for (&c, weight) in places.iter().zip(weights) {
             let s = step.start + c * step.length;
-            let section = section_at(robot, s, step.start + 0.5 * step.length)?;
-            let distal_mass = masses[k] + mass_between(robot, s, end);
+            let section = sections.at(s, step.start + 0.5 * step.length)?;
+            let distal_mass = masses[k] + sections.mass_between(s, end);
             for i in 0..step.active {
-                let point = robot.routes()[layout.order[i]].at(s);
+                let point = sections.robot.routes()[layout.order[i]].at(s);
                 let crossing = Crossing::new(point.offset, point.slope);
                 let stretch = crossing.tangent(&section.rest_strain()).norm();
                 out.rest_excess[i] += weight * step.length * stretch;
