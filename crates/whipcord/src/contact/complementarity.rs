@@ -64,6 +64,8 @@ const SHARING_OF_OBJECTS: f64 = 1e-8;
 const ROUNDING: f64 = 1e-9;
 /// Steps of Newton's method with friction.
 const STEPS: usize = 60;
+/// Sweeps over all contacts where that fails.
+const SWEEPS: usize = 300;
 /// Steps before those between rigid bodies are halved.
 const TO_AND_FRO: usize = 12;
 /// It ends where a step changes no force by more, relative to the largest.
@@ -102,7 +104,13 @@ impl Complementarity {
         }
         if self.contacts.iter().any(|contact| contact.coefficient > 0.0) {
             if !self.are_dependent {
-                return self.rub(false);
+                let forces = self.forces.clone();
+                return self.rub(false).or_else(|_| {
+                    // From nearer, where it goes round in circles.
+                    self.forces = forces;
+                    self.sweep();
+                    self.rub(false)
+                });
             }
             // Between rigid bodies several states may hold: first all stick, where none slides far.
             let forces = self.forces.clone();
@@ -267,11 +275,43 @@ impl Complementarity {
             if largest(step) <= settled * largest(forces) {
                 for contact in contacts.iter() {
                     forces[contact.first] = forces[contact.first].max(0.0);
+                    if !contact.touches {
+                        // No rounding is left of what it pushed.
+                        forces[contact.first..contact.first + contact.lines()].fill(0.0);
+                    }
                 }
                 return Ok(Touching { negative: lu.is_determinant_negative() });
             }
         }
         Err(Unsolved)
+    }
+
+    /// Improves the forces contact by contact, each as if the others stayed, eq. (9): slow, but it does not go round in circles.
+    fn sweep(&mut self) {
+        let Self { matrix, gaps, forces, contacts, .. } = self;
+        let lines = gaps.len();
+        let value = |i: usize, forces: &[f64]| {
+            let row = &matrix[i * lines..(i + 1) * lines];
+            gaps[i] + row.iter().zip(forces).map(|(m, f)| m * f).sum::<f64>()
+        };
+        for _ in 0..SWEEPS {
+            for &Contact { first: i, coefficient, .. } in contacts.iter() {
+                let own = |k: usize| matrix[k * lines + k].abs();
+                forces[i] = (forces[i] - value(i, forces) / own(i)).max(0.0);
+                if coefficient == 0.0 {
+                    continue;
+                }
+                let [x, y] = [i + 1, i + 2];
+                let by_slip = 2.0 / (own(x) + own(y));
+                let [a, b] = [x, y].map(|k| forces[k] - by_slip * value(k, forces));
+                let (size, most) = (a.hypot(b), coefficient * forces[i]);
+                let part = if size > most { most / size } else { 1.0 };
+                (forces[x], forces[y]) = (a * part, b * part);
+            }
+        }
+        if forces.iter().any(|force| !force.is_finite()) {
+            forces.fill(0.0);
+        }
     }
 
     /// Which touch, by the quadratic programme `min ½λᵀMλ + qᵀλ, λ ≥ 0`, scaled to a diagonal of 1.

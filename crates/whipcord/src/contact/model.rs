@@ -40,10 +40,10 @@ pub(crate) trait Compliant {
     /// What an iteration without contacts costs, relative to one of a rod of 100 steps.
     fn effort(&self) -> f64;
 
-    /// What a solve may spend over the whole way, in iterations of a rod of 100 steps without contacts: these take less than two
-    /// seconds. The catheter in a bent pipe of the examples takes about 900.
+    /// What a solve may spend over the whole way, in iterations of a rod of 100 steps without contacts: each takes half a
+    /// millisecond or less.
     fn budget(&self) -> f64 {
-        5000.0
+        4000.0
     }
 
     /// Makes its equations finer where the answer is not yet as accurate as was asked for; `true` where it then

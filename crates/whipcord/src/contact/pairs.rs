@@ -48,6 +48,9 @@ pub(super) struct Pairs {
     radii: Vec<f64>,
     length: f64,
     pub near: Vec<Pair>,
+    /// The obstacles and arc lengths of contacts that have been added since [`Pairs::begin_search`] where the robot was in
+    /// equilibrium but for them.
+    added: Vec<(usize, f64)>,
 }
 
 /// The most pairs that are looked at together: their equations are dense.
@@ -62,6 +65,10 @@ pub(super) const OVERLAP: f64 = 1e-8;
 /// Least distance of a contact to one where the backbone seems to overlap between two watched places, as a part of their
 /// distance.
 const BETWEEN: f64 = 0.05;
+/// So often a contact is added at one place of the backbone while one equilibrium is looked for.
+const ATTEMPTS: usize = 2;
+/// Contacts of the backbone that are nearer than this to one another, in distances of watched places, keep their places.
+const BESIDE: f64 = 1.0;
 /// Least distance of two contacts of the backbone, as a part of its length.
 const APART: f64 = 1e-5;
 /// A rim is about as near all around where its distances from the obstacle differ by less than this part of its radius; and
@@ -93,7 +100,13 @@ impl Pairs {
             radii: watched.iter().map(|&s| radius(s)).collect(),
             length: backbone.length,
             near: Vec::new(),
+            added: Vec::new(),
         }
+    }
+
+    /// An equilibrium is looked for anew.
+    pub fn begin_search(&mut self) {
+        self.added.clear();
     }
 
     /// The most pairs that memory and time allow.
@@ -109,7 +122,9 @@ impl Pairs {
 
     /// Looks at all pairs again where the robot is now.
     pub fn refresh(&mut self, model: &impl Compliant, scene: &Scene) {
-        for pair in &mut self.near {
+        for k in 0..self.near.len() {
+            let is_alone = self.is_alone(k);
+            let pair = &mut self.near[k];
             let pose = model.pose(pair.member.arc_length);
             let obstacle = scene.get(pair.obstacle);
             let rounding = pair.member.body.rounding;
@@ -118,10 +133,8 @@ impl Pairs {
                 let from = scene.carry(pair.obstacle, grip.from);
                 grip.refresh(&pose, &pair.nearest, rounding, from);
             }
-            // What a contact with friction has slid counts at its own cross-section.
-            let slides = pair.member.part == Part::Backbone
-                && pair.grip.is_none()
-                && obstacle.movable.is_none();
+            let slides =
+                is_alone && pair.member.part == Part::Backbone && obstacle.movable.is_none();
             let place = (pair.member.arc_length, rounding);
             pair.slide = if slides { Slide::of(model, obstacle, place, self.length) } else { None };
         }
@@ -131,18 +144,38 @@ impl Pairs {
         self.near.retain(|pair| pair.force > 0.0 || pair.nearest.gap < far);
     }
 
+    /// Whether a contact of the backbone has no other with the same obstacle beside it: where several lie side by side, as on a
+    /// cylinder that the backbone is wrapped around, each keeps its place.
+    fn is_alone(&self, number: usize) -> bool {
+        let of = &self.near[number];
+        let s = of.member.arc_length;
+        let apart = BESIDE * self.spacing(s);
+        let is_beside = |(k, pair): (usize, &Pair)| {
+            k != number
+                && pair.obstacle == of.obstacle
+                && pair.member.part == Part::Backbone
+                && (pair.member.arc_length - s).abs() < apart
+                // Not those that are merely near.
+                && !(pair.force == 0.0 && (0.0..f64::INFINITY).contains(&pair.nearest.gap))
+        };
+        !self.near.iter().enumerate().any(is_beside)
+    }
+
+    /// Of the watched places beside an arc length, in m.
+    fn spacing(&self, s: f64) -> f64 {
+        let watched = &self.watched;
+        let k = watched.partition_point(|&there| there < s).clamp(1, watched.len() - 1);
+        watched[k] - watched[k - 1]
+    }
+
     /// Contacts that have moved along the backbone to one place become one, with what both pushed; those that push nothing beside
     /// one that pushes are left out.
     fn merge_along(&mut self) {
-        let spacing = |watched: &[f64], s: f64| {
-            let k = watched.partition_point(|&there| there < s).clamp(1, watched.len() - 1);
-            watched[k] - watched[k - 1]
-        };
         let mut k = 0;
         while k < self.near.len() {
             let of = self.near[k];
             let s = of.member.arc_length;
-            let apart = spacing(&self.watched, s);
+            let apart = self.spacing(s);
             let beside = |pair: &Pair, within: f64| {
                 pair.obstacle == of.obstacle
                     && (pair.member.part, of.member.part) == (Part::Backbone, Part::Backbone)
@@ -158,9 +191,12 @@ impl Pairs {
                 }
                 into.force += of.force;
                 into.given.iter_mut().zip(of.given).for_each(|(sum, given)| *sum += given);
+                if let (Some(grip), Some(other)) = (&mut into.grip, of.grip) {
+                    grip.traction += other.traction;
+                }
                 continue;
             }
-            let is_idle = of.force == 0.0 && of.grip.is_none() && of.nearest.gap.is_finite();
+            let is_idle = of.force == 0.0 && of.nearest.gap.is_finite();
             let pushes = |pair: &Pair| beside(pair, 0.5) && pair.force > 0.0;
             let overlaps = of.nearest.gap < -OVERLAP * self.length;
             if is_idle && !overlaps && self.near.iter().any(pushes) {
@@ -171,11 +207,20 @@ impl Pairs {
         }
     }
 
-    /// Moves a pair along the backbone.
-    pub fn move_to(&mut self, number: usize, arc_length: f64) {
+    /// Moves a pair along the backbone: what it has slid counts for the cross-section where it is.
+    pub fn move_to(
+        &mut self,
+        number: usize,
+        arc_length: f64,
+        model: &impl Compliant,
+        scene: &Scene,
+    ) {
         let rounding = self.radius(arc_length);
-        let member = &mut self.near[number].member;
+        let Pair { member, grip, .. } = &mut self.near[number];
         (member.arc_length, member.body.rounding) = (arc_length, rounding);
+        if let Some(grip) = grip {
+            grip.from = scene.carried(model.pose_before(arc_length));
+        }
     }
 
     /// Places of one disk that have run into one another become one, with what both pushed.
@@ -286,15 +331,29 @@ impl Pairs {
             let gaps = [before, here, after];
             // At a corner the gap may be least without being flat there.
             let is_smooth = i < last && before.is_finite() && model.corner(i).is_none();
-            let (arc_length, least) = if is_smooth {
-                vertex([watched[i - 1], watched[i], watched[i + 1]], gaps)
-            } else {
-                (watched[i], here)
-            };
+            let (mut arc_length, mut least) = (watched[i], here);
+            if is_smooth {
+                (arc_length, least) = vertex([watched[i - 1], watched[i], watched[i + 1]], gaps);
+                if closely && least < -OVERLAP * self.length {
+                    // Beside a kink the parabola tells of an overlap that is not there.
+                    let centre = model.pose(arc_length).position;
+                    least = obstacle.surface(centre).distance - self.radii[i];
+                    if least > here {
+                        (arc_length, least) = (watched[i], here);
+                    }
+                }
+            }
             // Beside a contact there is no other until the robot overlaps there, or seems to between two places.
             let overlap = -OVERLAP * self.length;
             let apart = watched[i] - watched[i - 1];
-            let closely = closely || scene.get(number).friction > 0.0;
+            let is_beside = |pair: &Pair| {
+                pair.obstacle == number
+                    && pair.member.part == Part::Backbone
+                    && (pair.member.arc_length - watched[i]).abs() < apart
+            };
+            if closely && here < overlap && self.near.iter().any(is_beside) {
+                (arc_length, least) = (watched[i], here);
+            }
             let spacing = match (closely && here < overlap, closely && least < overlap) {
                 (true, _) => APART * self.length,
                 (false, true) => BETWEEN * apart,
@@ -310,17 +369,44 @@ impl Pairs {
                 added.push((arc_length, self.radii[i]));
             }
         }
-        if closely || obstacle.friction > 0.0 {
+        if closely {
             self.beside_contacts(model, (number, obstacle), &mut added);
         }
-        let elsewhere = !added.is_empty();
+        if closely {
+            // One that was added there in vain overlaps on other steps only.
+            added.retain(|&(s, _)| {
+                let again = |&&(at, there): &&(usize, f64)| {
+                    at == number && (there - s).abs() < APART * self.length
+                };
+                self.added.iter().filter(again).count() < ATTEMPTS
+            });
+            self.added.extend(added.iter().map(|&(s, _)| (number, s)));
+        }
+        let mut elsewhere = false;
         for (arc_length, rounding) in added {
+            // Tractions act at the surface: contacts that are nearer to one another than their moments shift the force may hold
+            // in several ways.
+            let close = 2.0 * obstacle.friction * rounding;
+            let is_close = |pair: &Pair| {
+                pair.obstacle == number
+                    && pair.member.part == Part::Backbone
+                    && (pair.member.arc_length - arc_length).abs() < close
+            };
+            let is_watched = |s: f64| watched.binary_search_by(|at| at.total_cmp(&s)).is_ok();
+            if let Some(beside) = self.near.iter().position(is_close) {
+                if is_watched(arc_length) && !is_watched(self.near[beside].member.arc_length) {
+                    self.move_to(beside, arc_length, model, scene);
+                    elsewhere = true;
+                }
+                continue;
+            }
             let body = Body { flat: 0.0, rounding };
             let member = Member { part: Part::Backbone, arc_length, body };
             let nearest =
                 Nearest { gap: f64::INFINITY, normal: Vec3::Z, arm: Vec3::ZERO, local: [0.0, 0.0] };
             let grip = grip(model, scene, number, arc_length);
             self.near.push(Pair { grip, ..Pair::new(number, member, nearest) });
+            elsewhere = true;
         }
         elsewhere
     }
@@ -381,7 +467,12 @@ impl Pairs {
                         && pair.member.part == Part::Backbone
                         && near(pair.member.arc_length)
                 });
-                if !known && !added.iter().any(|&(other, _)| near(other)) {
+                // Where the gap is no parabola it may not overlap there.
+                let centre = model.pose(there).position;
+                let least = obstacle.surface(centre).distance - self.radius(there);
+                let opened = if *force > 0.0 { pair.nearest.gap.min(0.0) } else { 0.0 };
+                let overlaps = least - opened < -OVERLAP * self.length;
+                if overlaps && !known && !added.iter().any(|&(other, _)| near(other)) {
                     added.push((there, self.radius(there)));
                 }
             }

@@ -473,6 +473,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     pub(super) fn touch(&mut self, case: &Case, before: &[Vec3]) -> Result<Option<f64>, Stop> {
         let (mut least, mut since) = (f64::INFINITY, 0);
         let mut looked = false;
+        self.pairs.begin_search();
         for _ in 0..STEPS {
             self.pairs.pushes(&mut self.pushes);
             self.dampers.pushes(&mut self.pushes);
@@ -494,6 +495,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             if self.pairs.discover(self.model, &self.scene, false) && !looked {
                 // The model has not been asked there yet.
                 looked = true;
+                (least, since) = (f64::INFINITY, 0);
                 continue;
             }
             self.objects.balance(&self.pairs, self.model);
@@ -501,6 +503,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             if self.residual <= MET && self.pairs.discover(self.model, &self.scene, true) && !looked
             {
                 looked = true;
+                (least, since) = (f64::INFINITY, 0);
                 continue;
             }
             looked = false;
@@ -567,8 +570,12 @@ impl<M: Compliant> PathTracker<'_, M> {
     /// Whether the contacts hold: eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
         let is_held = self.is_touching() || !self.dampers.all.is_empty();
-        if is_held && self.odd == Some(self.model.stands_alone()) {
-            return Err(Stop::Slips);
+        if is_held {
+            // It is linearised once more.
+            self.spent += self.model.effort();
+            if self.odd == Some(self.model.stands_alone()) {
+                return Err(Stop::Slips);
+            }
         }
         Ok(None)
     }

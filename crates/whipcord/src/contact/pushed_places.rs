@@ -2,7 +2,7 @@
 
 use core::cmp::Ordering;
 
-use whipcord_numerics::Twist;
+use whipcord_numerics::{Twist, Vec3};
 
 /// Where pushes act; `T` is how a model names a cross-section.
 #[derive(Clone, Debug, Default)]
@@ -57,6 +57,13 @@ impl<T: Copy + PartialOrd> PushedPlaces<T> {
                 }
             }
         }
+    }
+
+    /// The forces that changes of the pushes beyond a place add up to.
+    pub fn beyond(&self, place: T, changes: &[[f64; 6]]) -> Vec3 {
+        let pushed = self.of_push.iter().zip(changes);
+        let beyond = pushed.filter(|(number, _)| self.places[**number] > place);
+        beyond.fold(Vec3::ZERO, |sum, (_, [x, y, z, ..])| sum + Vec3::new(*x, *y, *z))
     }
 
     /// What changes of the pushes add up to, for each component on each place.

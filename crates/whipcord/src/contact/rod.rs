@@ -22,12 +22,15 @@ const WATCHED: usize = 80;
 /// answer is lost on them more find it.
 const CONTACT_STEPS: [usize; 2] = [10, 96];
 
-/// What `solve` finds on few steps, or on more where that is no answer; it is given how many there are.
+/// What `solve` finds on few steps, no fewer than the loads need, or on more where that is no answer; it is given how many there
+/// are.
 pub(crate) fn on_few_steps_or_more<T>(
     accuracy: Accuracy,
+    needed: usize,
     mut solve: impl FnMut(usize) -> Result<T, SolveError>,
 ) -> Result<T, SolveError> {
     let [few, more] = CONTACT_STEPS;
+    let few = needed.clamp(few, more);
     match (solve(few), accuracy) {
         // What nothing holds falls on any steps.
         (Err(error @ SolveError::Obstructed { why: Obstruction::NotHeld { .. }, .. }), _) => {
@@ -42,7 +45,7 @@ pub(crate) fn on_few_steps_or_more<T>(
                 | SolveError::SectionFolds { .. },
             ),
             Accuracy::Tolerance(_),
-        ) => solve(more),
+        ) if few < more => solve(more),
         (found, _) => found,
     }
 }
@@ -272,7 +275,7 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn budget(&self) -> f64 {
-        if self.steps == CONTACT_STEPS[0] { 1500.0 } else { 5000.0 }
+        if self.steps < CONTACT_STEPS[1] { 1000.0 } else { 3000.0 }
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {

@@ -1,5 +1,7 @@
 //! How a rod moves with the pushes of its contacts, and with the step that is left.
 
+use whipcord_numerics::Vec3;
+
 use super::pushed_places::PushedPlaces;
 use crate::derivatives::{Derivatives, Motion, unit_wrench};
 
@@ -40,6 +42,11 @@ impl RodResponse {
             compliance,
             drift,
         );
+    }
+
+    /// What changes of the pushes add to the dead force behind a node: pushes are no forces of followers.
+    pub fn pushed_beyond(&self, node: usize, changes: &[[f64; 6]]) -> Vec3 {
+        self.nodes.beyond(node, changes)
     }
 
     /// The step that is left, with what changes of the pushes do.

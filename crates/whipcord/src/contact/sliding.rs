@@ -110,8 +110,8 @@ impl Slide {
         core::array::from_fn(|i| core::array::from_fn(|j| -force * a[i] * a[j] / self.bend))
     }
 
-    /// Where it is after a step, from an arc length in m.
-    pub fn moved(from: f64, way: f64, length: f64) -> f64 {
-        if way.abs() <= THERE * length { from } else { from + way }
+    /// Whether a way in m is so short, in a scene of this length, that it stays.
+    pub fn stays(way: f64, length: f64) -> bool {
+        way.abs() <= THERE * length
     }
 }

@@ -5,7 +5,7 @@ use whipcord_numerics::{DenseLu, Pose, Vec3};
 use super::body::Nearest;
 use super::complementarity::{Complementarity, Contact};
 use super::dampers::Dampers;
-use super::friction::Grip;
+use super::friction::{Grip, along};
 use super::model::Compliant;
 use super::object::Objects;
 use super::object_pair::{NEAR, ObjectPair};
@@ -124,12 +124,6 @@ impl Scratch {
         }
         self.lu.factor(n, &self.matrix).map_err(|_| NoStep::Contacts)?;
         let mut turned: Vec<[f64; 6]> = pairs.near.iter().map(turned).collect();
-        for (turned, pair) in turned.iter_mut().zip(&pairs.near) {
-            if let Some(slide) = &pair.slide {
-                let by = pair.force * slide.left();
-                turned.iter_mut().zip(slide.along).for_each(|(sum, along)| *sum += by * along);
-            }
-        }
         turned.extend(dampers.all.iter().map(|damper| {
             let push = damper.push(&model.pose(damper.arc_length));
             core::array::from_fn(|a| push[a] - damper.given[a])
@@ -224,17 +218,20 @@ impl Scratch {
             let contact = &problem.contacts[j];
             let range = contact.first..contact.first + contact.lines();
             let lines = self.lines[range.clone()].iter().zip(&problem.forces[range]);
-            let along = lines.fold(Vec3::ZERO, |sum, (line, &force)| sum + line.force * force);
-            let tangential = along - pair.nearest.normal * problem.forces[contact.first];
+            let total = lines.fold(Vec3::ZERO, |sum, (line, &force)| sum + line.force * force);
+            let tangential = total - pair.nearest.normal * problem.forces[contact.first];
             for (given, change) in pair.given.iter_mut().zip(self.changes[j]) {
                 *given += part * change;
             }
-            if let Some(slide) = &pair.slide {
-                let way = part * slide.way(&motion[6 * j..6 * j + 6]);
-                let s = Slide::moved(pair.member.arc_length, way, length);
-                slid.push((j, s));
-                // The force on a ball has no moment about the centre of its cross-section, wherever that is.
-                pair.given[3..].fill(0.0);
+            let way = pair.slide.map_or(0.0, |slide| part * slide.way(&motion[6 * j..6 * j + 6]));
+            if !Slide::stays(way, length) {
+                slid.push((j, pair.member.arc_length + way));
+                // That of the force on a ball about the centre of its cross-section, wherever that is.
+                let [x, y, z, ..] = pair.given;
+                let force = Vec3::new(x, y, z);
+                let traction = pair.grip.map_or(Vec3::ZERO, |_| along(force, pair.nearest.normal));
+                let moment = pair.nearest.lever(pair.member.body.rounding).cross(traction);
+                pair.given[3..].copy_from_slice(&<[f64; 3]>::from(moment));
             }
             pair.force = next(pair, part, contact, &problem.forces).max(0.0);
             if pair.force == 0.0 {
@@ -243,7 +240,7 @@ impl Scratch {
             pair.hold(contact.sticks, tangential, part);
         }
         for (j, s) in slid {
-            pairs.move_to(j, s);
+            pairs.move_to(j, s, model, scene);
         }
         for (damper, change) in dampers.all.iter_mut().zip(&self.changes[count..]) {
             for (given, change) in damper.given.iter_mut().zip(change) {
@@ -328,8 +325,12 @@ pub(super) fn of_objects<'a>(
     }
 }
 
-/// What a pair pushes where the robot is, without the wrench that the model has been given.
+/// What a pair pushes where the robot is, and where it moves to along the backbone, without the wrench that the model has been
+/// given.
 pub(super) fn turned(pair: &Pair) -> [f64; 6] {
     let push = pair.push();
-    core::array::from_fn(|a| push[a] - pair.given[a])
+    let by = pair.slide.map(|slide| (pair.force * slide.left(), slide.along));
+    core::array::from_fn(|a| {
+        push[a] - pair.given[a] + by.map_or(0.0, |(moved, along)| moved * along[a])
+    })
 }

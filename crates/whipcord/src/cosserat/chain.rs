@@ -20,7 +20,7 @@ use crate::statics::elimination::{Change, Elimination, Size};
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Open;
-use crate::statics::path::state::PartChange as _;
+use crate::statics::path::state::{Part as _, PartChange as _};
 use crate::statics::path::{self, pattern};
 use crate::statics::scales::Scales;
 use crate::statics::shared_unknowns::{Cables, SharedUnknowns};
@@ -199,25 +199,35 @@ impl Chain {
 
     /// Shoots every step from its node; the greatest gap.
     pub fn shoot(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Result<f64, Fault> {
+        self.shoot_through(task, trajectory, |_| false)
+    }
+
+    /// [`Chain::shoot`], with these nodes put to where the steps before them end.
+    pub fn shoot_through(
+        &mut self,
+        task: &Task<'_>,
+        trajectory: &mut Trajectory,
+        is_free: impl Fn(usize) -> bool,
+    ) -> Result<f64, Fault> {
         let scales = Scales::of(task.grid, task.length);
         task.meter.integrate(task.grid.len());
         trajectory.samples.clear();
         self.gaps.clear();
         let mut greatest: f64 = 0.0;
-        let state = &self.state;
+        let State { nodes, tensions: even, load } = &mut self.state;
         let (tensions, per_node) = match self.varying.is_empty() {
-            true => (&state.tensions, 0),
-            false => (&self.varying, state.tensions.len()),
+            true => (&*even, 0),
+            false => (&self.varying, even.len()),
         };
         for k in 0..task.grid.len() {
-            let (start, next) = (state.nodes[k], state.nodes[k + 1]);
+            let (start, next) = (nodes[k], nodes[k + 1]);
             let moment = start.rotation.rotate(start.moment);
             let target = Target {
                 tensions,
                 per_node,
                 base_moment: Vec3::ZERO,
                 follower_force: start.force,
-                load: state.load,
+                load: *load,
                 sample: true,
             };
             let (end, cut) =
@@ -225,12 +235,16 @@ impl Chain {
             let to_body = end.rotation.conjugate();
             let follower = task.loads.follower(k + 1);
             let applied = to_body.rotate(task.loads.moment(k + 1)) + follower.moment;
-            let force = cut.force - state.load * end.rotation.rotate(follower.force);
-            let change = Change {
+            let force = cut.force - *load * end.rotation.rotate(follower.force);
+            let mut change = Change {
                 turn: (next.rotation.conjugate() * end.rotation).log(),
-                moment: to_body.rotate(cut.moment) - state.load * applied - next.moment,
+                moment: to_body.rotate(cut.moment) - *load * applied - next.moment,
                 force: force - next.force,
             };
+            if is_free(k + 1) {
+                nodes[k + 1] = next.stepped(1.0, &change);
+                change = Change::default();
+            }
             let moment = change.moment.norm() / (scales.moment + next.moment.norm());
             let force = change.force.norm() / (scales.force + next.force.norm());
             greatest = greatest.max(change.turn.norm()).max(moment).max(force);
@@ -245,7 +259,7 @@ impl Chain {
             for (i, command) in task.commands.iter().enumerate() {
                 let left = command.complementarity_residual(
                     i,
-                    &state.tensions,
+                    even,
                     &trajectory.lengths,
                     scales.of_cables(),
                 );

@@ -24,7 +24,8 @@ impl Cosserat {
         if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
             return Ok(solution);
         }
-        contact::on_few_steps_or_more(self.options.accuracy, |steps| {
+        let needed = self.strength(case, workspace).steps();
+        contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
             contact::solve(&mut self.adapter(steps), &self.robot, case, warm_start)
         })
     }
@@ -41,7 +42,8 @@ impl Cosserat {
             let alone = Case { obstacles: Vec::new(), ..case.clone() };
             return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
         }
-        contact::on_few_steps_or_more(self.options.accuracy, |steps| {
+        let needed = self.strength(case, workspace).steps();
+        contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
             let mut adapter = self.adapter(steps).with_stations();
             let (solution, holding) =
                 contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;

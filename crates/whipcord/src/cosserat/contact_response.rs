@@ -4,6 +4,8 @@
 //! under given wrenches cannot be asked for. The chain of [`super::chain`] instead takes one step of Newton's
 //! method at a time, in which [`crate::contact`] changes the wrenches along with the shape.
 
+use std::sync::Arc;
+
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Chain, Task};
@@ -37,7 +39,7 @@ const LONGEST: f64 = 0.5;
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactResponse {
-    contact_grid: Option<ContactGrid>,
+    contact_grid: Option<Arc<ContactGrid>>,
     chain: Chain,
     trajectory: Trajectory,
     workspace: Workspace,
@@ -52,7 +54,7 @@ pub(super) struct ContactResponse {
 /// What it is to be kept for, to go back to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
-    contact_grid: Option<ContactGrid>,
+    contact_grid: Option<Arc<ContactGrid>>,
     state: State,
     trajectory: Trajectory,
     shape: DenseOutput,
@@ -187,14 +189,14 @@ impl PushedRod for ContactResponse {
                 None
             }
             before => {
-                self.contact_grid = Some(ContactGrid::new(
+                self.contact_grid = Some(Arc::new(ContactGrid::new(
                     robot,
                     options,
                     case,
                     (least, halvings),
                     stations,
                     pushes,
-                )?);
+                )?));
                 Some(before)
             }
         };
@@ -207,11 +209,15 @@ impl PushedRod for ContactResponse {
         let fault = |tensions: &[f64], fault: Fault| {
             contact_grid.model.explain(Failure::of_section(fault, tensions, 1.0), commands)
         };
+        // Nodes that it had no state at.
+        let mut is_new: Vec<bool> = Vec::new();
         match before {
             None => {}
             Some(Some(before)) => {
-                let arcs = before.grid.ends();
-                self.chain.state = carried(&self.chain.state, &arcs, &contact_grid.grid.ends());
+                let (arcs, ends) = (before.grid.ends(), contact_grid.grid.ends());
+                self.chain.state = carried(&self.chain.state, &arcs, &ends);
+                let is_known = |s: &f64| arcs.binary_search_by(|at| at.total_cmp(s)).is_ok();
+                is_new.extend(ends.iter().map(|s| !is_known(s)));
                 let behind = |k: usize| {
                     let middle = grid.steps[k].start + 0.5 * grid.steps[k].length;
                     arcs.partition_point(|&s| s <= middle).clamp(1, before.grid.len()) - 1
@@ -231,7 +237,10 @@ impl PushedRod for ContactResponse {
         self.trajectory.steps_left = usize::MAX;
         if let Some(answer) = warm {
             match near(answer, contact_grid, &scratch.applied, &mut self.trajectory) {
-                Some(state) => self.chain.state = state,
+                Some(state) => {
+                    self.chain.state = state;
+                    is_new.clear();
+                }
                 // A shot that fails leaves no strains to start the sections from.
                 None => self.trajectory.seed(grid, &scratch.unloaded.strains),
             }
@@ -249,7 +258,8 @@ impl PushedRod for ContactResponse {
                 *tension = *given;
             }
         }
-        let looked = self.chain.shoot(&task, &mut self.trajectory);
+        let is_free = |node: usize| is_new.get(node).is_some_and(|is_new| *is_new);
+        let looked = self.chain.shoot_through(&task, &mut self.trajectory, is_free);
         self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
         self.trajectory.measure(grid);
         self.shape.ends = grid.ends();
@@ -344,14 +354,19 @@ impl PushedRod for ContactResponse {
         let most = motion.nodes.iter().map(|node| node.turn.norm()).fold(0.0, f64::max);
         let part = if part * most > LONGEST { LONGEST / most } else { part };
         let state = &self.chain.state;
-        let nodes = state.nodes.iter().zip(&motion.nodes).map(|(node, change)| {
+        let has_followers = self.workspace.scratch.applied.any_follower_force();
+        let nodes = state.nodes.iter().zip(&motion.nodes).enumerate();
+        let nodes = nodes.map(|(k, (node, change))| {
             let to_body = node.rotation.conjugate();
             let moment = node.rotation.rotate(node.moment);
             Change {
                 turn: to_body.rotate(change.turn),
                 // In the frame that turns with the cross-section.
                 moment: to_body.rotate(change.moment - change.turn.cross(moment)),
-                force: change.force,
+                force: match has_followers {
+                    true => change.force - linear.pushed_beyond(k, changes),
+                    false => Vec3::ZERO,
+                },
             }
         });
         let mut step = Direction { nodes: nodes.collect(), tensions: motion.tensions, load: 0.0 };
@@ -403,7 +418,7 @@ impl PushedRod for ContactResponse {
         else {
             return Ok(false);
         };
-        let ContactGrid { grid, pushes, model, .. } = contact_grid;
+        let ContactGrid { grid, pushes, model, .. } = &**contact_grid;
         let tolerance = tolerance * model.robot.backbone().length;
         if self.refinement.accept(self.change_on_halved_steps(contact_grid, case), tolerance) {
             return Ok(false);
@@ -414,7 +429,8 @@ impl PushedRod for ContactResponse {
 
     /// The answer at stations of the model, where it stands.
     fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
-        let Some(ContactGrid { model, grid, .. }) = &self.contact_grid else { return Ok(None) };
+        let Some(contact_grid) = &self.contact_grid else { return Ok(None) };
+        let ContactGrid { model, grid, .. } = &**contact_grid;
         let scratch = &mut self.workspace.scratch;
         scratch.poses.clone_from(&self.shape.poses);
         scratch.lengths.clone_from(&self.trajectory.lengths);

@@ -214,7 +214,7 @@ impl Cosserat {
     }
 
     /// How strong the loads of a case are.
-    fn strength(&self, case: &Case, workspace: &mut Workspace) -> Strength {
+    pub(super) fn strength(&self, case: &Case, workspace: &mut Workspace) -> Strength {
         if case.loads.is_none() {
             return Strength::default();
         }

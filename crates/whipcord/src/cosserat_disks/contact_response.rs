@@ -2,6 +2,8 @@
 //! which [`crate::contact`] changes the forces along with the shape. Disks stay where they are when the places of contact,
 //! at which steps end, come and go.
 
+use std::sync::Arc;
+
 use whipcord_numerics::{Pose, Vec3};
 
 use super::chain::Chain;
@@ -35,7 +37,7 @@ const LONGEST: f64 = 0.5;
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactResponse {
-    contact_mesh: Option<ContactMesh>,
+    contact_mesh: Option<Arc<ContactMesh>>,
     chain: Chain,
     workspace: Workspace,
     /// Its frames.
@@ -49,7 +51,7 @@ pub(super) struct ContactResponse {
 /// What it is to be kept for, to go back to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
-    contact_mesh: Option<ContactMesh>,
+    contact_mesh: Option<Arc<ContactMesh>>,
     nodes: Vec<Node>,
     tensions: Vec<f64>,
     shape: DenseOutput,
@@ -339,7 +341,7 @@ impl PushedRod for ContactResponse {
         self.workspace.meter_mut().start(&options.cancel, Budget::UNLIMITED);
         let before = self.contact_mesh.take();
         let is_new = before.is_none();
-        let stands = |there: &ContactMesh| {
+        let stands = |there: &Arc<ContactMesh>| {
             there.halvings == self.refinement.halvings
                 && there.pushes == pushes
                 && there.stations == stations
@@ -348,7 +350,8 @@ impl PushedRod for ContactResponse {
             Some(contact_mesh) => contact_mesh,
             None => {
                 let Refinement { steps, halvings, .. } = self.refinement;
-                ContactMesh::new(robot, options, case, (steps, halvings), stations, pushes)?
+                let at = (steps, halvings);
+                Arc::new(ContactMesh::new(robot, options, case, at, stations, pushes)?)
             }
         };
         contact_mesh.model.accept(case, &contact_mesh.mesh, &mut self.workspace)?;
@@ -426,7 +429,8 @@ impl PushedRod for ContactResponse {
             // The base is clamped, and nothing is left to act at the tip.
             let turn = if k == 0 { Vec3::ZERO } else { disks[k].turn };
             if k < last {
-                let change = NodeChange { turn, ..disks[k] };
+                let force = disks[k].force - linear.pushed_beyond(at[k], changes);
+                let change = NodeChange { turn, force, ..disks[k] };
                 *node = node.moved(part, &change, &nodes[at[k]], has_followers);
             } else {
                 let change = NodeChange { turn, ..NodeChange::default() };
@@ -470,7 +474,7 @@ impl PushedRod for ContactResponse {
         else {
             return Ok(false);
         };
-        let ContactMesh { mesh, pushes, model, .. } = contact_mesh;
+        let ContactMesh { mesh, pushes, model, .. } = &**contact_mesh;
         let tolerance = tolerance * model.robot().backbone().length;
         if self.refinement.accept(self.change_on_halved_steps(contact_mesh, case), tolerance) {
             return Ok(false);
@@ -487,7 +491,7 @@ impl PushedRod for ContactResponse {
         let Chain { tensions, lengths, .. } = &self.chain;
         self.workspace.adopt(&self.shape.poses, tensions, lengths, base_wrench);
         let found = Found { iterations: 0, residual: self.gap, lost_at: None };
-        let ContactMesh { model, mesh, .. } = contact_mesh;
+        let ContactMesh { model, mesh, .. } = &**contact_mesh;
         let cases = core::slice::from_ref(case);
         Ok(Some(model.solution(mesh, cases, &mut self.workspace, found, self.refinement.error)))
     }

@@ -150,14 +150,20 @@ impl CosseratDisks {
     /// How often the steps of the first mesh are halved before anything is tried: until they see the layer in which
     /// the greatest force of the cases bends the rod.
     pub(super) fn first_level(&self, cases: &[Case], workspace: &mut Workspace) -> usize {
+        let of_case = |case: &Case| self.strength(case, workspace).first_level();
+        let first = cases.iter().filter(|case| !case.loads.is_none()).map(of_case).max();
+        first.map_or(0, |level| level.min(GIVE_UP_LEVEL))
+    }
+
+    /// How strong the loads of a case are.
+    pub(super) fn strength(&self, case: &Case, workspace: &mut Workspace) -> Strength {
+        if case.loads.is_none() {
+            return Strength::default();
+        }
         let grid = &self.mesh.grid;
         let applied = &mut workspace.scratch.applied;
-        let mut of_case = |case: &Case| {
-            applied.gather(grid, &case.loads, case.base.rotation);
-            Strength::of(applied, grid, self.robot.backbone().length).first_level()
-        };
-        let first = cases.iter().filter(|case| !case.loads.is_none()).map(&mut of_case).max();
-        first.map_or(0, |level| level.min(GIVE_UP_LEVEL))
+        applied.gather(grid, &case.loads, case.base.rotation);
+        Strength::of(applied, grid, self.robot.backbone().length)
     }
 
     /// The answer to the last step on one mesh. What holes remember depends on the mesh: the whole way

@@ -54,6 +54,12 @@ impl Strength {
         (0..=MOST_HALVINGS).find(|&n| layers <= STEP_IN_LAYER * f64::from(1_u32 << n))
     }
 
+    /// How many equal steps from base to tip see where the force bends the rod.
+    pub fn steps(&self) -> usize {
+        // A finite ratio: a valid robot has stiffness, and forces are finite.
+        (self.force.sqrt() / STEP_IN_LAYER).ceil() as usize
+    }
+
     /// How often the steps of the grid are halved before anything is tried.
     pub fn first_level(&self) -> usize {
         self.halvings().unwrap_or(MOST_HALVINGS)

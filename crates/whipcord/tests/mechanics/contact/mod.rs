@@ -4,6 +4,7 @@ mod bore;
 mod cables;
 mod cosserat;
 mod cosserat_disks;
+mod cylinder;
 mod energy;
 mod four_bar;
 mod free_path;

@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout, reason = "a study tells what it found")]
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::time::Instant;
 
 use proptest::prelude::*;
@@ -423,13 +424,15 @@ struct Outcomes {
 }
 
 impl Outcomes {
-    fn of(solve: Solve, count: usize, tell: bool) -> Self {
+    fn of(solve: Solve, robots: Range<usize>, tell: bool) -> Self {
         let mut outcomes = Self::default();
-        for (number, scenario) in samples(scenario(), count).enumerate() {
+        let numbered = samples(scenario(), robots.end).enumerate().skip(robots.start);
+        for (number, scenario) in numbered {
             let Some(case) = placed(solve, &scenario) else { continue };
             let start = Instant::now();
             let outcome = solve(&scenario.robot, &case);
-            outcomes.times.push(1e3 * start.elapsed().as_secs_f64());
+            let time = 1e3 * start.elapsed().as_secs_f64();
+            outcomes.times.push(time);
             let came_to = match &outcome {
                 Ok(solution) => {
                     let deepest = overlap(&scenario.robot, &case, solution);
@@ -451,8 +454,13 @@ impl Outcomes {
                 },
                 Err(_) => "no shape",
             };
-            if tell && let Err(error) = &outcome {
-                println!("{number} {}: {error}", scenario.form.name());
+            if tell {
+                let name = scenario.form.name();
+                match &outcome {
+                    Err(error) => println!("{number} {name} {time:.0} ms: {error}"),
+                    Ok(_) if time > SLOW => println!("{number} {name} {time:.0} ms: {came_to}"),
+                    Ok(_) => {}
+                }
             }
             *outcomes.counts.entry(came_to).or_insert(0) += 1;
         }
@@ -497,21 +505,31 @@ const MODELS: [(&str, Solve); 9] = [
     ("four-bar by length", four_bar),
 ];
 
-/// Of every model: how many of 1,125 robots have an answer, why the others have none, and how long they take.
+/// Of every model: how many of 1,000 robots have an answer, why the others have none, and how long they take.
 /// `cargo test --release -p whipcord --test mechanics contact::overlap::study_of_outcomes -- --ignored --nocapture`
+///
+/// The environment variables `ROBOTS=0..250` and `MODEL=arcs` choose a part of them.
 #[test]
-#[ignore = "a study, which takes minutes"]
+#[ignore = "a study, which takes an hour"]
 fn study_of_outcomes() {
-    for (name, solve) in MODELS {
-        Outcomes::of(solve, 125, true).tell(name);
+    let robots = std::env::var("ROBOTS").ok().map_or(0..1000, |range| {
+        let (first, end) = range.split_once("..").unwrap();
+        first.parse().unwrap()..end.parse().unwrap()
+    });
+    let chosen = std::env::var("MODEL").unwrap_or_default();
+    for (name, solve) in MODELS.iter().filter(|(name, _)| name.starts_with(&chosen)) {
+        Outcomes::of(*solve, robots.clone(), true).tell(name);
     }
 }
+
+/// Answers that take longer than this are told, in ms.
+const SLOW: f64 = 1000.0;
 
 /// The first robots of the study: nearly all have an answer, wherever they jump to on the way.
 #[test]
 fn nearly_all_robots_among_obstacles_are_solved() {
     for (name, solve) in MODELS {
-        let outcomes = Outcomes::of(solve, 8, false);
+        let outcomes = Outcomes::of(solve, 0..8, false);
         outcomes.tell(name);
         let (solved, possible) = outcomes.solved();
         assert!(solved + 1 >= possible && possible > 2, "{name}: {outcomes:?}");
