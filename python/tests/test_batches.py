@@ -35,7 +35,7 @@ def test_rows_are_single_solves_to_the_last_bit(segment: whipcord.Case) -> None:
 
 def test_rows_under_load_and_by_length_and_along_a_path() -> None:
     case = whipcord.load("examples/wall-mounted-arm.toml")
-    rows = np.full((20, 1), 5.0)
+    rows = np.full((20, 1), 15.0)
     cold, warm = case.solve_batch(rows), case.solve_batch(rows, path=True, stations=7)
     assert cold.ok.all() and warm.position.shape == (20, 7, 3)
     assert np.allclose(cold.tip, warm.tip, atol=1e-9)
@@ -244,7 +244,7 @@ def test_weights_that_are_no_numbers_are_refused(case: whipcord.Case, name: str,
 def test_unstable_rows_are_answers_and_are_marked() -> None:
     """Linkages under the pull of a cable in their centre, by less and by more than what buckles their sections."""
     robot = whipcord.load("examples/table1/case-3.toml").robot
-    central = whipcord.Cable("central", routing=whipcord.Routing.straight(angle=0, radius=0))
+    central = whipcord.Cable(name="central", routing=whipcord.Routing.straight(angle=0, radius=0))
     rod = whipcord.Case(robot.replace(cables=[central]))
     held, buckled = (rod.solve(tension=[pull], model="pseudo-rigid-body") for pull in (5.0, 150.0))
     assert held.stable is True and held.diagnostics.stability_absent is None
