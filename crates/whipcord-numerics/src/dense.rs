@@ -53,11 +53,15 @@ impl DenseLu {
                     m.swap(k * n + j, pivot * n + j);
                 }
             }
-            for i in k + 1..n {
-                let f = m[i * n + k] / value;
-                m[i * n + k] = f;
-                for j in k + 1..n {
-                    m[i * n + j] -= f * m[k * n + j];
+            let (above, below) = m.split_at_mut((k + 1) * n);
+            let row_of_pivot = &above[k * n + k + 1..];
+            for row in below.chunks_exact_mut(n) {
+                let f = row[k] / value;
+                row[k] = f;
+                if f != 0.0 {
+                    for (x, pivot) in row[k + 1..].iter_mut().zip(row_of_pivot) {
+                        *x -= f * pivot;
+                    }
                 }
             }
         }
@@ -79,16 +83,15 @@ impl DenseLu {
         for k in 0..n {
             b.swap(k, self.pivots[k]);
         }
+        let rest = |x: f64, factors: &[f64], b: &[f64]| {
+            factors.iter().zip(b).fold(x, |x, (factor, b)| x - factor * b)
+        };
         for i in 1..n {
-            for j in 0..i {
-                b[i] -= self.factors[i * n + j] * b[j];
-            }
+            b[i] = rest(b[i], &self.factors[i * n..i * n + i], b);
         }
         for i in (0..n).rev() {
-            for j in i + 1..n {
-                b[i] -= self.factors[i * n + j] * b[j];
-            }
-            b[i] /= self.factors[i * n + i];
+            let row = &self.factors[i * n..(i + 1) * n];
+            b[i] = rest(b[i], &row[i + 1..], &b[i + 1..]) / row[i];
         }
     }
 }
