@@ -137,6 +137,27 @@ impl DenseLu {
             }
         }
     }
+
+    /// The first so many columns of the inverse.
+    ///
+    /// ```
+    /// # use whipcord_numerics::DenseLu;
+    /// let mut lu = DenseLu::default();
+    /// lu.factor(2, &[2.0, 0.0, 0.0, 4.0])?;
+    /// assert_eq!(lu.inverse_columns(1), [vec![0.5, 0.0]]);
+    /// # Ok::<(), whipcord_numerics::Singular>(())
+    /// ```
+    #[must_use]
+    pub fn inverse_columns(&self, count: usize) -> Vec<Vec<f64>> {
+        let unit = |i: usize| {
+            let mut column = vec![0.0; self.n];
+            column[i] = 1.0;
+            column
+        };
+        let mut columns: Vec<Vec<f64>> = (0..count).map(unit).collect();
+        self.solve_columns(&mut columns);
+        columns
+    }
 }
 
 /// `lanes` less the sum of the rows by these factors, one after the other.

@@ -215,16 +215,8 @@ impl Carried {
         }
         let mut lu = DenseLu::default();
         lu.factor(size, &matrix).map_err(|_| Critical)?;
-        let mut columns: Vec<Vec<f64>> = (0..n)
-            .map(|i| {
-                let mut column = vec![0.0; size];
-                column[i] = 1.0;
-                column
-            })
-            .collect();
-        lu.solve_columns(&mut columns);
         let mut gain = vec![0.0; n * n];
-        for (c, column) in columns.iter().enumerate() {
+        for (c, column) in lu.inverse_columns(n).iter().enumerate() {
             for i in 0..n {
                 gain[i * n + c] = dot(&wrenches[i * size..(i + 1) * size], column);
             }

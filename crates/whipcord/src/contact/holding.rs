@@ -158,16 +158,8 @@ impl Holding {
         }
         let mut lu = DenseLu::default();
         lu.factor(size, &matrix).map_err(|_| Critical)?;
-        let mut columns: Vec<Vec<f64>> = (0..n)
-            .map(|i| {
-                let mut column = vec![0.0; size];
-                column[i] = 1.0;
-                column
-            })
-            .collect();
-        lu.solve_columns(&mut columns);
         let mut gain = vec![0.0; n * n];
-        for (c, column) in columns.iter().enumerate() {
+        for (c, column) in lu.inverse_columns(n).iter().enumerate() {
             for (k, block) in self.geometric.iter().enumerate() {
                 for a in 0..6 {
                     gain[(6 * k + a) * n + c] = dot(&block[a], &column[6 * k..6 * k + 6]);

@@ -40,10 +40,10 @@ pub(crate) trait Compliant {
     /// What an iteration without contacts costs, relative to one of a rod of 100 steps.
     fn effort(&self) -> f64;
 
-    /// What a solve may spend over the whole way, in iterations of a rod of 100 steps without contacts: each takes half a
-    /// millisecond or less.
+    /// What a solve may spend over the whole way, in iterations of a rod of 100 steps without contacts: each takes about a
+    /// millisecond at most.
     fn budget(&self) -> f64 {
-        4000.0
+        3500.0
     }
 
     /// Makes its equations finer where the answer is not yet as accurate as was asked for; `true` where it then

@@ -428,6 +428,7 @@ impl Pairs {
         let slope_at = |k: usize, side: usize| {
             slope(self.watched[k], model.corner(k).map(|tangents| tangents[side]))
         };
+        self.between_contacts(model, (number, obstacle), added);
         for pair in &self.near {
             let Pair { member, force, obstacle: at, .. } = pair;
             if *at != number || member.part != Part::Backbone || pair.slide.is_some() {
@@ -475,6 +476,31 @@ impl Pairs {
                 if overlaps && !known && !added.iter().any(|&(other, _)| near(other)) {
                     added.push((there, self.radius(there)));
                 }
+            }
+        }
+    }
+
+    /// Where the backbone overlaps an obstacle half-way between two contacts that lie side by side, on both flanks of a narrow one.
+    fn between_contacts(
+        &self,
+        model: &impl Compliant,
+        (number, obstacle): (usize, &Obstacle),
+        added: &mut Vec<(f64, f64)>,
+    ) {
+        let touches = |pair: &&Pair| {
+            pair.obstacle == number && pair.member.part == Part::Backbone && pair.force > 0.0
+        };
+        let mut places: Vec<f64> =
+            self.near.iter().filter(touches).map(|pair| pair.member.arc_length).collect();
+        places.sort_by(f64::total_cmp);
+        for pair in places.windows(2) {
+            let (apart, middle) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
+            let radius = self.radius(middle);
+            let gap = || obstacle.surface(model.pose(middle).position).distance - radius;
+            if (2.0 * APART * self.length..1.5 * self.spacing(middle)).contains(&apart)
+                && gap() < -OVERLAP * self.length
+            {
+                added.push((middle, radius));
             }
         }
     }

@@ -275,7 +275,7 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn budget(&self) -> f64 {
-        if self.steps < CONTACT_STEPS[1] { 1000.0 } else { 3000.0 }
+        if self.steps < CONTACT_STEPS[1] { 700.0 } else { 1500.0 }
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {
