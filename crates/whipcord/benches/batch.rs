@@ -2,7 +2,7 @@
 //!
 //! The paper's rod. One cable is that of its case III; further cables run as it does, turned about the
 //! backbone, and all together pull with up to the weight of 400 g. `default_options` is what a user gets:
-//! steps halved until the estimated error is below 1e-9 of the length (9, 18 and 36 steps for these
+//! steps halved until the estimated error is below 1e-6 of the length (9 and 18 steps for most of these
 //! robots), and the stability. `twelve_steps` leaves an error below 1e-6 of the length (see
 //! `benches/cosserat.rs`).
 //!
@@ -20,7 +20,8 @@
 //! Processor time for a row in µs, on two cores of a Zen server that a dozen other programs ran on at the
 //! time (to compare with one another; nothing was measured on a quiet machine), with twelve steps and
 //! one, three and six cables: row by row 3.4, 18 and 24; in eight lanes 0.67, 2.5 and 3.6; in four lanes
-//! one and three cables 0.85 and 3.9. With the default options, in eight lanes, 2.4, 12 and 16. Two threads
+//! one and three cables 0.85 and 3.9. With the default options, in eight lanes, 0.47, 2.9 and 4.3; under
+//! load, row by row, 38 with one cable and 87 with three. Two threads
 //! took as much processor time as one, to within 1 % row by row, under load and with the default options:
 //! sharing the rows costs nothing that shows.
 

@@ -136,7 +136,7 @@ fn by_length_warm(bencher: Bencher, steps: usize) {
     bencher.bench_local(|| model.solve(&case, Some(&before), &mut workspace).unwrap());
 }
 
-/// To the default tolerance of 1e-9 of the length, with the estimate of the error.
+/// To the default tolerance of 1e-6 of the length, with the estimate of the error.
 #[divan::bench]
 fn unloaded_cold_to_tolerance(bencher: Bencher) {
     let (robot, case) = (case_3::robot(), Case::with_tensions(&[TENSION]));

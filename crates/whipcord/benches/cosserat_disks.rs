@@ -110,7 +110,7 @@ fn by_length_loaded_cold(bencher: Bencher<'_, '_>, steps: usize) {
     measure(bencher, &options(steps, Actuation::Shortening), &case);
 }
 
-/// To the default tolerance of 1e-9 of the length, with the estimate of the error and the stability.
+/// To the default tolerance of 1e-6 of the length, with the estimate of the error and the stability.
 #[divan::bench]
 fn unloaded_cold_to_tolerance(bencher: Bencher<'_, '_>) {
     measure(bencher, &Options::default(), &Case::with_tensions(&[TENSION]));

@@ -1,10 +1,11 @@
 //! All equilibria of the robot under a load that lie on the path from no load and on the branches off it.
 
 use super::levels::{MAX_REFINEMENTS, STABILITY_LEVEL};
-use super::model::{CosseratDisks, Workspace};
+use super::model::CosseratDisks;
 use super::node::State;
 use super::path::ChainPath;
 use super::statics;
+use super::workspace::Workspace;
 use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::SolveError;

@@ -3,7 +3,8 @@
 use whipcord_numerics::Vec3;
 
 use super::contact_response::ContactResponse;
-use super::model::{CosseratDisks, Workspace};
+use super::model::CosseratDisks;
+use super::workspace::Workspace;
 use crate::case::Case;
 use crate::contact::{self, RodAdapter, Unobstructed};
 use crate::derivatives::Derivatives;

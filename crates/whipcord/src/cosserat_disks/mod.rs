@@ -17,10 +17,11 @@
 //! | `load_continuation`, `raise` | equilibrium under loads, and continuation of the load |
 //! | `friction` | the response of the chain to the tensions of all passages, for friction at holes |
 //! | `refinement`, `levels` | halving of the steps to a tolerance |
-//! | `stability`, `stability_check` | the second variation of the energy, and the decision |
+//! | `stability`, `span_form`, `stability_check` | the second variation of the energy, its form in a span, and the decision |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 
 mod anchors;
+mod answer;
 mod between_disks;
 mod branches;
 mod chain;
@@ -45,6 +46,7 @@ mod repeated_spans;
 mod rod;
 mod scratch;
 mod span;
+mod span_form;
 mod stability;
 mod stability_check;
 mod statics;
@@ -53,6 +55,8 @@ mod tensions;
 mod unloaded;
 mod unloaded_span;
 mod variation;
+mod workspace;
 
 pub use crate::statics::options::Options;
-pub use model::{CosseratDisks, Workspace};
+pub use model::CosseratDisks;
+pub use workspace::Workspace;

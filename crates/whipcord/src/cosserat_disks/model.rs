@@ -1,15 +1,10 @@
 use std::sync::{Arc, OnceLock};
 
-use whipcord_numerics::Pose;
-
 use super::layout::{Frame, Mesh};
 use super::levels::{FINER_MESHES, Refined, STABILITY_STEPS};
-use super::node::Node;
-use super::problem::{Neighbour, Problem, Start};
-use super::scratch::Scratch;
-use super::stability_check;
+use super::problem::{Problem, Start};
 use super::statics;
-use super::unloaded::Unloaded;
+use super::workspace::{Progress, Workspace};
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{CableCommand, Case, Loads};
@@ -19,14 +14,13 @@ use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, NoStability, Solution, Wrench};
+use crate::shape::Solution;
 use crate::statics::command::Command;
-use crate::statics::friction::{History, Holes};
+use crate::statics::friction::Holes;
 use crate::statics::grid::steps_for_twist;
-use crate::statics::loads::{self, AppliedLoads};
+use crate::statics::loads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
-use crate::statics::outcome::{Failure, Found};
-use crate::statics::refinement::Coarse;
+use crate::statics::outcome::Failure;
 use crate::statics::trace::Trace;
 use crate::statics::trace::TraceEvent;
 use crate::warm_start::{Status, WarmStart};
@@ -78,107 +72,6 @@ pub struct CosseratDisks {
     pub(super) fine: Arc<OnceLock<Mesh>>,
     /// With so many steps stability is computed.
     pub(super) stability_steps: usize,
-}
-
-/// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
-/// memory itself.
-#[derive(Clone, Debug, Default)]
-pub struct Workspace {
-    pub(super) scratch: Scratch,
-    pub(super) commands: Vec<Command>,
-    coarse: Coarse,
-    coarse_tensions: Vec<f64>,
-    coarse_base_wrench: Wrench,
-    pub(super) histories: Vec<StepHistory>,
-    /// The substeps of each step of actuation, the same on all meshes.
-    pub(super) schedules: Vec<Vec<f64>>,
-    pub(super) meter: Meter,
-    neighbour: Neighbour,
-    /// How far the solve came: the best shape where its budget is spent.
-    pub(super) progress: Progress,
-}
-
-/// What a solve has found so far.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Progress {
-    /// How often the steps of the mesh are halved that it is on.
-    pub level: usize,
-    /// Whether there is an answer on coarser steps, which the workspace keeps.
-    pub coarser: Option<Found>,
-}
-
-/// How far the steps of actuation have been walked on a mesh, and what the holes remember there.
-#[derive(Clone, Debug, Default)]
-pub(super) struct StepHistory {
-    pub taken: usize,
-    pub history: History<Vec<Node>>,
-}
-
-impl Workspace {
-    /// What drives each cable, of the case that was accepted last.
-    pub(super) fn commands(&self) -> &[Command] {
-        &self.commands
-    }
-
-    /// What the solve has spent.
-    pub(super) const fn meter(&self) -> &Meter {
-        &self.meter
-    }
-
-    pub(super) const fn meter_mut(&mut self) -> &mut Meter {
-        &mut self.meter
-    }
-
-    /// Loads of that case.
-    pub(super) const fn loads(&self) -> &AppliedLoads {
-        &self.scratch.applied
-    }
-
-    /// The robot without load.
-    pub(super) const fn unloaded_mut(&mut self) -> &mut Unloaded {
-        &mut self.scratch.unloaded
-    }
-
-    /// Frames at the ends of all steps, the base first.
-    pub(super) fn poses(&self) -> &[Pose] {
-        &self.scratch.poses
-    }
-
-    /// Takes a state for the answer.
-    pub(super) fn adopt(
-        &mut self,
-        poses: &[Pose],
-        tensions: &[f64],
-        lengths: &[f64],
-        base_wrench: Wrench,
-    ) {
-        let scratch = &mut self.scratch;
-        scratch.poses.clear();
-        scratch.poses.extend_from_slice(poses);
-        scratch.tensions.clear();
-        scratch.tensions.extend_from_slice(tensions);
-        scratch.lengths.clear();
-        scratch.lengths.extend_from_slice(lengths);
-        scratch.base_wrench = base_wrench;
-    }
-
-    /// Keeps what the answer on a coarse mesh is compared by.
-    pub(super) fn keep(&mut self, mesh: &Mesh) {
-        self.coarse.keep(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
-        self.coarse_tensions.clone_from(&self.scratch.tensions);
-        self.coarse_base_wrench = self.scratch.base_wrench;
-    }
-
-    /// Largest change of a position or a cable's length since then, in m. Where lengths are given
-    /// it is the tensions that change, which counts as a fraction of the length.
-    pub(super) fn change(&self, mesh: &Mesh, length: f64) -> f64 {
-        let moved = self.coarse.change(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
-        let tensions = self.scratch.tensions.iter().zip(&self.coarse_tensions);
-        let relative = |(fine, coarse): (&f64, &f64)| {
-            length * (fine - coarse).abs() / fine.max(f64::MIN_POSITIVE)
-        };
-        tensions.filter(|(fine, coarse)| fine != coarse).map(relative).fold(moved, f64::max)
-    }
 }
 
 impl CosseratDisks {
@@ -555,129 +448,6 @@ impl CosseratDisks {
             commands.push(Command::of(kind, &self.robot, cable, case, actuation, initial)?);
         }
         Ok(())
-    }
-
-    /// The answer that the workspace holds.
-    pub(super) fn solution(
-        &self,
-        mesh: &Mesh,
-        cases: &[Case],
-        workspace: &mut Workspace,
-        found: Found,
-        discretization_error: Option<f64>,
-    ) -> Solution {
-        let mut solution = Solution::empty(ModelKind::CosseratDisks);
-        self.write(mesh, cases, workspace, (found, discretization_error), &mut solution);
-        solution
-    }
-
-    /// Writes the answer that the workspace holds.
-    fn write(
-        &self,
-        mesh: &Mesh,
-        cases: &[Case],
-        workspace: &mut Workspace,
-        (found, discretization_error): (Found, Option<f64>),
-        solution: &mut Solution,
-    ) {
-        let case = cases.last();
-        let base = case.map_or(Pose::IDENTITY, |case| case.base);
-        let verdict = case.map_or(Err(NoStability::NotAsked), |case| {
-            // The meshes that it takes were made for the answer.
-            let problem = self.problem(mesh, (&workspace.commands, &workspace.meter), case);
-            let problem = problem.map_err(|_| NoStability::Undetermined)?;
-            stability_check::stability(&problem, &mut workspace.scratch)
-        });
-        self.write_iterate(mesh, base, workspace, solution);
-        let history = &workspace.scratch.history;
-        for (i, cable) in solution.cables.iter_mut().enumerate() {
-            if let Some(holes) = &self.holes {
-                holes.of(i, &history.tensions, &mut cable.span_tensions);
-                holes.of(i, &history.slip_states, &mut cable.slip_states);
-            }
-        }
-        solution.diagnostics = Diagnostics {
-            iterations: found.iterations,
-            residual: found.residual,
-            discretization_error,
-            steps: mesh.grid.len(),
-            stability_lost_at: found.lost_at,
-            ..Diagnostics::default()
-        }
-        .with_stability(verdict);
-    }
-
-    /// Writes the shape that the workspace holds, and what its cables do.
-    fn write_iterate(
-        &self,
-        mesh: &Mesh,
-        base: Pose,
-        workspace: &Workspace,
-        solution: &mut Solution,
-    ) {
-        let Scratch { poses, tensions, lengths, base_wrench, .. } = &workspace.scratch;
-        let at = |k: &usize| poses[*k];
-        let Mesh { grid, .. } = mesh;
-        solution.shape.set(self.stations(), grid.stations.iter().map(at), base);
-        let disks = &self.robot.disks().arc_lengths;
-        solution.disks.set(disks, grid.disks.iter().map(at), base);
-        self.write_cables(&workspace.commands, tensions, lengths, solution);
-        solution.base_wrench = Some(*base_wrench);
-    }
-
-    /// Writes what became of the cables; and that nothing touches.
-    fn write_cables(
-        &self,
-        commands: &[Command],
-        tensions: &[f64],
-        lengths: &[f64],
-        solution: &mut Solution,
-    ) {
-        solution.model = ModelKind::CosseratDisks;
-        solution.contacts.clear();
-        solution.objects.clear();
-        let cables = self.robot.cables();
-        let backbone = self.robot.backbone().length;
-        solution.cables.resize_with(cables.len(), CableState::default);
-        for (i, state) in solution.cables.iter_mut().enumerate() {
-            let length = [lengths[i], self.frame.rest_lengths[i]];
-            commands[i].answer(&cables[i].name, tensions[i], length, backbone, state);
-        }
-    }
-
-    /// Writes the best shape that a solve has found whose budget is spent: the answer on coarser steps, or the last iterate; `false`
-    /// where there is none.
-    fn write_best(
-        &self,
-        case: &Case,
-        workspace: &Workspace,
-        solution: &mut Solution,
-    ) -> Result<bool, SolveError> {
-        let Workspace { scratch, commands, coarse, coarse_tensions, progress, .. } = workspace;
-        let (found, steps) = if let Some(found) = progress.coarser {
-            let disks = &self.robot.disks().arc_lengths;
-            let (at_disks, at_stations) = coarse.poses().split_at(disks.len());
-            solution.shape.set(self.stations(), at_stations.iter().copied(), case.base);
-            solution.disks.set(disks, at_disks.iter().copied(), case.base);
-            self.write_cables(commands, coarse_tensions, coarse.lengths(), solution);
-            solution.base_wrench = Some(workspace.coarse_base_wrench);
-            (found, self.mesh(progress.level.saturating_sub(1))?.grid.len())
-        } else if let Some(effort) = scratch.open {
-            let mesh = self.mesh(progress.level)?;
-            self.write_iterate(&mesh, case.base, workspace, solution);
-            (Found::with(effort), mesh.grid.len())
-        } else {
-            return Ok(false);
-        };
-        solution.diagnostics = Diagnostics {
-            iterations: found.iterations,
-            residual: found.residual,
-            steps,
-            stability_lost_at: found.lost_at,
-            ..Diagnostics::default()
-        }
-        .with_stability(Err(NoStability::NotAsked));
-        Ok(true)
     }
 
     pub(super) fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {
