@@ -18,6 +18,7 @@ impl Mat3 {
     pub const IDENTITY: Self = Self::from_rows(Vec3::X, Vec3::Y, Vec3::Z);
 
     /// The matrix with these rows.
+    #[inline]
     #[must_use]
     pub const fn from_rows(a: Vec3, b: Vec3, c: Vec3) -> Self {
         Self { rows: [a, b, c] }
@@ -85,6 +86,7 @@ impl Mat3 {
     }
 
     /// The determinant.
+    #[inline]
     #[must_use]
     pub fn determinant(&self) -> f64 {
         self.rows[0].dot(self.rows[1].cross(self.rows[2]))

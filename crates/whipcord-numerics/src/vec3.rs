@@ -23,6 +23,7 @@ impl Vec3 {
     pub const Z: Self = Self::new(0.0, 0.0, 1.0);
 
     /// The vector (x, y, z).
+    #[inline]
     #[must_use]
     pub const fn new(x: f64, y: f64, z: f64) -> Self {
         Self { x, y, z }
@@ -68,18 +69,21 @@ impl Vec3 {
     }
 
     /// Largest magnitude of a component.
+    #[inline]
     #[must_use]
     pub fn max_abs(self) -> f64 {
         self.x.abs().max(self.y.abs()).max(self.z.abs())
     }
 
     /// The components as an array.
+    #[inline]
     #[must_use]
     pub const fn to_array(self) -> [f64; 3] {
         [self.x, self.y, self.z]
     }
 
     /// Whether no component is infinite or not a number.
+    #[inline]
     #[must_use]
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
