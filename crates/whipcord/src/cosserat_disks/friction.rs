@@ -209,6 +209,8 @@ impl Chain {
         response.lengths.resize(n * wide, 0.0);
         response.turns.clear();
         response.turns.resize(n * wide, 0.0);
+        let mut inside: Vec<(Column, BodyWrench)> = Vec::new();
+        let mut changes: Vec<Change> = Vec::with_capacity(wide);
         for (k, span) in task.frame.spans.iter().enumerate() {
             let cables = span.passages.len();
             let link = &self.links[k];
@@ -223,7 +225,15 @@ impl Chain {
             for (wrench, push) in by_unit.iter_mut().zip(units) {
                 *wrench = link.pass(push).0;
             }
-            let own = |column: Column| link.pass(&self.push(task, k, column)).0;
+            let tensions = (span.first..span.first + cables).map(Column::Tension);
+            inside.clear();
+            inside.extend(
+                tensions
+                    .chain([Column::Closing])
+                    .map(|column| (column, link.pass(&self.push(task, k, column)).0)),
+            );
+            changes.clear();
+            changes.extend((0..wide).map(|j| self.elimination.change(k, j)));
             for i in 0..cables {
                 let of_wrench = |rows: &[f64], wrench: &BodyWrench| -> f64 {
                     (0..3)
@@ -244,8 +254,7 @@ impl Chain {
                 let p = span.first + i;
                 let next = self.next_of(task, k, i);
                 let [length, near, far] = [rows, near_rows, far_rows].map(by_start);
-                for j in 0..wide {
-                    let Change { turn, moment, force } = self.elimination.change(k, j);
+                for (j, &Change { turn, moment, force }) in changes.iter().enumerate() {
                     let along = |by: &[f64; 9]| -> f64 {
                         (0..3)
                             .map(|c| by[c] * turn[c] + by[3 + c] * moment[c] + by[6 + c] * force[c])
@@ -257,10 +266,8 @@ impl Chain {
                         response.turns[next * wide + j] += along(&far);
                     }
                 }
-                let inside = (span.first..span.first + cables).map(Column::Tension);
-                for column in inside.chain([Column::Closing]) {
+                for &(column, wrench) in &inside {
                     let j = if let Column::Tension(j) = column { j } else { n };
-                    let wrench = own(column);
                     let direct = |rows: &[f64]| Self::own(task, k, i, column, rows);
                     response.lengths[p * wide + j] +=
                         of_wrench(rows, &wrench) + direct(own_lengths);

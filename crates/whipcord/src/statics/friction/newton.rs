@@ -6,7 +6,7 @@
 //! the angle by which the cable turns in it. The linearised problem is a complementarity problem: its holes change from one
 //! case to another until all of them agree with the step (the method of Josephy and Newton).
 
-use whipcord_numerics::DenseLu;
+use whipcord_numerics::ReplacedRows;
 
 use super::law::{Iterate, Law, Mode, Row};
 use super::response::{PassageResponse, Passages, Response};
@@ -49,7 +49,7 @@ pub(crate) struct FrictionScratch {
     response: Response,
     matrix: Vec<f64>,
     changes: Vec<f64>,
-    lu: DenseLu,
+    system: ReplacedRows,
 }
 
 impl FrictionScratch {
@@ -153,6 +153,8 @@ impl FrictionScratch {
         if !model.respond(&self.tensions, &mut self.response) {
             return None;
         }
+        // What changes from one case to another is few rows.
+        self.system.forget();
         for change in 0..MOST_CHANGES[1] {
             self.assemble(law, None)?;
             if self.agree(law, change >= MOST_CHANGES[0]) {
@@ -165,7 +167,7 @@ impl FrictionScratch {
     /// Solves the linear problem in the cases as they are: for the Newton step, or for how the tensions change with the
     /// commands at these rates.
     fn assemble(&mut self, law: &Law<'_>, rates: Option<&[f64]>) -> Option<()> {
-        let Self { tensions, at, beyond, modes, response, matrix, changes, lu, .. } = self;
+        let Self { tensions, at, beyond, modes, response, matrix, changes, system, .. } = self;
         let (holes, n) = (law.holes, tensions.len());
         let (wide, kappa) = (n + 1, holes.compliance);
         let here = Iterate { tensions, beyond, turns: &at.turns };
@@ -219,8 +221,7 @@ impl FrictionScratch {
                 }
             }
         }
-        lu.factor(n, matrix).ok()?;
-        lu.solve(changes);
+        system.solve(matrix, changes).ok()?;
         changes.iter().all(|x| x.is_finite()).then_some(())
     }
 
@@ -284,6 +285,7 @@ impl FrictionScratch {
                 _ => 0.0,
             })
             .collect();
+        self.system.forget();
         if !model.respond(&self.tensions, &mut self.response)
             || self.assemble(law, Some(&commanded)).is_none()
         {
