@@ -19,7 +19,7 @@ pub(super) struct Complementarity {
     pub contacts: Vec<Contact>,
     /// Whether movable objects touch: contacts of a rigid body with a rigid floor often depend on one another.
     pub are_dependent: bool,
-    rubbing: FrictionNewton,
+    friction_newton: FrictionNewton,
     lu: DenseLu,
 }
 
@@ -69,9 +69,9 @@ const SWEEPS: usize = 300;
 /// Steps before those between rigid bodies are halved.
 const TO_AND_FRO: usize = 12;
 /// It ends where a step changes no force by more, relative to the largest.
-const SETTLED: f64 = 1e-13;
+const CONVERGED: f64 = 1e-13;
 /// The same between rigid bodies: at first, where steps are halved, and at the end.
-const SETTLED_OF_OBJECTS: [f64; 3] = [1e-10, 1e-12, 1e-6];
+const CONVERGED_FOR_OBJECTS: [f64; 3] = [1e-10, 1e-12, 1e-6];
 
 impl Contact {
     /// How many lines it has.
@@ -105,18 +105,18 @@ impl Complementarity {
         if self.contacts.iter().any(|contact| contact.coefficient > 0.0) {
             if !self.are_dependent {
                 let forces = self.forces.clone();
-                return self.rub(false).or_else(|_| {
+                return self.solve_with_friction(false).or_else(|_| {
                     // From nearer, where it goes round in circles.
                     self.forces = forces;
                     self.sweep();
-                    self.rub(false)
+                    self.solve_with_friction(false)
                 });
             }
             // Between rigid bodies several states may hold: first all stick, where none slides far.
             let forces = self.forces.clone();
-            return self.rub(true).or_else(|_| {
+            return self.solve_with_friction(true).or_else(|_| {
                 self.forces = forces;
-                self.rub(false)
+                self.solve_with_friction(false)
             });
         }
         for _ in 0..2 * lines + 1 {
@@ -192,11 +192,11 @@ impl Complementarity {
     /// ```
     ///
     /// from the forces that were.
-    fn rub(&mut self, begins_sticking: bool) -> Result<Touching, Unsolved> {
+    fn solve_with_friction(&mut self, begins_sticking: bool) -> Result<Touching, Unsolved> {
         let lines = self.gaps.len();
         let sharing = self.sharing();
-        let Self { matrix, gaps, forces, contacts, are_dependent, rubbing, .. } = self;
-        let FrictionNewton { values, jacobian, step, lu } = rubbing;
+        let Self { matrix, gaps, forces, contacts, are_dependent, friction_newton, .. } = self;
+        let FrictionNewton { values, jacobian, step, lu } = friction_newton;
         for number in 0..STEPS {
             values.clear();
             values.extend((0..lines).map(|i| {
@@ -266,13 +266,13 @@ impl Complementarity {
             let part = if *are_dependent && number >= TO_AND_FRO { 0.5 } else { 1.0 };
             forces.iter_mut().zip(&*step).for_each(|(force, change)| *force += part * change);
             let largest = |list: &[f64]| list.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            let settled = match number {
-                _ if !*are_dependent => SETTLED,
-                ..TO_AND_FRO => SETTLED_OF_OBJECTS[0],
-                _ if number + 1 < STEPS => SETTLED_OF_OBJECTS[1],
-                _ => SETTLED_OF_OBJECTS[2],
+            let tolerance = match number {
+                _ if !*are_dependent => CONVERGED,
+                ..TO_AND_FRO => CONVERGED_FOR_OBJECTS[0],
+                _ if number + 1 < STEPS => CONVERGED_FOR_OBJECTS[1],
+                _ => CONVERGED_FOR_OBJECTS[2],
             };
-            if largest(step) <= settled * largest(forces) {
+            if largest(step) <= tolerance * largest(forces) {
                 for contact in contacts.iter() {
                     forces[contact.first] = forces[contact.first].max(0.0);
                     if !contact.touches {

@@ -64,7 +64,7 @@ pub(crate) trait Compliant {
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError>;
 
     /// How far it is from equilibrium: the largest change of a coordinate that is left, in rad.
-    fn unsettled(&self) -> f64;
+    fn residual(&self) -> f64;
 
     /// Pose of a cross-section that is watched, or pushed when the model last looked.
     fn pose(&self, arc_length: f64) -> Pose;

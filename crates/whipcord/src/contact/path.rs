@@ -605,7 +605,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     fn rest(&mut self, case: &Case) -> Result<(), SolveError> {
         for _ in 0..STEPS {
             self.model.consider(case, &[])?;
-            if self.model.unsettled() <= MET || self.model.cancel().is_cancelled() {
+            if self.model.residual() <= MET || self.model.cancel().is_cancelled() {
                 break;
             }
             self.model.advance(&[], 1.0)?;
@@ -617,7 +617,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     fn error(&self) -> f64 {
         let scale = self.model.force_scale();
         let dampers = self.dampers.residual(self.model, scale, self.length);
-        let converged = self.model.unsettled().max(dampers);
+        let converged = self.model.residual().max(dampers);
         let contact = |gap: f64, force: f64, grip: Option<Grip>| {
             let gap = gap / self.length;
             let overlaps = if gap < -OVERLAP { -gap } else { 0.0 };

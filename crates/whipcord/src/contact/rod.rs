@@ -310,7 +310,7 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
         self.centres[place]
     }
 
-    fn unsettled(&self) -> f64 {
+    fn residual(&self) -> f64 {
         self.found.gap()
     }
 

@@ -110,8 +110,8 @@ impl Slide {
         core::array::from_fn(|i| core::array::from_fn(|j| -force * a[i] * a[j] / self.bend))
     }
 
-    /// Whether a way in m is so short, in a scene of this length, that it stays.
-    pub fn stays(way: f64, length: f64) -> bool {
+    /// Whether a way in m is too short, in a scene of this length, for the contact to be moved.
+    pub fn is_negligible(way: f64, length: f64) -> bool {
         way.abs() <= THERE * length
     }
 }

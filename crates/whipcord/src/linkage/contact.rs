@@ -358,7 +358,7 @@ impl Compliant for ContactAdapter<'_> {
         self.measure()
     }
 
-    fn unsettled(&self) -> f64 {
+    fn residual(&self) -> f64 {
         self.residual
     }
 
