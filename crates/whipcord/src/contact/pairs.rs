@@ -79,6 +79,31 @@ const BETWEEN_PLACES: f64 = 0.6 * core::f64::consts::PI;
 /// The least angle in rad between two of them.
 const APART_ON_RIM: f64 = 1e-4;
 
+/// Normals whose cosine is greater are those of a smooth surface, on which the gap is a parabola between two watched places.
+const ALIKE: f64 = 0.98;
+/// Of the search for the least gap between two watched places: its interval becomes 1e-5 of their distance.
+const SECTIONS: usize = 24;
+
+/// Where a function is least between 0 and 1, and that least value.
+fn golden_section(f: impl Fn(f64) -> f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut inner = [1.0 - GOLDEN, GOLDEN];
+    let mut values = inner.map(&f);
+    for _ in 0..SECTIONS {
+        if values[0] <= values[1] {
+            high = inner[1];
+            inner = [high - GOLDEN * (high - low), inner[0]];
+            values = [f(inner[0]), values[0]];
+        } else {
+            low = inner[0];
+            inner = [inner[1], low + GOLDEN * (high - low)];
+            values = [values[1], f(inner[1])];
+        }
+    }
+    if values[0] <= values[1] { (inner[0], values[0]) } else { (inner[1], values[1]) }
+}
+
 impl Pairs {
     pub fn new(robot: &Robot, watched: &[f64]) -> Self {
         let backbone = robot.backbone();
@@ -371,6 +396,7 @@ impl Pairs {
         }
         if closely {
             self.beside_contacts(model, (number, obstacle), &mut added);
+            self.between_watched(model, (number, obstacle), &mut added);
         }
         if closely {
             // One that was added there in vain overlaps on other steps only.
@@ -476,6 +502,47 @@ impl Pairs {
                 if overlaps && !known && !added.iter().any(|&(other, _)| near(other)) {
                     added.push((there, self.radius(there)));
                 }
+            }
+        }
+    }
+
+    /// Where the backbone overlaps a sharp edge or a small obstacle between two watched places that may both be clear of it: the
+    /// normals there differ, and the gap, which changes no faster than the arc length, may vanish between them.
+    fn between_watched(
+        &self,
+        model: &impl Compliant,
+        (number, obstacle): (usize, &Obstacle),
+        added: &mut Vec<(f64, f64)>,
+    ) {
+        let watched = &self.watched;
+        let mut distance = DistanceBound::new(obstacle);
+        // The base is clamped and does not count.
+        for i in 2..watched.len() {
+            let (from, apart) = (watched[i - 1], watched[i] - watched[i - 1]);
+            if distance.least(model.centre(i)) - self.radii[i] > apart {
+                continue;
+            }
+            let [before, after] = [i - 1, i].map(|k| obstacle.surface(model.centre(k)));
+            let sum = before.distance - self.radii[i - 1] + after.distance - self.radii[i];
+            if sum > apart || before.normal.dot(after.normal) > ALIKE {
+                continue;
+            }
+            let gap = |part: f64| {
+                let s = from + part * apart;
+                obstacle.surface(model.pose(s).position).distance - self.radius(s)
+            };
+            let (part, least) = golden_section(gap);
+            let s = from + part * apart;
+            let is_known = |other: f64| (other - s).abs() < BETWEEN * apart;
+            let mut known = self
+                .near
+                .iter()
+                .filter(|pair| pair.obstacle == number && pair.member.part == Part::Backbone);
+            if least < -OVERLAP * self.length
+                && !known.any(|pair| is_known(pair.member.arc_length))
+                && !added.iter().any(|&(other, _)| is_known(other))
+            {
+                added.push((s, self.radius(s)));
             }
         }
     }

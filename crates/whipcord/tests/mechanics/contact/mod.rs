@@ -5,6 +5,7 @@ mod cables;
 mod cosserat;
 mod cosserat_disks;
 mod cylinder;
+mod edges;
 mod energy;
 mod four_bar;
 mod free_path;
