@@ -515,7 +515,7 @@ impl Pairs {
         added: &mut Vec<(f64, f64)>,
     ) {
         let watched = &self.watched;
-        let mut distance = DistanceBound::new(obstacle);
+        let distance = DistanceBound::new(obstacle);
         // The base is clamped and does not count.
         for i in 2..watched.len() {
             let (from, apart) = (watched[i - 1], watched[i] - watched[i - 1]);
