@@ -52,18 +52,3 @@ pub fn stable_from_afar(
         prepared.solve(case, Some(&near)).is_ok_and(|found| !found.diagnostics.is_unstable())
     })
 }
-
-/// How long the solves took, in s.
-pub fn print_times(of: &str, mut times: Vec<f64>) {
-    times.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let place = ((share * times.len() as f64) as usize).min(times.len().saturating_sub(1));
-        1e3 * times.get(place).copied().unwrap_or(0.0)
-    };
-    println!(
-        "{of}: median {:.2} ms, 99 % within {:.1} ms, slowest {:.1} ms",
-        at(0.5),
-        at(0.99),
-        at(1.0)
-    );
-}

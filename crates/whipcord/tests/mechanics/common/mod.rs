@@ -4,6 +4,7 @@
 pub mod bending;
 pub mod load_kind;
 pub mod sections;
+pub mod solve_times;
 pub mod symmetry;
 
 use core::f64::consts::TAU;

@@ -10,7 +10,7 @@ use core::f64::consts::PI;
 use std::time::Instant;
 
 use crate::common::bending::{self, CLASSES};
-use crate::common::{Wildness, bending_stiffness, lengths_of, robot, samples};
+use crate::common::{Wildness, bending_stiffness, lengths_of, robot, samples, solve_times};
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::{
     Actuation, Case, DistributedLoad, Loads, Profile, Robot, Solution, SolveError, Statics, Vec3,
@@ -152,8 +152,8 @@ fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
         println!("{n}: {reason} — {verdict}, {:.1} ms", 1e3 * taken);
         row.unconfirmed += usize::from(!confirmed);
     }
-    bending::print_times("all", times);
-    bending::print_times("failures", failure_times);
+    println!("all: {}", solve_times::summary(times));
+    println!("failures: {}", solve_times::summary(failure_times));
     rows
 }
 

@@ -9,7 +9,7 @@ use core::f64::consts::PI;
 use std::time::Instant;
 
 use crate::common::bending::{self, CLASSES};
-use crate::common::{ball, bending_stiffness, lengths_of, routing, samples};
+use crate::common::{ball, bending_stiffness, lengths_of, routing, samples, solve_times};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use whipcord::cosserat::Accuracy;
@@ -166,8 +166,8 @@ fn study(count: usize, actuation: Actuation) -> [Row; CLASSES] {
         println!("{n}: {reason} — {}", if confirmed { "confirmed" } else { "NOT CONFIRMED" });
         row.unconfirmed += usize::from(!confirmed);
     }
-    bending::print_times("all", times);
-    bending::print_times("failures", failure_times);
+    println!("all: {}", solve_times::summary(times));
+    println!("failures: {}", solve_times::summary(failure_times));
     rows
 }
 
