@@ -1,6 +1,6 @@
 //! Which parts of the robot are near which obstacles.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, Vec3, golden_section};
 
 use super::body::{Body, Nearest, Rim, wrench_of};
 use super::friction::Grip;
@@ -84,26 +84,6 @@ const ALIKE: f64 = 0.98;
 /// Of the search for the least gap between two watched places: its interval becomes 1e-5 of their distance.
 const SECTIONS: usize = 24;
 
-/// Where a function is least between 0 and 1, and that least value.
-fn golden_section(f: impl Fn(f64) -> f64) -> (f64, f64) {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let (mut low, mut high) = (0.0, 1.0);
-    let mut inner = [1.0 - GOLDEN, GOLDEN];
-    let mut values = inner.map(&f);
-    for _ in 0..SECTIONS {
-        if values[0] <= values[1] {
-            high = inner[1];
-            inner = [high - GOLDEN * (high - low), inner[0]];
-            values = [f(inner[0]), values[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + GOLDEN * (high - low)];
-            values = [values[1], f(inner[1])];
-        }
-    }
-    if values[0] <= values[1] { (inner[0], values[0]) } else { (inner[1], values[1]) }
-}
-
 impl Pairs {
     pub fn new(robot: &Robot, watched: &[f64]) -> Self {
         let backbone = robot.backbone();
@@ -184,6 +164,13 @@ impl Pairs {
                 && !(pair.force == 0.0 && (0.0..f64::INFINITY).contains(&pair.nearest.gap))
         };
         !self.near.iter().enumerate().any(is_beside)
+    }
+
+    /// The pairs of the backbone with an obstacle.
+    fn along_backbone(&self, obstacle: usize) -> impl Iterator<Item = &Pair> {
+        let is_of =
+            move |pair: &&Pair| pair.obstacle == obstacle && pair.member.part == Part::Backbone;
+        self.near.iter().filter(is_of)
     }
 
     /// Of the watched places beside an arc length, in m.
@@ -455,11 +442,8 @@ impl Pairs {
             slope(self.watched[k], model.corner(k).map(|tangents| tangents[side]))
         };
         self.between_contacts(model, (number, obstacle), added);
-        for pair in &self.near {
-            let Pair { member, force, obstacle: at, .. } = pair;
-            if *at != number || member.part != Part::Backbone || pair.slide.is_some() {
-                continue;
-            }
+        for pair in self.along_backbone(number).filter(|pair| pair.slide.is_none()) {
+            let Pair { member, force, .. } = pair;
             // One that pushes touches, once the iteration has converged.
             let gap = if *force > 0.0 { 0.0 } else { pair.nearest.gap.max(0.0) };
             let s = member.arc_length;
@@ -489,11 +473,7 @@ impl Pairs {
                 let near = |other: f64| {
                     (other - there).abs() < (0.5 * aside.abs()).max(APART * self.length)
                 };
-                let known = self.near.iter().any(|pair| {
-                    pair.obstacle == number
-                        && pair.member.part == Part::Backbone
-                        && near(pair.member.arc_length)
-                });
+                let known = self.along_backbone(number).any(|pair| near(pair.member.arc_length));
                 // Where the gap is no parabola it may not overlap there.
                 let centre = model.pose(there).position;
                 let least = obstacle.surface(centre).distance - self.radius(there);
@@ -531,13 +511,10 @@ impl Pairs {
                 let s = from + part * apart;
                 obstacle.surface(model.pose(s).position).distance - self.radius(s)
             };
-            let (part, least) = golden_section(gap);
+            let (part, least) = golden_section(SECTIONS, gap);
             let s = from + part * apart;
             let is_known = |other: f64| (other - s).abs() < BETWEEN * apart;
-            let mut known = self
-                .near
-                .iter()
-                .filter(|pair| pair.obstacle == number && pair.member.part == Part::Backbone);
+            let mut known = self.along_backbone(number);
             if least < -OVERLAP * self.length
                 && !known.any(|pair| is_known(pair.member.arc_length))
                 && !added.iter().any(|&(other, _)| is_known(other))
@@ -554,11 +531,8 @@ impl Pairs {
         (number, obstacle): (usize, &Obstacle),
         added: &mut Vec<(f64, f64)>,
     ) {
-        let touches = |pair: &&Pair| {
-            pair.obstacle == number && pair.member.part == Part::Backbone && pair.force > 0.0
-        };
-        let mut places: Vec<f64> =
-            self.near.iter().filter(touches).map(|pair| pair.member.arc_length).collect();
+        let touching = self.along_backbone(number).filter(|pair| pair.force > 0.0);
+        let mut places: Vec<f64> = touching.map(|pair| pair.member.arc_length).collect();
         places.sort_by(f64::total_cmp);
         for pair in places.windows(2) {
             let (apart, middle) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));

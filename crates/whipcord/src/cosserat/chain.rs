@@ -202,7 +202,8 @@ impl Chain {
         self.shoot_through(task, trajectory, |_| false)
     }
 
-    /// [`Chain::shoot`], with these nodes put to where the steps before them end.
+    /// [`Chain::shoot`], with these nodes put to where the steps before them end; not the last one, whose gap is the condition at
+    /// the tip.
     pub fn shoot_through(
         &mut self,
         task: &Task<'_>,
@@ -241,7 +242,7 @@ impl Chain {
                 moment: to_body.rotate(cut.moment) - *load * applied - next.moment,
                 force: force - next.force,
             };
-            if is_free(k + 1) {
+            if k + 1 < task.grid.len() && is_free(k + 1) {
                 nodes[k + 1] = next.stepped(1.0, &change);
                 change = Change::default();
             }

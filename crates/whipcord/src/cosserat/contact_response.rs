@@ -216,10 +216,8 @@ impl PushedRod for ContactResponse {
             Some(Some(before)) => {
                 let (arcs, ends) = (before.grid.ends(), contact_grid.grid.ends());
                 self.chain.state = carried(&self.chain.state, &arcs, &ends);
-                // The tip has its own condition, and its arc length is a sum that may be rounded differently.
-                let inside = &ends[..ends.len().saturating_sub(1)];
                 let is_known = |s: &f64| arcs.binary_search_by(|at| at.total_cmp(s)).is_ok();
-                is_new.extend(inside.iter().map(|s| !is_known(s)));
+                is_new.extend(ends.iter().map(|s| !is_known(s)));
                 let behind = |k: usize| {
                     let middle = grid.steps[k].start + 0.5 * grid.steps[k].length;
                     arcs.partition_point(|&s| s <= middle).clamp(1, before.grid.len()) - 1

@@ -21,7 +21,7 @@ use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Problem, Robot, RobotError};
-use crate::shape::{CableState, Diagnostics, NoStability, Solution, Verdict};
+use crate::shape::{CableState, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::grid::steps_for_twist;
 use crate::statics::grid::{Grid, Layout};
@@ -378,15 +378,8 @@ impl Cosserat {
         let Scratch { tensions, lengths, base_wrench, .. } = scratch;
         self.write_cables(&workspace.commands, tensions, lengths, solution);
         solution.base_wrench = Some(*base_wrench);
-        solution.diagnostics = Diagnostics {
-            iterations: found.iterations,
-            residual: found.residual,
-            discretization_error,
-            steps: grid.len(),
-            stability_lost_at: found.lost_at,
-            ..Diagnostics::default()
-        }
-        .with_stability(verdict);
+        solution.diagnostics =
+            found.diagnostics(grid.len(), discretization_error).with_stability(verdict);
     }
 
     /// Writes what became of the cables, from tensions and lengths in the order of the grid; and that nothing touches.
@@ -439,14 +432,8 @@ impl Cosserat {
         } else {
             return Ok(false);
         };
-        solution.diagnostics = Diagnostics {
-            iterations: found.iterations,
-            residual: found.residual,
-            steps,
-            stability_lost_at: found.lost_at,
-            ..Diagnostics::default()
-        }
-        .with_stability(Err(NoStability::NotAsked));
+        solution.diagnostics =
+            found.diagnostics(steps, None).with_stability(Err(NoStability::NotAsked));
         Ok(true)
     }
 

@@ -10,7 +10,7 @@ use super::workspace::Workspace;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::shape::{CableState, Diagnostics, NoStability, Solution};
+use crate::shape::{CableState, NoStability, Solution};
 use crate::statics::command::Command;
 use crate::statics::outcome::Found;
 
@@ -54,15 +54,8 @@ impl CosseratDisks {
                 holes.of(i, &history.slip_states, &mut cable.slip_states);
             }
         }
-        solution.diagnostics = Diagnostics {
-            iterations: found.iterations,
-            residual: found.residual,
-            discretization_error,
-            steps: mesh.grid.len(),
-            stability_lost_at: found.lost_at,
-            ..Diagnostics::default()
-        }
-        .with_stability(verdict);
+        solution.diagnostics =
+            found.diagnostics(mesh.grid.len(), discretization_error).with_stability(verdict);
     }
 
     /// Writes the shape that the workspace holds, and what its cables do.
@@ -127,14 +120,8 @@ impl CosseratDisks {
         } else {
             return Ok(false);
         };
-        solution.diagnostics = Diagnostics {
-            iterations: found.iterations,
-            residual: found.residual,
-            steps,
-            stability_lost_at: found.lost_at,
-            ..Diagnostics::default()
-        }
-        .with_stability(Err(NoStability::NotAsked));
+        solution.diagnostics =
+            found.diagnostics(steps, None).with_stability(Err(NoStability::NotAsked));
         Ok(true)
     }
 }

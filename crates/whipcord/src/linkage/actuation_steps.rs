@@ -117,6 +117,7 @@ impl Linkage {
             .lock(commands, &memory.at.turns, history, lock)
             .map_err(|Slides| NoStability::Sliding)?;
         let task = Task { sections: strands, ..self.task(loads, &history.tensions, meter) };
+        scratch.linearise(&task);
         let verdict = scratch.verdict(&task, held, self.options.stability);
         holes.cable_lengths(&memory.at.lengths, &mut scratch.chain.lengths);
         verdict

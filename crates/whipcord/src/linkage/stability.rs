@@ -65,8 +65,7 @@ impl Linkage {
         commands: &[Command],
         (memory, held): (&mut HoldScratch, &mut Vec<HeldCable>),
     ) -> Option<()> {
-        scratch.chain.evaluate(task);
-        scratch.chain.linearise(task);
+        scratch.linearise(task);
         let end = self.robot.backbone().length;
         let lengths = &scratch.chain.lengths;
         held.clear();
@@ -101,49 +100,57 @@ impl Linkage {
 }
 
 impl Scratch {
-    /// The verdict on the equilibrium that was evaluated last, with these cables held.
+    /// Evaluates the chain at its coordinates, with its tangent.
+    pub fn linearise(&mut self, task: &Task<'_>) {
+        self.chain.evaluate(task);
+        self.chain.linearise(task);
+    }
+
+    /// The verdict on the equilibrium that was linearised last, with these cables held.
     pub fn verdict(
         &mut self,
         task: &Task<'_>,
         held: &[HeldCable],
         analysis: StabilityAnalysis,
     ) -> Result<Verdict, NoStability> {
-        let has_moments = task.loads.any_dead_moment();
-        let moments = |more: f64| match has_moments {
-            true => Task { moments: DeadMoments::Symmetric { more }, ..*task },
-            false => *task,
+        let is_clear = |scratch: &mut Self, task: &Task<'_>| {
+            analysis == StabilityAnalysis::Verdict
+                && scratch.eigenvalues_below(task, held, Diagnostics::NEAR_CRITICAL) == Some(0)
         };
-        if analysis == StabilityAnalysis::Verdict
-            && self.count_below(&moments(-0.5), held, Diagnostics::NEAR_CRITICAL) == Some(0)
-        {
-            return Ok(Verdict::STABLE);
-        }
-        let mut least_with = |more: f64| {
-            self.least_eigenvalue(&moments(more), held).ok_or(NoStability::Undetermined)
-        };
-        let least = least_with(0.0)?;
-        if !has_moments {
+        if !task.loads.any_dead_moment() {
+            if is_clear(self, task) {
+                return Ok(Verdict::STABLE);
+            }
+            let least = self.least_eigenvalue(task, held).ok_or(NoStability::Undetermined)?;
             return Ok(Verdict::of_eigenvalue(least));
         }
-        let with_less = least_with(-0.5)?;
+        let moments = |more: f64| Task { moments: DeadMoments::Symmetric { more }, ..*task };
+        let least_with = |scratch: &mut Self, more: f64| {
+            scratch.linearise(&moments(more));
+            scratch.least_eigenvalue(&moments(more), held).ok_or(NoStability::Undetermined)
+        };
+        self.linearise(&moments(-0.5));
+        if is_clear(self, &moments(-0.5)) {
+            return Ok(Verdict::STABLE);
+        }
+        let with_less = least_with(self, -0.5)?;
+        let least = least_with(self, 0.0)?;
         if with_less >= -Diagnostics::NEUTRAL {
             return Ok(Verdict::of_eigenvalue(least));
         }
-        let spread = least_with(0.5)? - with_less;
+        let spread = least_with(self, 0.5)? - with_less;
         match spread <= INSENSITIVE * (1.0 + least.abs()) {
             true => Ok(Verdict::of_eigenvalue(least)),
             false => Err(NoStability::DeadMoments),
         }
     }
 
-    /// Least eigenvalue of the tangent relative to the sections' own stiffness, eq. (8), by bisection on the number of
+    /// Least eigenvalue of the tangent that was linearised last, relative to the sections' own stiffness, eq. (8), by bisection on the number of
     /// eigenvalues below.
     fn least_eigenvalue(&mut self, task: &Task<'_>, held: &[HeldCable]) -> Option<f64> {
         const FARTHEST: f64 = 1e6;
         const BISECTIONS: usize = 22;
         let below = |scratch: &mut Self, value| scratch.eigenvalues_below(task, held, value);
-        self.chain.evaluate(task);
-        self.chain.linearise(task);
         let (mut low, mut high) = (0.5, 1.4);
         while below(self, low)? > 0 {
             if low < -FARTHEST {
@@ -165,13 +172,6 @@ impl Scratch {
             if count > 0 { high = middle } else { low = middle }
         }
         Some(0.5 * (low + high))
-    }
-
-    /// The number of eigenvalues of the tangent at the coordinates below a value, as [`Self::eigenvalues_below`] counts them.
-    fn count_below(&mut self, task: &Task<'_>, held: &[HeldCable], value: f64) -> Option<usize> {
-        self.chain.evaluate(task);
-        self.chain.linearise(task);
-        self.eigenvalues_below(task, held, value)
     }
 
     /// The number of eigenvalues of the tangent that was linearised last, relative to the sections' own stiffness, below

@@ -36,10 +36,10 @@ impl Linkage {
         let mut effort = self.find(case, start, workspace)?;
         let verdict = self.stability(case, workspace);
         // Without load sections that buckle under their own cables stay as they are, as spans of the rod do.
-        let stays = case.loads.is_none()
+        let is_final = case.loads.is_none()
             || self.friction.is_some()
             || start.is_some_and(|s| s.diagnostics.is_unstable());
-        if stays || !is_unstable(&verdict) {
+        if is_final || !is_unstable(&verdict) {
             return Ok((effort, verdict));
         }
         let (q, tensions) = (workspace.scratch.chain.q.clone(), workspace.tensions.clone());

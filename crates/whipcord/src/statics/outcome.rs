@@ -5,6 +5,7 @@ use whipcord_numerics::Unsolved;
 use super::command::Command;
 use crate::error::{LengthMiss, SolveError};
 use crate::section::{Fault, SectionFault};
+use crate::shape::Diagnostics;
 
 /// How an answer was found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,6 +66,18 @@ impl Found {
     /// With this effort, and no stability lost on the way.
     pub const fn with(effort: Effort) -> Self {
         Self { iterations: effort.iterations, residual: effort.residual, lost_at: None }
+    }
+
+    /// What is told of an answer on so many steps, without its stability.
+    pub fn diagnostics(&self, steps: usize, discretization_error: Option<f64>) -> Diagnostics {
+        Diagnostics {
+            iterations: self.iterations,
+            residual: self.residual,
+            discretization_error,
+            steps,
+            stability_lost_at: self.lost_at,
+            ..Diagnostics::default()
+        }
     }
 
     /// With the effort of an earlier stage of the same solve added.

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use super::among;
-use whipcord::obstacle::Mesh;
+use super::{among, cube};
 use whipcord::{
     Actuation, Backbone, Case, Disks, Form, Loads, Material, Model, ModelKind, Obstacle, Pose,
     Robot, Section, Solution, SolveError, Stations, UnitQuaternion, Vec3,
@@ -66,18 +65,6 @@ fn obstacle(form: Form, position: Vec3, rotation: UnitQuaternion) -> Obstacle {
     Obstacle { name: "support".to_owned(), form, pose, friction: 0.0, movable: None }
 }
 
-/// A closed cube around the origin.
-fn cube() -> Mesh {
-    let h = 0.5 * EDGE;
-    let corner = |k: u32| Vec3::from([0, 1, 2].map(|i| if k >> i & 1 == 1 { h } else { -h }));
-    let vertices: Vec<Vec3> = (0..8).map(corner).collect();
-    let sides =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles: Vec<[u32; 3]> =
-        sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh::new(&vertices, &triangles).unwrap()
-}
-
 /// The one contact is where the support is, and bears what a point support does.
 #[track_caller]
 fn assert_on_support(kind: ModelKind, solution: &Solution, diameter: f64, s: f64) {
@@ -95,7 +82,7 @@ fn assert_on_support(kind: ModelKind, solution: &Solution, diameter: f64, s: f64
 #[test]
 fn the_edge_of_a_box_is_a_point_support() {
     let across = UnitQuaternion::exp(Vec3::Y * core::f64::consts::FRAC_PI_4);
-    let forms = [Form::Box { size: Vec3::new(EDGE, EDGE, EDGE) }, Form::Mesh(Arc::new(cube()))];
+    let forms = [Form::Box { size: Vec3::new(EDGE, EDGE, EDGE) }, Form::Mesh(Arc::new(cube(EDGE)))];
     for kind in KINDS {
         for form in &forms {
             for s in [0.13, 0.151, 0.27] {
@@ -119,7 +106,7 @@ fn a_corner_is_a_point_support() {
     let diagonal = Vec3::new(1.0, 1.0, 1.0) / 3.0_f64.sqrt();
     let axis = diagonal.cross(-Vec3::X);
     let turn = axis / axis.norm() * axis.norm().atan2(-diagonal.x);
-    let forms = [Form::Box { size: Vec3::new(EDGE, EDGE, EDGE) }, Form::Mesh(Arc::new(cube()))];
+    let forms = [Form::Box { size: Vec3::new(EDGE, EDGE, EDGE) }, Form::Mesh(Arc::new(cube(EDGE)))];
     for kind in KINDS {
         for form in &forms {
             let s = 0.151;

@@ -17,6 +17,7 @@ mod overlap;
 mod pipe;
 mod sections;
 
+use whipcord::obstacle::Mesh;
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Model, ModelKind, Obstacle,
     PointLoad, Pose, Robot, Routing, Section, Shape, Solution, Stations, UnitQuaternion, Vec3,
@@ -51,6 +52,18 @@ pub fn sphere(position: Vec3, radius: f64) -> Obstacle {
         friction: 0.0,
         movable: None,
     }
+}
+
+/// A closed cube around the origin.
+pub fn cube(edge: f64) -> Mesh {
+    let h = 0.5 * edge;
+    let corner = |k: u32| Vec3::from([0, 1, 2].map(|i| if k >> i & 1 == 1 { h } else { -h }));
+    let vertices: Vec<Vec3> = (0..8).map(corner).collect();
+    let sides =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles: Vec<[u32; 3]> =
+        sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Mesh::new(&vertices, &triangles).unwrap()
 }
 
 /// A wall at x whose free side is that of smaller x.

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{STIFFNESS, among, sphere, wall};
+use super::{STIFFNESS, among, cube, sphere, wall};
 use crate::common::model_with_forces;
 use whipcord::derivatives::{Hold, Place};
-use whipcord::obstacle::{Mesh, Superellipsoid};
+use whipcord::obstacle::Superellipsoid;
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Form, Grasp, Loads, Material, Model, ModelKind,
     MovableBody, Obstacle, Obstruction, Pose, Robot, Routing, Section, Solution, SolveError,
@@ -165,18 +165,6 @@ fn bodies_rest_on_a_floor() {
             }
         }
     }
-}
-
-/// A closed cube around the origin.
-fn cube(edge: f64) -> Mesh {
-    let h = 0.5 * edge;
-    let corner = |k: u32| Vec3::from([0, 1, 2].map(|i| if k >> i & 1 == 1 { h } else { -h }));
-    let vertices: Vec<Vec3> = (0..8).map(corner).collect();
-    let sides =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles: Vec<[u32; 3]> =
-        sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh::new(&vertices, &triangles).unwrap()
 }
 
 /// A cylinder stands on its end, and a ball on a box that rests on a floor.
