@@ -463,18 +463,11 @@ impl Shape {
             return self.poses.first().copied().unwrap_or_default();
         }
         let i = self.arc_length[1..count - 1].partition_point(|&s| s <= arc_length);
-        let (start, ds) = (self.arc_length[i], self.arc_length[i + 1] - self.arc_length[i]);
-        let t = if ds > 0.0 { ((arc_length - start) / ds).clamp(0.0, 1.0) } else { 0.0 };
-        let (a, b) = (self.poses[i], self.poses[i + 1]);
-        let turn = (a.rotation.conjugate() * b.rotation).log();
-        let rotation = (a.rotation * UnitQuaternion::exp(turn * t)).renormalized();
-        let tangent = (a.inverse() * b).log().linear;
-        let (from, to) = (a.rotation.rotate(tangent), b.rotation.rotate(tangent));
-        let (t2, t3) = (t * t, t * t * t);
-        let position = a.position * (2.0 * t3 - 3.0 * t2 + 1.0)
-            + from * (t3 - 2.0 * t2 + t)
-            + b.position * (3.0 * t2 - 2.0 * t3)
-            + to * (t3 - t2);
+        let cubic = Cubic::between([self.arc_length[i], self.arc_length[i + 1]], &self.poses[i..]);
+        let t = cubic.part(arc_length);
+        let turn = (cubic.start.rotation.conjugate() * cubic.end.rotation).log();
+        let rotation = (cubic.start.rotation * UnitQuaternion::exp(turn * t)).renormalized();
+        let position = cubic.position(t);
         Pose { position, rotation }
     }
 
@@ -503,10 +496,81 @@ impl Shape {
     }
 }
 
+/// The positions between two stations, see [`Shape::at`].
+struct Cubic {
+    start: Pose,
+    end: Pose,
+    /// Arc length at the start, and from there to the end, in m.
+    span: [f64; 2],
+    /// Tangents at both ends, times the length between them.
+    tangents: [Vec3; 2],
+}
+
+impl Cubic {
+    /// Between the first two of these poses.
+    fn between([from, to]: [f64; 2], poses: &[Pose]) -> Self {
+        let (start, end) = (poses[0], poses[1]);
+        let tangent = (start.inverse() * end).log().linear;
+        let tangents = [start, end].map(|pose| pose.rotation.rotate(tangent));
+        Self { start, end, span: [from, to - from], tangents }
+    }
+
+    /// The part of the way from start to end at an arc length, from 0 to 1.
+    fn part(&self, arc_length: f64) -> f64 {
+        let [from, ds] = self.span;
+        if ds > 0.0 { ((arc_length - from) / ds).clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    fn position(&self, t: f64) -> Vec3 {
+        let [from, to] = self.tangents;
+        let (t2, t3) = (t * t, t * t * t);
+        self.start.position * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + from * (t3 - 2.0 * t2 + t)
+            + self.end.position * (3.0 * t2 - 2.0 * t3)
+            + to * (t3 - t2)
+    }
+}
+
+/// Positions at increasing arc lengths in m of a shape with poses at these ends of steps, as [`Shape::at`] has them.
+pub(crate) fn positions_at(
+    ends: &[f64],
+    poses: &[Pose],
+    arc_lengths: &[f64],
+    into: &mut Vec<Vec3>,
+) {
+    into.clear();
+    let mut next = 0;
+    for k in 1..ends.len().min(poses.len()) {
+        let is_last = k + 1 == ends.len().min(poses.len());
+        let is_within = |s: &&f64| is_last || **s < ends[k];
+        let within = arc_lengths[next..].iter().take_while(is_within).count();
+        if within > 0 {
+            let cubic = Cubic::between([ends[k - 1], ends[k]], &poses[k - 1..]);
+            let of_step = &arc_lengths[next..next + within];
+            into.extend(of_step.iter().map(|&s| cubic.position(cubic.part(s))));
+            next += within;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::robot::{Backbone, Cable, Disks, Robot, Routing};
+
+    #[test]
+    fn positions_along_a_shape_are_those_of_its_frames() {
+        let strain =
+            Twist { linear: Vec3::new(0.0, 0.1, 1.02), angular: Vec3::new(8.0, -5.0, 3.0) };
+        let arc_length = vec![0.0, 0.01, 0.07, 0.2];
+        let poses = arc_length.iter().map(|&s| Pose::exp(strain * s)).collect();
+        let shape = Shape { arc_length, poses };
+        let places = [0.0, 0.002, 0.01, 0.011, 0.0699, 0.07, 0.1, 0.2];
+        let mut positions = vec![Vec3::X];
+        positions_at(&shape.arc_length, &shape.poses, &places, &mut positions);
+        let frames: Vec<Vec3> = places.iter().map(|&s| shape.at(s).position).collect();
+        assert_eq!(positions, frames);
+    }
 
     #[test]
     fn strains_of_a_helix_are_its_own() {

@@ -3,7 +3,7 @@
 use whipcord_numerics::Vec3;
 
 use super::homotopy::Homotopy;
-use super::scene::Scene;
+use super::scene::{DistanceBound, Scene};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::obstacle::Obstacle;
@@ -114,8 +114,8 @@ fn known(looked: Result<(), SolveError>) -> Result<bool, SolveError> {
 struct Clearance {
     scene: Scene,
     length: f64,
-    /// Of the watched places, in m.
-    arc_lengths: Vec<f64>,
+    /// Between each watched place and the next in m; nothing beyond the tip.
+    spacing: Vec<f64>,
     /// Radii in m of the balls that backbone and disks fit in.
     reach: Vec<f64>,
 }
@@ -132,7 +132,7 @@ impl Clearance {
         Self {
             scene: Scene::new(case),
             length: backbone.length,
-            arc_lengths: watched.to_vec(),
+            spacing: watched.windows(2).map(|ends| ends[1] - ends[0]).chain([0.0]).collect(),
             reach: watched.iter().map(of_place).collect(),
         }
     }
@@ -142,12 +142,16 @@ impl Clearance {
     fn is_clear(&self, centres: &[Vec3]) -> bool {
         let margin = MARGIN * self.length;
         self.scene.iter().all(|(_, obstacle)| {
-            let gap = |k: usize| obstacle.surface(centres[k]).distance - self.reach[k];
+            let mut distance = DistanceBound::new(obstacle);
             let mut before = f64::INFINITY;
             (1..centres.len()).all(|k| {
-                let here = gap(k);
-                let apart = self.arc_lengths[k] - self.arc_lengths[k - 1];
-                let is_clear = here > margin && before + here > apart;
+                // A gap of more than both intervals beside it is enough, however near its neighbours are.
+                let enough = margin.max(self.spacing[k - 1]).max(self.spacing[k]);
+                let bound = distance.least(centres[k]) - self.reach[k];
+                let is_far = bound > enough;
+                let here =
+                    if is_far { bound } else { distance.measure(centres[k]) - self.reach[k] };
+                let is_clear = is_far || here > margin && before + here > self.spacing[k - 1];
                 before = here;
                 is_clear
             })
@@ -157,14 +161,20 @@ impl Clearance {
     /// Whether the free balls around each centre before and after cover its way, eq. (7).
     fn covers(&self, before: &[Vec3], after: &[Vec3]) -> bool {
         let margin = MARGIN * self.length;
-        before.iter().zip(after).all(|(before, after)| {
-            let way = (*after - *before).norm();
-            way <= margin
-                || way <= STRIDE * self.length
-                    && self.scene.iter().all(|(_, obstacle)| {
-                        let room = |at: &Vec3| obstacle.surface(*at).distance;
-                        room(before) + room(after) >= way
-                    })
-        })
+        let ways = || before.iter().zip(after).map(|(before, after)| (*after - *before).norm());
+        ways().all(|way| way <= STRIDE * self.length)
+            && self.scene.iter().all(|(_, obstacle)| {
+                let mut distances = [DistanceBound::new(obstacle); 2];
+                ways().zip(before.iter().zip(after)).all(|(way, (before, after))| {
+                    let points = [*before, *after];
+                    let room = |distances: &[DistanceBound<'_>; 2]| {
+                        distances[0].least(points[0]) + distances[1].least(points[1])
+                    };
+                    way <= margin || room(&distances) >= way || {
+                        let measured = [0, 1].map(|i| distances[i].measure(points[i]));
+                        measured[0] + measured[1] >= way
+                    }
+                })
+            })
     }
 }

@@ -3,7 +3,7 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use crate::error::SolveError;
-use crate::shape::Shape;
+use crate::shape::positions_at;
 use crate::statics::grid::Grid;
 use crate::statics::refinement::{Coarse, ERROR_RATIO};
 
@@ -59,9 +59,7 @@ impl Refinement {
     }
 }
 
-/// The centres of cross-sections at these arc lengths in m, from the frames at the ends of the steps of a grid.
+/// The centres of cross-sections at these increasing arc lengths in m, from the frames at the ends of the steps of a grid.
 pub(crate) fn centres(grid: &Grid, poses: &[Pose], arc_lengths: &[f64], into: &mut Vec<Vec3>) {
-    let nodes = Shape { arc_length: grid.ends(), poses: poses.to_vec() };
-    into.clear();
-    into.extend(arc_lengths.iter().map(|&s| nodes.at(s).position));
+    positions_at(&grid.ends(), poses, arc_lengths, into);
 }
