@@ -17,14 +17,17 @@
 //! | `holding`, `held_contact`, `carried` | the contacts of an answer, linearised; the movable objects among them |
 //! | `free_path` | robots that keep clear of all obstacles |
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
+//! | `approach`, `drawn_out` | where it may come to if it finds no rest |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
+mod approach;
 mod body;
 mod carried;
 mod complementarity;
 mod dampers;
 mod dense_output;
 mod differences;
+mod drawn_out;
 mod features;
 mod free_path;
 mod friction;

@@ -101,6 +101,9 @@ pub(crate) trait Compliant {
     /// Goes back to the equilibrium that was kept.
     fn go_back(&mut self);
 
+    /// The answer to a case without obstacles.
+    fn solve_free(&mut self, case: &Case) -> Result<Solution, SolveError>;
+
     /// The last equilibrium as an answer, without its contacts.
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError>;
 }

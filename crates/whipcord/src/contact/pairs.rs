@@ -7,7 +7,7 @@ use super::friction::Grip;
 use super::model::{Compliant, Push};
 use super::scene::{DistanceBound, Scene};
 use super::sliding::Slide;
-use crate::obstacle::Obstacle;
+use crate::obstacle::{Obstacle, Surface};
 use crate::robot::Robot;
 use crate::shape::{Contact, Part, Solution, Wrench};
 
@@ -644,6 +644,32 @@ impl Pairs {
             }
         }
         deepest
+    }
+
+    /// The deepest place of the robot in an obstacle, with what lies no farther from it than `margin` in m, as if disks were balls: its
+    /// normal there and the depth beyond the margin.
+    pub fn overlap_with(
+        &self,
+        model: &impl Compliant,
+        obstacle: &Obstacle,
+        margin: f64,
+    ) -> Option<(Vec3, f64)> {
+        let of_disk =
+            |member: &Member| (model.pose(member.arc_length).position, member.body.reach());
+        let along = (1..self.watched.len()).map(|k| (model.centre(k), self.radii[k]));
+        let depth = |(centre, reach): (Vec3, f64)| {
+            let Surface { distance, normal } = obstacle.surface(centre);
+            (normal, margin + reach - distance)
+        };
+        let depths = self.disks.iter().map(of_disk).chain(along).map(depth);
+        depths.filter(|(_, depth)| *depth > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Obstacles that did not rub do so from now on, at rest where the robot is.
+    pub fn grip_all(&mut self, model: &impl Compliant, scene: &Scene) {
+        for pair in &mut self.near {
+            pair.grip = grip(model, scene, pair.obstacle, pair.member.arc_length);
+        }
     }
 
     /// What the pairs push the robot with.

@@ -3,6 +3,7 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use super::dampers::Dampers;
+use super::drawn_out::DrawnOut;
 use super::friction::Grip;
 use super::holding::Holding;
 use super::homotopy::Homotopy;
@@ -69,17 +70,19 @@ pub(super) enum Stop {
 
 /// What acts at a place of the way besides the case.
 #[derive(Clone, Copy, Debug)]
-struct Acting {
+pub(super) struct Acting {
     /// How far the base is drawn back, in m.
-    drawn_back: f64,
+    pub drawn_back: f64,
+    /// The part that is left of the way of obstacles that are drawn out.
+    pub left: f64,
     /// The part of the loads of the objects.
-    loads: f64,
+    pub loads: f64,
     /// The part that is left of what held the objects.
-    held: f64,
+    pub held: f64,
 }
 
 impl Acting {
-    const ALL: Self = Self { drawn_back: 0.0, loads: 1.0, held: 0.0 };
+    pub const ALL: Self = Self { drawn_back: 0.0, left: 0.0, loads: 1.0, held: 0.0 };
 }
 
 pub(super) struct PathTracker<'a, M> {
@@ -89,22 +92,27 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) pairs: Pairs,
     pub(super) dampers: Dampers,
     pub(super) objects: Objects,
+    /// The obstacles that come from elsewhere.
+    pub(super) drawn_out: Option<DrawnOut>,
     pushes: Vec<Push>,
     scratch: Scratch,
     iterations: usize,
-    /// Of [`Compliant::budget`].
-    spent: f64,
+    pub(super) spent: f64,
+    /// Of which [`Compliant::budget`] says how much there is at first.
+    pub(super) budget: f64,
     residual: f64,
     /// Whether the contacts change an odd number of directions from stable to unstable or back; `None` until a
     /// step has told.
     pub(super) odd: Option<bool>,
     /// A small force that decides which way a robot slips off.
     pub(super) nudge: Option<Push>,
+    /// How far on the way there is an equilibrium.
+    pub(super) reached: f64,
     /// Where on the way the robot slipped off.
-    slipped_at: Option<f64>,
+    pub(super) slipped_at: Option<f64>,
     /// Whether the way begins at a known answer that the model, under other loads, does not quite stand at: what its contacts
     /// have slid counts from there.
-    is_off_answer: bool,
+    pub(super) is_off_answer: bool,
 }
 
 /// What is known of the contacts, besides where the model is kept.
@@ -171,6 +179,7 @@ pub(crate) fn solve_holding(
     };
     let pairs = Pairs::new(robot, model.watched());
     let (force_scale, length) = (model.force_scale(), robot.backbone().length);
+    let budget = model.budget();
     let mut tracker = PathTracker {
         model,
         scene: Scene::new(case),
@@ -178,13 +187,16 @@ pub(crate) fn solve_holding(
         pairs,
         dampers: Dampers::default(),
         objects: Objects::new(case, warm_start, force_scale, length),
+        drawn_out: None,
         pushes: Vec::new(),
         scratch: Scratch::default(),
         iterations: 0,
         spent: 0.0,
+        budget,
         residual: 0.0,
         odd: None,
         nudge: None,
+        reached: 0.0,
         slipped_at: None,
         is_off_answer: false,
     };
@@ -200,7 +212,9 @@ pub(crate) fn solve_holding(
     {
         gone = tracker.hold_and_release(case, &at, &to_base);
     }
-    gone?;
+    if let Err(error) = gone {
+        tracker.approach(case, &at(1.0), error)?;
+    }
     while tracker.model.refine()? {
         let here: Vec<Vec3> =
             (0..tracker.model.watched().len()).map(|k| tracker.model.centre(k)).collect();
@@ -347,13 +361,14 @@ impl<M: Compliant> PathTracker<'_, M> {
     }
 
     /// Goes the way from 0 to 1 to a case, with what acts at each place of it.
-    fn go(
+    pub(super) fn go(
         &mut self,
         asked: &Case,
         at: impl Fn(f64) -> Case,
         acting: impl Fn(f64) -> Acting,
     ) -> Result<(), SolveError> {
         let (mut way, mut step) = (0.0, 1.0_f64);
+        self.reached = 0.0;
         let mut jumps = Jumps::default();
         let watched = self.model.watched().len();
         let mut before: Vec<Vec3> = Vec::new();
@@ -361,12 +376,11 @@ impl<M: Compliant> PathTracker<'_, M> {
             let kept = self.kept();
             before.clear();
             let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
-            let kept_back = self.scene.drawn_back();
             self.scene.begin_step();
-            let Acting { drawn_back, loads, held } = acting(next);
-            self.scene.draw_back(drawn_back);
+            let acts = acting(next);
+            self.arrange(acts);
             let case = at(next);
-            self.objects.load(&case, asked, loads, held);
+            self.objects.load(&case, asked, acts.loads, acts.held);
             if way > 0.0 || !self.is_off_answer {
                 self.pairs.begin_step(self.model, &self.scene);
                 self.objects.begin_step(&self.scene);
@@ -376,6 +390,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             let stop = match self.touch(&case, &before) {
                 Ok(None) => {
                     way = next;
+                    self.reached = way;
                     if way == 1.0 {
                         return Ok(());
                     }
@@ -402,7 +417,7 @@ impl<M: Compliant> PathTracker<'_, M> {
                 }
             };
             self.restore(kept);
-            self.scene.draw_back(kept_back);
+            self.arrange(acting(way));
             if step >= LEAST_STEP {
                 continue;
             }
@@ -413,7 +428,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             let Some(ahead) = jumps.next(way) else { return Err(self.obstructed(way, stop)) };
             let next = (way + ahead).min(1.0);
             self.scene.begin_step();
-            self.scene.draw_back(acting(next).drawn_back);
+            self.arrange(acting(next));
             match self.relax(&at(next)) {
                 Ok(moved) => {
                     if moved > JUMP * self.length {
@@ -423,12 +438,21 @@ impl<M: Compliant> PathTracker<'_, M> {
                         return Ok(());
                     }
                     (way, step) = (next, 10.0 * LEAST_STEP);
+                    self.reached = way;
                 }
                 Err(why @ (Stop::Spent(_) | Stop::Lost(_) | Stop::Cancelled)) => {
                     return Err(self.obstructed(way, Some(why)));
                 }
                 Err(_) => return Err(self.obstructed(way, stop)),
             }
+        }
+    }
+
+    /// Puts base and obstacles to where they are at a place of the way.
+    fn arrange(&mut self, Acting { drawn_back, left, .. }: Acting) {
+        self.scene.draw_back(drawn_back);
+        if let Some(drawn_out) = &self.drawn_out {
+            drawn_out.place(left, &mut self.scene);
         }
     }
 
@@ -451,7 +475,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         Push { arc_length: self.length, wrench: Wrench { force, moment: Vec3::ZERO } }
     }
 
-    fn obstructed(&self, way: f64, stop: Option<Stop>) -> SolveError {
+    pub(super) fn obstructed(&self, way: f64, stop: Option<Stop>) -> SolveError {
         let touching = self.pairs.near.iter().filter(|pair| pair.force > 0.0);
         let mut names: Vec<String> =
             touching.map(|pair| self.scene.get(pair.obstacle).name.clone()).collect();
@@ -560,7 +584,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         let pushes = (contacts + self.dampers.all.len()) as f64;
         let columns = 1.0 + pushes / COSTLY;
         self.spent += self.model.effort() * columns + (pushes / DENSE).powi(3);
-        if self.spent > self.model.budget() {
+        if self.spent > self.budget {
             let Self { iterations, residual, .. } = *self;
             return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts, residual }));
         }
@@ -602,7 +626,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     }
 
     /// The equilibrium without pushes.
-    fn rest(&mut self, case: &Case) -> Result<(), SolveError> {
+    pub(super) fn rest(&mut self, case: &Case) -> Result<(), SolveError> {
         for _ in 0..STEPS {
             self.model.consider(case, &[])?;
             if self.model.residual() <= MET || self.model.cancel().is_cancelled() {
@@ -657,6 +681,10 @@ impl<M: Compliant> PathTracker<'_, M> {
             if way > least {
                 part = part.min(STRIDE * self.length / way);
             }
+        }
+        // A long way costs much to look at, and is not taken anyway.
+        if part < 1.0 {
+            return Some((0.9 * part).clamp(0.1, 0.7));
         }
         for (number, obstacle) in self.scene.iter().filter(|(_, o)| !is_pipe(o)) {
             let mut distances = [DistanceBound::new(obstacle); 2];

@@ -131,12 +131,12 @@ pub(crate) trait PushedRod: Default {
     /// The answer where it stands.
     fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError>;
 
-    /// The answer to a case in which nothing touches, from a neighbouring one.
+    /// The answer to a case in which nothing touches, from a neighbouring one or from rest.
     fn solve_free(
         robot: &Robot,
         options: &Options,
         case: &Case,
-        near: &Solution,
+        near: Option<&Solution>,
     ) -> Result<Solution, SolveError>;
 }
 
@@ -348,11 +348,15 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
         self.see();
     }
 
+    fn solve_free(&mut self, case: &Case) -> Result<Solution, SolveError> {
+        R::solve_free(self.robot, self.options, case, None)
+    }
+
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
         let mut solution = self.found.solution(&self.case)?.ok_or(SolveError::NoDerivatives)?;
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
         if !touching
-            && let Ok(free) = R::solve_free(self.robot, self.options, case, &solution)
+            && let Ok(free) = R::solve_free(self.robot, self.options, case, Some(&solution))
             && is_same_shape(&free, &solution)
         {
             return Ok(free);

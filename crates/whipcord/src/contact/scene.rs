@@ -36,28 +36,40 @@ impl Scene {
         }
     }
 
-    /// Puts a movable object to where it is, as the base sees it where the case has it.
+    /// Puts an obstacle that moves to where it is, as the base sees it where the case has it.
     pub fn place(&mut self, number: usize, pose: Pose) {
         let forward = Pose { position: Vec3::Z * self.drawn_back, ..Pose::IDENTITY };
         self.obstacles[number].pose = forward * pose;
         self.there[number].pose = pose;
     }
 
-    /// A pose of when the step began, carried along with a movable object since.
+    /// A pose of when the step began, carried along since with an obstacle that moves.
     pub fn carry(&self, number: usize, pose: Pose) -> Pose {
-        match self.obstacles[number].movable {
-            Some(_) => self.there[number].pose * (self.began[number].inverse() * pose),
+        match self.motion(number) {
+            Some([began, there]) => there * (began.inverse() * pose),
             None => pose,
         }
     }
 
     /// A point likewise.
     pub fn carry_point(&self, number: usize, point: Vec3) -> Vec3 {
-        match self.obstacles[number].movable {
-            Some(_) => {
-                self.there[number].pose.transform(self.began[number].inverse().transform(point))
-            }
+        match self.motion(number) {
+            Some([began, there]) => there.transform(began.inverse().transform(point)),
             None => point,
+        }
+    }
+
+    /// Where an obstacle was when the step began, and where it is now, if it moves.
+    fn motion(&self, number: usize) -> Option<[Pose; 2]> {
+        let Obstacle { pose, movable, .. } = &self.there[number];
+        let began = self.began[number];
+        (movable.is_some() || *pose != began).then_some([began, *pose])
+    }
+
+    /// Takes the friction of all obstacles away, or gives it back.
+    pub fn rub(&mut self, does: bool) {
+        for (seen, there) in self.obstacles.iter_mut().zip(&self.there) {
+            seen.friction = if does { there.friction } else { 0.0 };
         }
     }
 
@@ -68,10 +80,6 @@ impl Scene {
         for (seen, there) in self.obstacles.iter_mut().zip(&self.there) {
             seen.pose = forward * there.pose;
         }
-    }
-
-    pub fn drawn_back(&self) -> f64 {
-        self.drawn_back
     }
 
     /// A step on the way begins.

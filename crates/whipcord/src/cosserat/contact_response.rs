@@ -283,10 +283,10 @@ impl PushedRod for ContactResponse {
         robot: &Robot,
         options: &Options,
         case: &Case,
-        near: &Solution,
+        near: Option<&Solution>,
     ) -> Result<Solution, SolveError> {
         let model = Cosserat::new(robot, &case.loads, options)?;
-        model.solve(case, Some(near), &mut Workspace::default())
+        model.solve(case, near, &mut Workspace::default())
     }
 
     fn steps(&self) -> usize {

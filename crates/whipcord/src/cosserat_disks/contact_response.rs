@@ -501,9 +501,9 @@ impl PushedRod for ContactResponse {
         robot: &Robot,
         options: &Options,
         case: &Case,
-        near: &Solution,
+        near: Option<&Solution>,
     ) -> Result<Solution, SolveError> {
         let model = CosseratDisks::new(robot, &case.loads, options)?;
-        model.solve(case, Some(near), &mut Workspace::default())
+        model.solve(case, near, &mut Workspace::default())
     }
 }

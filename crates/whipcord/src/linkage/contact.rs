@@ -417,6 +417,11 @@ impl Compliant for ContactAdapter<'_> {
         self.place();
     }
 
+    fn solve_free(&mut self, case: &Case) -> Result<Solution, SolveError> {
+        self.is_linear = false;
+        self.model.solve_alone(case, None, self.workspace)
+    }
+
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
         let absent = match (self.model.options.stability, touching) {

@@ -1,0 +1,95 @@
+//! Where the way to an answer is lost: the obstacles are drawn out of the robot as it is without them, and pushed against it.
+//!
+//! A robot that has lost its equilibrium moves on a way that statics does not know, and comes to one of several equilibria. This way
+//! leads to one of them; no step of it passes through an obstacle.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::drawn_out::DrawnOut;
+use super::model::Compliant;
+use super::path::{Acting, PathTracker};
+use super::scene::is_pipe;
+use crate::case::Case;
+use crate::error::SolveError;
+
+/// Clearance at the beginning, as a part of the length.
+const MARGIN: f64 = 1e-3;
+/// An obstacle is drawn out by so many lengths at most.
+const FARTHEST: f64 = 4.0;
+/// How much farther each next distance is that is tried.
+const FARTHER: f64 = 1.3;
+/// What it may spend, as a part of what the way before may.
+const BUDGET: f64 = 0.5;
+
+impl<M: Compliant> PathTracker<'_, M> {
+    /// An equilibrium under a case that the way to was lost, for this reason: from the answer without the obstacles. The reason
+    /// where there is none, and where this way does not exist: movable objects and pipes hold the robot where it is.
+    pub(super) fn approach(
+        &mut self,
+        asked: &Case,
+        case: &Case,
+        lost: SolveError,
+    ) -> Result<(), SolveError> {
+        let is_cancelled = matches!(lost, SolveError::Cancelled { .. });
+        if is_cancelled || self.objects.count() > 0 || self.scene.iter().any(|(_, o)| is_pipe(o)) {
+            return Err(lost);
+        }
+        let reached = self.reached;
+        match self.come_from_outside(asked, case) {
+            Ok(()) => {
+                self.slipped_at.get_or_insert(reached);
+                Ok(())
+            }
+            Err(error @ SolveError::Cancelled { .. }) => Err(error),
+            Err(_) => Err(lost),
+        }
+    }
+
+    fn come_from_outside(&mut self, asked: &Case, case: &Case) -> Result<(), SolveError> {
+        let free = self.model.solve_free(case)?;
+        self.odd = None;
+        self.pairs.near.clear();
+        self.dampers.all.clear();
+        self.model.reset();
+        self.model.start_from(&free);
+        self.rest(case)?;
+        self.budget = self.spent + BUDGET * self.model.budget();
+        self.is_off_answer = false;
+        self.draw_out()?;
+        // A robot that jumps comes to rest at places that its friction does not remember.
+        self.scene.rub(false);
+        self.go(asked, |_| case.clone(), |way| Acting { left: 1.0 - way, ..Acting::ALL })?;
+        self.scene.rub(true);
+        self.model.keep();
+        self.scene.begin_step();
+        self.pairs.grip_all(self.model, &self.scene);
+        let before = self.centres();
+        self.odd = None;
+        self.touch(case, &before).map(|_| ()).map_err(|stop| self.obstructed(1.0, Some(stop)))
+    }
+
+    /// Draws each obstacle out of the robot, against the normal where it is deepest.
+    fn draw_out(&mut self) -> Result<(), SolveError> {
+        let count = self.scene.count();
+        let homes: Vec<Pose> = (0..count).map(|k| self.scene.get(k).pose).collect();
+        let mut ways = vec![Vec3::ZERO; count];
+        let margin = MARGIN * self.length;
+        for (number, way) in ways.iter_mut().enumerate() {
+            let (mut out, mut distance) = (None, margin);
+            while let Some((normal, depth)) =
+                self.pairs.overlap_with(self.model, self.scene.get(number), margin)
+            {
+                let out = *out.get_or_insert(-normal);
+                distance = (FARTHER * distance).max(distance + depth);
+                if distance > FARTHEST * self.length {
+                    return Err(SolveError::NoDerivatives);
+                }
+                *way = out * distance;
+                let position = homes[number].position + *way;
+                self.scene.place(number, Pose { position, ..homes[number] });
+            }
+        }
+        self.drawn_out = Some(DrawnOut { homes, ways });
+        Ok(())
+    }
+}
