@@ -203,6 +203,8 @@ impl Way<'_> {
             let scratch = &mut *self.scratch;
             (scratch.tensions, scratch.beyond, scratch.at, scratch.slip_states) = end;
             model.set_shape(&shape);
+            // The model keeps more of a shape than its unknowns.
+            model.measure(&scratch.tensions, &mut scratch.at).ok()?;
             self.set_commands(history, 1.0, 1.0);
             if !is_monotone {
                 return None;
