@@ -20,7 +20,7 @@ use crate::shape::{SlipState, Wrench};
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Size};
 use crate::statics::friction::{
-    FrictionScratch, History, Holes, PassageResponse, Passages, Response,
+    Course, FrictionScratch, History, Holes, PassageResponse, Passages, Response,
 };
 use crate::statics::grid::Grid;
 use crate::statics::outcome::Failure;
@@ -92,8 +92,8 @@ struct TurnRow {
 pub(super) struct FrictionWorkspace {
     /// By how often the steps are halved.
     pub levels: Vec<Level>,
-    /// Of each step of actuation the substeps that all grids take, by their ends.
-    pub schedules: Vec<Vec<f64>>,
+    /// Of each step of actuation, on the grid before.
+    pub courses: Vec<Course<State>>,
     pub scratch: FrictionScratch,
     pub response: ResponseScratch,
     pub at: Passages,
@@ -355,10 +355,6 @@ impl PassageResponse for FrictionRod<'_> {
     fn go(&mut self, fraction: f64) {
         let Chain { state, kept, step, .. } = &mut self.scratch.chain;
         state.step_from(kept, fraction, step);
-    }
-
-    fn is_loaded(&self) -> bool {
-        self.scratch.applied.any()
     }
 
     fn tolerance(&self) -> f64 {

@@ -13,7 +13,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Cable;
 use crate::shape::{NoStability, SlipState, Solution, Verdict};
-use crate::statics::friction::{self, History, PassageResponse as _};
+use crate::statics::friction::{self, Course, History, PassageResponse as _};
 use crate::statics::grid::Grid;
 use crate::statics::options::Accuracy;
 use crate::statics::outcome::{Failure, Found};
@@ -58,9 +58,9 @@ impl Cosserat {
         workspace.scratch.open = None;
         if anew {
             workspace.friction.levels.clear();
-            workspace.friction.schedules.clear();
+            workspace.friction.courses.clear();
         }
-        workspace.friction.schedules.resize(cases.len(), Vec::new());
+        workspace.friction.courses.resize(cases.len(), Course::default());
         let Some(last) = cases.last() else { return Ok(()) };
         let Refined { found, grid, error } = match self.options.accuracy {
             Accuracy::Steps(_) => {
@@ -211,10 +211,10 @@ impl Cosserat {
             let problem = self.problem(grid, case, (commands, meter));
             let guess = coarse.as_ref().and_then(|answers| answers.get(n));
             let guess = guess.filter(|answer| 2 * (answer.shape.nodes.len() - 1) == grid.len());
-            let mut schedule = core::mem::take(&mut memory.schedules[n]);
-            let from = (guess, &mut schedule);
+            let mut course = core::mem::take(&mut memory.courses[n]);
+            let from = (guess, &mut course);
             let stepped = take_step(&problem, &friction, from, &mut history, scratch, memory);
-            memory.schedules[n] = schedule;
+            memory.courses[n] = course;
             let (taken, answer) = stepped.map_err(|failure| self.explain(failure, commands))?;
             found = taken;
             answers.push(answer);
@@ -313,7 +313,7 @@ impl Cosserat {
 fn take_step(
     problem: &Problem<'_>,
     friction: &Friction,
-    (guess, schedule): (Option<&Answer>, &mut Vec<f64>),
+    (guess, course): (Option<&Answer>, &mut Course<State>),
     history: &mut History<State>,
     scratch: &mut Scratch,
     memory: &mut FrictionWorkspace,
@@ -335,12 +335,8 @@ fn take_step(
     for _ in 0..MOST_PASSES {
         *history = before.clone();
         let mut rod = FrictionRod::new(problem, (friction, &profile), scratch, response);
-        let near = start.as_ref().map(|(shape, tensions)| {
-            rod.set_shape(shape);
-            &tensions[..]
-        });
-        let stepped =
-            friction::step(&mut rod, holes, problem.commands, history, (near, schedule), newton)?;
+        course.answer = start.take();
+        let stepped = friction::step(&mut rod, holes, problem.commands, history, course, newton)?;
         if let Some(shape) = &history.shape {
             rod.set_shape(shape);
         }

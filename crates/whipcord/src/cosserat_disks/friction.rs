@@ -20,12 +20,11 @@ use crate::statics::outcome::{Failure, Found};
 /// An angle so small, in rad, has no direction.
 const STRAIGHT: f64 = 1e-9;
 
-/// One step of actuation on from what the holes remember; from the answer on a coarser mesh where that is what the chain
-/// holds. The answer is left in `scratch`.
+/// One step of actuation on from what the holes remember, by the course of `scratch` where a coarser mesh has left one. The answer is
+/// left in `scratch`.
 pub(super) fn solve(
     problem: &Problem<'_>,
     holes: &Holes,
-    from_coarser: bool,
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     scratch.groups.clear();
@@ -35,12 +34,10 @@ pub(super) fn solve(
     scratch.chain.shared.cables.clear();
     let mut history = core::mem::take(&mut scratch.history);
     let mut memory = core::mem::take(&mut scratch.friction);
-    let mut schedule = core::mem::take(&mut scratch.schedule);
-    let guess = from_coarser.then(|| scratch.pulled.clone());
+    let mut course = core::mem::take(&mut scratch.course);
     let mut model = Rubbing { problem, scratch };
-    let near = (guess.as_deref(), &mut schedule);
     let found =
-        friction::step(&mut model, holes, problem.commands, &mut history, near, &mut memory);
+        friction::step(&mut model, holes, problem.commands, &mut history, &mut course, &mut memory);
     scratch.chain.slopes.clear();
     if found.is_ok() {
         let Scratch { chain, unloaded, .. } = &mut *scratch;
@@ -50,7 +47,7 @@ pub(super) fn solve(
         holes.cable_lengths(&memory.at.lengths, &mut scratch.lengths);
         copy_out(problem, scratch);
     }
-    (scratch.history, scratch.friction, scratch.schedule) = (history, memory, schedule);
+    (scratch.history, scratch.friction, scratch.course) = (history, memory, course);
     found
 }
 
@@ -115,10 +112,6 @@ impl PassageResponse for Rubbing<'_> {
 
     fn go(&mut self, fraction: f64) {
         self.ask(|chain, task| chain.go(task, fraction));
-    }
-
-    fn is_loaded(&self) -> bool {
-        self.scratch.applied.any()
     }
 
     fn tolerance(&self) -> f64 {

@@ -166,7 +166,7 @@ impl CosseratDisks {
         } else {
             case.check(&self.robot)?;
             workspace.histories.clear();
-            workspace.schedules.clear();
+            workspace.courses.clear();
             self.solve_from(&one_by_one(case), from, workspace, solution)
         };
         match workspace.meter.checked(outcome) {
@@ -247,7 +247,7 @@ impl CosseratDisks {
         }
         let steps = one_by_one(case);
         workspace.histories.clear();
-        workspace.schedules.clear();
+        workspace.courses.clear();
         let mut last: Option<Solution> = None;
         for n in 0..steps.len() {
             let first = if self.holes.is_some() { 0 } else { n };

@@ -14,7 +14,7 @@ use super::statics;
 use super::workspace::{StepHistory, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::statics::friction::History;
+use crate::statics::friction::{Course, History};
 use crate::statics::options::{Accuracy, StabilityAnalysis};
 use crate::statics::outcome::Found;
 use crate::statics::refinement::ERROR_RATIO;
@@ -177,8 +177,8 @@ impl CosseratDisks {
         start: Start<'_>,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let Workspace { scratch, commands, histories, schedules, meter, .. } = workspace;
-        schedules.resize(cases.len().max(schedules.len()), Vec::new());
+        let Workspace { scratch, commands, histories, courses, meter, .. } = workspace;
+        courses.resize(cases.len().max(courses.len()), Course::default());
         if histories.len() <= level {
             histories.resize(level + 1, StepHistory::default());
         }
@@ -193,10 +193,10 @@ impl CosseratDisks {
             let problem = self.problem(mesh, (commands, meter), case)?;
             // What a coarser mesh found is that of the last step.
             let start = if n + 1 == cases.len() { start } else { Start::Cold };
-            scratch.schedule = core::mem::take(&mut schedules[n]);
+            scratch.course = core::mem::take(&mut courses[n]);
             found = statics::solve(&problem, start, scratch)
                 .map_err(|failure| self.explain(failure, commands))?;
-            schedules[n] = core::mem::take(&mut scratch.schedule);
+            courses[n] = core::mem::take(&mut scratch.course);
         }
         histories[level] = StepHistory { taken: cases.len(), history: scratch.history.clone() };
         Ok(found)

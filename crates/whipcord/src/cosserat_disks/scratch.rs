@@ -12,7 +12,7 @@ use super::unloaded::Unloaded;
 use super::variation::Sample;
 use crate::section::BodyWrench;
 use crate::shape::Wrench;
-use crate::statics::friction::{FrictionScratch, History};
+use crate::statics::friction::{Course, FrictionScratch, History};
 use crate::statics::lengths::{Effort, LengthScratch};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Found;
@@ -37,7 +37,7 @@ pub(super) struct Scratch {
     /// The state of the holes in the iteration.
     pub(super) friction: FrictionScratch,
     /// The substeps of the step of actuation, from 0 to 1; empty where they are not known.
-    pub(super) schedule: Vec<f64>,
+    pub(super) course: Course<Vec<Node>>,
     pub(super) applied: AppliedLoads,
     pub(super) unloaded: Unloaded,
     pub(super) chain: Chain,

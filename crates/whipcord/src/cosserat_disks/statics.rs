@@ -22,7 +22,7 @@ pub(super) fn solve(
 ) -> Result<Found, Failure> {
     (scratch.unstable, scratch.found_without_load) = (false, false);
     if let Some(holes) = problem.holes {
-        return friction::solve(problem, holes, matches!(start, Start::Coarser), scratch);
+        return friction::solve(problem, holes, scratch);
     }
     let cables = problem.commands.len();
     if !matches!(start, Start::Coarser) {

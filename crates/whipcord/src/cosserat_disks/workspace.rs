@@ -10,7 +10,7 @@ use super::unloaded::Unloaded;
 use crate::budget::Meter;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
-use crate::statics::friction::History;
+use crate::statics::friction::{Course, History};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Found;
 use crate::statics::refinement::Coarse;
@@ -26,7 +26,7 @@ pub struct Workspace {
     pub(super) coarse_base_wrench: Wrench,
     pub(super) histories: Vec<StepHistory>,
     /// The substeps of each step of actuation, the same on all meshes.
-    pub(super) schedules: Vec<Vec<f64>>,
+    pub(super) courses: Vec<Course<Vec<Node>>>,
     pub(super) meter: Meter,
     pub(super) neighbour: Neighbour,
     /// How far the solve came: the best shape where its budget is spent.

@@ -9,7 +9,7 @@ use crate::case::Case;
 use crate::error::SolveError;
 use crate::shape::{NoStability, Solution, Verdict};
 use crate::statics::command::Command;
-use crate::statics::friction::{History, Slides, step};
+use crate::statics::friction::{Course, History, Slides, step};
 use crate::statics::outcome::Failure;
 use crate::warm_start::WarmStart;
 
@@ -29,7 +29,7 @@ impl Linkage {
         let mut effort = Effort::default();
         for step in case.single_steps().skip(workspace.friction.taken) {
             self.accept(&step, workspace)?;
-            let found = self.take_step(rubbing, case, workspace);
+            let found = self.take_step(rubbing, workspace);
             effort = found.map_err(|failure| self.explain(failure, &workspace.commands))?;
             workspace.friction.taken += 1;
         }
@@ -40,25 +40,22 @@ impl Linkage {
     fn take_step(
         &self,
         Rubbing { holes, sections, .. }: &Rubbing,
-        case: &Case,
         workspace: &mut Workspace,
     ) -> Result<Effort, Failure> {
         let Workspace { scratch, loads, commands, tensions, meter, friction, .. } = workspace;
-        let Memory { history, scratch: memory, schedule, before, step: next, turned, .. } =
-            friction;
+        let Memory { history, scratch: memory, course, before, step: next, turned, .. } = friction;
         let task = Task { sections, ..self.task(loads, &[], meter) };
         let mut chain = RubbingChain {
             task,
             holes,
             scratch,
             tolerance: self.options.residual,
-            is_loaded: !case.loads.is_none(),
             before,
             step: next,
             turned,
         };
-        schedule.clear();
-        let found = step(&mut chain, holes, commands, history, (None, schedule), memory);
+        *course = Course::default();
+        let found = step(&mut chain, holes, commands, history, course, memory);
         scratch.open = None;
         let found = found?;
         tensions.clone_from(&history.base);

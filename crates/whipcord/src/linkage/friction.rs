@@ -14,7 +14,7 @@ use crate::budget::Meter;
 use crate::robot::{Cable, Robot};
 use crate::section::{Fault, SectionFault};
 use crate::statics::friction::{
-    FrictionScratch, History, Holes, PassageResponse, Passages, Response,
+    Course, FrictionScratch, History, Holes, PassageResponse, Passages, Response,
 };
 use crate::statics::outcome::Failure;
 
@@ -38,7 +38,7 @@ pub(super) struct Rubbing {
 pub(super) struct Memory {
     pub history: History<Vec<Coordinates>>,
     pub scratch: FrictionScratch,
-    pub schedule: Vec<f64>,
+    pub course: Course<Vec<Coordinates>>,
     /// How many steps of the case were taken.
     pub taken: usize,
     pub before: Vec<Coordinates>,
@@ -94,7 +94,6 @@ pub(super) struct RubbingChain<'a> {
     pub holes: &'a Holes,
     pub scratch: &'a mut Scratch,
     pub tolerance: f64,
-    pub is_loaded: bool,
     /// Where a step begins, and the step.
     pub before: &'a mut Vec<Coordinates>,
     pub step: &'a mut Vec<Coordinates>,
@@ -207,10 +206,6 @@ impl PassageResponse for RubbingChain<'_> {
         for (q, (start, step)) in self.scratch.chain.q.iter_mut().flatten().zip(steps) {
             *q = start + fraction * step;
         }
-    }
-
-    fn is_loaded(&self) -> bool {
-        self.is_loaded
     }
 
     fn tolerance(&self) -> f64 {

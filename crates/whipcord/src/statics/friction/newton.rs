@@ -8,10 +8,11 @@
 
 use whipcord_numerics::ReplacedRows;
 
-use super::law::{Iterate, Law, Mode, Row};
+use super::events::{Events, Station};
+use super::law::{Iterate, Law, Mode};
+use super::linear_problem::linear_system;
 use super::response::{PassageResponse, Passages, Response};
 use crate::shape::SlipState;
-use crate::statics::command::{Command, LENGTH_REGULARISATION};
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::Open;
 
@@ -40,8 +41,10 @@ pub(crate) struct FrictionScratch {
     /// `Dᵢ` by passage in m.
     pub beyond: Vec<f64>,
     pub slip_states: Vec<SlipState>,
-    /// `dDᵢ/dt` by passage, where the commands change at their rates.
-    pub(super) rates: Vec<f64>,
+    /// Ends of a substep, and what happens in between.
+    pub(super) start: Station,
+    pub(super) end: Station,
+    pub(super) events: Events,
     kept: Vec<f64>,
     modes: Vec<Mode>,
     /// After the linear step.
@@ -156,7 +159,7 @@ impl FrictionScratch {
         // What changes from one case to another is few rows.
         self.system.forget();
         for change in 0..MOST_CHANGES[1] {
-            self.assemble(law, None)?;
+            self.assemble(law)?;
             if self.agree(law, change >= MOST_CHANGES[0]) {
                 break;
             }
@@ -164,63 +167,11 @@ impl FrictionScratch {
         model.prepare(&self.changes)
     }
 
-    /// Solves the linear problem in the cases as they are: for the Newton step, or for how the tensions change with the
-    /// commands at these rates.
-    fn assemble(&mut self, law: &Law<'_>, rates: Option<&[f64]>) -> Option<()> {
+    /// Solves the linear problem of the Newton step in the cases as they are.
+    fn assemble(&mut self, law: &Law<'_>) -> Option<()> {
         let Self { tensions, at, beyond, modes, response, matrix, changes, system, .. } = self;
-        let (holes, n) = (law.holes, tensions.len());
-        let (wide, kappa) = (n + 1, holes.compliance);
         let here = Iterate { tensions, beyond, turns: &at.turns };
-        matrix.clear();
-        matrix.resize(n * n, 0.0);
-        changes.clear();
-        changes.resize(n, 0.0);
-        let closes = rates.is_none();
-        for ((cable, place), p) in holes.all() {
-            let passages = &holes.of_cable[cable];
-            let row = &mut matrix[p * n..(p + 1) * n];
-            let (equation, left) = law.row((cable, place), modes[p], here);
-            let commanded = match (place, rates) {
-                (0, Some(rates)) => rates[cable],
-                _ => 0.0,
-            };
-            changes[p] = if closes { -left } else { 0.0 };
-            match equation {
-                Row::Slack => row[p] = kappa,
-                Row::Held => {
-                    for &q in &passages[place..] {
-                        let by = &response.lengths[q * wide..(q + 1) * wide];
-                        for (entry, by) in row.iter_mut().zip(by) {
-                            *entry += by;
-                        }
-                        row[q] -= holes.yielding[q];
-                        if closes {
-                            changes[p] -= by[n];
-                        }
-                    }
-                    // Pieces that stick may hold one another at their lengths.
-                    row[p] -= LENGTH_REGULARISATION * kappa / n as f64;
-                    if modes[p] == Mode::Held {
-                        changes[p] += commanded;
-                    }
-                }
-                Row::Slides { factor, by_turn, incoming } => {
-                    let by = &response.turns[p * wide..(p + 1) * wide];
-                    let weight = -kappa * by_turn * incoming;
-                    for (entry, by) in row.iter_mut().zip(by) {
-                        *entry = weight * by;
-                    }
-                    if closes {
-                        changes[p] -= weight * by[n];
-                    }
-                    changes[p] += kappa * factor * commanded;
-                    row[p] += kappa;
-                    if let Some(before) = place.checked_sub(1) {
-                        row[passages[before]] -= kappa * factor;
-                    }
-                }
-            }
-        }
+        linear_system(law, here, modes, response, None, (matrix, changes));
         system.solve(matrix, changes).ok()?;
         changes.iter().all(|x| x.is_finite()).then_some(())
     }
@@ -265,40 +216,21 @@ impl FrictionScratch {
         agree
     }
 
-    /// How `Dᵢ` change with the commands at the equilibrium that was found last, into [`Self::rates`]; `false` where
-    /// that cannot be told.
-    pub(super) fn differentiate<M: PassageResponse>(
+    /// The state that was found last as an end of a substep; `false` where the shape has no response there.
+    pub(super) fn station<M: PassageResponse>(
         &mut self,
         model: &mut M,
-        law: &Law<'_>,
-        before: &[Command],
+        into: &mut Station,
     ) -> bool {
-        let commanded: Vec<f64> = law
-            .commands
-            .iter()
-            .zip(before)
-            .map(|pair| match pair {
-                (Command::Tension(now), Command::Tension(before)) => now - before,
-                (Command::Length { target: now, .. }, Command::Length { target: before, .. }) => {
-                    now - before
-                }
-                _ => 0.0,
-            })
-            .collect();
-        self.system.forget();
-        if !model.respond(&self.tensions, &mut self.response)
-            || self.assemble(law, Some(&commanded)).is_none()
-        {
+        if !model.respond(&self.tensions, &mut self.response) {
             return false;
         }
-        let Self { response, changes, rates, .. } = self;
-        let n = changes.len();
-        let by = |p: usize| -> f64 {
-            let row = &response.lengths[p * (n + 1)..][..n];
-            row.iter().zip(&*changes).map(|(by, change)| by * change).sum()
-        };
-        let lengths: Vec<f64> = (0..n).map(by).collect();
-        law.holes.beyond_into(&lengths, changes, rates);
+        into.tensions.clone_from(&self.tensions);
+        into.beyond.clone_from(&self.beyond);
+        into.turns.clone_from(&self.at.turns);
+        into.slip_states.clone_from(&self.slip_states);
+        into.response.lengths.clone_from(&self.response.lengths);
+        into.response.turns.clone_from(&self.response.turns);
         true
     }
 }

@@ -54,9 +54,6 @@ pub(crate) trait PassageResponse {
     /// Goes a fraction of the prepared step from where that begins.
     fn go(&mut self, fraction: f64);
 
-    /// Whether loads act on it.
-    fn is_loaded(&self) -> bool;
-
     /// What may be left of the equilibrium.
     fn tolerance(&self) -> f64;
 

@@ -1,17 +1,10 @@
 //! A step of actuation, in which all commands change in proportion, as the limit of ever smaller steps.
 //!
-//! As long as no hole changes the direction in which its cable slides, the state at the end of a substep does not depend
-//! on its length: where a cable slides, the tensions hang on the angles alone, and where it sticks,
-//! `Dᵢ` is that of before. The equations (2) of one substep are then exact. Only a hole in which the cable slides first
-//! and then sticks remembers where it came to rest. The rates `dDᵢ/dt` at both ends of a substep show such
-//! holes, and how far they are from the limit: a hole that slid by g and slides back at the rate r at the end of a
-//! substep of length h has gone back by
-//!
-//! ```text
-//! r² h² / 4(g + r h)                                                                              (3)
-//! ```
-//!
-//! if its rate has changed evenly. A substep in which that is too much is shortened.
+//! Where a cable slides in a hole, the tensions hang on the angles alone, and where it sticks, `Dᵢ` is that at which it came to
+//! rest. The equations (2) of one substep are therefore exact if `Dᵢ(before)` of each hole that sticks at the end of the substep is
+//! where it last came to rest. [`super::events`] finds these places, with the linear response of the robot: first with that at the start of the
+//! substep, then with that at both ends. Two differences show the error: that of the tensions with the places of both passes,
+//! and that of the tensions at the end from those of the linear response. A substep in which they are too great is shortened.
 
 use super::holes::{History, Holes};
 use super::law::Law;
@@ -25,63 +18,69 @@ use crate::statics::outcome::{Failure, Found, Open};
 
 /// Of the backbone's length: less is no sliding.
 const SLIDES: f64 = 1e-11;
-/// Of the backbone's length: sliding back by less changes no tension by much.
-const ROUNDED: f64 = 1e-8;
-/// The error that a substep may leave, as a part of the tension of a cable.
-const TOLERANCE: f64 = 2e-4;
-/// A first short substep, of the step: it shows which holes slide from the start on.
-const PROBE: f64 = 1.0 / 64.0;
-/// Where a step that seems to need no substeps is looked at for holes that slide and stick again.
-const PROBES: [f64; 2] = [PROBE, 0.5];
-/// The longest substep, and by how much one is longer than the one before at most.
-const LONGEST: f64 = 0.25;
+/// Of the backbone's length: places where a hole comes to rest that differ by less are one.
+const ROUNDED: f64 = 1e-9;
+/// By how much of the greatest tension of its cable a tension may differ between the two passes of a substep; what the second
+/// leaves is much less.
+const TOLERANCE: f64 = 1e-3;
+/// By how much of the greatest tension of its cable a tension may differ from that of the linear response: where a hole may come to
+/// rest, and where none does.
+const LINEAR: [f64; 2] = [3e-3, 0.3];
+/// The longest substep whose error cannot be told.
+const UNKNOWN: f64 = 1.0 / 16.0;
+/// The substep after one, of its length, at most.
 const GROWTH: f64 = 3.0;
-/// The first substep where the whole step finds no answer.
-const FIRST: f64 = 0.25;
 /// A substep that finds no answer is shortened to no less than this.
 const LEAST: f64 = 1.0 / 4096.0;
 /// Of substeps whose only fault is their error, the shortest.
 const LEAST_ACCURATE: f64 = 1.0 / 256.0;
 /// Where equilibria are looked for beyond the end of a path, as parts of what is left of the step.
 const LEAPS: [f64; 4] = [1.0 / 16.0, 0.25, 0.5, 1.0];
+/// The first substep after one of them, of the step.
+const AFTER_LEAP: f64 = 1.0 / 64.0;
 const STUCK: &str =
     "the cables find no state of sticking and sliding: go there in smaller steps of actuation";
 
-/// Goes one step of actuation on from `history`. The shape that the model stands at and the tensions of all passages in
-/// `guess`, where they are near the answer, are tried first.
-///
-/// The ends of the substeps as fractions of the step go into `schedule`. Where it is not empty they are those to take, so
-/// that answers on different meshes can be compared.
+/// How a step of actuation was taken on one mesh, for the finer ones.
+#[derive(Clone, Debug)]
+pub(crate) struct Course<S> {
+    /// Ends of the substeps, as fractions of the step; empty before the first mesh.
+    pub ends: Vec<f64>,
+    /// By how much `Dᵢ` where each hole last came to rest is greater than before the step, in m.
+    pub rest: Vec<f64>,
+    /// Shape and tensions at the end.
+    pub answer: Option<(S, Vec<f64>)>,
+}
+
+impl<S> Default for Course<S> {
+    fn default() -> Self {
+        Self { ends: Vec::new(), rest: Vec::new(), answer: None }
+    }
+}
+
+/// Goes one step of actuation on from `history`. A course that is known is followed: from its answer with its places
+/// of rest where it has them, else in its substeps. One that is empty is filled.
 pub(crate) fn step<M: PassageResponse>(
     model: &mut M,
     holes: &Holes,
     to: &[Command],
     history: &mut History<M::Shape>,
-    (guess, schedule): (Option<&[f64]>, &mut Vec<f64>),
+    course: &mut Course<M::Shape>,
     scratch: &mut FrictionScratch,
 ) -> Result<Found, Failure> {
-    let near = guess.map(|guess| (model.shape(), guess));
     let is_first = history.is_empty();
     if is_first {
         *history = History::at_rest(holes);
     }
     let (commands, fault) = (to.to_vec(), None);
-    let mut way = Way { holes, to, commands, iterations: 0, fault, scratch };
-    if is_first && model.is_loaded() {
+    let mut way =
+        Way { holes, to, commands, iterations: 0, fault, is_first, stands: false, scratch };
+    if is_first {
         way.load(model, history);
     }
-    let at_once = match schedule.is_empty() || schedule.len() == 1 {
-        true => way.at_once(model, history, near, is_first, schedule.is_empty()),
-        false => None,
-    };
-    let residual = match at_once {
-        Some(residual) => {
-            if schedule.is_empty() {
-                schedule.push(1.0);
-            }
-            residual
-        }
-        None => way.divided(model, history, schedule)?,
+    let residual = match way.finish(model, history, course) {
+        Some(residual) => residual,
+        None => way.go(model, history, course)?,
     };
     Ok(Found::with(Effort { iterations: way.iterations, residual }))
 }
@@ -93,6 +92,10 @@ struct Way<'a> {
     /// The commands of the substep.
     commands: Vec<Command>,
     iterations: usize,
+    /// Whether no step was taken before.
+    is_first: bool,
+    /// Whether model and scratch have where the substep starts, and its response.
+    stands: bool,
     /// A fold that was met since the last state.
     fault: Option<Fault>,
     scratch: &'a mut FrictionScratch,
@@ -127,7 +130,8 @@ impl Way<'_> {
         self.scratch.tensions.clone_from(&zero);
         self.set_commands(history, 0.0, 1.0);
         if self.converge(model, &history.beyond).is_ok() {
-            self.advance(model, history);
+            let rest = history.beyond.clone();
+            self.advance(model, history, &rest);
         }
     }
 
@@ -156,108 +160,27 @@ impl Way<'_> {
         found
     }
 
-    /// Takes the state of the scratch over.
-    fn advance<M: PassageResponse>(&mut self, model: &M, history: &mut History<M::Shape>) {
+    /// Takes the state of the scratch over, with where each hole last came to rest.
+    fn advance<M: PassageResponse>(
+        &mut self,
+        model: &M,
+        history: &mut History<M::Shape>,
+        rest: &[f64],
+    ) {
         self.fault = None;
         let FrictionScratch { tensions, beyond, at, .. } = &*self.scratch;
         let state = (&tensions[..], &beyond[..], &at.turns[..]);
         let least = SLIDES * self.holes.length;
+        history.beyond.clear();
+        history.beyond.extend_from_slice(rest);
         history.advance(self.holes, &self.commands, state, least, model.shape());
-    }
-
-    /// All of the step at once, where that is exact.
-    fn at_once<M: PassageResponse>(
-        &mut self,
-        model: &mut M,
-        history: &mut History<M::Shape>,
-        near: Option<(M::Shape, &[f64])>,
-        is_first: bool,
-        is_checked: bool,
-    ) -> Option<f64> {
-        self.set_commands(history, 1.0, 1.0);
-        let mut found = None;
-        if let Some((shape, tensions)) = near {
-            model.set_shape(&shape);
-            self.scratch.tensions.clear();
-            self.scratch.tensions.extend_from_slice(tensions);
-            found = self.converge(model, &history.beyond).ok();
+        if self.stands {
+            // The end of the substep is where the next one starts.
+            let FrictionScratch { start, end, .. } = &mut *self.scratch;
+            core::mem::swap(start, end);
+            start.beyond.clone_from(&history.beyond);
+            start.slip_states.clone_from(&history.slip_states);
         }
-        if found.is_none() && is_first {
-            self.start_uniformly(model, history).ok()?;
-            found = self.converge(model, &history.beyond).ok();
-        }
-        if found.is_none() && history.shape.is_some() {
-            self.start_from(model, history);
-            found = self.converge(model, &history.beyond).ok();
-        }
-        let residual = found?.residual;
-        if is_checked && self.error(model, history, 1.0, None)? > 1.0 {
-            return None;
-        }
-        if is_checked && (self.sticks() || self.several_change(history)) {
-            let shape = model.shape();
-            let FrictionScratch { tensions, beyond, at, slip_states, .. } = &*self.scratch;
-            let end = (tensions.clone(), beyond.clone(), at.clone(), slip_states.clone());
-            let is_monotone =
-                PROBES.iter().all(|&at| self.goes_on_from(model, history, at, (&end.3, &end.1)));
-            let scratch = &mut *self.scratch;
-            (scratch.tensions, scratch.beyond, scratch.at, scratch.slip_states) = end;
-            model.set_shape(&shape);
-            // The model keeps more of a shape than its unknowns.
-            model.measure(&scratch.tensions, &mut scratch.at).ok()?;
-            self.set_commands(history, 1.0, 1.0);
-            if !is_monotone {
-                return None;
-            }
-        }
-        self.advance(model, history);
-        Some(residual)
-    }
-
-    /// Whether a taut cable sticks in a hole at the state of the scratch.
-    fn sticks(&self) -> bool {
-        let FrictionScratch { tensions, slip_states, .. } = &*self.scratch;
-        slip_states.iter().zip(tensions).any(|(&s, &t)| s == SlipState::Sticks && t > 0.0)
-    }
-
-    /// Whether the commands of several cables change.
-    fn several_change<S>(&self, history: &History<S>) -> bool {
-        let start = between(history, self.holes, self.to, 0.0);
-        start.zip(self.to).filter(|(start, end)| start != *end).count() > 1
-    }
-
-    /// Whether the holes go on in one direction from a fraction of the step to the end: what sticks there sticks already, and
-    /// what slides has not slid farther.
-    fn goes_on_from<M: PassageResponse>(
-        &mut self,
-        model: &mut M,
-        history: &History<M::Shape>,
-        at: f64,
-        (end, beyond_at_end): (&[SlipState], &[f64]),
-    ) -> bool {
-        self.set_commands(history, at, 1.0);
-        if history.shape.is_some() {
-            self.start_from(model, history);
-        } else if self.start_uniformly(model, history).is_err() {
-            return false;
-        }
-        if self.converge(model, &history.beyond).is_err() {
-            return false;
-        }
-        let FrictionScratch { tensions, slip_states, beyond, .. } = &*self.scratch;
-        let least = ROUNDED * self.holes.length;
-        self.holes.all().all(|((cable, _), p)| {
-            if tensions[p] == 0.0 || self.holes.coefficients[cable] == 0.0 {
-                return true;
-            }
-            let so_far = history.beyond[p] - beyond[p];
-            let rest = beyond[p] - beyond_at_end[p];
-            match end[p] {
-                SlipState::Sticks => slip_states[p] == SlipState::Sticks,
-                SlipState::Pulled => so_far >= -least && rest >= -least,
-                SlipState::Released => so_far <= least && rest <= least,
-            }
-        })
     }
 
     /// Starts from the state that was reached.
@@ -284,125 +207,251 @@ impl Way<'_> {
         model.settle(tensions)
     }
 
-    /// How far the state of the scratch, found in a substep of this length from `before`, may be from the limit, in units of what
-    /// it may be; `rates` are those at the start, where they are known. `None` where that cannot be told.
-    fn error<M: PassageResponse>(
-        &mut self,
-        model: &mut M,
-        before: &History<M::Shape>,
-        length: f64,
-        rates: Option<&[f64]>,
-    ) -> Option<f64> {
-        let from: Vec<Command> = between(before, self.holes, &self.commands, 0.0).collect();
-        let law = Law { holes: self.holes, commands: &self.commands, before: &before.beyond };
-        // At the rates of the whole step.
-        if !self.scratch.differentiate(model, &law, &from) {
-            return None;
-        }
-        self.scratch.rates.iter_mut().for_each(|rate| *rate /= length);
-        let FrictionScratch { tensions, beyond, slip_states, rates: now, .. } = &*self.scratch;
-        let mut worst: f64 = 0.0;
-        for (cable, passages) in self.holes.of_cable.iter().enumerate() {
-            if self.holes.coefficients[cable] == 0.0 {
-                continue;
-            }
-            let greatest = |all: &[f64]| passages.iter().map(|&p| all[p]).fold(0.0, f64::max);
-            let at_end = match self.to[cable] {
-                Command::Tension(tension) => tension,
-                Command::Length { .. } => 0.0,
-            };
-            let tension = greatest(tensions).max(greatest(&before.tensions)).max(at_end);
-            let unit = TOLERANCE * tension * self.holes.compliance / passages.len() as f64;
-            for &p in passages.iter().filter(|&&p| tensions[p] > 0.0) {
-                let slip = before.beyond[p] - beyond[p];
-                let error = match slip_states[p] {
-                    SlipState::Sticks => rates.map_or(0.0, |rates| 0.25 * rates[p].abs() * length),
-                    SlipState::Pulled | SlipState::Released => {
-                        let back = now[p] * slip.signum() * length;
-                        if back > 0.0 { back * back / (4.0 * (slip.abs() + back)) } else { 0.0 }
-                    }
-                };
-                worst = worst.max(error / unit);
-            }
-        }
-        worst.is_finite().then_some(worst)
-    }
-
-    /// The step in substeps, those of the schedule where there is one.
-    fn divided<M: PassageResponse>(
+    /// The end of the step on a finer mesh, from that of its course.
+    fn finish<M: PassageResponse>(
         &mut self,
         model: &mut M,
         history: &mut History<M::Shape>,
-        schedule: &mut Vec<f64>,
-    ) -> Result<f64, Failure> {
-        let given = core::mem::take(schedule);
-        let (mut at, mut length, mut residual, mut leaps) = (0.0, PROBE, 0.0, 0);
-        let mut rates: Option<Vec<f64>> = None;
-        if !given.is_empty() {
-            length = 1.0;
-        } else if history.shape.is_none() {
-            length = FIRST;
+        course: &Course<M::Shape>,
+    ) -> Option<f64> {
+        let answer = course.answer.as_ref()?;
+        if course.rest.len() != self.holes.count() {
+            return None;
         }
+        self.set_commands(history, 1.0, 1.0);
+        let rest: Vec<f64> =
+            history.beyond.iter().zip(&course.rest).map(|(before, slid)| before + slid).collect();
+        self.start_near(model, answer);
+        let effort = self.converge(model, &rest).ok()?;
+        self.advance(model, history, &rest);
+        Some(effort.residual)
+    }
+
+    fn start_near<M: PassageResponse>(&mut self, model: &mut M, near: &(M::Shape, Vec<f64>)) {
+        model.set_shape(&near.0);
+        self.scratch.tensions.clone_from(&near.1);
+    }
+
+    /// The state that was reached as the start of a substep; `false` where its response is not known.
+    fn stand<M: PassageResponse>(&mut self, model: &mut M, history: &History<M::Shape>) -> bool {
+        if history.shape.is_none() {
+            return false;
+        }
+        self.start_from(model, history);
+        let FrictionScratch { tensions, at, .. } = &mut *self.scratch;
+        if model.measure(tensions, at).is_err() {
+            return false;
+        }
+        let mut start = core::mem::take(&mut self.scratch.start);
+        let is_known = self.scratch.station(model, &mut start);
+        start.beyond.clone_from(&history.beyond);
+        start.slip_states.clone_from(&history.slip_states);
+        self.scratch.start = start;
+        is_known
+    }
+
+    /// Where the holes last come to rest in the substep, by the response at its start, or at both ends; `false` where this does not tell.
+    fn follow<S>(&mut self, history: &History<S>, to_end: bool) -> bool {
+        let from: Vec<Command> = between(history, self.holes, &self.commands, 0.0).collect();
+        let law = Law { holes: self.holes, commands: &self.commands, before: &history.beyond };
+        let FrictionScratch { start, end, events, .. } = &mut *self.scratch;
+        events.follow(&law, &from, start, to_end.then_some(end))
+    }
+
+    /// The greatest difference of the tensions of the scratch from these, as a part of the greatest one of its cable.
+    fn tensions_apart<S>(&self, history: &History<S>, others: &[f64]) -> f64 {
+        let tensions = &self.scratch.tensions;
+        let mut worst: f64 = 0.0;
+        for (passages, command) in self.holes.of_cable.iter().zip(self.to) {
+            let at_end = match *command {
+                Command::Tension(tension) => tension,
+                Command::Length { .. } => 0.0,
+            };
+            let of = |p: &usize| tensions[*p].max(history.tensions[*p]);
+            let greatest = passages.iter().map(of).fold(at_end, f64::max);
+            let apart = |p: &usize| (tensions[*p] - others[*p]).abs();
+            let apart = passages.iter().map(apart).fold(0.0, f64::max);
+            if apart > 0.0 {
+                worst = worst.max(apart / greatest.max(f64::MIN_POSITIVE));
+            }
+        }
+        worst
+    }
+
+    /// The substep from where the history ends to the commands: the effort of its solve, and its error in units of what it may be;
+    /// `None` where that cannot be told. Leaves in `rest` where the holes came to rest.
+    fn substep<M: PassageResponse>(
+        &mut self,
+        model: &mut M,
+        history: &History<M::Shape>,
+        near: Option<&(M::Shape, Vec<f64>)>,
+        rest: &mut Vec<f64>,
+    ) -> Result<(Effort, Option<f64>), Option<Open>> {
+        let is_known = self.stands || self.stand(model, history);
+        self.stands = false;
+        let is_followed = is_known && self.follow(history, false);
+        let no_event = self.scratch.events.count == 0;
+        rest.clear();
+        rest.extend_from_slice(if is_followed {
+            &self.scratch.events.rest
+        } else {
+            &history.beyond
+        });
+        let mut effort = self.find(model, history, near, is_followed, rest)?;
+        if !is_known || !self.end(model) || !self.follow(history, true) {
+            return Ok((effort, None));
+        }
+        self.stands = true;
+        let least = ROUNDED * self.holes.length;
+        let FrictionScratch { events, slip_states, tensions, .. } = &*self.scratch;
+        let moved = |p: usize| {
+            let sticks = slip_states[p] == SlipState::Sticks && tensions[p] > 0.0;
+            sticks && (events.rest[p] - rest[p]).abs() > least
+        };
+        let mut change = 0.0;
+        if (0..rest.len()).any(moved) {
+            let first = tensions.clone();
+            rest.clone_from(&events.rest);
+            self.stands = false;
+            let corrected = self.converge(model, rest).map_err(Some)?;
+            let iterations = effort.iterations + corrected.iterations;
+            effort = Effort { iterations, residual: corrected.residual };
+            change = self.tensions_apart(history, &first);
+        }
+        let FrictionScratch { events, slip_states, tensions, beyond, .. } = &*self.scratch;
+        let is_sure = no_event
+            && events.count == 0
+            && events.agrees_with(slip_states)
+            && (!self.sticks() || events.is_sure(self.holes, tensions, beyond));
+        let curved = self.tensions_apart(history, &events.tensions);
+        let error = (change / TOLERANCE).max(curved / LINEAR[usize::from(is_sure)]);
+        Ok((effort, Some(error)))
+    }
+
+    /// The state of the scratch as the end of a substep; `false` where its response is not known.
+    fn end<M: PassageResponse>(&mut self, model: &mut M) -> bool {
+        let mut end = core::mem::take(&mut self.scratch.end);
+        let is_known = self.scratch.station(model, &mut end);
+        self.scratch.end = end;
+        is_known
+    }
+
+    /// Whether a taut cable sticks in a hole at the state of the scratch.
+    fn sticks(&self) -> bool {
+        let FrictionScratch { tensions, slip_states, .. } = &*self.scratch;
+        slip_states.iter().zip(tensions).any(|(&s, &t)| s == SlipState::Sticks && t > 0.0)
+    }
+
+    /// Goes from the start of the substep, where the model was linearised last, to where the linear response has it at the end.
+    fn predict<M: PassageResponse>(&mut self, model: &mut M) -> bool {
+        let FrictionScratch { tensions, start, events, .. } = &mut *self.scratch;
+        let pairs = events.tensions.iter().zip(&start.tensions);
+        let changes: Vec<f64> = pairs.map(|(end, start)| end - start).collect();
+        if model.prepare(&changes).is_none_or(|most| most < 1.0) {
+            return false;
+        }
+        model.go(1.0);
+        tensions.clear();
+        tensions.extend(events.tensions.iter().map(|tension| tension.max(0.0)));
+        true
+    }
+
+    /// The equilibrium at the commands with these places of rest.
+    fn find<M: PassageResponse>(
+        &mut self,
+        model: &mut M,
+        history: &History<M::Shape>,
+        near: Option<&(M::Shape, Vec<f64>)>,
+        is_followed: bool,
+        rest: &[f64],
+    ) -> Result<Effort, Option<Open>> {
+        if is_followed
+            && self.predict(model)
+            && let Ok(effort) = self.converge(model, rest)
+        {
+            return Ok(effort);
+        }
+        if let Some(near) = near {
+            self.start_near(model, near);
+            if let Ok(effort) = self.converge(model, rest) {
+                return Ok(effort);
+            }
+        }
+        if self.is_first
+            && self.start_uniformly(model, history).is_ok()
+            && let Ok(effort) = self.converge(model, rest)
+        {
+            return Ok(effort);
+        }
+        if history.shape.is_none() {
+            return Err(None);
+        }
+        self.start_from(model, history);
+        self.converge(model, rest).map_err(Some)
+    }
+
+    /// The step in substeps, those of the course where it is known.
+    fn go<M: PassageResponse>(
+        &mut self,
+        model: &mut M,
+        history: &mut History<M::Shape>,
+        course: &mut Course<M::Shape>,
+    ) -> Result<f64, Failure> {
+        let Course { ends: given, answer, .. } = core::mem::take(course);
+        let (mut at, mut length, mut residual, mut leaps) = (0.0, 1.0, 0.0, 0);
+        let (mut rest, before) = (Vec::new(), history.beyond.clone());
+        let shortest = |error: Option<f64>| if error.is_some() { LEAST_ACCURATE } else { UNKNOWN };
         while at < 1.0 {
             let left = 1.0 - at;
             if let Some(next) = given.iter().find(|&&next| next > at) {
                 length = f64::min(length, next - at);
             } else if length > 0.75 * left {
                 length = left;
-            } else {
-                length = length.min(LONGEST);
             }
             self.set_commands(history, length, left);
-            if history.shape.is_some() {
-                self.start_from(model, history);
-            } else if let Err(failure) = self.start_uniformly(model, history) {
-                length *= 0.25;
-                if length < LEAST || model.meter().has_ended() {
-                    return Err(failure.reached(at));
-                }
-                continue;
-            }
-            let found = self.converge(model, &history.beyond);
-            let error = match &found {
-                Ok(_) if !given.is_empty() => Some(0.0),
-                // Where it cannot be told, no other length tells more.
-                Ok(_) => Some(self.error(model, history, length, rates.as_deref()).unwrap_or(0.0)),
-                Err(_) => None,
-            };
-            match (found, error) {
+            let near = answer.as_ref().filter(|_| length >= left);
+            match self.substep(model, history, near, &mut rest) {
                 // The last substep takes what is left, which is up to a third longer than it would be.
-                (Ok(effort), Some(error)) if error <= 1.0 || 0.75 * length <= LEAST_ACCURATE => {
-                    self.advance(model, history);
+                Ok((effort, error))
+                    if !given.is_empty()
+                        || error.is_some_and(|error| error <= 1.0)
+                        || 0.75 * length <= shortest(error) =>
+                {
+                    self.advance(model, history, &rest);
                     at = if length >= left { 1.0 } else { at + length };
                     residual = effort.residual;
-                    schedule.push(at);
-                    length *= if given.is_empty() {
-                        (0.8 / error.sqrt()).clamp(0.2, GROWTH)
-                    } else {
-                        1e9
+                    course.ends.push(at);
+                    length *= match error {
+                        _ if !given.is_empty() => 1e9,
+                        Some(error) => (0.8 / error.sqrt()).clamp(0.2, GROWTH),
+                        None => 1.0,
                     };
-                    rates = Some(self.scratch.rates.clone());
                 }
-                (Ok(_), Some(error)) => {
-                    length = (length * (0.8 / error.sqrt()).clamp(0.1, 0.7)).max(LEAST_ACCURATE);
+                Ok((_, error)) => {
+                    self.stands = false;
+                    let factor = error.map_or(0.25, |error| (0.8 / error.sqrt()).clamp(0.1, 0.7));
+                    length = (length * factor).max(shortest(error));
                 }
-                (found, _) => {
+                Err(open) => {
+                    self.stands = false;
                     length *= 0.25;
                     if length >= LEAST && !model.meter().has_ended() {
                         continue;
                     }
-                    let open = found.err();
                     let Some((part, effort)) = self.leap(model, history, left, leaps) else {
                         return Err(self.failure(model, open, at));
                     };
-                    self.advance(model, history);
+                    rest.clone_from(&history.beyond);
+                    self.advance(model, history, &rest);
                     at = if part >= left { 1.0 } else { at + part };
-                    schedule.push(at);
-                    (residual, length, rates) = (effort.residual, PROBE, None);
+                    course.ends.push(at);
+                    (residual, length) = (effort.residual, AFTER_LEAP);
                     leaps += 1;
                 }
             }
         }
+        course.rest = rest.iter().zip(&before).map(|(rest, before)| rest - before).collect();
+        course.answer = Some((model.shape(), history.tensions.clone()));
         Ok(residual)
     }
 

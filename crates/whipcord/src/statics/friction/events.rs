@@ -1,0 +1,468 @@
+//! Where the holes go in a substep, event by event.
+//!
+//! Between two events, at which a hole begins to slide or stops, the commands, tensions, angles and `Dᵢ` change together, by
+//! the linear response of the robot: the holes that stick keep their `Dᵢ`, those that slide keep to a bound of eq. (1). An event is
+//! where a hole that sticks comes to a bound, or where the rate `dDᵢ/dt` of one that slides changes its sign. At
+//! an event the rates solve a complementarity problem: `Dᵢ` falls at the bound where the cable is pulled, rises at the bound where it is
+//! released, or the hole sticks and the tension goes away from the bound.
+
+use whipcord_numerics::ReplacedRows;
+
+use super::holes::Holes;
+use super::law::{Iterate, Law, Mode};
+use super::linear_problem::linear_system;
+use super::response::Response;
+use crate::shape::SlipState;
+use crate::statics::command::Command;
+
+/// How often all holes that must change their modes at one event at once, and then one after the other, this often for each hole.
+const MOST_CHANGES: [usize; 2] = [6, 2];
+/// Of the greatest tension: a bound that is nearer is met.
+const MET: f64 = 1e-9;
+/// Of the greatest tension, and of the length: rates that are rounding.
+const STILL: f64 = 1e-10;
+/// So many times what the linear response misses is a margin.
+const SURE: f64 = 4.0;
+/// A part of a substep so short is taken at the rates of its start.
+const SHORT: f64 = 1e-3;
+
+/// The robot at one end of a substep.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Station {
+    pub tensions: Vec<f64>,
+    pub beyond: Vec<f64>,
+    pub turns: Vec<f64>,
+    pub slip_states: Vec<SlipState>,
+    pub response: Response,
+}
+
+/// How the holes go through a substep.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Events {
+    /// `Dᵢ` where each hole last came to rest, or began to slide.
+    pub rest: Vec<f64>,
+    /// Tension of every passage at the end.
+    pub tensions: Vec<f64>,
+    /// `Dᵢ` at the end.
+    pub beyond: Vec<f64>,
+    /// Number of events.
+    pub count: usize,
+    /// How near each hole comes to an event: the least distance of its tension from a bound where it sticks, and the least rate of
+    /// its `Dᵢ` where it slides.
+    margins: Vec<f64>,
+    turns: Vec<f64>,
+    modes: Vec<Mode>,
+    commands: Vec<Command>,
+    response: Response,
+    /// Changes with the fraction of the substep.
+    rates: Rates,
+    middle: Rates,
+    matrix: Vec<f64>,
+    lengths: Vec<f64>,
+    system: ReplacedRows,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Rates {
+    commands: Vec<f64>,
+    tensions: Vec<f64>,
+    beyond: Vec<f64>,
+    turns: Vec<f64>,
+}
+
+impl Events {
+    /// From the start of a substep to its end, with the response that changes in proportion from that at the start to that at the end,
+    /// where this is known; `false` where the holes do not agree on a mode for each.
+    pub fn follow(
+        &mut self,
+        law: &Law<'_>,
+        from: &[Command],
+        start: &Station,
+        end: Option<&Station>,
+    ) -> bool {
+        self.start(law, from, start, end);
+        let (mut at, most) = (0.0, 8 * law.holes.count() + 32);
+        self.count = 0;
+        self.system.forget();
+        self.response.clone_from(&start.response);
+        for _ in 0..most {
+            self.respond(start, end, at);
+            if !self.choose(law) {
+                return false;
+            }
+            if at == 0.0 {
+                self.count = 0;
+            }
+            self.note_margins(law);
+            let left = 1.0 - at;
+            let mut part = self.until_event(law, &self.rates).min(left);
+            if end.is_some() && part > SHORT {
+                // The rates in the middle, of a part that ends where these have it.
+                for _ in 0..2 {
+                    self.respond(start, end, at + 0.5 * part);
+                    if !self.measure_middle(law, part) {
+                        return false;
+                    }
+                    let until = self.until_event(law, &self.middle);
+                    let until = until.min(self.until_reversal(law, part));
+                    part = until.clamp(SHORT.min(left), left);
+                }
+                core::mem::swap(&mut self.rates, &mut self.middle);
+            }
+            self.advance(part);
+            at += part;
+            if at >= 1.0 - 1e-12 {
+                if end.is_some() {
+                    // What happens at the very end shows that the last part was too long.
+                    self.respond(start, end, 1.0);
+                    if !self.choose(law) {
+                        return false;
+                    }
+                    self.note_margins(law);
+                }
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether what slides at the end slides in these directions.
+    pub fn agrees_with(&self, slip_states: &[SlipState]) -> bool {
+        self.modes.iter().zip(slip_states).all(|(mode, state)| match mode {
+            Mode::Pulled => *state == SlipState::Pulled,
+            Mode::Released => *state == SlipState::Released,
+            Mode::Sticks => *state == SlipState::Sticks,
+            Mode::Free | Mode::Held | Mode::Slack => true,
+        })
+    }
+
+    fn start(&mut self, law: &Law<'_>, from: &[Command], start: &Station, end: Option<&Station>) {
+        self.rest.clear();
+        self.rest.extend_from_slice(law.before);
+        self.tensions.clone_from(&start.tensions);
+        self.beyond.clone_from(&start.beyond);
+        self.turns.clone_from(&start.turns);
+        self.commands.clear();
+        self.commands.extend_from_slice(from);
+        let pairs = from.iter().zip(law.commands);
+        self.rates.commands.clear();
+        self.rates.commands.extend(pairs.map(|pair| match pair {
+            (Command::Tension(before), Command::Tension(now)) => now - before,
+            (Command::Length { target: before, .. }, Command::Length { target: now, .. }) => {
+                now - before
+            }
+            _ => 0.0,
+        }));
+        self.middle.commands.clone_from(&self.rates.commands);
+        self.margins.clear();
+        self.margins.resize(law.holes.count(), f64::INFINITY);
+        self.modes.clear();
+        self.modes.resize(law.holes.count(), Mode::Free);
+        for ((cable, place), p) in law.holes.all() {
+            self.modes[p] = if place == 0 && from[cable].is_length() {
+                Mode::Held
+            } else if law.holes.coefficients[cable] == 0.0 {
+                Mode::Free
+            } else {
+                // Cables that are slack at the start begin as they end.
+                let known = if start.tensions[p] > 0.0 { start } else { end.unwrap_or(start) };
+                match known.slip_states[p] {
+                    SlipState::Pulled => Mode::Pulled,
+                    SlipState::Released => Mode::Released,
+                    SlipState::Sticks => Mode::Sticks,
+                }
+            };
+        }
+    }
+
+    fn note_margins(&mut self, law: &Law<'_>) {
+        for (hole, p) in law.holes.all() {
+            let margin = match self.modes[p] {
+                Mode::Sticks => {
+                    let [below, above] = self.bounds(law, hole, &self.rates);
+                    below.0.min(above.0)
+                }
+                Mode::Pulled | Mode::Released => self.rates.beyond[p].abs(),
+                Mode::Free | Mode::Held | Mode::Slack => f64::INFINITY,
+            };
+            self.margins[p] = self.margins[p].min(margin);
+        }
+    }
+
+    /// Whether no hole came to an event, and none would if the tensions and `Dᵢ` of all holes changed on the way by several times what they
+    /// differ by from these at the end.
+    pub fn is_sure(&self, holes: &Holes, tensions: &[f64], beyond: &[f64]) -> bool {
+        let differs = |p: usize| (self.tensions[p] - tensions[p]).abs();
+        self.count == 0
+            && holes.all().all(|((cable, place), p)| {
+                let passages = &holes.of_cable[cable];
+                let difference = match self.modes[p] {
+                    Mode::Sticks => {
+                        differs(p)
+                            + place.checked_sub(1).map_or(0.0, |before| differs(passages[before]))
+                    }
+                    _ => (self.beyond[p] - beyond[p]).abs(),
+                };
+                self.margins[p] > SURE * difference
+            })
+    }
+
+    /// The response at a fraction of the substep.
+    fn respond(&mut self, start: &Station, end: Option<&Station>, at: f64) {
+        let Some(end) = end else { return };
+        let between = |into: &mut Vec<f64>, from: &[f64], to: &[f64]| {
+            into.clear();
+            into.extend(from.iter().zip(to).map(|(from, to)| from + at * (to - from)));
+        };
+        between(&mut self.response.lengths, &start.response.lengths, &end.response.lengths);
+        between(&mut self.response.turns, &start.response.turns, &end.response.turns);
+        // The angle of a straight cable has no derivative; it is that of a little later.
+        let wide = self.tensions.len() + 1;
+        for (p, _) in start.turns.iter().enumerate().filter(|(_, turn)| **turn < 1e-8) {
+            let row = p * wide..(p + 1) * wide;
+            self.response.turns[row.clone()].copy_from_slice(&end.response.turns[row]);
+        }
+    }
+
+    /// The modes that agree with their rates, and the rates.
+    fn choose(&mut self, law: &Law<'_>) -> bool {
+        for change in 0..MOST_CHANGES[0] + MOST_CHANGES[1] * self.modes.len() {
+            let mut rates = core::mem::take(&mut self.rates);
+            let solved = self.solve(law, None, &mut rates);
+            self.rates = rates;
+            if !solved {
+                return false;
+            }
+            if self.agree(law, change >= MOST_CHANGES[0]) {
+                return true;
+            }
+            self.count += 1;
+        }
+        false
+    }
+
+    /// The rates in the modes as they are, at the state, or at one that these tensions, `Dᵢ` and angles have.
+    fn solve(&mut self, law: &Law<'_>, shifted: Option<&Rates>, rates: &mut Rates) -> bool {
+        let here = match shifted {
+            None => Iterate { tensions: &self.tensions, beyond: &self.beyond, turns: &self.turns },
+            Some(at) => Iterate { tensions: &at.tensions, beyond: &at.beyond, turns: &at.turns },
+        };
+        let now = Law { commands: &self.commands, ..*law };
+        let Self { modes, response, matrix, system, lengths, .. } = self;
+        let (holes, n) = (law.holes, here.tensions.len());
+        let changes = &mut rates.tensions;
+        linear_system(&now, here, modes, response, Some(&rates.commands), (matrix, changes));
+        if system.solve(matrix, changes).is_err() || !changes.iter().all(|x| x.is_finite()) {
+            return false;
+        }
+        let along = |rows: &[f64], into: &mut Vec<f64>| {
+            into.clear();
+            into.extend(rows.chunks(n + 1).map(|row| -> f64 {
+                row.iter().zip(&*changes).map(|(by, change)| by * change).sum()
+            }));
+        };
+        along(&response.turns, &mut rates.turns);
+        along(&response.lengths, lengths);
+        holes.beyond_into(lengths, changes, &mut rates.beyond);
+        true
+    }
+
+    /// The rates in the middle of a part of the substep, in the modes as they are.
+    fn measure_middle(&mut self, law: &Law<'_>, part: f64) -> bool {
+        let mut at = Rates::default();
+        let go = |from: &[f64], rates: &[f64]| -> Vec<f64> {
+            from.iter().zip(rates).map(|(from, rate)| from + 0.5 * part * rate).collect()
+        };
+        at.tensions = go(&self.tensions, &self.rates.tensions);
+        at.beyond = go(&self.beyond, &self.rates.beyond);
+        at.turns = go(&self.turns, &self.rates.turns);
+        let mut middle = core::mem::take(&mut self.middle);
+        self.move_commands(0.5 * part);
+        let solved = self.solve(law, Some(&at), &mut middle);
+        self.move_commands(-0.5 * part);
+        self.middle = middle;
+        solved
+    }
+
+    fn move_commands(&mut self, part: f64) {
+        for (command, rate) in self.commands.iter_mut().zip(&self.rates.commands) {
+            match command {
+                Command::Tension(value) | Command::Length { target: value, .. } => {
+                    *value += part * rate;
+                }
+            }
+        }
+    }
+
+    fn advance(&mut self, part: f64) {
+        let go = |into: &mut Vec<f64>, rates: &[f64]| {
+            into.iter_mut().zip(rates).for_each(|(x, rate)| *x += part * rate);
+        };
+        go(&mut self.tensions, &self.rates.tensions);
+        go(&mut self.beyond, &self.rates.beyond);
+        go(&mut self.turns, &self.rates.turns);
+        self.move_commands(part);
+    }
+
+    /// Distances of a hole from its lower and upper bound, and their rates.
+    fn bounds(
+        &self,
+        law: &Law<'_>,
+        (cable, place): (usize, usize),
+        rates: &Rates,
+    ) -> [(f64, f64); 2] {
+        let passages = &law.holes.of_cable[cable];
+        let p = passages[place];
+        let (incoming, changes) = match place.checked_sub(1) {
+            Some(before) => (self.tensions[passages[before]], rates.tensions[passages[before]]),
+            None => match self.commands[cable] {
+                Command::Tension(given) => (given, rates.commands[cable]),
+                Command::Length { .. } => (0.0, 0.0),
+            },
+        };
+        let coefficient = law.holes.coefficients[cable];
+        let factor = (coefficient * self.turns[p].max(0.0)).exp();
+        let turned = coefficient * rates.turns[p] * incoming;
+        let (tension, rate) = (self.tensions[p], rates.tensions[p]);
+        [
+            (tension - incoming / factor, rate - (changes - turned) / factor),
+            (factor * incoming - tension, factor * (changes + turned) - rate),
+        ]
+    }
+
+    fn greatest_tension(&self) -> f64 {
+        let commanded = self.rates.commands.iter().zip(&self.commands);
+        let tensions = commanded.map(|(rate, command)| match command {
+            Command::Tension(now) => now.abs().max(rate.abs()),
+            Command::Length { .. } => 0.0,
+        });
+        let rates = self.rates.tensions.iter().map(|rate| rate.abs());
+        tensions.chain(self.tensions.iter().copied()).chain(rates).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// Whether the modes of all holes agree with the rates; else those that do not change, or where it is `one_by_one` the
+    /// one that agrees least.
+    fn agree(&mut self, law: &Law<'_>, one_by_one: bool) -> bool {
+        let tension = self.greatest_tension();
+        let kappa = law.holes.compliance;
+        let (met, still) = (MET * tension, STILL * tension);
+        let resting = STILL * (kappa * tension).min(law.holes.length);
+        let (mut agree, mut worst) = (true, (0.0, 0, Mode::Free));
+        for ((cable, place), p) in law.holes.all() {
+            let mode = self.modes[p];
+            let sliding = self.rates.beyond[p];
+            let (next, violated) = match mode {
+                Mode::Free => continue,
+                Mode::Pulled if sliding > resting => (Mode::Sticks, sliding),
+                Mode::Released if sliding < -resting => (Mode::Sticks, -sliding),
+                Mode::Held => {
+                    let rate = self.rates.tensions[p];
+                    if self.tensions[p] > met || rate >= -still {
+                        continue;
+                    }
+                    (Mode::Slack, -kappa * rate)
+                }
+                Mode::Slack => {
+                    let (lack, rate) = self.lack(law.holes, cable, &self.rates);
+                    if lack < -resting || rate <= resting {
+                        continue;
+                    }
+                    (Mode::Held, rate)
+                }
+                Mode::Sticks => {
+                    let [below, above] = self.bounds(law, (cable, place), &self.rates);
+                    let leaves = |bound: (f64, f64)| bound.0 <= met && bound.1 < -still;
+                    if leaves(below) && (!leaves(above) || below.1 <= above.1) {
+                        (Mode::Pulled, -kappa * below.1)
+                    } else if leaves(above) {
+                        (Mode::Released, -kappa * above.1)
+                    } else {
+                        continue;
+                    }
+                }
+                Mode::Pulled | Mode::Released => continue,
+            };
+            agree = false;
+            if !one_by_one {
+                self.change(p, next);
+            } else if violated > worst.0 {
+                worst = (violated, p, next);
+            }
+        }
+        if one_by_one && !agree {
+            self.change(worst.1, worst.2);
+        }
+        agree
+    }
+
+    /// A hole that stops remembers where.
+    fn change(&mut self, p: usize, mode: Mode) {
+        if mode == Mode::Sticks {
+            self.rest[p] = self.beyond[p];
+        }
+        self.modes[p] = mode;
+    }
+
+    /// How much too long the cable is between its holes for the given length, and its rate.
+    fn lack(&self, holes: &Holes, cable: usize, rates: &Rates) -> (f64, f64) {
+        let first = holes.of_cable[cable][0];
+        let target = match self.commands[cable] {
+            Command::Length { target, .. } => target,
+            Command::Tension(_) => f64::INFINITY,
+        };
+        (self.beyond[first] - target, rates.beyond[first] - rates.commands[cable])
+    }
+
+    /// The part of the substep to the next event at these rates.
+    fn until_event(&self, law: &Law<'_>, rates: &Rates) -> f64 {
+        let mut least = f64::INFINITY;
+        let mut meets = |(distance, rate): (f64, f64)| {
+            if rate < 0.0 {
+                least = least.min(distance.max(0.0) / -rate);
+            }
+        };
+        let tension = self.greatest_tension();
+        let still = STILL * tension;
+        for ((cable, place), p) in law.holes.all() {
+            match self.modes[p] {
+                Mode::Sticks => {
+                    for bound in self.bounds(law, (cable, place), rates) {
+                        if bound.1 < -still {
+                            meets(bound);
+                        }
+                    }
+                }
+                Mode::Held if rates.tensions[p] < -still => {
+                    meets((self.tensions[p], rates.tensions[p]));
+                }
+                Mode::Slack => {
+                    let (lack, rate) = self.lack(law.holes, cable, rates);
+                    if rate > STILL * law.holes.compliance * tension {
+                        meets((-lack, -rate));
+                    }
+                }
+                _ => {}
+            }
+        }
+        least
+    }
+
+    /// The part of the substep to where the rate of a hole that slides changes its sign, with the rates at the start and in the middle of
+    /// a part.
+    fn until_reversal(&self, law: &Law<'_>, part: f64) -> f64 {
+        let mut least = f64::INFINITY;
+        for (_, p) in law.holes.all() {
+            let way = match self.modes[p] {
+                Mode::Pulled => -1.0,
+                Mode::Released => 1.0,
+                _ => continue,
+            };
+            let start = way * self.rates.beyond[p];
+            let end = way * (2.0 * self.middle.beyond[p] - self.rates.beyond[p]);
+            if start > 0.0 && end < 0.0 {
+                least = least.min(part * start / (start - end));
+            }
+        }
+        least
+    }
+}
