@@ -24,6 +24,7 @@ pub struct ReplacedRows {
     matrix: Vec<f64>,
     rows: Vec<usize>,
     given: Vec<f64>,
+    /// Of the inverse, by the row that was replaced; empty where none was.
     columns: Vec<Vec<f64>>,
     small: Vec<f64>,
     small_lu: DenseLu,
@@ -63,6 +64,8 @@ impl ReplacedRows {
         self.matrix.clear();
         self.lu.factor(n, a)?;
         self.matrix.extend_from_slice(a);
+        self.columns.iter_mut().for_each(Vec::clear);
+        self.columns.resize(n, Vec::new());
         self.lu.solve(b);
         Ok(())
     }
@@ -73,13 +76,14 @@ impl ReplacedRows {
         let Self { lu, matrix, rows, columns, small, small_lu, .. } = self;
         let (n, count) = (b.len(), rows.len());
         lu.solve(b);
-        columns.resize(count, Vec::new());
-        for (column, &row) in columns.iter_mut().zip(&*rows) {
-            column.clear();
-            column.resize(n, 0.0);
-            column[row] = 1.0;
+        for &row in &*rows {
+            let column = &mut columns[row];
+            if column.is_empty() {
+                column.resize(n, 0.0);
+                column[row] = 1.0;
+                lu.solve(column);
+            }
         }
-        lu.solve_columns(columns);
         let added = |row: usize, x: &[f64]| -> f64 {
             let of = row * n..(row + 1) * n;
             let pairs = a[of.clone()].iter().zip(&matrix[of]);
@@ -89,14 +93,15 @@ impl ReplacedRows {
         for (i, &row) in rows.iter().enumerate() {
             let unit = |j: usize| if i == j { 1.0 } else { 0.0 };
             small
-                .extend(columns.iter().enumerate().map(|(j, column)| unit(j) + added(row, column)));
+                .extend(rows.iter().enumerate().map(|(j, &of)| unit(j) + added(row, &columns[of])));
         }
         let mut parts: Vec<f64> = rows.iter().map(|&row| added(row, b)).collect();
         if small_lu.factor(count, small).is_err() {
             return false;
         }
         small_lu.solve(&mut parts);
-        for (part, column) in parts.iter().zip(&*columns) {
+        for (part, &row) in parts.iter().zip(&*rows) {
+            let column = &columns[row];
             b.iter_mut().zip(column).for_each(|(x, z)| *x -= part * z);
         }
         true

@@ -26,6 +26,8 @@ const ERROR_RATIO: f64 = 7.0;
 /// Where it does not, the place where the sliding ends moves with the grid, and with it the shape by so much of the length, less
 /// than what a step of actuation leaves that is divided for its accuracy.
 const FRONT_TOLERANCE: f64 = 3e-4;
+/// Halved steps lose all but so much of the error of the places where the cables come to rest.
+const REST_RATIO: f64 = 4.0;
 /// Of all cables together no grid beyond the second has more nodes than this, because the linear system of an iteration is full.
 const MOST_NODES: usize = 320;
 /// An answer on the last grid is taken if it is known to this part of the length, which it says.
@@ -66,7 +68,7 @@ impl Cosserat {
             Accuracy::Steps(_) => {
                 let grid = &self.grid;
                 workspace.progress.level = 0;
-                let found = self.take_steps(0, grid, cases, workspace)?;
+                let found = self.take_steps(0, grid, cases, false, workspace)?;
                 Refined { found, grid: Cow::Borrowed(grid), error: None }
             }
             Accuracy::Tolerance(tolerance) => {
@@ -97,6 +99,8 @@ impl Cosserat {
         let length = self.robot.backbone().length;
         let tolerance = tolerance * length;
         let (mut error, mut steps) = (f64::INFINITY, 0);
+        // Of the places where the cables come to rest, on the last grid that found them.
+        let mut rest_error: Option<f64> = None;
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let mut failed = None;
         let first = cases
@@ -118,7 +122,8 @@ impl Cosserat {
             }
             let grid = self.grid(level)?;
             workspace.progress.level = level;
-            let mut found = match self.take_steps(level, &grid, cases, workspace) {
+            let keeps_rest = rest_error.is_some_and(|error| error <= FRONT_TOLERANCE * length);
+            let mut found = match self.take_steps(level, &grid, cases, keeps_rest, workspace) {
                 Err(failure) => {
                     let last_level = match failure {
                         SolveError::NotConverged { .. } | SolveError::SectionFolds { .. } => {
@@ -130,7 +135,7 @@ impl Cosserat {
                     if level >= last_level || workspace.meter.has_ended() {
                         return Err(failure);
                     }
-                    (coarser, failed) = (None, Some(failure));
+                    (coarser, failed, rest_error) = (None, Some(failure), None);
                     continue;
                 }
                 Ok(found) => found,
@@ -143,6 +148,11 @@ impl Cosserat {
                 let bound =
                     if one_way { tolerance } else { tolerance.max(FRONT_TOLERANCE * length) };
                 error = if one_way { change / ERROR_RATIO } else { change };
+                match rest_error {
+                    Some(rest_error) if keeps_rest && !one_way => error = error.max(rest_error),
+                    Some(_) if keeps_rest => {}
+                    _ => rest_error = Some(change / REST_RATIO),
+                }
                 if error <= bound {
                     return Ok(Refined { found, grid, error: Some(error) });
                 }
@@ -183,12 +193,14 @@ impl Cosserat {
         pairs.filter(|(fine, coarse)| fine != coarse).map(relative).fold(moved, f64::max)
     }
 
-    /// The answer to the last step of actuation on one grid, which the workspace then holds.
+    /// The answer to the last step of actuation on one grid, which the workspace then holds. It may keep to where the cables come to
+    /// rest on the coarser grid.
     fn take_steps(
         &self,
         level: usize,
         grid: &Grid,
         cases: &[Case],
+        keeps_rest: bool,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
         let friction = self.friction_on(grid);
@@ -212,6 +224,12 @@ impl Cosserat {
             let guess = coarse.as_ref().and_then(|answers| answers.get(n));
             let guess = guess.filter(|answer| 2 * (answer.shape.nodes.len() - 1) == grid.len());
             let mut course = core::mem::take(&mut memory.courses[n]);
+            course.rest = match guess {
+                Some(answer) if keeps_rest => {
+                    friction.nodes.halved_rest(grid, &course.rest, &answer.slip_states)
+                }
+                _ => Vec::new(),
+            };
             let from = (guess, &mut course);
             let stepped = take_step(&problem, &friction, from, &mut history, scratch, memory);
             memory.courses[n] = course;

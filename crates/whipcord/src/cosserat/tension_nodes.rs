@@ -119,6 +119,42 @@ impl TensionNodes {
         (tensions, states)
     }
 
+    /// By how much `Dᵢ` changed at all nodes of this grid, from the changes on the grid whose steps were halved to it: at the nodes between
+    /// two of these by the cubic through four, where the cable sticks at all of them.
+    pub fn halved_rest(&self, grid: &Grid, coarse: &[f64], states: &[SlipState]) -> Vec<f64> {
+        let mut rest = Vec::with_capacity(self.count);
+        let mut first = 0;
+        for nodes in &self.cables {
+            let count = nodes.count();
+            let of = count.div_ceil(2);
+            // Nothing is beyond the end of the cable.
+            let value = |j: usize| if j < of { coarse[first + j] } else { 0.0 };
+            let sticks = |j: usize| j >= of || states[first + j] == SlipState::Sticks;
+            let place = |j: usize| match grid.steps.get(2 * j) {
+                Some(step) if 2 * j < count => step.start,
+                _ => grid.steps[count - 1].start + grid.steps[count - 1].length,
+            };
+            for k in 0..count {
+                let j = k / 2;
+                if k.is_multiple_of(2) {
+                    rest.push(value(j));
+                    continue;
+                }
+                let cubic = j > 0 && j + 2 <= of && (j - 1..=j + 2).all(sticks);
+                let near = if cubic { j - 1..j + 3 } else { j..j + 2 };
+                let s = grid.steps[k].start;
+                let part = |i: usize| {
+                    let others = near.clone().filter(|&l| l != i);
+                    let of = |l: usize| (s - place(l)) / (place(i) - place(l));
+                    value(i) * others.map(of).product::<f64>()
+                };
+                rest.push(near.clone().map(part).sum());
+            }
+            first += of;
+        }
+        rest
+    }
+
     /// Tensions of all cables at all shooting nodes in turn, from those at the nodes of each and from the profile.
     pub fn expand(&self, grid: &Grid, tensions: &[f64], profile: &[f64], all: &mut Vec<f64>) {
         let per_node = self.cables.len();

@@ -23,8 +23,12 @@ const MET: f64 = 1e-9;
 const STILL: f64 = 1e-10;
 /// So many times what the linear response misses is a margin.
 const SURE: f64 = 4.0;
-/// A part of a substep so short is taken at the rates of its start.
-const SHORT: f64 = 1e-3;
+/// Parts of a substep in which the response is that in their middle.
+const SLOTS: usize = 8;
+/// Events of a substep, of the holes, at most.
+const MOST_EVENTS: usize = 8;
+/// Of a substep: a part so short is rounding.
+const ROUNDED: f64 = 1e-12;
 
 /// The robot at one end of a substep.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +60,8 @@ pub(super) struct Events {
     response: Response,
     /// Changes with the fraction of the substep.
     rates: Rates,
-    middle: Rates,
+    /// The state from which the coefficients of the linear problem are taken.
+    at: Coefficients,
     matrix: Vec<f64>,
     lengths: Vec<f64>,
     system: ReplacedRows,
@@ -70,6 +75,23 @@ struct Rates {
     turns: Vec<f64>,
 }
 
+#[derive(Clone, Debug, Default)]
+struct Coefficients {
+    commands: Vec<Command>,
+    tensions: Vec<f64>,
+    turns: Vec<f64>,
+}
+
+fn move_commands(commands: &mut [Command], rates: &[f64], part: f64) {
+    for (command, rate) in commands.iter_mut().zip(rates) {
+        match command {
+            Command::Tension(value) | Command::Length { target: value, .. } => {
+                *value += part * rate;
+            }
+        }
+    }
+}
+
 impl Events {
     /// From the start of a substep to its end, with the response that changes in proportion from that at the start to that at the end,
     /// where this is known; `false` where the holes do not agree on a mode for each.
@@ -81,49 +103,61 @@ impl Events {
         end: Option<&Station>,
     ) -> bool {
         self.start(law, from, start, end);
-        let (mut at, most) = (0.0, 8 * law.holes.count() + 32);
         self.count = 0;
-        self.system.forget();
         self.response.clone_from(&start.response);
-        for _ in 0..most {
-            self.respond(start, end, at);
-            if !self.choose(law) {
+        let slots = if end.is_some() { SLOTS } else { 1 };
+        let mut most = MOST_EVENTS * law.holes.count() + 32;
+        for slot in 0..slots {
+            let at = |slot: f64| slot / slots as f64;
+            let (mut now, to) = (at(slot as f64), at(slot as f64 + 1.0));
+            self.respond(start, end, 0.5 * (now + to));
+            if !self.linearise(law, 0.5 * (to - now), end.is_some()) {
                 return false;
             }
-            if at == 0.0 {
-                self.count = 0;
-            }
-            self.note_margins(law);
-            let left = 1.0 - at;
-            let mut part = self.until_event(law, &self.rates).min(left);
-            if end.is_some() && part > SHORT {
-                // The rates in the middle, of a part that ends where these have it.
-                for _ in 0..2 {
-                    self.respond(start, end, at + 0.5 * part);
-                    if !self.measure_middle(law, part) {
-                        return false;
-                    }
-                    let until = self.until_event(law, &self.middle);
-                    let until = until.min(self.until_reversal(law, part));
-                    part = until.clamp(SHORT.min(left), left);
+            while now < to - ROUNDED {
+                if !self.choose(law) || most == 0 {
+                    return false;
                 }
-                core::mem::swap(&mut self.rates, &mut self.middle);
-            }
-            self.advance(part);
-            at += part;
-            if at >= 1.0 - 1e-12 {
-                if end.is_some() {
-                    // What happens at the very end shows that the last part was too long.
-                    self.respond(start, end, 1.0);
-                    if !self.choose(law) {
-                        return false;
-                    }
-                    self.note_margins(law);
+                if now == 0.0 {
+                    self.count = 0;
                 }
-                return true;
+                self.note_margins(law);
+                let part = self.until_event(law).min(to - now);
+                self.advance(part);
+                (now, most) = (now + part, most - 1);
             }
         }
-        false
+        if end.is_some() {
+            // What happens at the very end shows that the response changed too much.
+            self.respond(start, end, 1.0);
+            if !self.linearise(law, 0.0, false) || !self.choose(law) {
+                return false;
+            }
+            self.note_margins(law);
+        }
+        true
+    }
+
+    /// Takes the coefficients of the linear problem from the state as it will be this part of the substep later.
+    fn linearise(&mut self, law: &Law<'_>, later: f64, moves: bool) -> bool {
+        self.system.forget();
+        self.at.commands.clone_from(&self.commands);
+        self.at.tensions.clone_from(&self.tensions);
+        self.at.turns.clone_from(&self.turns);
+        if !moves {
+            return true;
+        }
+        if !self.choose(law) {
+            return false;
+        }
+        let go = |into: &mut Vec<f64>, rates: &[f64]| {
+            into.iter_mut().zip(rates).for_each(|(x, rate)| *x += later * rate);
+        };
+        go(&mut self.at.tensions, &self.rates.tensions);
+        go(&mut self.at.turns, &self.rates.turns);
+        move_commands(&mut self.at.commands, &self.rates.commands, later);
+        self.system.forget();
+        true
     }
 
     /// Whether what slides at the end slides in these directions.
@@ -153,7 +187,6 @@ impl Events {
             }
             _ => 0.0,
         }));
-        self.middle.commands.clone_from(&self.rates.commands);
         self.margins.clear();
         self.margins.resize(law.holes.count(), f64::INFINITY);
         self.modes.clear();
@@ -179,7 +212,7 @@ impl Events {
         for (hole, p) in law.holes.all() {
             let margin = match self.modes[p] {
                 Mode::Sticks => {
-                    let [below, above] = self.bounds(law, hole, &self.rates);
+                    let [below, above] = self.bounds(law, hole);
                     below.0.min(above.0)
                 }
                 Mode::Pulled | Mode::Released => self.rates.beyond[p].abs(),
@@ -227,10 +260,7 @@ impl Events {
     /// The modes that agree with their rates, and the rates.
     fn choose(&mut self, law: &Law<'_>) -> bool {
         for change in 0..MOST_CHANGES[0] + MOST_CHANGES[1] * self.modes.len() {
-            let mut rates = core::mem::take(&mut self.rates);
-            let solved = self.solve(law, None, &mut rates);
-            self.rates = rates;
-            if !solved {
+            if !self.solve(law) {
                 return false;
             }
             if self.agree(law, change >= MOST_CHANGES[0]) {
@@ -241,17 +271,14 @@ impl Events {
         false
     }
 
-    /// The rates in the modes as they are, at the state, or at one that these tensions, `Dᵢ` and angles have.
-    fn solve(&mut self, law: &Law<'_>, shifted: Option<&Rates>, rates: &mut Rates) -> bool {
-        let here = match shifted {
-            None => Iterate { tensions: &self.tensions, beyond: &self.beyond, turns: &self.turns },
-            Some(at) => Iterate { tensions: &at.tensions, beyond: &at.beyond, turns: &at.turns },
-        };
-        let now = Law { commands: &self.commands, ..*law };
-        let Self { modes, response, matrix, system, lengths, .. } = self;
-        let (holes, n) = (law.holes, here.tensions.len());
-        let changes = &mut rates.tensions;
-        linear_system(&now, here, modes, response, Some(&rates.commands), (matrix, changes));
+    /// The rates in the modes as they are.
+    fn solve(&mut self, law: &Law<'_>) -> bool {
+        let Self { at, beyond, rates, modes, response, matrix, system, lengths, .. } = self;
+        let here = Iterate { tensions: &at.tensions, beyond, turns: &at.turns };
+        let now = Law { commands: &at.commands, ..*law };
+        let n = here.tensions.len();
+        let Rates { commands, tensions: changes, .. } = rates;
+        linear_system(&now, here, modes, response, Some(commands), (matrix, changes));
         if system.solve(matrix, changes).is_err() || !changes.iter().all(|x| x.is_finite()) {
             return false;
         }
@@ -263,35 +290,8 @@ impl Events {
         };
         along(&response.turns, &mut rates.turns);
         along(&response.lengths, lengths);
-        holes.beyond_into(lengths, changes, &mut rates.beyond);
+        law.holes.beyond_into(lengths, changes, &mut rates.beyond);
         true
-    }
-
-    /// The rates in the middle of a part of the substep, in the modes as they are.
-    fn measure_middle(&mut self, law: &Law<'_>, part: f64) -> bool {
-        let mut at = Rates::default();
-        let go = |from: &[f64], rates: &[f64]| -> Vec<f64> {
-            from.iter().zip(rates).map(|(from, rate)| from + 0.5 * part * rate).collect()
-        };
-        at.tensions = go(&self.tensions, &self.rates.tensions);
-        at.beyond = go(&self.beyond, &self.rates.beyond);
-        at.turns = go(&self.turns, &self.rates.turns);
-        let mut middle = core::mem::take(&mut self.middle);
-        self.move_commands(0.5 * part);
-        let solved = self.solve(law, Some(&at), &mut middle);
-        self.move_commands(-0.5 * part);
-        self.middle = middle;
-        solved
-    }
-
-    fn move_commands(&mut self, part: f64) {
-        for (command, rate) in self.commands.iter_mut().zip(&self.rates.commands) {
-            match command {
-                Command::Tension(value) | Command::Length { target: value, .. } => {
-                    *value += part * rate;
-                }
-            }
-        }
     }
 
     fn advance(&mut self, part: f64) {
@@ -301,17 +301,12 @@ impl Events {
         go(&mut self.tensions, &self.rates.tensions);
         go(&mut self.beyond, &self.rates.beyond);
         go(&mut self.turns, &self.rates.turns);
-        self.move_commands(part);
+        move_commands(&mut self.commands, &self.rates.commands, part);
     }
 
     /// Distances of a hole from its lower and upper bound, and their rates.
-    fn bounds(
-        &self,
-        law: &Law<'_>,
-        (cable, place): (usize, usize),
-        rates: &Rates,
-    ) -> [(f64, f64); 2] {
-        let passages = &law.holes.of_cable[cable];
+    fn bounds(&self, law: &Law<'_>, (cable, place): (usize, usize)) -> [(f64, f64); 2] {
+        let (rates, passages) = (&self.rates, &law.holes.of_cable[cable]);
         let p = passages[place];
         let (incoming, changes) = match place.checked_sub(1) {
             Some(before) => (self.tensions[passages[before]], rates.tensions[passages[before]]),
@@ -363,14 +358,14 @@ impl Events {
                     (Mode::Slack, -kappa * rate)
                 }
                 Mode::Slack => {
-                    let (lack, rate) = self.lack(law.holes, cable, &self.rates);
+                    let (lack, rate) = self.lack(law.holes, cable);
                     if lack < -resting || rate <= resting {
                         continue;
                     }
                     (Mode::Held, rate)
                 }
                 Mode::Sticks => {
-                    let [below, above] = self.bounds(law, (cable, place), &self.rates);
+                    let [below, above] = self.bounds(law, (cable, place));
                     let leaves = |bound: (f64, f64)| bound.0 <= met && bound.1 < -still;
                     if leaves(below) && (!leaves(above) || below.1 <= above.1) {
                         (Mode::Pulled, -kappa * below.1)
@@ -404,17 +399,18 @@ impl Events {
     }
 
     /// How much too long the cable is between its holes for the given length, and its rate.
-    fn lack(&self, holes: &Holes, cable: usize, rates: &Rates) -> (f64, f64) {
+    fn lack(&self, holes: &Holes, cable: usize) -> (f64, f64) {
         let first = holes.of_cable[cable][0];
         let target = match self.commands[cable] {
             Command::Length { target, .. } => target,
             Command::Tension(_) => f64::INFINITY,
         };
-        (self.beyond[first] - target, rates.beyond[first] - rates.commands[cable])
+        (self.beyond[first] - target, self.rates.beyond[first] - self.rates.commands[cable])
     }
 
     /// The part of the substep to the next event at these rates.
-    fn until_event(&self, law: &Law<'_>, rates: &Rates) -> f64 {
+    fn until_event(&self, law: &Law<'_>) -> f64 {
+        let rates = &self.rates;
         let mut least = f64::INFINITY;
         let mut meets = |(distance, rate): (f64, f64)| {
             if rate < 0.0 {
@@ -426,7 +422,7 @@ impl Events {
         for ((cable, place), p) in law.holes.all() {
             match self.modes[p] {
                 Mode::Sticks => {
-                    for bound in self.bounds(law, (cable, place), rates) {
+                    for bound in self.bounds(law, (cable, place)) {
                         if bound.1 < -still {
                             meets(bound);
                         }
@@ -436,31 +432,12 @@ impl Events {
                     meets((self.tensions[p], rates.tensions[p]));
                 }
                 Mode::Slack => {
-                    let (lack, rate) = self.lack(law.holes, cable, rates);
+                    let (lack, rate) = self.lack(law.holes, cable);
                     if rate > STILL * law.holes.compliance * tension {
                         meets((-lack, -rate));
                     }
                 }
                 _ => {}
-            }
-        }
-        least
-    }
-
-    /// The part of the substep to where the rate of a hole that slides changes its sign, with the rates at the start and in the middle of
-    /// a part.
-    fn until_reversal(&self, law: &Law<'_>, part: f64) -> f64 {
-        let mut least = f64::INFINITY;
-        for (_, p) in law.holes.all() {
-            let way = match self.modes[p] {
-                Mode::Pulled => -1.0,
-                Mode::Released => 1.0,
-                _ => continue,
-            };
-            let start = way * self.rates.beyond[p];
-            let end = way * (2.0 * self.middle.beyond[p] - self.rates.beyond[p]);
-            if start > 0.0 && end < 0.0 {
-                least = least.min(part * start / (start - end));
             }
         }
         least

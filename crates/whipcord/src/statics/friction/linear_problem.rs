@@ -21,8 +21,19 @@ pub(super) fn linear_system(
     changes.clear();
     changes.resize(n, 0.0);
     let closes = rates.is_none();
-    for ((cable, place), p) in holes.all() {
+    // Lengths beyond a hole by the tensions, summed up from the end of each cable.
+    let mut beyond = vec![0.0; wide];
+    let from_ends = holes.of_cable.iter().enumerate().flat_map(|(cable, passages)| {
+        passages.iter().enumerate().rev().map(move |(place, &p)| ((cable, place), p))
+    });
+    for ((cable, place), p) in from_ends {
         let passages = &holes.of_cable[cable];
+        if place + 1 == passages.len() {
+            beyond.fill(0.0);
+        }
+        let by = &response.lengths[p * wide..(p + 1) * wide];
+        beyond.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
+        beyond[p] -= holes.yielding[p];
         let row = &mut matrix[p * n..(p + 1) * n];
         let (equation, left) = law.row((cable, place), modes[p], here);
         let commanded = match (place, rates) {
@@ -33,15 +44,9 @@ pub(super) fn linear_system(
         match equation {
             Row::Slack => row[p] = kappa,
             Row::Held => {
-                for &q in &passages[place..] {
-                    let by = &response.lengths[q * wide..(q + 1) * wide];
-                    for (entry, by) in row.iter_mut().zip(by) {
-                        *entry += by;
-                    }
-                    row[q] -= holes.yielding[q];
-                    if closes {
-                        changes[p] -= by[n];
-                    }
+                row.copy_from_slice(&beyond[..n]);
+                if closes {
+                    changes[p] -= beyond[n];
                 }
                 // Pieces that stick may hold one another at their lengths.
                 row[p] -= LENGTH_REGULARISATION * kappa / n as f64;

@@ -21,8 +21,8 @@ const MAX_ITERATIONS: usize = 30;
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
 /// No step may leave more than so many times the least that the last iterations left.
 const MOST_GROWTH: f64 = 3.0;
-/// What rounding may leave where nothing improves any more.
-const ROUNDING: f64 = 1e-9;
+/// What rounding may leave where nothing improves any more: where full steps gain nothing, and where no step does.
+const ROUNDING: [f64; 2] = [1e-9, 1e-8];
 /// Of the length: what the equations of the holes may leave, so that a hole that is about to slide is known as one.
 const TOLERANCE: f64 = 1e-12;
 /// What the equilibrium of the shape may leave for that.
@@ -77,7 +77,7 @@ impl FrictionScratch {
             let before = gap.max(left);
             let most = self.direct(model, law);
             let Some(most) = most else {
-                if before <= ROUNDING {
+                if before <= ROUNDING[1] {
                     break;
                 }
                 return Err(failed(iteration, before, None));
@@ -97,7 +97,7 @@ impl FrictionScratch {
                 let measured = self.measure(model, law);
                 if let Ok((now_gap, now_left)) = measured {
                     let now = now_gap.max(now_left);
-                    if fraction == 1.0 && now.max(before) <= ROUNDING && now >= 0.5 * before {
+                    if fraction == 1.0 && now.max(before) <= ROUNDING[0] && now >= 0.5 * before {
                         return Ok(Effort { iterations: iteration, residual: now });
                     }
                     if now <= bound.min(1e3) || (fraction <= LEAST_FRACTION && now.is_finite()) {
@@ -108,7 +108,7 @@ impl FrictionScratch {
                 }
                 fraction *= 0.5;
                 if fraction < LEAST_FRACTION {
-                    if before <= ROUNDING {
+                    if before <= ROUNDING[1] {
                         // Nothing is better than where the step began.
                         model.go(0.0);
                         self.tensions.clone_from(&self.kept);
@@ -121,7 +121,7 @@ impl FrictionScratch {
             }
         }
         let residual = gap.max(left);
-        if residual <= ROUNDING && !model.meter().has_ended() {
+        if residual <= ROUNDING[1] && !model.meter().has_ended() {
             return Ok(Effort { iterations: MAX_ITERATIONS, residual });
         }
         Err(failed(MAX_ITERATIONS, residual, None))

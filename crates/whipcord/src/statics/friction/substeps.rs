@@ -92,7 +92,7 @@ struct Way<'a> {
     /// The commands of the substep.
     commands: Vec<Command>,
     iterations: usize,
-    /// Whether no step was taken before.
+    /// Whether nothing was found before.
     is_first: bool,
     /// Whether model and scratch have where the substep starts, and its response.
     stands: bool,
@@ -132,6 +132,7 @@ impl Way<'_> {
         if self.converge(model, &history.beyond).is_ok() {
             let rest = history.beyond.clone();
             self.advance(model, history, &rest);
+            self.is_first = true;
         }
     }
 
@@ -174,6 +175,7 @@ impl Way<'_> {
         history.beyond.clear();
         history.beyond.extend_from_slice(rest);
         history.advance(self.holes, &self.commands, state, least, model.shape());
+        self.is_first = false;
         if self.stands {
             // The end of the substep is where the next one starts.
             let FrictionScratch { start, end, .. } = &mut *self.scratch;

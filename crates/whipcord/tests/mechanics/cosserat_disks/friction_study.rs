@@ -114,7 +114,7 @@ fn study(kind: ModelKind, count: usize) {
         at(1.0).0,
         at(1.0).1
     );
-    assert!(solved * 100 >= 90 * asked, "{kind}: {solved} of {asked}");
+    assert!(solved * 100 >= 99 * asked, "{kind}: {solved} of {asked}");
 }
 
 const MODELS: [ModelKind; 4] = [
