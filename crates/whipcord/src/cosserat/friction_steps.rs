@@ -29,7 +29,7 @@ const FRONT_TOLERANCE: f64 = 3e-4;
 /// Halved steps lose all but so much of the error of the places where the cables come to rest.
 const REST_RATIO: f64 = 4.0;
 /// Of all cables together no grid beyond the second has more nodes than this, because the linear system of an iteration is full.
-const MOST_NODES: usize = 320;
+const MOST_NODES: usize = 512;
 /// An answer on the last grid is taken if it is known to this part of the length, which it says.
 const LAST_TOLERANCE: f64 = 2e-3;
 
