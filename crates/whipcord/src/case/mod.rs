@@ -1,6 +1,7 @@
 //! What is asked of a robot: how its cables are pulled, what loads it carries, and where its base is.
 
 mod loads;
+mod motors;
 
 use whipcord_numerics::Pose;
 
@@ -25,6 +26,11 @@ pub struct Case {
     /// friction goes through them. Without friction, too, the way can matter where a robot has
     /// several equilibria: [`Prepared::solve_steps`](crate::Prepared::solve_steps) goes it.
     pub before: Vec<Vec<CableCommand>>,
+    /// Commands of the motors, one for each motor of the robot in each step, the last being that of [`Self::commands`]: an angle
+    /// in rad, or a travel in m; `None` leaves the cables to their own commands. Empty for a robot without motors. There may be
+    /// more than the steps of the case: those before only say how the backlash of the drives was left.
+    /// [`Self::drive`] makes shortenings of the cables of them.
+    pub motors: Vec<Vec<Option<f64>>>,
     /// What stands in the robot's way, in the world.
     pub obstacles: Vec<Obstacle>,
 }
@@ -153,8 +159,15 @@ impl Case {
             loads: self.loads.clone(),
             base: self.base,
             before: Vec::new(),
+            motors: self.motors_until(number).to_vec(),
             obstacles: self.obstacles.clone(),
         }
+    }
+
+    /// The commands of the motors up to a step.
+    fn motors_until(&self, number: usize) -> &[Vec<Option<f64>>] {
+        let later = self.before.len().saturating_sub(number);
+        &self.motors[..self.motors.len().saturating_sub(later)]
     }
 
     /// Checks that the case fits the robot and that every number in it can be.
@@ -182,6 +195,7 @@ impl Case {
                 command.check().map_err(of_step)?;
             }
         }
+        self.check_motors(robot)?;
         check_pose(&self.base).map_err(|error| error.under("base"))?;
         for (k, obstacle) in self.obstacles.iter().enumerate() {
             obstacle.check().map_err(|error| error.under(&format!("obstacles[{k}]")))?;

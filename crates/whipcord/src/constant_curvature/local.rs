@@ -43,10 +43,7 @@ impl ConstantCurvature {
         let by_tension: Vec<Column> = columns.collect();
         let Workspace { commands, tensions, .. } = &*workspace;
         let is_taut = |i: usize| tensions[i] > 0.0;
-        let compliance = |i: usize| {
-            let stiffness = self.robot.cables()[i].axial_stiffness;
-            stiffness.map_or(0.0, |k| self.rest_lengths[i] / k)
-        };
+        let compliance = |i: usize| self.robot.cable_compliance(i, self.rest_lengths[i]);
         let unknown = Err(ComplianceUnknown::NoLoads);
         let length = self.robot.backbone().length;
         let local = local_of(commands, (is_taut, compliance), &by_tension, unknown, length)?;

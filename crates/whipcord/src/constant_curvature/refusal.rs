@@ -175,8 +175,8 @@ pub(super) fn command(
         Command::Length { compliance, .. } => {
             if compliance > 0.0 && elasticity.is_err() {
                 return Err(unsupported(
-                    format!("cables[{cable}].axial_stiffness"),
-                    "an elastic cable on a backbone of which no stiffness is of use",
+                    robot.path_of_stretch(cable).unwrap_or_default(),
+                    "a cable or drive that stretches on a backbone of which no stiffness is of use",
                     "how far it stretches is not known: leave it out, or give the backbone one stiffness all along",
                 ));
             }

@@ -60,6 +60,7 @@ impl<'a> Homotopy<'a> {
             },
             base: self.to.base,
             before: Vec::new(),
+            motors: Vec::new(),
             obstacles: Vec::new(),
         }
     }

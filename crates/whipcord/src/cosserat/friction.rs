@@ -61,7 +61,9 @@ impl Friction {
         let compliance = radius * radius / Scales::of(grid, length).moment;
         let of_cable = (0..order.len()).map(|cable| nodes.of_cable(cable).collect()).collect();
         let at_rest = Vec::new();
-        let mut holes = Holes { of_cable, coefficients, yielding, at_rest, length, compliance };
+        let outside = order.iter().map(|&cable| robot.outside_compliance(cable)).collect();
+        let mut holes =
+            Holes { of_cable, coefficients, yielding, outside, at_rest, length, compliance };
         holes.at_rest = holes.beyond(&lengths, &vec![0.0; lengths.len()]);
         Self { nodes, holes }
     }

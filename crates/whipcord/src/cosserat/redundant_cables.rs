@@ -34,7 +34,7 @@ const PLAY: f64 = 1e-4;
 /// effect of their own when it is at rest; on any grid, with the cables in this order.
 pub(super) fn any(robot: &Robot, grid: &Grid, order: &[usize]) -> bool {
     let cables = order.len();
-    let stiff = |&i: &usize| robot.cables()[order[i]].axial_stiffness.is_none();
+    let stiff = |&i: &usize| !robot.is_elastic(order[i]);
     let mut free: Vec<usize> = (0..cables).filter(stiff).collect();
     let mut rest = Unloaded::default();
     // Where it does, four straight cables do not depend on one another by pulling in vain.

@@ -11,7 +11,7 @@ use crate::case::Loads;
 use crate::derivatives::StraightSpan;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::robot::{Cable, Robot};
+use crate::robot::Robot;
 use crate::statics::friction::Holes;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::passages::{Anchor, passages};
@@ -134,11 +134,11 @@ impl Frame {
     }
 
     /// The holes with their friction coefficients.
-    pub fn holes(&self, cables: &[Cable], mesh: &Mesh) -> Holes {
+    pub fn holes(&self, robot: &Robot, mesh: &Mesh) -> Holes {
         let passages = self.spans.iter().flat_map(|span| &span.passages);
         let pieces = passages.zip(&self.rest_chords).map(|(p, chord)| (p.cable, chord.length));
         let length = self.rod.backbone().length;
-        Holes::new(cables, pieces, length, self.compliance(mesh))
+        Holes::new(robot, pieces, length, self.compliance(mesh))
     }
 
     /// The mesh on which the rod at rest is known.

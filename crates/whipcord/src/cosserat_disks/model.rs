@@ -88,7 +88,7 @@ impl CosseratDisks {
         };
         let mesh = frame.mesh(steps, 0)?;
         let has_friction = robot.cables().iter().any(Cable::has_friction);
-        let holes = has_friction.then(|| frame.holes(robot.cables(), &mesh));
+        let holes = has_friction.then(|| frame.holes(robot, &mesh));
         let stability_steps = STABILITY_STEPS.max(steps_for_twist(robot));
         let (robot, options) = (robot.clone(), options.clone());
         let (finer, fine) = (Arc::default(), Arc::default());
@@ -463,6 +463,7 @@ fn one_by_one(case: &Case) -> Vec<Case> {
         loads: case.loads.clone(),
         base: case.base,
         before: Vec::new(),
+        motors: Vec::new(),
         obstacles: Vec::new(),
     };
     case.before.iter().chain([&case.commands]).map(step).collect()

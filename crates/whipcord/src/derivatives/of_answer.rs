@@ -114,8 +114,8 @@ impl Derivatives {
         derivatives.by_tension =
             (0..cables).map(|place| derivatives.raw(Source::Tension(place))).collect();
         let end = |(place, &is_taut): (usize, &bool)| {
-            let stiffness = robot.cables()[of_robot.order[place]].axial_stiffness;
-            let compliance = stiffness.map_or(0.0, |k| of_robot.rest_lengths[place] / k);
+            let rest = of_robot.rest_lengths[place];
+            let compliance = robot.cable_compliance(of_robot.order[place], rest);
             CableEnd { compliance, is_taut }
         };
         derivatives.cables = solved.taut.iter().enumerate().map(end).collect();

@@ -10,7 +10,7 @@ use super::replay::AXES;
 use super::setting::{AtRest, Setting};
 use super::spread_change::SpreadChange;
 use crate::case::Shortening;
-use crate::parameter::RouteChange;
+use crate::parameter::{MotorChange, RouteChange};
 use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::{Robot, RobotError, SectionProperties};
 use crate::section::{BodyWrench, Crossing, Stiffness, Strain};
@@ -140,19 +140,12 @@ impl Partial {
             Some(Shortening::Fraction(fraction)) => rest * (1.0 - fraction),
             _ => rest,
         };
-        let stretch = match setting.robot.cables()[cable].axial_stiffness {
-            None => 0.0,
-            Some(stiffness) => {
-                let own = match self.parameter {
-                    Parameter::AxialStiffness { cable: c } if c == cable => {
-                        -setting.cables.rest_lengths[place] / (stiffness * stiffness)
-                    }
-                    _ => 0.0,
-                };
-                own + rest / stiffness
-            }
-        };
-        asked + stretch * setting.tensions[place]
+        let (robot, at_rest) = (setting.robot, setting.cables.rest_lengths[place]);
+        let motor = MotorChange::new(&self.parameter, robot, setting.case, cable, at_rest);
+        let inside = robot.cables()[cable].axial_stiffness.map_or(0.0, |k| rest / k);
+        let beyond = setting.tensions[place] - robot.pretension(cable);
+        let by_pretension = robot.cable_compliance(cable, at_rest) * motor.pretension;
+        asked - motor.shortening + (inside + motor.compliance) * beyond - by_pretension
     }
 
     /// Whether the strain at rest or a course changes.

@@ -64,5 +64,5 @@ fn with_assumed_stiffness(robot: &Robot) -> Result<Robot, SolveError> {
             backbone.stiffness = Some(Stiffness::diagonal([unused; 2], unused, [1.0; 2], torsion));
         }
     }
-    Ok(Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec())?)
+    Ok(robot.with_parts(backbone, robot.disks().clone(), robot.cables().to_vec())?)
 }

@@ -50,9 +50,8 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
         ));
     }
     for (i, cable) in robot.cables().iter().enumerate() {
-        if cable.axial_stiffness.is_some() && !knows_forces {
-            let path = format!("cables[{i}].axial_stiffness");
-            return Err(unsupported(path, "an elastic cable", no_forces(options)));
+        if let (Some(path), false) = (robot.path_of_stretch(i), knows_forces) {
+            return Err(unsupported(path, "a cable or drive that stretches", no_forces(options)));
         }
         if options.lengths == LengthRule::Free && !options.has_energy() && cable.has_friction() {
             return Err(unsupported(

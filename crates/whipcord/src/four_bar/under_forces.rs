@@ -19,7 +19,8 @@ impl FourBar {
             Actuation::Shortening => false,
             Actuation::Natural => case.commands.iter().any(|c| c.shortening.is_none()),
         };
-        let is_elastic = || self.robot.cables().iter().any(|c| c.axial_stiffness.is_some());
+        let is_elastic =
+            || (0..self.robot.cables().len()).any(|cable| self.robot.is_elastic(cable));
         !case.loads.is_none() || is_pulled() || is_elastic()
     }
 

@@ -12,7 +12,7 @@ use super::motion::Coordinates;
 use super::places::Places;
 use super::task::{Right, Task};
 use super::{Linkage, Workspace};
-use crate::case::{Case, Shortening};
+use crate::case::Case;
 use crate::contact::Holding;
 use crate::derivatives::{
     CoordinateCable, CoordinateDerivatives, Equations, KnownPlaces, LinearSystem, ParameterChange,
@@ -21,7 +21,7 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::parameter::{Parameter, StiffnessPart};
 use crate::refusal;
-use crate::robot::{Cable, Robot};
+use crate::robot::Robot;
 use crate::shape::{Solution, Wrench};
 
 impl Linkage {
@@ -71,7 +71,7 @@ impl Linkage {
         let cable = |(i, command): (usize, &_)| CoordinateCable {
             command: *command,
             is_taut: tensions[i] > 0.0,
-            compliance: own_compliance(&self.robot.cables()[i], self.rest_lengths[i]),
+            compliance: self.robot.cable_compliance(i, self.rest_lengths[i]),
         };
         let solved = SolvedCoordinates {
             system,
@@ -206,18 +206,11 @@ impl Linkage {
             chain.residuals().iter().flat_map(|residual| residual[..count].to_vec()).collect();
         let rest = layout::rest_lengths(&self.division, sections, tensions.len());
         let target = |(i, &rest): (usize, &f64)| {
-            let asked = match case.commands[i].shortening {
-                Some(Shortening::Fraction(fraction)) => rest * (1.0 - fraction),
-                _ => rest,
-            };
-            asked + own_compliance(&robot.cables()[i], rest) * tensions[i]
+            let shortening = case.commands[i].shortening.map_or(0.0, |s| s.in_metres(rest));
+            let asked = rest - shortening;
+            asked + robot.cable_compliance(i, rest) * (tensions[i] - robot.pretension(i))
         };
         let targets = rest.iter().enumerate().map(target).collect();
         Equations { residuals, lengths: chain.lengths, targets, base: chain.base }
     }
-}
-
-/// What a tension of 1 N adds to the length of a cable in m, where that is so long at rest.
-fn own_compliance(cable: &Cable, rest: f64) -> f64 {
-    cable.axial_stiffness.map_or(0.0, |stiffness| rest / stiffness)
 }

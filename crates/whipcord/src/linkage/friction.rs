@@ -83,7 +83,7 @@ impl Rubbing {
         let softest = bending(1).chain(bending(2)).fold(f64::INFINITY, f64::min);
         let compliance = lever * lever * length / softest;
         let pieces = of_cable.iter().copied().zip(lengths);
-        let holes = Holes::new(cables, pieces, length, compliance);
+        let holes = Holes::new(robot, pieces, length, compliance);
         Some(Self { holes, sections, strands })
     }
 }

@@ -57,10 +57,7 @@ impl Linkage {
         };
         let by_tension: Vec<Column> = (0..cables).map(|cable| column(1 + cable)).collect();
         let by_wrench: Vec<Column> = (0..6).map(|i| column(1 + cables + i)).collect();
-        let compliance = |i: usize| {
-            let stiffness = self.robot.cables()[i].axial_stiffness;
-            stiffness.map_or(0.0, |k| self.rest_lengths[i] / k)
-        };
+        let compliance = |i: usize| self.robot.cable_compliance(i, self.rest_lengths[i]);
         let is_taut = |i: usize| tensions[i] > 0.0;
         let length = self.robot.backbone().length;
         local_of(commands, (is_taut, compliance), &by_tension, Ok(&by_wrench), length)

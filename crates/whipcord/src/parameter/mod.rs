@@ -1,5 +1,6 @@
 //! Quantities of a robot and a case that an answer can be differentiated by.
 
+mod motor_change;
 mod path;
 mod quantity;
 mod route_change;
@@ -7,6 +8,7 @@ mod scale;
 mod section_change;
 mod value;
 
+pub(crate) use motor_change::MotorChange;
 pub use path::UnknownParameter;
 pub use path::numbered;
 pub use quantity::{Parameter, StiffnessPart};

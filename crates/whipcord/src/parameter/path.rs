@@ -49,6 +49,18 @@ impl fmt::Display for Parameter {
                 write!(f, "cables[{cable}].routing.{}[{power}]", plane(axis))
             }
             Self::AxialStiffness { cable } => write!(f, "cables[{cable}].axial_stiffness"),
+            Self::MotorStiffness { motor } => write!(f, "motors[{motor}].stiffness"),
+            Self::FreeLength { motor } => write!(f, "motors[{motor}].free_length"),
+            Self::Pretension { motor } => write!(f, "motors[{motor}].pretension"),
+            Self::Backlash { motor } => write!(f, "motors[{motor}].backlash"),
+            Self::MotorOffset { motor } => write!(f, "motors[{motor}].angle_offset"),
+            Self::GearRatio { motor } => write!(f, "motors[{motor}].gear_ratio"),
+            Self::SpoolRadius { motor, entry: None } => {
+                write!(f, "motors[{motor}].spool_radius")
+            }
+            Self::SpoolRadius { motor, entry: Some(entry) } => {
+                write!(f, "motors[{motor}].spool_radius[{entry}]")
+            }
             Self::Gravity { axis } => write!(f, "loads.gravity[{axis}]"),
             Self::TipForce { axis } => write!(f, "loads.tip_force[{axis}]"),
             Self::TipMoment { axis } => write!(f, "loads.tip_moment[{axis}]"),
@@ -124,6 +136,19 @@ impl FromStr for Parameter {
                 Self::Coefficient { cable, axis: 1, power }
             }
             ("cables[].axial_stiffness", &[cable]) => Self::AxialStiffness { cable },
+            ("motors[].stiffness", &[motor]) => Self::MotorStiffness { motor },
+            ("motors[].free_length", &[motor]) => Self::FreeLength { motor },
+            ("motors[].pretension", &[motor]) => Self::Pretension { motor },
+            ("motors[].backlash", &[motor]) => Self::Backlash { motor },
+            // Robot files call that of a linear drive by what it is.
+            ("motors[].angle_offset" | "motors[].travel_offset", &[motor]) => {
+                Self::MotorOffset { motor }
+            }
+            ("motors[].gear_ratio", &[motor]) => Self::GearRatio { motor },
+            ("motors[].spool_radius", &[motor]) => Self::SpoolRadius { motor, entry: None },
+            ("motors[].spool_radius[]", &[motor, entry]) => {
+                Self::SpoolRadius { motor, entry: Some(entry) }
+            }
             ("loads.gravity[]", &[axis]) => Self::Gravity { axis },
             ("loads.tip_force[]", &[axis]) => Self::TipForce { axis },
             ("loads.tip_moment[]", &[axis]) => Self::TipMoment { axis },
@@ -199,6 +224,14 @@ mod tests {
             Parameter::Coefficient { cable, axis, power: 2 },
             Parameter::Coefficient { cable, axis: 0, power: 2 },
             Parameter::AxialStiffness { cable },
+            Parameter::MotorStiffness { motor: 1 },
+            Parameter::FreeLength { motor: 1 },
+            Parameter::Pretension { motor: 1 },
+            Parameter::Backlash { motor: 1 },
+            Parameter::MotorOffset { motor: 1 },
+            Parameter::GearRatio { motor: 1 },
+            Parameter::SpoolRadius { motor: 1, entry: None },
+            Parameter::SpoolRadius { motor: 1, entry: Some(2) },
             Parameter::Gravity { axis },
             Parameter::TipForce { axis },
             Parameter::TipMoment { axis },

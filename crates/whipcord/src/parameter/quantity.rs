@@ -120,6 +120,43 @@ pub enum Parameter {
         /// Cable.
         cable: usize,
     },
+    /// Stiffness of drive and cable outside the robot of a motor in N/m, where it is given.
+    MotorStiffness {
+        /// Motor.
+        motor: usize,
+    },
+    /// Length in m of each cable between a motor and the base.
+    FreeLength {
+        /// Motor.
+        motor: usize,
+    },
+    /// Pretension of the cables of a motor in N.
+    Pretension {
+        /// Motor.
+        motor: usize,
+    },
+    /// Backlash of a motor's drive in rad or m.
+    Backlash {
+        /// Motor.
+        motor: usize,
+    },
+    /// The command at which a motor shortens no cable, in rad or m.
+    MotorOffset {
+        /// Motor.
+        motor: usize,
+    },
+    /// Turns of a motor for one of its spool.
+    GearRatio {
+        /// Motor.
+        motor: usize,
+    },
+    /// Radius of the spools of a motor in m.
+    SpoolRadius {
+        /// Motor.
+        motor: usize,
+        /// One of its cables, by its number among them; `None` changes all by as much.
+        entry: Option<usize>,
+    },
     /// A component of gravity in m/s².
     Gravity {
         /// Component.

@@ -2,7 +2,7 @@
 
 use super::quantity::Parameter;
 use crate::case::Case;
-use crate::robot::Robot;
+use crate::robot::{Drive, Robot};
 
 /// Standard gravity in m/s².
 const GRAVITY: f64 = 9.806_65;
@@ -25,6 +25,8 @@ impl Parameter {
             | Self::InnerDiameter
             | Self::Width
             | Self::Height
+            | Self::MotorStiffness { .. }
+            | Self::GearRatio { .. }
             | Self::AxialStiffness { .. } => 0.0,
             Self::PoissonRatio => 0.1,
             Self::Stiffness { .. } => 0.1 * moment * length,
@@ -34,11 +36,19 @@ impl Parameter {
             Self::HoleRadius
             | Self::HoleRadiusAt { .. }
             | Self::Radius { .. }
+            | Self::SpoolRadius { .. }
+            | Self::FreeLength { .. }
             | Self::Start { .. }
             | Self::End { .. } => 0.01 * length,
             Self::Coefficient { power, .. } => 0.01 * length / length.powi(power.min(64) as i32),
             Self::Gravity { .. } => GRAVITY,
-            Self::TipForce { .. } | Self::PointForce { .. } => force,
+            Self::TipForce { .. } | Self::PointForce { .. } | Self::Pretension { .. } => force,
+            Self::Backlash { motor } | Self::MotorOffset { motor } => {
+                match robot.motors().get(motor).map(|motor| motor.drive) {
+                    Some(Drive::Spool { gear_ratio }) => 0.1 * gear_ratio.abs(),
+                    _ => 0.01 * length,
+                }
+            }
             Self::TipMoment { .. } | Self::PointMoment { .. } => moment,
             Self::DiskMass | Self::PointMass { .. } => force / GRAVITY,
             Self::LineForce { .. } | Self::LineForceAt { .. } => force / length,

@@ -5,7 +5,8 @@ use whipcord_numerics::Vec3;
 use super::quantity::Parameter;
 use crate::case::{Case, Profile};
 use crate::robot::{
-    Along, Backbone, Cable, Disks, Problem, Robot, RobotError, Routing, Section, Stiffness,
+    Along, Backbone, Cable, Disks, Drive, Motor, Problem, Robot, RobotError, Routing, Section,
+    Stiffness,
 };
 
 /// The numbers that a robot and a case are made of.
@@ -13,6 +14,7 @@ struct Parts {
     backbone: Backbone,
     disks: Disks,
     cables: Vec<Cable>,
+    motors: Vec<Motor>,
     case: Case,
 }
 
@@ -61,6 +63,7 @@ impl Parameter {
             backbone: robot.backbone().clone(),
             disks: robot.disks().clone(),
             cables: robot.cables().to_vec(),
+            motors: robot.motors().to_vec(),
             case: case.clone(),
         };
         let mut slots = self.slots(&mut parts);
@@ -68,8 +71,11 @@ impl Parameter {
             return Err(self.absent());
         }
         write(&mut slots);
-        let Parts { backbone, disks, cables, case } = parts;
-        let robot = Robot::new(backbone, disks, cables)?;
+        let Parts { backbone, disks, cables, motors, mut case } = parts;
+        let robot = Robot::new(backbone, disks, cables)?.with_motors(motors)?;
+        if self.motor().is_some() {
+            case.drive(&robot)?;
+        }
         case.check(&robot)?;
         Ok((robot, case))
     }
@@ -88,6 +94,7 @@ impl Parameter {
             backbone: robot.backbone().clone(),
             disks: robot.disks().clone(),
             cables: robot.cables().to_vec(),
+            motors: robot.motors().to_vec(),
             case: case.clone(),
         };
         self.slots(&mut parts).first().map(|value| **value).ok_or_else(|| self.absent())
@@ -106,6 +113,21 @@ impl Parameter {
             _ => true,
         };
         if there && self.value(robot, case).is_ok() { Ok(()) } else { Err(self.absent()) }
+    }
+
+    /// The motor whose number it is.
+    #[must_use]
+    pub const fn motor(&self) -> Option<usize> {
+        match *self {
+            Self::MotorStiffness { motor }
+            | Self::FreeLength { motor }
+            | Self::Pretension { motor }
+            | Self::Backlash { motor }
+            | Self::MotorOffset { motor }
+            | Self::GearRatio { motor }
+            | Self::SpoolRadius { motor, .. } => Some(motor),
+            _ => None,
+        }
     }
 
     /// Whether it is one of the loads of a case.
@@ -134,7 +156,7 @@ impl Parameter {
 
     /// The numbers that the parameter stands for; none when there is no such quantity.
     fn slots<'a>(&self, parts: &'a mut Parts) -> Vec<&'a mut f64> {
-        let Parts { backbone, disks, cables, case } = parts;
+        let Parts { backbone, disks, cables, motors, case } = parts;
         let material = &mut backbone.material;
         match *self {
             Self::YoungModulus => material.young_modulus.iter_mut().collect(),
@@ -196,6 +218,33 @@ impl Parameter {
             Self::AxialStiffness { cable } => {
                 cables.get_mut(cable).and_then(|c| c.axial_stiffness.as_mut()).into_iter().collect()
             }
+            Self::MotorStiffness { motor } => {
+                motors.get_mut(motor).and_then(|m| m.stiffness.as_mut()).into_iter().collect()
+            }
+            Self::FreeLength { motor } => {
+                motors.get_mut(motor).map(|m| &mut m.free_length).into_iter().collect()
+            }
+            Self::Pretension { motor } => {
+                motors.get_mut(motor).map(|m| &mut m.pretension).into_iter().collect()
+            }
+            Self::Backlash { motor } => {
+                motors.get_mut(motor).map(|m| &mut m.backlash).into_iter().collect()
+            }
+            Self::MotorOffset { motor } => {
+                motors.get_mut(motor).map(|m| &mut m.offset).into_iter().collect()
+            }
+            Self::GearRatio { motor } => match motors.get_mut(motor).map(|m| &mut m.drive) {
+                Some(Drive::Spool { gear_ratio }) => vec![gear_ratio],
+                Some(Drive::Linear) | None => Vec::new(),
+            },
+            Self::SpoolRadius { motor, entry } => match motors.get_mut(motor) {
+                Some(motor) if matches!(motor.drive, Drive::Spool { .. }) => {
+                    let cables = motor.cables.iter_mut().enumerate();
+                    let chosen = cables.filter(|(i, _)| entry.is_none_or(|entry| entry == *i));
+                    chosen.map(|(_, of)| &mut of.radius).collect()
+                }
+                _ => Vec::new(),
+            },
             Self::Angle { cable }
             | Self::Radius { cable }
             | Self::Turns { cable }

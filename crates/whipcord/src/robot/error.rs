@@ -35,6 +35,7 @@ impl RobotError {
 pub fn in_words(path: &str) -> String {
     for (list, what) in [
         ("cables[", "cable"),
+        ("motors[", "motor"),
         ("obstacles[", "obstacle"),
         ("loads.point[", "point load"),
         ("steps[", "step"),
@@ -407,6 +408,76 @@ pub enum Problem {
         name: String,
         /// Number of the first cable of that name, from 0.
         first: usize,
+    },
+    /// Two motors of the same name.
+    #[error("`{name}` is already the name of motor {}: give each motor its own", first + 1)]
+    DuplicateMotor {
+        /// The name.
+        name: String,
+        /// Number of the first motor of that name, from 0.
+        first: usize,
+    },
+    /// A cable of a motor that the robot does not have.
+    #[error("is cable {given}, but the robot has {cables} cables")]
+    NoSuchCable {
+        /// Number given, from 1.
+        given: usize,
+        /// Cables of the robot.
+        cables: usize,
+    },
+    /// A cable that two motors pull.
+    #[error(
+        "is `{cable}`, which motor `{motor}` pulls already: a cable belongs to one motor at most"
+    )]
+    TwoMotors {
+        /// Name of the cable.
+        cable: String,
+        /// Name of the other motor.
+        motor: String,
+    },
+    /// Limits that leave nothing between them.
+    #[error("must have its lesser value first, but has {} and then {}", number(*least), number(*greatest))]
+    NotAscending {
+        /// First value.
+        least: f64,
+        /// Second value.
+        greatest: f64,
+    },
+    /// Pretension of cables that do not stretch.
+    #[error(
+        "needs cables that stretch: give the motor a `stiffness`, or its cables an `axial_stiffness`"
+    )]
+    RigidUnderPretension,
+    /// A command that the motor cannot take.
+    #[error(
+        "must be from {} {unit} to {} {unit}, the limits of this motor, but is {} {unit}",
+        number(*least), number(*greatest), number(*value)
+    )]
+    BeyondMotorLimit {
+        /// Command given.
+        value: f64,
+        /// Least command.
+        least: f64,
+        /// Greatest command.
+        greatest: f64,
+        /// Unit of the command.
+        unit: &'static str,
+    },
+    /// Commands of motors that do not fit the robot.
+    #[error("has {given} entries, but the robot has {motors} motors")]
+    MotorCount {
+        /// Entries given.
+        given: usize,
+        /// Motors of the robot.
+        motors: usize,
+    },
+    /// Commands of motors for another number of steps.
+    #[error("has the commands of only {given} steps, but the case has {steps}")]
+    MotorSteps {
+        /// Steps given.
+        given: usize,
+        /// Steps of the case.
+        steps: usize,
     },
     /// Loads elsewhere than where the model was built to take them.
     #[error(

@@ -47,6 +47,16 @@ pub const TURNS: Range = Range::either_way(1e6, "");
 pub const FRICTION: Range = Range::from(0.0, 100.0, "");
 /// A cable's axial stiffness.
 pub const AXIAL_STIFFNESS: Range = Range::from(1e-9, 1e15, "N");
+/// The stiffness of a drive with the cable outside the robot.
+pub const DRIVE_STIFFNESS: Range = Range::from(1e-9, 1e15, "N/m");
+/// Turns of a motor for one of its spool, either way.
+pub const GEAR_RATIO: Range = Range::from(1e-6, 1e6, "");
+/// Rate of a motor's angle.
+pub const ANGULAR_RATE: Range = Range { above: true, ..Range::from(0.0, 1e9, "rad/s") };
+/// Speed of a linear drive.
+pub const SPEED: Range = Range { above: true, ..Range::from(0.0, 1e9, "m/s") };
+/// Greatest torque of a motor.
+pub const TORQUE: Range = Range::from(0.0, 1e12, "N·m");
 /// A tension.
 pub const TENSION: Range = Range::from(0.0, 1e12, "N");
 /// A component of a force.

@@ -7,6 +7,7 @@ mod disks;
 mod error;
 pub(crate) mod fourier;
 pub mod limits;
+mod motor;
 mod range;
 pub(crate) mod route;
 pub(crate) mod section;
@@ -20,6 +21,7 @@ pub use cable::{Cable, Interpolation, Routing};
 pub use disks::Disks;
 pub(crate) use error::check_on_backbone;
 pub use error::{Problem, RobotError, in_words};
+pub use motor::{Drive, Motor, MotorCable, MotorLimits};
 pub use route::{Route, RoutePoint};
 pub use section::{Section, SectionProperties};
 pub use stiffness::{Stiffness, StiffnessMatrix};
@@ -46,6 +48,9 @@ pub struct Robot {
     disks: Disks,
     cables: Vec<Cable>,
     routes: Vec<Route>,
+    motors: Vec<Motor>,
+    /// Of each cable.
+    outside: Vec<motor::Outside>,
 }
 
 impl Robot {
@@ -77,7 +82,46 @@ impl Robot {
                 .map_err(|error| error.under(&format!("cables[{index}]")))?;
             routes.push(route);
         }
-        Ok(Self { backbone, disks, cables, routes })
+        let outside = motor::outside(&[], &cables);
+        Ok(Self { backbone, disks, cables, routes, motors: Vec::new(), outside })
+    }
+
+    /// The same robot with these motors.
+    ///
+    /// ```
+    /// # use whipcord::{Backbone, Cable, Disks, Robot, Routing};
+    /// use whipcord::{Case, robot::Motor};
+    ///
+    /// # let straight = |name: &str, angle| Cable::new(name, Routing::Straight { angle, radius: 0.008 });
+    /// # let cables = vec![straight("left", 0.0), straight("right", 3.14)];
+    /// # let robot = Robot::new(Backbone::new(0.18), Disks::equally_spaced(0.18, 10, 0.008), cables)?;
+    /// // One spool winds the left cable and pays the right one out.
+    /// let motor = Motor { stiffness: Some(5e3), ..Motor::spool("bend", [(0, 0.01), (1, -0.01)]) };
+    /// let robot = robot.with_motors(vec![motor])?;
+    /// let case = Case::with_motors(&robot, &[0.5])?;
+    /// assert_eq!(case.commands[1].shortening.map(|s| s.in_metres(0.18)), Some(-0.005));
+    /// # Ok::<(), whipcord::RobotError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RobotError`] with the path of the quantity that cannot be.
+    pub fn with_motors(self, motors: Vec<Motor>) -> Result<Self, RobotError> {
+        motor::check(&motors, &self.cables)?;
+        let outside = motor::outside(&motors, &self.cables);
+        Ok(Self { motors, outside, ..self })
+    }
+
+    /// A robot of these parts, with the motors of this one.
+    ///
+    /// # Errors
+    /// As [`Self::new`] and [`Self::with_motors`].
+    pub fn with_parts(
+        &self,
+        backbone: Backbone,
+        disks: Disks,
+        cables: Vec<Cable>,
+    ) -> Result<Self, RobotError> {
+        Self::new(backbone, disks, cables)?.with_motors(self.motors.clone())
     }
 
     /// The backbone.
@@ -104,13 +148,74 @@ impl Robot {
         &self.cables
     }
 
-    /// In which part it differs from another robot: `backbone`, `disks` or `cables`; `None` where the two are one.
+    /// The motors.
+    #[must_use]
+    pub fn motors(&self) -> &[Motor] {
+        &self.motors
+    }
+
+    /// What a tension of 1 N in a cable adds to its length inside the robot in m, where it is so long at rest: the stretch of
+    /// the cable inside, of the cable between motor and base, and of the drive.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn cable_compliance(&self, cable: usize, rest_length: f64) -> f64 {
+        let stiffness = self.cables[cable].axial_stiffness;
+        stiffness.map_or(0.0, |stiffness| rest_length / stiffness) + self.outside[cable].compliance
+    }
+
+    /// The part of [`Self::cable_compliance`] that lies outside the robot.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn outside_compliance(&self, cable: usize) -> f64 {
+        self.outside[cable].compliance
+    }
+
+    /// The tension in N of a cable at which it has the length that shortenings count from: the pretension of its motor.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn pretension(&self, cable: usize) -> f64 {
+        self.outside[cable].pretension
+    }
+
+    /// The motor that pulls a cable, by its number.
+    #[must_use]
+    pub fn motor_of(&self, cable: usize) -> Option<usize> {
+        let pulls = |motor: &Motor| motor.cables.iter().any(|of| of.cable == cable);
+        self.motors.iter().position(pulls)
+    }
+
+    /// The quantity by which a cable stretches, in the terms of the robot file; `None` where it does not.
+    pub(crate) fn path_of_stretch(&self, cable: usize) -> Option<String> {
+        if self.cables[cable].axial_stiffness.is_some() {
+            return Some(format!("cables[{cable}].axial_stiffness"));
+        }
+        let motor = self.motor_of(cable)?;
+        self.motors[motor].stiffness.map(|_| format!("motors[{motor}].stiffness"))
+    }
+
+    /// Whether a cable or its drive stretches.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn is_elastic(&self, cable: usize) -> bool {
+        self.cables[cable].axial_stiffness.is_some() || self.outside[cable].compliance > 0.0
+    }
+
+    /// In which part it differs from another robot: `backbone`, `disks`, `cables` or `motors`; `None` where the two are one.
     #[must_use]
     pub fn differs_in(&self, other: &Self) -> Option<&'static str> {
         let parts = [
             ("backbone", self.backbone != other.backbone),
             ("disks", self.disks != other.disks),
             ("cables", self.cables != other.cables),
+            ("motors", self.motors != other.motors),
         ];
         parts.into_iter().find_map(|(part, differs)| differs.then_some(part))
     }

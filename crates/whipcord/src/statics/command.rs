@@ -89,10 +89,13 @@ impl Command {
         };
         match (tension, shortening) {
             (Some(tension), _) => Ok(Self::Tension(tension)),
-            (None, Some(shortening)) => Ok(Self::Length {
-                target: initial - shortening.in_metres(initial),
-                compliance: robot.cables()[cable].axial_stiffness.map_or(0.0, |k| initial / k),
-            }),
+            (None, Some(shortening)) => {
+                let compliance = robot.cable_compliance(cable, initial);
+                // The cable has no other length than at rest where it has its pretension.
+                let wound_up = compliance * robot.pretension(cable);
+                let target = initial - shortening.in_metres(initial) - wound_up;
+                Ok(Self::Length { target, compliance })
+            }
             (None, None) => {
                 let (key, advice) = match actuation {
                     Actuation::Natural => ("tension", "give this cable a tension, or a shortening"),

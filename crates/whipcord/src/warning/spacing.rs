@@ -63,7 +63,7 @@ fn with_half_the_spacing(robot: &Robot, case: &Case) -> Option<(Robot, Case)> {
         Cable { routing, ..cable.clone() }
     });
     let backbone = robot.backbone().apart_from(disks);
-    let finer = Robot::new(backbone, finer, cables.collect()).ok()?;
+    let finer = robot.with_parts(backbone, finer, cables.collect()).ok()?;
     let mut case = case.clone();
     if disks.mass > 0.0 {
         let mass = |&at: &f64| PointMass { at, mass: disks.mass };

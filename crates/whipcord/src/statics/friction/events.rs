@@ -400,12 +400,13 @@ impl Events {
 
     /// How much too long the cable is between its holes for the given length, and its rate.
     fn lack(&self, holes: &Holes, cable: usize) -> (f64, f64) {
-        let first = holes.of_cable[cable][0];
         let target = match self.commands[cable] {
             Command::Length { target, .. } => target,
             Command::Tension(_) => f64::INFINITY,
         };
-        (self.beyond[first] - target, self.rates.beyond[first] - self.rates.commands[cable])
+        let rate = holes.at_drive(cable, &self.rates.beyond, &self.rates.tensions);
+        let lack = holes.at_drive(cable, &self.beyond, &self.tensions) - target;
+        (lack, rate - self.rates.commands[cable])
     }
 
     /// The part of the substep to the next event at these rates.

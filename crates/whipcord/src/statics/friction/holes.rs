@@ -1,6 +1,6 @@
 //! The holes of a robot, and what they remember.
 
-use crate::robot::Cable;
+use crate::robot::Robot;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
 
@@ -13,6 +13,8 @@ pub(crate) struct Holes {
     pub coefficients: Vec<f64>,
     /// `ℓ⁰/EA` of every passage in m/N.
     pub yielding: Vec<f64>,
+    /// Compliance in m/N of drive and cable outside the robot, of each cable: it has the tension of the first passage.
+    pub outside: Vec<f64>,
     /// `Dᵢ` of the robot at rest.
     pub at_rest: Vec<f64>,
     /// Of the backbone, in m.
@@ -25,11 +27,12 @@ impl Holes {
     /// Of passages from the base to the tip, numbered in this order: the cable of each, and its length in m on the robot at
     /// rest.
     pub fn new(
-        cables: &[Cable],
+        robot: &Robot,
         passages: impl Iterator<Item = (usize, f64)>,
         length: f64,
         compliance: f64,
     ) -> Self {
+        let cables = robot.cables();
         let mut of_cable = vec![Vec::new(); cables.len()];
         let (mut at_rest, mut yielding) = (Vec::new(), Vec::new());
         for (p, (cable, rest_length)) in passages.enumerate() {
@@ -39,7 +42,9 @@ impl Holes {
             at_rest.push(rest_length);
         }
         let coefficients = cables.iter().map(|cable| cable.friction.unwrap_or(0.0)).collect();
-        let mut holes = Self { of_cable, coefficients, yielding, at_rest, length, compliance };
+        let outside = (0..cables.len()).map(|cable| robot.outside_compliance(cable)).collect();
+        let mut holes =
+            Self { of_cable, coefficients, yielding, outside, at_rest, length, compliance };
         let lengths = holes.at_rest.clone();
         holes.at_rest = holes.beyond(&lengths, &vec![0.0; lengths.len()]);
         holes
@@ -50,6 +55,12 @@ impl Holes {
         self.of_cable.iter().enumerate().flat_map(|(cable, passages)| {
             passages.iter().enumerate().map(move |(place, &p)| ((cable, place), p))
         })
+    }
+
+    /// What the drive of a cable leaves for the part beyond the hole in the base: `D₁ − T₁ c`, with the compliance c outside.
+    pub fn at_drive(&self, cable: usize, beyond: &[f64], tensions: &[f64]) -> f64 {
+        let first = self.of_cable[cable][0];
+        beyond[first] - tensions[first] * self.outside[cable]
     }
 
     /// Number of all passages.

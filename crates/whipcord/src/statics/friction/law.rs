@@ -94,13 +94,18 @@ impl Law<'_> {
         }
     }
 
+    /// By how much what lies beyond the hole in the base, and the drive that gives, are longer than commanded.
+    fn lack(&self, cable: usize, at: Iterate<'_>) -> f64 {
+        self.holes.at_drive(cable, at.beyond, at.tensions) - self.target(cable)
+    }
+
     /// The case of eq. (2) at an iterate.
     pub fn mode(&self, (cable, place): (usize, usize), at: Iterate<'_>) -> Mode {
         let kappa = self.holes.compliance;
         let p = self.holes.of_cable[cable][place];
         let tension = at.tensions[p];
         let Some(incoming) = self.incoming((cable, place), at.tensions) else {
-            let lack = at.beyond[p] - self.target(cable);
+            let lack = self.lack(cable, at);
             return if lack + kappa * tension <= 0.0 { Mode::Slack } else { Mode::Held };
         };
         let coefficient = self.holes.coefficients[cable];
@@ -132,7 +137,7 @@ impl Law<'_> {
         };
         match mode {
             Mode::Slack => (Row::Slack, kappa * tension),
-            Mode::Held => (Row::Held, at.beyond[p] - self.target(cable)),
+            Mode::Held => (Row::Held, self.lack(cable, at)),
             Mode::Sticks => (Row::Held, at.beyond[p] - self.before[p]),
             Mode::Free | Mode::Pulled => slides(-1.0),
             Mode::Released => slides(1.0),
@@ -155,7 +160,7 @@ impl Law<'_> {
         match mode {
             Mode::Free => (mode, 0.0),
             Mode::Slack => {
-                let lack = after.beyond[p] - self.target(cable);
+                let lack = self.lack(cable, after);
                 if lack > 0.0 { (Mode::Held, lack) } else { (mode, 0.0) }
             }
             Mode::Held if tension < 0.0 => (Mode::Slack, -kappa * tension),

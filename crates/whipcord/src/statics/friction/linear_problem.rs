@@ -52,6 +52,7 @@ pub(super) fn linear_system(
                 row[p] -= LENGTH_REGULARISATION * kappa / n as f64;
                 if modes[p] == Mode::Held {
                     changes[p] += commanded;
+                    row[p] -= holes.outside[cable];
                 }
             }
             Row::Slides { factor, by_turn, incoming } => {

@@ -114,7 +114,7 @@ fn between<'a, S>(
             Command::Tension(start + fraction * (tension - start))
         }
         Command::Length { target, compliance } => {
-            let start = from.beyond[holes.of_cable[cable][0]];
+            let start = holes.at_drive(cable, &from.beyond, &from.tensions);
             Command::Length { target: start + fraction * (target - start), compliance }
         }
     })

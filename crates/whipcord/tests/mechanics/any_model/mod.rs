@@ -14,5 +14,6 @@ mod gradients;
 mod hole_friction;
 mod limits;
 mod locked;
+mod motors;
 mod real_time;
 mod surface_strain;

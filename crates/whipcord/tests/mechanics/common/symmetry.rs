@@ -131,6 +131,7 @@ impl Symmetry {
         Case {
             commands: case.commands.clone(),
             before: case.before.clone(),
+            motors: case.motors.clone(),
             base: case.base,
             obstacles: case.obstacles.clone(),
             loads: Loads {
