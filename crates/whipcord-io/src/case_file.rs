@@ -4,14 +4,14 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use whipcord::robot::limits;
-use whipcord::{Case, Pose, Problem, Robot, SolveError};
+use whipcord::{Case, Drive, Pose, Problem, Robot, SolveError};
 
 use crate::check::{self, Fields};
 use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::{Node, Value};
 use crate::overlay::take_out;
-use crate::read::{self, Fit, Measured, Reference};
+use crate::read::{self, Fit, MOST_MOTORS, Measured, Reference};
 use crate::schema::{DURATION, ROOT};
 use crate::settings;
 use crate::source::Sources;
@@ -167,7 +167,17 @@ fn read(
         problems.push(span, || FileProblem::Physical { path: "cables".to_owned(), problem });
         return None;
     }
+    let motors = fields.tables("motors").len();
+    if motors > MOST_MOTORS {
+        let span = document.locate(&format!("motors[{MOST_MOTORS}]")).span;
+        let problem = Problem::TooMany { given: motors, most: MOST_MOTORS };
+        problems.push(span, || FileProblem::Physical { path: "motors".to_owned(), problem });
+        return None;
+    }
     let mut parts = parts(&fields, &document, problems);
+    if let Some(parts) = &parts {
+        driven_twice(parts, &document, problems);
+    }
     let obstacles = read::obstacles(fields.tables("obstacles"), &document, sources, problems);
     if let Some(parts) = &mut parts {
         parts.obstacles = obstacles;
@@ -228,31 +238,39 @@ fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Pa
     let tables = fields.tables("cables");
     let cables = tables.iter().enumerate().map(|(i, table)| read::cable(table, i));
     let steps = fields.tables("steps").iter().map(|table| read::step(table, tables.len()));
+    let cables = cables.collect::<Option<Vec<_>>>()?;
+    let names: Vec<String> = cables.iter().map(|cable| cable.name.clone()).collect();
+    let motors = read::motors(fields.tables("motors"), &names, document, problems);
+    let mut motor_steps = Vec::new();
+    for (k, table) in fields.tables("steps").iter().enumerate() {
+        motor_steps.push(read::motor_step(table, k, &motors.motors, document, problems));
+    }
     Some(Parts {
         backbone,
         disks,
-        cables: cables.collect::<Option<_>>()?,
+        cables,
         commands: tables.iter().map(read::command).collect(),
         loads,
         base,
         steps: steps.collect(),
+        motors,
+        motor_steps,
         obstacles: Vec::new(),
     })
 }
 
-/// Refuses steps that do not say what each cable does, and cables that have something of their own
-/// to say beside the steps of the same file or of one that it extends.
+/// Refuses steps that do not say what each cable or motor does, and cables and motors that have something of their own to say
+/// beside the steps of the same file or of one that it extends.
 fn steps(fields: &Fields, document: &Node, sources: &Sources, problems: &mut Problems) {
-    const COMMANDS: [&str; 2] = ["tension", "shortening"];
-    let cables = fields.tables("cables");
+    let (cables, motors) = (fields.tables("cables"), fields.tables("motors"));
     let steps = fields.tables("steps");
     if steps.is_empty() {
         return;
     }
     let span = |path: String| document.locate(&path).span;
     for (k, step) in steps.iter().enumerate() {
-        for key in COMMANDS {
-            let (given, expected) = (step.list(key).map(<[_]>::len), cables.len());
+        for (key, of) in [("tension", cables), ("shortening", cables), ("motors", motors)] {
+            let (given, expected) = (step.list(key).map(<[_]>::len), of.len());
             if let Some(given) = given.filter(|given| *given != expected) {
                 let list = span(format!("steps[{k}].{key}"));
                 problems.push(list, || FileProblem::WrongCount { key, expected, given });
@@ -260,16 +278,48 @@ fn steps(fields: &Fields, document: &Node, sources: &Sources, problems: &mut Pro
         }
     }
     let first = span("steps[0]".to_owned());
-    for (i, cable) in cables.iter().enumerate() {
-        for second in COMMANDS.into_iter().filter(|key| cable.quantity(key).is_some()) {
-            let own = span(format!("cables[{i}].{second}"));
-            // A file that is extended gives way to what is laid over it, and comes later among the files.
-            if own.file <= first.file || sources.is_setting(own.file) {
-                let related = Some((first, "the steps say what each cable does"));
-                let in_one = own.file == first.file || sources.is_setting(own.file);
-                let table = if in_one { "one file" } else { "a file that extends one with steps" };
+    let own_commands = [
+        ("cables", cables, ["tension", "shortening"], "the steps say what each cable does"),
+        ("motors", motors, ["angle", "travel"], "the steps say what each motor does"),
+    ];
+    for (list, of, keys, said) in own_commands {
+        for (i, fields) in of.iter().enumerate() {
+            for second in keys.into_iter().filter(|key| fields.quantity(key).is_some()) {
+                let own = span(format!("{list}[{i}].{second}"));
+                // A file that is extended gives way to what is laid over it, and comes later among the files.
+                if own.file <= first.file || sources.is_setting(own.file) {
+                    let related = Some((first, said));
+                    let in_one = own.file == first.file || sources.is_setting(own.file);
+                    let table =
+                        if in_one { "one file" } else { "a file that extends one with steps" };
+                    problems.push_related(own, related, || FileProblem::Exclusive {
+                        first: "steps",
+                        second,
+                        table,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// Refuses a shortening of a cable whose motor has a command.
+fn driven_twice(parts: &Parts, document: &Node, problems: &mut Problems) {
+    for (k, (motor, command)) in parts.motors.motors.iter().zip(&parts.motors.commands).enumerate()
+    {
+        let key = match motor.drive {
+            Drive::Spool { .. } => "angle",
+            Drive::Linear => "travel",
+        };
+        for of in motor.cables.iter().filter(|_| command.is_some() && parts.steps.is_empty()) {
+            if parts.commands.get(of.cable).is_some_and(|own| own.shortening.is_some()) {
+                let path = |path: String| document.locate(&path).span;
+                let own = path(format!("cables[{}].shortening", of.cable));
+                let motor = path(format!("motors[{k}].{key}"));
+                let related = Some((motor, "the motor that pulls it has a command"));
+                let (second, table) = ("shortening", "a cable and its motor");
                 problems.push_related(own, related, || FileProblem::Exclusive {
-                    first: "steps",
+                    first: key,
                     second,
                     table,
                 });

@@ -122,22 +122,28 @@ pub enum FileProblem {
         path: String,
     },
     /// An entry without a name in a file that extends one with entries.
-    #[error("{table} needs a `name` here: the file that this one extends has cables")]
+    #[error("{table} needs a `name` here: the file that this one extends has {what}s")]
     NoNameToMerge {
+        /// What an entry is.
+        what: &'static str,
         /// Title of the table.
         table: &'static str,
         /// Names of the entries of the other file.
         names: Vec<String>,
     },
-    /// Two entries of one file for the same cable of a file that it extends.
-    #[error("cable `{name}` has two entries in this file")]
+    /// Two entries of one file for the same entry of a file that it extends.
+    #[error("{what} `{name}` has two entries in this file")]
     GivenTwice {
+        /// What an entry is.
+        what: &'static str,
         /// Its name.
         name: String,
     },
     /// An entry is to be removed that is not there.
-    #[error("there is no cable `{name}` to remove")]
+    #[error("there is no {what} `{name}` to remove")]
     NothingToRemove {
+        /// What an entry is.
+        what: &'static str,
         /// Its name.
         name: String,
         /// Names of those that there are.
@@ -288,6 +294,24 @@ pub enum FileProblem {
         length: f64,
         /// The number, where the file gives it without a unit.
         without_unit: Option<String>,
+    },
+    /// A motor that names a cable that there is not.
+    #[error("there is no cable `{name}`")]
+    UnknownCable {
+        /// The name, in quotes.
+        name: String,
+        /// Names of the cables, in quotes.
+        names: Vec<String>,
+    },
+    /// An angle where a length is needed, or the other way round.
+    #[error("`{key}` of {what} must be {expected}")]
+    OtherDrive {
+        /// The key.
+        key: &'static str,
+        /// Which motor.
+        what: String,
+        /// What it must be.
+        expected: &'static str,
     },
     /// A quantity that is not given, and that the model needs.
     #[error("the {model} model needs {}", in_words(path))]

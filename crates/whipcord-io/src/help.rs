@@ -47,21 +47,30 @@ impl FileProblem {
             }
             Self::Exclusive { .. } => "remove one of the two".to_owned(),
             Self::GivenTwice { .. } => "merge the two entries".to_owned(),
-            Self::NoNameToMerge { names, .. } => {
+            Self::NoNameToMerge { what, names, .. } => {
                 let names = names.iter().map(|name| format!("`{}`", quoted(name))).collect::<Vec<_>>();
                 let names = listed(names.iter().map(String::as_str), "or");
-                format!("give it the `name` {names} to change that cable, or a new name to add a cable")
+                format!("give it the `name` {names} to change that {what}, or a new name to add a {what}")
             }
-            Self::NothingToRemove { names, .. } if names.is_empty() => {
-                "remove this entry: there is no cable of this name in a file that this one extends".to_owned()
+            Self::NothingToRemove { what, names, .. } if names.is_empty() => {
+                format!("remove this entry: there is no {what} of this name in a file that this one extends")
             }
             Self::NoTableToRemove { .. } => {
                 "remove this entry: no file that this one extends has the table".to_owned()
             }
-            Self::NothingToRemove { names, .. } => {
+            Self::NothingToRemove { what, names, .. } => {
                 let names = names.iter().map(|name| format!("`{}`", quoted(name))).collect::<Vec<_>>();
                 let names = listed(names.iter().map(String::as_str), "and");
-                format!("the cables of the file that this one extends are {names}")
+                format!("the {what}s of the file that this one extends are {names}")
+            }
+            Self::UnknownCable { names, .. } if names.is_empty() => {
+                "add [[cables]] that the motor can pull".to_owned()
+            }
+            Self::UnknownCable { names, .. } => {
+                format!("the cables are {}", listed(names.iter().map(String::as_str), "and"))
+            }
+            Self::OtherDrive { .. } => {
+                "a motor with a `spool_radius` turns, one without is a linear drive".to_owned()
             }
             Self::Needs { key, example, .. } => format!("add {}, or remove `{key}`", line(example)),
             Self::Quantity { key, error, expected } => quantity_help(key, error, expected),
@@ -260,7 +269,19 @@ fn physical_help(problem: &Problem) -> String {
         }
         Problem::BeyondLastHole { last, .. } => format!("give at most {} m", number(last)),
         Problem::BoreTooWide { .. } => "make the bore smaller or the tube thicker".to_owned(),
-        Problem::DuplicateName { .. } => "rename one of the two".to_owned(),
+        Problem::NoSuchCable { cables, .. } => {
+            format!("cables count from 1: name one from 1 to {cables}")
+        }
+        Problem::TwoMotors { .. } => "leave the cable to one of the two motors".to_owned(),
+        Problem::NotAscending { .. } => "exchange the two values".to_owned(),
+        Problem::RigidUnderPretension => {
+            "for example `stiffness = \"5 N/mm\"`, or leave the pretension out".to_owned()
+        }
+        Problem::BeyondMotorLimit { .. } => {
+            "change the command, or the limits under [[motors]]".to_owned()
+        }
+        Problem::MotorCount { motors, .. } => format!("give {motors}, one for each motor"),
+        Problem::DuplicateName { .. } | Problem::DuplicateMotor { .. } => "rename one of the two".to_owned(),
         Problem::TooMany { most, .. } => format!("give {most} or fewer"),
         Problem::TooNear { .. } => "leave out one of the two".to_owned(),
         Problem::TurnsBack => "leave it out, or give more points around it".to_owned(),

@@ -8,6 +8,9 @@ use crate::source::quoted;
 /// The key that takes a table out of the file below: the table itself, or the entry of the same name of a list.
 const REMOVE: &str = "remove";
 
+/// The key by which entries of a list are found in another file.
+const NAME: &str = "name";
+
 /// Most entries that a message names.
 const MOST_NAMED: usize = 8;
 
@@ -50,11 +53,11 @@ pub(crate) fn overlay(
             }
             (Value::List(up), Value::List(low)) => {
                 if let Some(Kind::Tables(inner)) = kind
-                    && let Some(key) = inner.merged_by()
+                    && let Some(what) = inner.merged_by_name()
                     && !up.is_empty()
                 {
                     let (added, below) = (core::mem::take(up), core::mem::take(low));
-                    *up = merge(added, below, inner, key, problems);
+                    *up = merge(added, below, inner, what, problems);
                 }
             }
             _ => {}
@@ -68,7 +71,7 @@ pub(crate) fn take_out(entries: &mut Entries, table: &Table) {
     for (name, entry) in entries.iter_mut() {
         if let Some(Kind::Tables(inner)) = table.key(name).map(|key| &key.kind)
             && let Value::List(items) = &mut entry.node.value
-            && inner.merged_by().is_some()
+            && inner.merged_by_name().is_some()
         {
             items.retain(|item| !removes(item));
         }
@@ -85,12 +88,17 @@ pub(crate) fn refuse_removals(entries: &mut Entries, table: &Table, problems: &m
             problems.push(entry.node.span, || FileProblem::NoTableToRemove { table: inner.title });
         }
         let Some(Kind::Tables(inner)) = kind else { continue };
-        let (Some(key), Value::List(items)) = (inner.merged_by(), &mut entry.node.value) else {
+        let (Some(what), Value::List(items)) = (inner.merged_by_name(), &mut entry.node.value)
+        else {
             continue;
         };
         for item in items.iter().filter(|item| removes(item)) {
-            let name = quoted(&text(item, key).unwrap_or_default());
-            problems.push(item.span, || FileProblem::NothingToRemove { name, names: Vec::new() });
+            let name = quoted(&text(item, NAME).unwrap_or_default());
+            problems.push(item.span, || FileProblem::NothingToRemove {
+                what,
+                name,
+                names: Vec::new(),
+            });
         }
     }
     take_out(entries, table);
@@ -110,20 +118,21 @@ fn merge(
     upper: Vec<Node>,
     lower: Vec<Node>,
     table: &Table,
-    key: &'static str,
+    what: &'static str,
     problems: &mut Problems,
 ) -> Vec<Node> {
     let mut merged: Vec<Node> =
-        lower.into_iter().enumerate().map(|(i, item)| with_name(item, key, i)).collect();
+        lower.into_iter().enumerate().map(|(i, item)| with_name(item, what, i)).collect();
     // Those that a name of the upper list stands for no longer, so that a name given twice there is not merged twice.
-    let mut open: Vec<String> = merged.iter().filter_map(|item| text(item, key)).collect();
+    let mut open: Vec<String> = merged.iter().filter_map(|item| text(item, NAME)).collect();
     let mut given: Vec<String> = Vec::new();
     let of_lower: Vec<String> = open.iter().take(MOST_NAMED).cloned().collect();
     for mut item in upper {
-        let Some(name) = text(&item, key) else {
+        let Some(name) = text(&item, NAME) else {
             // What is no table is for the checks to refuse.
-            if matches!(item.value, Value::Table(_)) && !merged.is_empty() && !item.has(key) {
+            if matches!(item.value, Value::Table(_)) && !merged.is_empty() && !item.has(NAME) {
                 problems.push(item.span, || FileProblem::NoNameToMerge {
+                    what,
                     table: table.title,
                     names: of_lower.clone(),
                 });
@@ -133,13 +142,13 @@ fn merge(
             continue;
         };
         if of_lower.contains(&name) && given.contains(&name) {
-            problems.push(item.span, || FileProblem::GivenTwice { name: quoted(&name) });
+            problems.push(item.span, || FileProblem::GivenTwice { what, name: quoted(&name) });
             continue;
         }
         given.push(name.clone());
         let found = open.iter().position(|of| *of == name).map(|k| open.remove(k));
         let place = found.and_then(|name| {
-            merged.iter().position(|below| text(below, key).as_ref() == Some(&name))
+            merged.iter().position(|below| text(below, NAME).as_ref() == Some(&name))
         });
         match place {
             Some(place) if removes(&item) => _ = merged.remove(place),
@@ -151,6 +160,7 @@ fn merge(
                 }
             }
             None if removes(&item) => problems.push(item.span, || FileProblem::NothingToRemove {
+                what,
                 name: quoted(&name),
                 names: of_lower.clone(),
             }),
@@ -161,20 +171,20 @@ fn merge(
 }
 
 /// An entry with a name: the one that it has by its place where it is given none.
-fn with_name(mut item: Node, key: &str, index: usize) -> Node {
+fn with_name(mut item: Node, what: &str, index: usize) -> Node {
     let span = item.span;
     if let Value::Table(entries) = &mut item.value
-        && !entries.contains_key(key)
+        && !entries.contains_key(NAME)
     {
-        let node = Node { span, value: Value::Text(default_name(index)) };
-        entries.insert(key.to_owned(), Entry { key_span: span, node });
+        let node = Node { span, value: Value::Text(default_name(what, index)) };
+        entries.insert(NAME.to_owned(), Entry { key_span: span, node });
     }
     item
 }
 
-/// What the cable of this number, from 0, is called where the file does not say.
-pub(crate) fn default_name(index: usize) -> String {
-    format!("cable-{}", index + 1)
+/// What the cable or motor of this number, from 0, is called where the file does not say.
+pub(crate) fn default_name(what: &str, index: usize) -> String {
+    format!("{what}-{}", index + 1)
 }
 
 fn text(item: &Node, key: &str) -> Option<String> {

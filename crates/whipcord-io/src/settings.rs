@@ -163,11 +163,13 @@ fn name_of(item: &Node) -> Option<&str> {
     }
 }
 
-/// Whether the entry of this number is called so; one without a name is `cable-1` or `obstacle-1`.
+/// Whether the entry of this number is called so; one without a name is `cable-1`, `motor-1` or `obstacle-1`.
 fn named(item: &Node, index: usize, name: &str) -> bool {
     match name_of(item) {
         Some(own) => own == name,
-        None => ["cable", "obstacle"].iter().any(|kind| name == format!("{kind}-{}", index + 1)),
+        None => ["cable", "motor", "obstacle"]
+            .iter()
+            .any(|kind| name == format!("{kind}-{}", index + 1)),
     }
 }
 

@@ -9,6 +9,7 @@ use whipcord::{
 use crate::check::given_text;
 use crate::error::{Diagnostic, FileProblem, Problems};
 use crate::node::{Node, Value};
+use crate::read::Motors;
 use crate::schema::ROOT;
 
 /// The parts of a robot and of a case as the file gives them.
@@ -22,6 +23,9 @@ pub(crate) struct Parts {
     /// Steps of actuation, each with a command for each cable; where there are any, the last one
     /// stands for `commands`.
     pub steps: Vec<Vec<CableCommand>>,
+    pub motors: Motors,
+    /// What each step tells the motors.
+    pub motor_steps: Vec<Vec<Option<f64>>>,
     pub obstacles: Vec<Obstacle>,
 }
 
@@ -41,7 +45,7 @@ pub(crate) fn assemble(
     problems: &mut Problems,
 ) -> Option<(Robot, Case)> {
     let Parts { backbone, disks, mut cables, mut commands, loads, base, .. } = parts;
-    let Parts { steps: mut before, obstacles, .. } = parts;
+    let Parts { steps: mut before, obstacles, motors, mut motor_steps, .. } = parts;
     let last = before.pop();
     let mut numbers = Numbering {
         cables: (0..cables.len()).collect(),
@@ -67,7 +71,22 @@ pub(crate) fn assemble(
             }
         }
     };
-    let mut case = Case { commands, loads, base, before, obstacles };
+    let robot = match robot.with_motors(motors.motors) {
+        Ok(robot) => robot,
+        Err(error) => {
+            report(&error, &numbers, document, problems);
+            return None;
+        }
+    };
+    if motor_steps.is_empty() {
+        motor_steps.push(motors.commands);
+    }
+    let motors = if robot.motors().is_empty() { Vec::new() } else { motor_steps };
+    let mut case = Case { commands, loads, base, before, motors, obstacles };
+    if let Err(error) = case.drive(&robot) {
+        report(&error, &numbers, document, problems);
+        return None;
+    }
     while let Err(error) = case.check(&robot) {
         report(&error, &numbers, document, problems);
         let refused = match step_of(&error) {
@@ -159,6 +178,10 @@ fn report(error: &RobotError, numbers: &Numbering, document: &Node, problems: &m
     let mut path = numbers.path(error).unwrap_or_else(|| error.path.clone());
     let mut problem = error.problem.clone();
     let mut related = None;
+    if let Problem::DuplicateMotor { first, .. } = &problem {
+        let other = document.locate(&format!("motors[{first}].name"));
+        related = Some((other.span, "the other one is here"));
+    }
     if let Problem::DuplicateName { first, .. } = &mut problem {
         *first = numbers.cables.get(*first).copied().unwrap_or(*first);
         let other = document.locate(&format!("cables[{first}].name"));

@@ -14,6 +14,7 @@ pub mod fitting;
 pub mod html;
 pub mod judging;
 pub mod model_benchmark;
+pub mod motors;
 pub mod quantity;
 mod resample;
 pub mod statistics;

@@ -38,7 +38,7 @@ pub fn resample(robot: &Robot, sections: usize) -> Result<Robot, RobotError> {
             _ => cable.clone(),
         })
         .collect();
-    Robot::new(backbone, disks, cables)
+    robot.with_parts(backbone, disks, cables)
 }
 
 /// A quantity given at each disk, linearly between them.

@@ -20,6 +20,7 @@ use whipcord_study::contacts;
 use whipcord_study::describe::{compromise, driven_by, instability};
 use whipcord_study::failure::Failure;
 use whipcord_study::files;
+use whipcord_study::motors;
 use whipcord_study::quantity::{degrees, fixed, fixed_millimetres, newtons, number, percent};
 use whipcord_study::steps;
 use whipcord_study::style::Style;
@@ -130,7 +131,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
             branches: branches.as_ref(),
             trace: trace.as_deref(),
             robot: Some(&file.robot),
-            obstacles: &file.case.obstacles,
+            case: Some(&file.case),
         };
         let json = answer_json(&file.title, solution, timed.solve.median, &beside);
         let mut json = json.map_err(|error| files::no_result(&error))?;
@@ -263,6 +264,9 @@ fn summary(
         if solution.cables.iter().any(|cable| cable.tension.is_none()) {
             text += &format!("–: {} computes no tensions\n", solution.model);
         }
+    }
+    if let Some(table) = motors::table(&file.robot, &file.case, solution) {
+        text += &format!("\n{}", table.text(style));
     }
     let rubbing = if steps.is_empty() {
         rubbing::table(std::iter::once(solution))

@@ -37,7 +37,7 @@ pub(super) fn robot(
     Ok(built)
 }
 
-/// The case with these numbers; those of the robot are left out. `rest` has the lengths of the cables at rest
+/// The case of a robot that has its numbers, with those of the case. `rest` has the lengths of the cables at rest
 /// in m.
 pub(super) fn case(
     robot: &Robot,
@@ -46,6 +46,7 @@ pub(super) fn case(
     rest: &[f64],
 ) -> Result<Case, RobotError> {
     let mut built = case.clone();
+    built.drive(robot)?;
     let mut turn = [0.0; 3];
     for &(quantity, value) in numbers {
         match quantity {
@@ -116,7 +117,7 @@ fn rubbed(robot: &Robot, cable: Option<usize>, friction: f64) -> Result<Robot, R
             each.friction = Some(friction);
         }
     }
-    Robot::new(robot.backbone().clone(), robot.disks().clone(), cables)
+    robot.with_parts(robot.backbone().clone(), robot.disks().clone(), cables)
 }
 
 /// The robot with a part of its stiffness multiplied by a factor.
@@ -163,7 +164,7 @@ fn stiffened(
         shear_correction: 1.0,
         ..backbone.clone()
     };
-    Ok(Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec())?)
+    Ok(robot.with_parts(backbone, robot.disks().clone(), robot.cables().to_vec())?)
 }
 
 /// Where robot and case have the quantity, before anything is estimated.

@@ -16,7 +16,7 @@ use whipcord::cosserat::Accuracy;
 use whipcord::kind::ModelKind;
 use whipcord::model::{Model, Prepared};
 use whipcord::parameter::Parameter;
-use whipcord::robot::Robot;
+use whipcord::robot::{Drive, Robot};
 use whipcord::shape::Solution;
 use whipcord::stations::Stations;
 
@@ -185,6 +185,14 @@ impl<'a> Forward<'a> {
                     P::Start { .. } | P::End { .. } => 0.1 * length,
                     P::Coefficient { power, .. } => 0.1 * length / length.powf(power as f64),
                     P::PointMass { .. } | P::DiskMass => 0.01 * tension,
+                    P::Pretension { .. } => 0.1 * tension,
+                    P::FreeLength { .. } => length,
+                    P::Backlash { motor } | P::MotorOffset { motor } => {
+                        match self.robot.motors().get(motor).map(|motor| motor.drive) {
+                            Some(Drive::Spool { gear_ratio }) => 0.1 * gear_ratio.abs(),
+                            _ => 0.01 * length,
+                        }
+                    }
                     P::PoissonRatio => 0.3,
                     _ => 1.0,
                 },
@@ -217,8 +225,8 @@ impl<'a> Forward<'a> {
         let numbers = self.numbers(experiment, x);
         let case = &self.experiments[experiment].case;
         let robot = build::robot(self.robot, case, &numbers)?;
-        let case = build::case(self.robot, case, &numbers, &self.rest)
-            .map_err(whipcord::SolveError::from)?;
+        let case =
+            build::case(&robot, case, &numbers, &self.rest).map_err(whipcord::SolveError::from)?;
         Ok((robot, case))
     }
 
@@ -230,27 +238,25 @@ impl<'a> Forward<'a> {
     ) -> Result<(&mut Prepared, Case), NoAnswerReason> {
         let numbers = self.numbers(experiment, x);
         let Experiment { case, observations, .. } = &self.experiments[experiment];
-        let case = build::case(self.robot, case, &numbers, &self.rest)
-            .map_err(whipcord::SolveError::from)?;
         let last = observations.iter().map(|seen| seen.step).max().unwrap_or(0);
-        let case = case.step(last).unwrap_or(case);
         let of_robot: Vec<(Quantity, u64)> = numbers
             .iter()
             .filter(|(quantity, _)| !quantity.is_of_case())
             .map(|(quantity, value)| (*quantity, value.to_bits()))
             .collect();
         let kept = self.built.take().filter(|built| built.numbers == of_robot);
-        let built = match kept {
-            Some(built) if built.prepared.takes_places_of(&case.loads) => built,
-            kept => {
-                let robot = match kept {
-                    Some(built) => built.robot,
-                    None => build::robot(self.robot, &case, &numbers)?,
-                };
-                let prepared = self.model.prepare(&robot, &case.loads)?;
-                Built { numbers: of_robot, robot, prepared }
-            }
+        let (robot, prepared) = match kept {
+            Some(built) => (built.robot, Some(built.prepared)),
+            None => (build::robot(self.robot, case, &numbers)?, None),
         };
+        let case =
+            build::case(&robot, case, &numbers, &self.rest).map_err(whipcord::SolveError::from)?;
+        let case = case.step(last).unwrap_or(case);
+        let prepared = match prepared.filter(|prepared| prepared.takes_places_of(&case.loads)) {
+            Some(prepared) => prepared,
+            None => self.model.prepare(&robot, &case.loads)?,
+        };
+        let built = Built { numbers: of_robot, robot, prepared };
         Ok((&mut self.built.insert(built).prepared, case))
     }
 

@@ -109,7 +109,7 @@ impl FromStr for Quantity {
 
 impl Quantity {
     /// The paths of what can be estimated, with 0 for every number: those of the first cable, load, axis.
-    pub const PATHS: [&str; 44] = [
+    pub const PATHS: [&str; 52] = [
         "backbone.young_modulus",
         "backbone.shear_modulus",
         "backbone.poisson_ratio",
@@ -143,6 +143,14 @@ impl Quantity {
         "cables[0].routing.end[0]",
         "cables[0].routing.x[0]",
         "cables[0].routing.y[0]",
+        "motors[0].stiffness",
+        "motors[0].free_length",
+        "motors[0].pretension",
+        "motors[0].backlash",
+        "motors[0].angle_offset",
+        "motors[0].gear_ratio",
+        "motors[0].spool_radius",
+        "motors[0].spool_radius[0]",
         "loads.gravity[0]",
         "loads.tip_force[0]",
         "loads.tip_moment[0]",
@@ -184,7 +192,13 @@ impl Quantity {
                 P::RestCurvature { .. } | P::RestCurvatureAt { .. } => "1/m",
                 P::DiskMass | P::PointMass { .. } => "kg",
                 P::HoleAngle { .. } | P::Angle { .. } => "rad",
-                P::AxialStiffness { .. } | P::TipForce { .. } | P::PointForce { .. } => "N",
+                P::AxialStiffness { .. }
+                | P::Pretension { .. }
+                | P::TipForce { .. }
+                | P::PointForce { .. } => "N",
+                P::MotorStiffness { .. } => "N/m",
+                P::FreeLength { .. } | P::SpoolRadius { .. } => "m",
+                P::Backlash { .. } | P::MotorOffset { .. } => "rad or m",
                 P::Gravity { .. } => "m/s²",
                 P::TipMoment { .. } | P::PointMoment { .. } => "N·m",
                 P::LineForce { .. } | P::LineForceAt { .. } => "N/m",
@@ -193,6 +207,7 @@ impl Quantity {
                 | P::StiffnessScale(_)
                 | P::ShearCorrection
                 | P::Turns { .. }
+                | P::GearRatio { .. }
                 | P::Coefficient { .. } => "",
             },
             Self::Friction { .. } => "",
@@ -251,6 +266,11 @@ impl Quantity {
                     | P::HoleRadiusAt { .. }
                     | P::Radius { .. }
                     | P::AxialStiffness { .. }
+                    | P::MotorStiffness { .. }
+                    | P::FreeLength { .. }
+                    | P::Pretension { .. }
+                    | P::Backlash { .. }
+                    | P::SpoolRadius { .. }
                     | P::PointMass { .. }
             ),
         }
@@ -298,6 +318,10 @@ impl Quantity {
                 P::PointMass { .. } | P::DiskMass => limits::MASS,
                 P::Radius { .. } => limits::DISTANCE,
                 P::AxialStiffness { .. } => limits::AXIAL_STIFFNESS,
+                P::MotorStiffness { .. } => limits::DRIVE_STIFFNESS,
+                P::FreeLength { .. } | P::Backlash { .. } => limits::DISTANCE,
+                P::Pretension { .. } => limits::TENSION,
+                P::SpoolRadius { .. } => limits::LENGTH,
                 P::Diameter
                 | P::DiameterAt { .. }
                 | P::Width
@@ -320,6 +344,10 @@ impl Quantity {
                 (P::Diameter, P::DiameterAt { .. }) | (P::HoleRadius, P::HoleRadiusAt { .. }) => {
                     true
                 }
+                (
+                    P::SpoolRadius { motor: a, entry: None },
+                    P::SpoolRadius { motor: b, entry: Some(_) },
+                ) => a == b,
                 (P::RestCurvature { axis: a }, P::RestCurvatureAt { axis: b, .. }) => a == b,
                 (P::LineForce { load: i, axis: a }, P::LineForceAt { load: j, axis: b, .. })
                 | (P::LineMoment { load: i, axis: a }, P::LineMomentAt { load: j, axis: b, .. }) => {

@@ -99,7 +99,7 @@ fn check_rule(
                 _ => {}
             }
         }
-        Rule::Replaces(..) | Rule::MergedBy(_) => {}
+        Rule::Replaces(..) | Rule::MergedByName(_) => {}
         Rule::Needs(key, names) => {
             if let Some(entry) = entries.get(key)
                 && given(names).is_empty()

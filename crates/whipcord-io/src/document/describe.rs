@@ -36,11 +36,19 @@ pub fn describe(title: Option<&str>, robot: &Robot, case: &Case) -> Result<Table
     let in_steps = !case.before.is_empty();
     let cables = robot.cables().iter().enumerate().map(|(i, cable)| {
         let own = if in_steps { None } else { case.commands.get(i) };
-        self::cable(cable, own)
+        self::cable(cable, own.map(|own| undriven(robot, i, case.motors.last(), own)).as_ref())
     });
     let cables: Vec<Table> = cables.collect();
     if !cables.is_empty() {
         file.insert("cables", cables);
+    }
+    if !robot.motors().is_empty() {
+        let names: Vec<&str> = robot.cables().iter().map(|cable| cable.name.as_str()).collect();
+        let own = |i: usize| if in_steps { None } else { case.motor_command(i) };
+        let motors = robot.motors().iter().enumerate();
+        let motors: Vec<Table> =
+            motors.map(|(i, motor)| super::motor::motor(motor, &names, own(i))).collect();
+        file.insert("motors", motors);
     }
     if case.base != Pose::IDENTITY {
         file.insert("base", placed(Table::default(), &case.base));
@@ -53,8 +61,12 @@ pub fn describe(title: Option<&str>, robot: &Robot, case: &Case) -> Result<Table
         file.insert("obstacles", obstacles.collect::<Result<Vec<_>, _>>()?);
     }
     if in_steps {
-        let steps = case.before.iter().chain([&case.commands]);
-        file.insert("steps", steps.map(|step| self::step(step)).collect::<Result<Vec<_>, _>>()?);
+        let steps = case.before.iter().chain([&case.commands]).enumerate();
+        let earlier = case.motors.len().saturating_sub(case.before.len() + 1);
+        let step = |(k, step): (usize, &Vec<CableCommand>)| {
+            self::step(robot, step, case.motors.get(earlier + k))
+        };
+        file.insert("steps", steps.map(step).collect::<Result<Vec<_>, _>>()?);
     }
     Ok(file)
 }
@@ -284,7 +296,23 @@ fn shortening(shortening: Shortening) -> Item {
     }
 }
 
-fn step(commands: &[CableCommand]) -> Result<Table, Inexpressible> {
+/// The command of a cable without the shortening that its motor gives it.
+fn undriven(
+    robot: &Robot,
+    cable: usize,
+    motors: Option<&Vec<Option<f64>>>,
+    command: &CableCommand,
+) -> CableCommand {
+    let motor = robot.motor_of(cable);
+    let driven = motor.and_then(|motor| *motors?.get(motor)?).is_some();
+    CableCommand { shortening: command.shortening.filter(|_| !driven), ..*command }
+}
+
+fn step(
+    robot: &Robot,
+    commands: &[CableCommand],
+    motors: Option<&Vec<Option<f64>>>,
+) -> Result<Table, Inexpressible> {
     /// Nothing of a kind for any cable, or something for each.
     fn all<T>(values: Vec<Option<T>>) -> Result<Option<Vec<T>>, Inexpressible> {
         if values.iter().all(Option::is_none) {
@@ -294,11 +322,15 @@ fn step(commands: &[CableCommand]) -> Result<Table, Inexpressible> {
         let what = "a step that drives some cables by their tension and others by their shortening";
         all.map(Some).ok_or(Inexpressible { what })
     }
+    let own = commands.iter().enumerate();
+    let commands: Vec<CableCommand> =
+        own.map(|(cable, command)| undriven(robot, cable, motors, command)).collect();
     let mut table = Table::default();
     let tensions = commands.iter().map(|command| command.tension).collect();
     let shortenings = commands.iter().map(|command| command.shortening.map(shortening)).collect();
     table.insert_some("tension", all(tensions)?);
     table.insert_some("shortening", all(shortenings)?);
+    table.insert_some("motors", all(motors.cloned().unwrap_or_default())?);
     Ok(table)
 }
 

@@ -4,6 +4,7 @@
 mod check;
 mod describe;
 mod fitted;
+mod motor;
 mod obstacle;
 mod text;
 mod unknowns;

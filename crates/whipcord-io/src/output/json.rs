@@ -1,7 +1,7 @@
 use serde_json::{Map, Number, Value, json};
 use whipcord::{
-    CableOverlap, CableState, Contact, Diagnostics, Grasp, ObjectContact, ObjectState, Obstacle,
-    Pose, Robot, Shape, Solution, Vec3, Wrench,
+    CableOverlap, CableState, Contact, Diagnostics, Grasp, Motor, MotorState, ObjectContact,
+    ObjectState, Obstacle, Pose, Robot, Shape, Solution, Vec3, Wrench, motor_quantities,
 };
 
 use super::NonFinite;
@@ -105,6 +105,27 @@ fn movable(index: usize, state: &ObjectState, obstacles: &[Obstacle]) -> Result<
         "imbalance": wrench("imbalance", state.imbalance)?,
         "slip_margin": optional(|| path("slip_margin"), state.slip_margin)?,
     }))
+}
+
+/// The motors of a robot in an answer to these commands.
+pub(super) fn motors_json(
+    robot: &Robot,
+    commands: &[Option<f64>],
+    solution: &Solution,
+) -> Result<Value, NonFinite> {
+    let states = MotorState::all(robot, commands, solution);
+    let of_motor = |(i, (motor, state)): (usize, (&Motor, MotorState))| {
+        let path = |name: &str| format!("motors[{i}].{name}");
+        let [command, effort] = motor_quantities(motor.drive);
+        let mut object = Map::new();
+        object.insert("name".to_owned(), json!(motor.name));
+        object.insert(command.to_owned(), optional(|| path(command), state.command)?);
+        object.insert(effort.to_owned(), optional(|| path(effort), state.effort)?);
+        let utilization = optional(|| path("utilization"), state.utilization)?;
+        object.insert("utilization".to_owned(), utilization);
+        Ok(Value::Object(object))
+    };
+    robot.motors().iter().zip(states).enumerate().map(of_motor).collect()
 }
 
 fn disks(shape: &Shape) -> Result<Vec<Value>, NonFinite> {

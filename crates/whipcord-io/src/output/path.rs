@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 use whipcord::cosserat::TraceEvent;
-use whipcord::{Branches, CriticalKind, CriticalPoint, Obstacle, Robot, Solution};
+use whipcord::{Branches, Case, CriticalKind, CriticalPoint, Robot, Solution};
 
 use super::NonFinite;
-use super::json::{number, numbers, solution_json, vector};
+use super::json::{motors_json, number, numbers, solution_json, vector};
 
 /// What an answer may be told with beside itself.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,10 +17,10 @@ pub struct Beside<'a> {
     pub branches: Option<&'a Branches>,
     /// The iterations of its solve.
     pub trace: Option<&'a [TraceEvent]>,
-    /// The robot, whose cables may pass through obstacles.
+    /// The robot, whose cables may pass through obstacles, and whose motors hold them.
     pub robot: Option<&'a Robot>,
-    /// What stands in the way in the case.
-    pub obstacles: &'a [Obstacle],
+    /// What was asked of it, with the obstacles and the commands of the motors.
+    pub case: Option<&'a Case>,
 }
 
 /// [`solution_json`], with what else there is: one such object for each step under `steps`, the
@@ -35,11 +35,27 @@ pub fn answer_json(
     solve_time: f64,
     beside: &Beside<'_>,
 ) -> Result<Value, NonFinite> {
-    let Beside { robot, obstacles, .. } = *beside;
-    let of = |solution: &Solution, time| solution_json(title, solution, time, robot, obstacles);
+    let Beside { robot, case, .. } = *beside;
+    let obstacles = case.map_or(&[][..], |case| &case.obstacles);
+    // Steps count from the last one.
+    let commands = |back: usize| {
+        let motors = case.map_or(&[][..], |case| &case.motors);
+        let at = motors.len().checked_sub(back + 1);
+        at.map_or(&[][..], |at| motors[at].as_slice())
+    };
+    let of_step = |solution: &Solution, time, back: usize| -> Result<Value, NonFinite> {
+        let mut object = solution_json(title, solution, time, robot, obstacles)?;
+        if let Some(robot) = robot.filter(|robot| !robot.motors().is_empty()) {
+            object["motors"] = motors_json(robot, commands(back), solution)?;
+        }
+        Ok(object)
+    };
+    let of = |solution: &Solution, time| of_step(solution, time, 0);
     let mut object = of(solution, solve_time)?;
     if !beside.steps.is_empty() {
-        let steps = beside.steps.iter().map(|&(step, time)| of(step, time));
+        let count = beside.steps.len();
+        let steps = beside.steps.iter().enumerate();
+        let steps = steps.map(|(k, &(step, time))| of_step(step, time, count - 1 - k));
         object["steps"] = steps.collect::<Result<Vec<_>, _>>()?.into();
     }
     if let Some(branches) = beside.branches {

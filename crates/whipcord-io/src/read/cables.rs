@@ -7,7 +7,7 @@ use crate::units::Dimension;
 /// Entry number `index`, from 0, of `[[cables]]`; `None` when its routing is missing.
 pub(crate) fn cable(fields: &Fields, index: usize) -> Option<Cable> {
     Some(Cable {
-        name: fields.text("name").map_or_else(|| default_name(index), str::to_owned),
+        name: fields.text("name").map_or_else(|| default_name("cable", index), str::to_owned),
         routing: routing(fields)?,
         ends_at: fields.number("ends_at"),
         friction: fields.number("friction"),

@@ -76,7 +76,7 @@ fn complete(declared: &Table) -> Value {
                 "if": { "required": [name] },
                 "then": { "anyOf": any_of(names) },
             })),
-            Rule::AtMostOne(_) | Rule::Replaces(..) | Rule::MergedBy(_) => {}
+            Rule::AtMostOne(_) | Rule::Replaces(..) | Rule::MergedByName(_) => {}
         }
     }
     let inner: Map<_, _> = declared
@@ -90,7 +90,7 @@ fn complete(declared: &Table) -> Value {
                 Some((key.name.to_owned(), schema))
             }
             Kind::Table(inner) => Some((key.name.to_owned(), complete(inner))),
-            Kind::Tables(inner) if inner.merged_by().is_some() => {
+            Kind::Tables(inner) if inner.merged_by_name().is_some() => {
                 let mut items = complete(inner);
                 items["properties"] = json!({ "remove": { "const": false } });
                 Some((key.name.to_owned(), json!({ "items": items })))
@@ -161,7 +161,7 @@ fn kind(declared: &Kind) -> Value {
             json!({ "anyOf": any_of })
         }
         Kind::Table(inner) => table(inner),
-        Kind::Tables(inner) if inner.merged_by().is_some() => {
+        Kind::Tables(inner) if inner.merged_by_name().is_some() => {
             json!({ "type": "array", "items": table(inner) })
         }
         Kind::Tables(inner) => json!({ "type": "array", "items": whole(inner) }),

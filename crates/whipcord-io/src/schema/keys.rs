@@ -4,6 +4,7 @@ use whipcord::robot::limits::{self, Range};
 
 use super::backbone_keys::BACKBONE;
 use super::load_keys::{BASE, LOADS};
+use super::motor_keys::MOTOR;
 use super::obstacle_keys::OBSTACLES;
 use super::{Key, Kind, Rule, Table};
 use crate::read::LENGTH_UNITS;
@@ -60,6 +61,7 @@ pub(crate) static ROOT: Table = Table {
         key("backbone", Kind::Table(&BACKBONE), BACKBONE.title, BACKBONE.doc),
         key("disks", Kind::Table(&DISKS), DISKS.title, DISKS.doc),
         key("cables", Kind::Tables(&CABLE), CABLE.title, CABLE.doc),
+        key("motors", Kind::Tables(&MOTOR), MOTOR.title, MOTOR.doc),
         key("base", Kind::Table(&BASE), BASE.title, BASE.doc),
         key("loads", Kind::Table(&LOADS), LOADS.title, LOADS.doc),
         OBSTACLES,
@@ -188,7 +190,7 @@ static CABLE: Table = Table {
         ),
     ],
     rules: &[
-        Rule::MergedBy("name"),
+        Rule::MergedByName("cable"),
         Rule::ExactlyOne(&["holes", "routing"]),
         Rule::AtMostOne(&["interpolation", "routing"]),
     ],
@@ -273,9 +275,11 @@ static ROUTINGS: &[(&str, Table)] = &[
     ),
 ];
 
+const MOTOR_COMMAND: Kind = Kind::Quantity(&[Dimension::Angle, Dimension::Length], limits::ANGLE);
+
 static STEP: Table = Table {
     title: "[[steps]]",
-    doc: "One step of actuation. The steps are taken in the order of the file, each from where the one before left the robot, and the last is the case; the cables then have no tension or shortening of their own. Only friction remembers the steps before the last.",
+    doc: "One step of actuation. The steps are taken in the order of the file, each from where the one before left the robot, and the last is the case; the cables and motors then have no command of their own. Only friction remembers the steps before the last.",
     keys: &[
         key(
             "tension",
@@ -289,8 +293,17 @@ static STEP: Table = Table {
             r#"["5 mm", "-5 mm"]"#,
             "Shortening of each cable, in the order of [[cables]], from its length before all steps.",
         ),
+        key(
+            "motors",
+            Kind::List(&MOTOR_COMMAND, 1),
+            r#"["90 deg", "-5 mm"]"#,
+            "Angle or travel of each motor, in the order of [[motors]].",
+        ),
     ],
-    rules: &[Rule::AtLeastOne(&["tension", "shortening"])],
+    rules: &[
+        Rule::AtLeastOne(&["tension", "shortening", "motors"]),
+        Rule::AtMostOne(&["shortening", "motors"]),
+    ],
 };
 
 static MEASURED: Table = Table {

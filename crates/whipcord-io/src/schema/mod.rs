@@ -5,6 +5,7 @@ mod backbone_keys;
 mod json;
 mod keys;
 mod load_keys;
+mod motor_keys;
 mod obstacle_keys;
 
 use whipcord::robot::limits::Range;
@@ -88,8 +89,8 @@ pub(crate) enum Rule {
     Needs(&'static str, &'static [&'static str]),
     /// The first, laid over another file, takes the place of the others there; in one file they may stand beside it.
     Replaces(&'static str, &'static [&'static str]),
-    /// Entries of the list, laid over those of another file, change those of the same value of this key.
-    MergedBy(&'static str),
+    /// Entries of the list, laid over those of another file, change those of the same `name`; what such an entry is called.
+    MergedByName(&'static str),
 }
 
 impl Table {
@@ -97,10 +98,10 @@ impl Table {
         self.keys.iter().find(|key| key.name == name)
     }
 
-    /// The key by which entries of a list of such tables are laid over those of another file.
-    pub(crate) fn merged_by(&self) -> Option<&'static str> {
+    /// What an entry of a list of such tables is called, where entries are laid over those of another file by their names.
+    pub(crate) fn merged_by_name(&self) -> Option<&'static str> {
         self.rules.iter().find_map(|rule| match rule {
-            Rule::MergedBy(key) => Some(*key),
+            Rule::MergedByName(what) => Some(*what),
             _ => None,
         })
     }

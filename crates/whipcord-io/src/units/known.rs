@@ -104,6 +104,13 @@ pub(super) const ANGLE: &[Unit] = &[
     factor("deg", &["°"], DEGREE),
     factor("turn", &["turns"], core::f64::consts::TAU),
 ];
+pub(super) const ANGULAR_RATE: &[Unit] = &[
+    ten("rad/s", &[], 0),
+    factor("deg/s", &["°/s"], DEGREE),
+    factor("rpm", &["1/min", "turn/min"], core::f64::consts::TAU / 60.0),
+];
+pub(super) const SPEED: &[Unit] =
+    &[ten("m/s", &[], 0), ten("cm/s", &[], -2), ten("mm/s", &[], -3), factor("in/s", &[], INCH)];
 pub(super) const ACCELERATION: &[Unit] = &[
     ten("m/s^2", &["m/s²", "m/s2"], 0),
     ten("mm/s^2", &["mm/s²", "mm/s2"], -3),

@@ -6,8 +6,8 @@ mod quantity;
 use core::fmt;
 
 use known::{
-    ACCELERATION, ANGLE, BENDING_STIFFNESS, CURVATURE, DENSITY, FORCE, LENGTH, LINE_FORCE,
-    LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO, TIME,
+    ACCELERATION, ANGLE, ANGULAR_RATE, BENDING_STIFFNESS, CURVATURE, DENSITY, FORCE, LENGTH,
+    LINE_FORCE, LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO, SPEED, TIME,
 };
 pub use quantity::{QuantityError, parse_quantity};
 pub(crate) use quantity::{percent, scaled, with_number};
@@ -37,6 +37,10 @@ pub enum Dimension {
     LinearDensity,
     /// In rad.
     Angle,
+    /// In rad/s.
+    AngularRate,
+    /// In m/s.
+    Speed,
     /// In m/s².
     Acceleration,
     /// In 1/m.
@@ -68,7 +72,7 @@ enum Scale {
 
 impl Dimension {
     /// All dimensions.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Length,
         Self::Pressure,
         Self::Force,
@@ -80,6 +84,8 @@ impl Dimension {
         Self::Density,
         Self::LinearDensity,
         Self::Angle,
+        Self::AngularRate,
+        Self::Speed,
         Self::Acceleration,
         Self::Curvature,
         Self::Time,
@@ -101,6 +107,8 @@ impl Dimension {
             Self::Density => DENSITY,
             Self::LinearDensity => LINEAR_DENSITY,
             Self::Angle => ANGLE,
+            Self::AngularRate => ANGULAR_RATE,
+            Self::Speed => SPEED,
             Self::Acceleration => ACCELERATION,
             Self::Curvature => CURVATURE,
             Self::Time => TIME,
@@ -132,6 +140,8 @@ impl Dimension {
             Self::Density => "1040 kg/m^3",
             Self::LinearDensity => "7.4 g/m",
             Self::Angle => "30 deg",
+            Self::AngularRate => "90 deg/s",
+            Self::Speed => "10 mm/s",
             Self::Acceleration => "9.81 m/s^2",
             Self::Curvature => "4 1/m",
             Self::Time => "2.2 s",
@@ -164,6 +174,8 @@ impl fmt::Display for Dimension {
             Self::Density => "density",
             Self::LinearDensity => "linear density",
             Self::Angle => "angle",
+            Self::AngularRate => "rate of an angle",
+            Self::Speed => "speed",
             Self::Acceleration => "acceleration",
             Self::Curvature => "curvature",
             Self::Time => "time",

@@ -7,5 +7,6 @@ mod damaged;
 mod examples;
 mod materials;
 mod messages;
+mod motors;
 mod reading;
 mod schema;

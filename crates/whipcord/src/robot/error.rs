@@ -436,7 +436,7 @@ pub enum Problem {
         motor: String,
     },
     /// Limits that leave nothing between them.
-    #[error("must have its lesser value first, but has {} and then {}", number(*least), number(*greatest))]
+    #[error("must have its lesser value first, but has {} and then {}", micro(*least), micro(*greatest))]
     NotAscending {
         /// First value.
         least: f64,
@@ -451,7 +451,7 @@ pub enum Problem {
     /// A command that the motor cannot take.
     #[error(
         "must be from {} {unit} to {} {unit}, the limits of this motor, but is {} {unit}",
-        number(*least), number(*greatest), number(*value)
+        micro(*least), micro(*greatest), micro(*value)
     )]
     BeyondMotorLimit {
         /// Command given.
@@ -495,6 +495,11 @@ pub enum Problem {
         /// Cables of the robot.
         cables: usize,
     },
+}
+
+/// A number of a motor in a message, to a millionth of its unit.
+fn micro(value: f64) -> String {
+    number((value * 1e6).round() / 1e6)
 }
 
 fn triangles(count: usize) -> &'static str {

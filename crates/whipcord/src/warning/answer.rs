@@ -7,7 +7,8 @@ use super::kinds::{LARGE_STRAIN, NEAR_CRITICAL, Warning};
 use super::{intersection, span};
 use crate::cable_overlap::CableOverlap;
 use crate::case::Case;
-use crate::robot::Robot;
+use crate::motor_state::MotorState;
+use crate::robot::{Drive, Motor, Robot};
 use crate::shape::{Diagnostics, Shape, Solution};
 use whipcord_numerics::{Pose, Twist, Vec3};
 
@@ -18,6 +19,7 @@ pub fn of_answer(robot: &Robot, case: &Case, solution: &Solution) -> Vec<Warning
     found.extend(stability(&solution.diagnostics));
     found.extend(intersection::warnings(robot, solution));
     found.extend(cables(robot, case, solution));
+    found.extend(motors(robot, solution));
     found.extend(strain(robot, solution));
     found
 }
@@ -35,6 +37,22 @@ fn cables(robot: &Robot, case: &Case, solution: &Solution) -> Option<Warning> {
         force: deepest.force,
         others: overlaps.len() - 1,
     })
+}
+
+/// Motors that must give more than they can.
+fn motors(robot: &Robot, solution: &Solution) -> Vec<Warning> {
+    let states = MotorState::all(robot, &[], solution);
+    let of_motor = |(index, (motor, state)): (usize, (&Motor, MotorState))| {
+        let limit = motor.limits.effort.filter(|_| state.is_overloaded())?;
+        Some(Warning::MotorOverload {
+            index,
+            motor: motor.name.clone(),
+            effort: state.effort?.abs(),
+            limit,
+            turns: matches!(motor.drive, Drive::Spool { .. }),
+        })
+    };
+    robot.motors().iter().zip(states).enumerate().filter_map(of_motor).collect()
 }
 
 fn stability(diagnostics: &Diagnostics) -> Option<Warning> {

@@ -135,6 +135,19 @@ pub enum Warning {
         /// What of it is in the same place.
         second: Place,
     },
+    /// A motor that cannot hold the answer.
+    MotorOverload {
+        /// Its number.
+        index: usize,
+        /// Its name.
+        motor: String,
+        /// What it must give, in N·m, or N of a linear drive.
+        effort: f64,
+        /// What it can give.
+        limit: f64,
+        /// Whether it turns.
+        turns: bool,
+    },
     /// A taut cable that passes through an obstacle.
     CableInObstacle {
         /// Name of the cable.
@@ -221,6 +234,7 @@ impl Warning {
             Self::NearCritical { .. } => "near-critical",
             Self::DisksOverlap { .. } => "disks-overlap",
             Self::SelfIntersection { .. } => "self-intersection",
+            Self::MotorOverload { .. } => "motor-overload",
             Self::CableInObstacle { .. } => "cable-in-obstacle",
             Self::Strain { is_given: false, .. } => "strain",
             Self::Strain { is_given: true, .. } => "yield-strain",
@@ -240,6 +254,12 @@ impl Warning {
             Self::ThickBackbone { path, .. } => (*path).to_owned(),
             Self::ShortHoleList { index, .. } => format!("cables[{index}].holes"),
             Self::DiskSpacing { .. } => "disks".to_owned(),
+            Self::MotorOverload { index, turns: true, .. } => {
+                format!("motors[{index}].torque_limit")
+            }
+            Self::MotorOverload { index, turns: false, .. } => {
+                format!("motors[{index}].force_limit")
+            }
             Self::Strain { is_given: true, .. } => "backbone.yield_strain".to_owned(),
             Self::Unstable { .. }
             | Self::NearCritical { .. }
@@ -260,6 +280,7 @@ impl Warning {
                 | Self::NearCritical { .. }
                 | Self::DisksOverlap { .. }
                 | Self::SelfIntersection { .. }
+                | Self::MotorOverload { .. }
                 | Self::CableInObstacle { .. }
                 | Self::Strain { .. }
         )

@@ -138,6 +138,21 @@ impl fmt::Display for Warning {
             Self::SelfIntersection { first, second } => {
                 write!(f, "the shape passes through itself: {first} and {second} intersect")
             }
+            Self::MotorOverload { motor, effort, limit, turns, .. } => {
+                let (effort, limit) = (rounded(*effort), rounded(*limit));
+                match turns {
+                    true => write!(
+                        f,
+                        "motor `{motor}` must hold {effort} N·m, but gives {limit} N·m at most"
+                    ),
+                    false => write!(
+                        f,
+                        "the linear drive `{motor}` must hold {}, but gives {} at most",
+                        newtons(effort),
+                        newtons(limit)
+                    ),
+                }
+            }
             Self::CableInObstacle { cable, obstacle, span, arc_length, depth, force, others } => {
                 write!(
                     f,
@@ -220,6 +235,9 @@ impl Warning {
             }
             Self::SelfIntersection { .. } => {
                 "lower the tensions or the loads, or check their units and the stiffness: the models have no contact of the robot with itself".to_owned()
+            }
+            Self::MotorOverload { .. } => {
+                "command less, lower the loads or the pretension, or take a stronger motor or gear".to_owned()
             }
             Self::CableInObstacle { .. } => {
                 "give more disks, lead the cable elsewhere, or ignore this warning if the force is small beside those of the contacts: cables between disks have no contact".to_owned()

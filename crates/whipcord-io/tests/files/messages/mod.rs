@@ -4,6 +4,7 @@ mod aliases;
 mod cameras;
 mod files;
 mod models;
+mod motors;
 mod obstacles;
 mod warnings;
 

@@ -1,0 +1,96 @@
+//! Robots with motors, read and written.
+
+use whipcord::{Drive, MotorLimits, Shortening};
+use whipcord_io::{CaseFile, describe, load, parse, toml};
+
+const ROBOT: &str = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\n[disks]\ncount = 10\nhole_circle_radius = \"8 mm\"\nholes = 12\n[[cables]]\nname = \"left\"\nholes = [1, 1, 1]\n[[cables]]\nname = \"right\"\nholes = [7, 7, 7]\n[[cables]]\nname = \"-odd\"\nholes = [4, 4, 4]\n";
+const MOTORS: &str = r#"
+[[motors]]
+name = "bend"
+cables = ["left", "- right"]
+spool_radius = ["10 mm", "12 mm"]
+gear_ratio = -50
+stiffness = "5 N/mm"
+free_length = "300 mm"
+pretension = "4 N"
+backlash = "1 deg"
+angle_offset = "10 deg"
+angle_limits = ["-9 turn", "9 turn"]
+rate_limit = "60 rpm"
+torque_limit = "0.5 N*m"
+
+[[motors]]
+cables = ["-odd"]
+travel_limits = ["-1 mm", "40 mm"]
+"#;
+
+fn read(tail: &str) -> CaseFile {
+    parse(&format!("{ROBOT}{MOTORS}{tail}"), "robot.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn a_motor_is_read_with_all_its_numbers() {
+    let file = read("");
+    let [bend, linear] = file.robot.motors() else { panic!("two motors") };
+    assert_eq!(bend.name, "bend");
+    assert_eq!(bend.drive, Drive::Spool { gear_ratio: -50.0 });
+    let cables: Vec<_> = bend.cables.iter().map(|of| (of.cable, of.pull())).collect();
+    assert_eq!(cables, [(0, 0.010), (1, -0.012)]);
+    assert_eq!(bend.stiffness, Some(5e3));
+    assert_eq!((bend.free_length, bend.pretension), (0.3, 4.0));
+    let degree = core::f64::consts::PI / 180.0;
+    assert!((bend.backlash - degree).abs() < 1e-15 && (bend.offset - 10.0 * degree).abs() < 1e-15);
+    let rate = bend.limits.rate.unwrap();
+    assert!((rate - core::f64::consts::TAU).abs() < 1e-12, "{rate}");
+    assert_eq!(bend.limits.effort, Some(0.5));
+    // A cable whose own name begins with a minus sign is that cable.
+    assert_eq!(linear.name, "motor-2");
+    assert_eq!(
+        linear.cables.iter().map(|of| (of.cable, of.pull())).collect::<Vec<_>>(),
+        [(2, 1.0)]
+    );
+    assert_eq!(linear.limits, MotorLimits { range: Some([-0.001, 0.04]), ..Default::default() });
+    assert!(file.case.commands.iter().all(|command| command.shortening.is_none()));
+}
+
+#[test]
+fn steps_wind_up_the_cables_one_after_another() {
+    let file = read(
+        "[[steps]]\nmotors = [\"-2 turn\", \"3 mm\"]\n[[steps]]\nmotors = [\"-1.99 turn\", 0.004]\n",
+    );
+    let turn = core::f64::consts::TAU;
+    // Within its play of a degree of the spool, which is 50 of the motor, the drive stays where it is.
+    let output = (-2.0 * turn - 10.0 * turn / 360.0) / -50.0 - 0.5 * turn / 360.0;
+    for (step, odd) in [(&file.case.before[0], 0.003), (&file.case.commands, 0.004)] {
+        let metres = |cable: usize| step[cable].shortening.map(|s| s.in_metres(1.0)).unwrap();
+        assert!((metres(0) - 0.010 * output).abs() < 1e-15, "{step:?}");
+        assert!((metres(1) + 0.012 * output).abs() < 1e-15);
+        assert_eq!(step[2].shortening, Some(Shortening::Length(odd)));
+    }
+}
+
+#[test]
+fn a_robot_with_motors_that_is_written_is_read_again_as_it_was() {
+    for tail in
+        ["", "[[steps]]\nmotors = [\"-2 turn\", \"3 mm\"]\n[[steps]]\nmotors = [1.0, 0.004]\n"]
+    {
+        let file = read(tail);
+        let text = toml(&describe(None, &file.robot, &file.case).unwrap());
+        let again = parse(&text, "again.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(again.robot.motors(), file.robot.motors(), "{text}");
+        assert_eq!(again.case, file.case, "{text}");
+    }
+}
+
+#[test]
+fn an_extending_file_changes_one_motor_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("arm.toml"), format!("{ROBOT}{MOTORS}")).unwrap();
+    let path = folder.path().join("case.toml");
+    let text = "extends = \"arm.toml\"\n[[motors]]\nname = \"bend\"\nangle = \"90 deg\"\n[[motors]]\nname = \"motor-2\"\nremove = true\n";
+    std::fs::write(&path, text).unwrap();
+    let file = load(&path).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(file.robot.motors().len(), 1);
+    assert_eq!(file.case.motor_command(0), Some(core::f64::consts::FRAC_PI_2));
+    assert!(file.case.commands[0].shortening.is_some());
+}
