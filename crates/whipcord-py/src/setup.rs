@@ -92,7 +92,14 @@ impl Setup {
         shortening: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Arc<Case>> {
         Ok(match commands(&self.robot, tension, shortening)? {
-            Some(commands) => Arc::new(Case { commands, ..(*self.case).clone() }),
+            Some(commands) => {
+                // The motors are where those commands have brought them.
+                let mut motors = self.case.motors.clone();
+                if let Some(last) = motors.last_mut() {
+                    last.fill(None);
+                }
+                Arc::new(Case { commands, motors, ..(*self.case).clone() })
+            }
             None => Arc::clone(&self.case),
         })
     }

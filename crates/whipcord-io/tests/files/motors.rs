@@ -1,7 +1,11 @@
 //! Robots with motors, read and written.
 
-use whipcord::{Drive, MotorLimits, Shortening};
-use whipcord_io::{CaseFile, describe, load, parse, toml};
+use serde_json::json;
+use whipcord::warning::of_answer;
+use whipcord::{
+    Actuation, Drive, Model, ModelKind, MotorLimits, Shortening, Statics as _, Stations,
+};
+use whipcord_io::{Beside, CaseFile, answer_json, describe, load, parse, toml};
 
 const ROBOT: &str = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\n[disks]\ncount = 10\nhole_circle_radius = \"8 mm\"\nholes = 12\n[[cables]]\nname = \"left\"\nholes = [1, 1, 1]\n[[cables]]\nname = \"right\"\nholes = [7, 7, 7]\n[[cables]]\nname = \"-odd\"\nholes = [4, 4, 4]\n";
 const MOTORS: &str = r#"
@@ -93,4 +97,30 @@ fn an_extending_file_changes_one_motor_by_its_name() {
     assert_eq!(file.robot.motors().len(), 1);
     assert_eq!(file.case.motor_command(0), Some(core::f64::consts::FRAC_PI_2));
     assert!(file.case.commands[0].shortening.is_some());
+}
+
+#[test]
+fn what_a_motor_must_hold_is_in_the_answer_and_told_of_beyond_its_limit() {
+    let text = |limit: &str| {
+        format!(
+            "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\nyoung_modulus = \"1.1 GPa\"\npoisson_ratio = 0.3\n[[cables]]\nname = \"pull\"\nrouting = {{ kind = \"straight\", angle = 0, radius = \"8 mm\" }}\n[[motors]]\nname = \"m\"\ncables = [\"pull\"]\nspool_radius = \"10 mm\"\ngear_ratio = 2\nangle = 1.5\ntorque_limit = {limit}\n"
+        )
+    };
+    for (limit, overloaded) in [(0.1, false), (0.01, true)] {
+        let file = parse(&text(&limit.to_string()), "robot.toml").unwrap();
+        let model = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Natural);
+        let solution = model.solve(&file.robot, &file.case).unwrap();
+        let tension = solution.cables[0].tension.unwrap();
+        let beside =
+            Beside { robot: Some(&file.robot), case: Some(&file.case), ..Beside::default() };
+        let json = answer_json("", &solution, 0.0, &beside).unwrap();
+        let motor = &json["motors"][0];
+        assert_eq!((&motor["name"], &motor["angle"]), (&json!("m"), &json!(1.5)));
+        let torque = motor["torque"].as_f64().unwrap();
+        assert!((torque - 0.010 * tension / 2.0).abs() < 1e-15, "{torque}");
+        assert!((motor["utilization"].as_f64().unwrap() - torque / limit).abs() < 1e-12);
+        let told = of_answer(&file.robot, &file.case, &solution);
+        let codes: Vec<_> = told.iter().map(whipcord::Warning::code).collect();
+        assert_eq!(codes.contains(&"motor-overload"), overloaded, "{torque} {codes:?}");
+    }
 }

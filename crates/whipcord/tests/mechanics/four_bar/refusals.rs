@@ -42,7 +42,10 @@ fn what_a_geometric_model_cannot_take_is_named() {
     );
     let elastic = Cable { axial_stiffness: Some(2e3), ..straight() };
     let text = refused(&robot(Backbone::new(0.18), vec![straight_named("a"), elastic]), &options);
-    assert!(text.contains("`axial_stiffness` of cable 2 (an elastic cable)"), "{text}");
+    assert!(
+        text.contains("`axial_stiffness` of cable 2 (a cable or drive that stretches)"),
+        "{text}"
+    );
     let between = Cable { ends_at: Some(0.09), ..straight() };
     let text = refused(&robot(Backbone::new(0.18), vec![between]), &printed);
     assert!(
