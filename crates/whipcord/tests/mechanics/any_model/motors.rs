@@ -227,3 +227,27 @@ fn what_no_motor_can_do_is_refused_by_name() {
     let many = Case::with_motors(&limited, &[0.5, 0.5]).unwrap_err();
     assert_eq!(many.problem, Problem::MotorCount { given: 2, motors: 1 });
 }
+
+#[test]
+fn a_soft_drive_gives_under_the_tension_below_the_base_where_the_cable_rubs() {
+    let stiffness = 3e3;
+    let motor = Motor { stiffness: Some(stiffness), ..Motor::spool("m", [(0, 0.01)]) };
+    let cable = Cable { friction: Some(0.2), ..Cable::new("pull", straight(0.0)) };
+    let disks = Disks::equally_spaced(0.18, 10, 0.008);
+    let plain = Robot::new(paper_backbone(), disks, vec![cable]).unwrap();
+    let robot = plain.clone().with_motors(vec![motor]).unwrap();
+    let case = Case::with_motors(&robot, &[0.9]).unwrap();
+    for kind in MODELS {
+        let solution = model(kind).solve(&robot, &case).unwrap();
+        let state = &solution.cables[0];
+        let tension = state.tension.unwrap();
+        let expected = 0.01 * 0.9 - tension / stiffness;
+        let shortening = state.initial_length - state.length;
+        // The rod whose cables rub along curves has the error of its grid.
+        assert!((shortening - expected).abs() < 1e-5 * 0.18, "{kind}: {shortening} {expected}");
+        // Pulled up to the same tension the robot without a motor is bent as far.
+        let same = model(kind).solve(&plain, &Case::with_tensions(&[tension])).unwrap();
+        let apart = apart(&same, &solution);
+        assert!(apart < 1e-4 * 0.18, "{kind}: {apart:e}");
+    }
+}
