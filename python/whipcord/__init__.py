@@ -51,7 +51,7 @@ from .obstacles import Obstacle
 from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
-from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
+from .robot import Along, Backbone, Cable, Disks, Motor, Robot, Routing, Section, SectionStiffness
 from .solution import (
     Branches,
     CableOverlap,
@@ -112,6 +112,7 @@ __all__ = [
     "Measured",
     "ModelError",
     "ModelFit",
+    "Motor",
     "ObjectContact",
     "ObjectState",
     "Observation",

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._tables import Quantity
 from .errors import InputError
-from .robot import Cable
+from .robot import Cable, Motor
 
 Commands = Union[Sequence[Union[Quantity, None]], "npt.NDArray[np.float64]", Quantity]
 """One value for each cable: in SI or with a unit; None for a cable that is driven otherwise."""
@@ -58,15 +58,16 @@ def commanded(
     return tensions, shortenings
 
 
-def each(values: Commands | None, cables: tuple[Cable, ...], name: str) -> list[Any]:
-    """One value for each cable."""
+def each(values: Commands | None, cables: Sequence[Cable | Motor], name: str) -> list[Any]:
+    """One value for each cable or motor."""
     given = listed(values, name)
     if given is None:
         return [None] * len(cables)
     if len(given) != len(cables) or any(isinstance(value, np.ndarray) for value in given):
         names = ", ".join(cable.name for cable in cables)
         count = f"{len(cables)} {'entry' if len(cables) == 1 else 'entries'}"
-        message = f"{name} must have {count}, one for each cable ({names}), but is {values!r}"
+        kind = "motor" if name == "motors" else "cable"
+        message = f"{name} must have {count}, one for each {kind} ({names}), but is {values!r}"
         raise InputError(message, path=name)
     return given
 

@@ -36,6 +36,7 @@ class Description:
         *,
         tension: Commands | None = None,
         shortening: Commands | None = None,
+        motors: Commands | None = None,
         loads: Loads | None = None,
         base: Base | None = None,
         steps: Sequence[Step] = (),
@@ -48,11 +49,15 @@ class Description:
         for key, values in (("tension", tension), ("shortening", shortening)):
             for cable, value in zip(cables, each(values, robot.cables, key)):
                 cable[key] = value
+        pulling = [plain(motor) for motor in robot.motors]
+        for motor, value in zip(pulling, each(motors, robot.motors, "motors")):
+            motor["angle" if "spool_radius" in motor else "travel"] = value
         tables = {
             "title": title,
             "backbone": plain(robot.backbone),
             "disks": plain(robot.disks) if robot.disks is not None else None,
             "cables": cables or None,
+            "motors": pulling or None,
             "base": part(base, Base, "base") or None,
             "loads": part(loads, Loads, "loads") or None,
             "obstacles": parts(obstacles, Obstacle, "obstacles"),
@@ -134,6 +139,14 @@ class Description:
         """Shortening of each cable in m, or a text in per cent, where it is given."""
         return self._commands("shortening")
 
+    @property
+    def motors(self) -> tuple[float | None, ...]:
+        """Angle in rad or travel in m of each motor, where it is given."""
+        motors = self._tables.get("motors", ())
+        if self.steps:
+            return self.steps[-1].motors or (None,) * len(motors)
+        return tuple(motor.get("angle", motor.get("travel")) for motor in motors)
+
     @cached_property
     def measured(self) -> Measured | None:
         """What the real robot did, where the file says so."""
@@ -162,10 +175,10 @@ class Description:
         Parameters
         ----------
         changes
-            ``robot``, ``tension``, ``shortening``, ``loads``, ``base``, ``steps``, ``obstacles``, ``title``, as for :class:`whipcord.Case`.
+            ``robot``, ``tension``, ``shortening``, ``motors``, ``loads``, ``base``, ``steps``, ``obstacles``, ``title``, as for :class:`whipcord.Case`.
         """
         given: dict[str, Any] = {"loads": self.loads, "base": self.base, "title": self.title}
-        if {"tension", "shortening"} & changes.keys() and "steps" not in changes:
+        if {"tension", "shortening", "motors"} & changes.keys() and "steps" not in changes:
             changes = {"steps": (), **changes}
         if self.obstacles:
             given["obstacles"] = self.obstacles
@@ -175,9 +188,14 @@ class Description:
             # A robot with other cables takes the place of one whose cables are told nothing.
             for key, values in (("tension", self.tension), ("shortening", self.shortening)):
                 given[key] = values if any(value is not None for value in values) else None
-        if changes.get("steps"):
-            given.update(tension=None, shortening=None)
         robot = changes.pop("robot", self.robot)
+        # The motors and the shortenings of cables take the place of each other.
+        if "motors" in changes:
+            given.update(tension=None, shortening=None)
+        elif not {"tension", "shortening"} & changes.keys() and len(robot.motors) == len(self.motors):
+            given["motors"] = None if self.steps else self.motors or None
+        if changes.get("steps"):
+            given.update(tension=None, shortening=None, motors=None)
         return self._with_published(type(self)(robot, **{**given, **changes}))
 
     def _with_published(self: Self, other: Self) -> Self:

@@ -59,6 +59,8 @@ class Case(Description):
         (c,) initial minus present length of each cable in m, or texts such as ``"5.7 %"`` of its own
         initial length. A cable may have both, as in robot files: each model is driven by the one that it
         takes, and the `actuation` of :meth:`solve` chooses between them.
+    motors
+        (m,) angle in rad or travel in m of each motor of the robot, instead of the shortenings of its cables.
     loads
         What acts from outside.
     base

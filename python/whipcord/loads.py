@@ -244,12 +244,21 @@ class Step(Table):
     shortening
         (c,) in m, or texts such as ``"5 %"`` of the cable's own initial length.
         Beside `tension`, as for a case: each model is driven by the one that it takes.
+    motors
+        (m,) angle in rad or travel in m of each motor, instead of shortenings.
     """
 
     tension: tuple[float, ...] | None = None
     shortening: tuple[Quantity, ...] | None = None
+    motors: tuple[float, ...] | None = None
 
     _name: ClassVar[str] = "steps"
 
-    def __init__(self, *, tension: Vector | None = None, shortening: Vector | None = None) -> None:
-        self._set(tension=tension, shortening=shortening)
+    def __init__(
+        self,
+        *,
+        tension: Vector | None = None,
+        shortening: Vector | None = None,
+        motors: Vector | None = None,
+    ) -> None:
+        self._set(tension=tension, shortening=shortening, motors=motors)
