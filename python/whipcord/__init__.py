@@ -47,11 +47,12 @@ from .fitting import (
 )
 from .loads import Base, DistributedLoad, Loads, PointLoad, PointMass, Step
 from .material import Material, materials
+from .motor import Motor
 from .obstacles import Obstacle
 from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
-from .robot import Along, Backbone, Cable, Disks, Motor, Robot, Routing, Section, SectionStiffness
+from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
 from .solution import (
     Branches,
     CableOverlap,

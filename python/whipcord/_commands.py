@@ -12,7 +12,8 @@ import numpy.typing as npt
 from . import _core
 from ._tables import Quantity
 from .errors import InputError
-from .robot import Cable, Motor
+from .motor import Motor
+from .robot import Cable
 
 Commands = Union[Sequence[Union[Quantity, None]], "npt.NDArray[np.float64]", Quantity]
 """One value for each cable: in SI or with a unit; None for a cable that is driven otherwise."""

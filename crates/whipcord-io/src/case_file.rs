@@ -4,14 +4,14 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use whipcord::robot::limits;
-use whipcord::{Case, Drive, Pose, Problem, Robot, SolveError};
+use whipcord::{Case, Pose, Problem, Robot, SolveError};
 
 use crate::check::{self, Fields};
 use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::{Node, Value};
 use crate::overlay::take_out;
-use crate::read::{self, Fit, MOST_MOTORS, Measured, Reference};
+use crate::read::{self, Fit, Measured, Reference};
 use crate::schema::{DURATION, ROOT};
 use crate::settings;
 use crate::source::Sources;
@@ -160,19 +160,14 @@ fn read(
     let fields = check::table(entries, document.span, &ROOT, problems);
     steps(&fields, &document, sources, problems);
     // The library refuses them too, but only after all parts have been made.
-    let cables = fields.tables("cables").len();
-    if cables > limits::MOST_CABLES {
-        let span = document.locate(&format!("cables[{}]", limits::MOST_CABLES)).span;
-        let problem = Problem::TooMany { given: cables, most: limits::MOST_CABLES };
-        problems.push(span, || FileProblem::Physical { path: "cables".to_owned(), problem });
-        return None;
-    }
-    let motors = fields.tables("motors").len();
-    if motors > MOST_MOTORS {
-        let span = document.locate(&format!("motors[{MOST_MOTORS}]")).span;
-        let problem = Problem::TooMany { given: motors, most: MOST_MOTORS };
-        problems.push(span, || FileProblem::Physical { path: "motors".to_owned(), problem });
-        return None;
+    for list in ["cables", "motors"] {
+        let (given, most) = (fields.tables(list).len(), limits::MOST_CABLES);
+        if given > most {
+            let span = document.locate(&format!("{list}[{most}]")).span;
+            let problem = Problem::TooMany { given, most };
+            problems.push(span, || FileProblem::Physical { path: list.to_owned(), problem });
+            return None;
+        }
     }
     let mut parts = parts(&fields, &document, problems);
     if let Some(parts) = &parts {
@@ -307,10 +302,7 @@ fn steps(fields: &Fields, document: &Node, sources: &Sources, problems: &mut Pro
 fn driven_twice(parts: &Parts, document: &Node, problems: &mut Problems) {
     for (k, (motor, command)) in parts.motors.motors.iter().zip(&parts.motors.commands).enumerate()
     {
-        let key = match motor.drive {
-            Drive::Spool { .. } => "angle",
-            Drive::Linear => "travel",
-        };
+        let key = motor.drive.keys().command;
         for of in motor.cables.iter().filter(|_| command.is_some() && parts.steps.is_empty()) {
             if parts.commands.get(of.cable).is_some_and(|own| own.shortening.is_some()) {
                 let path = |path: String| document.locate(&path).span;

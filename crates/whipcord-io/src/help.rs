@@ -281,7 +281,7 @@ fn physical_help(problem: &Problem) -> String {
             "change the command, or the limits under [[motors]]".to_owned()
         }
         Problem::MotorCount { motors, .. } => format!("give {motors}, one for each motor"),
-        Problem::DuplicateName { .. } | Problem::DuplicateMotor { .. } => "rename one of the two".to_owned(),
+        Problem::DuplicateName { .. } => "rename one of the two".to_owned(),
         Problem::TooMany { most, .. } => format!("give {most} or fewer"),
         Problem::TooNear { .. } => "leave out one of the two".to_owned(),
         Problem::TurnsBack => "leave it out, or give more points around it".to_owned(),

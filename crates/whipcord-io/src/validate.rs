@@ -178,13 +178,11 @@ fn report(error: &RobotError, numbers: &Numbering, document: &Node, problems: &m
     let mut path = numbers.path(error).unwrap_or_else(|| error.path.clone());
     let mut problem = error.problem.clone();
     let mut related = None;
-    if let Problem::DuplicateMotor { first, .. } = &problem {
-        let other = document.locate(&format!("motors[{first}].name"));
-        related = Some((other.span, "the other one is here"));
-    }
-    if let Problem::DuplicateName { first, .. } = &mut problem {
-        *first = numbers.cables.get(*first).copied().unwrap_or(*first);
-        let other = document.locate(&format!("cables[{first}].name"));
+    if let Problem::DuplicateName { what, first, .. } = &mut problem {
+        if *what == "cable" {
+            *first = numbers.cables.get(*first).copied().unwrap_or(*first);
+        }
+        let other = document.locate(&format!("{what}s[{first}].name"));
         related = Some((other.span, "the other one is here"));
     }
     // The library knows only positions; the file may have given their number.

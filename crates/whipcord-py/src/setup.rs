@@ -92,14 +92,7 @@ impl Setup {
         shortening: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Arc<Case>> {
         Ok(match commands(&self.robot, tension, shortening)? {
-            Some(commands) => {
-                // The motors are where those commands have brought them.
-                let mut motors = self.case.motors.clone();
-                if let Some(last) = motors.last_mut() {
-                    last.fill(None);
-                }
-                Arc::new(Case { commands, motors, ..(*self.case).clone() })
-            }
+            Some(commands) => Arc::new(self.case.commanded(commands)),
             None => Arc::clone(&self.case),
         })
     }
@@ -339,7 +332,8 @@ impl Setup {
             Some(named) => named == "tension",
             None => answer.model.natural_actuation() == Actuation::Tension,
         };
-        let mut case = (*solution.case).clone();
+        // The motors have shortened the cables already.
+        let mut case = Case { motors: Vec::new(), ..(*solution.case).clone() };
         for commands in case.before.iter_mut().chain([&mut case.commands]) {
             for (command, cable) in commands.iter_mut().zip(&answer.cables) {
                 let in_metres =

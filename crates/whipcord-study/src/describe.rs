@@ -6,13 +6,15 @@ use whipcord::case::Piece;
 use whipcord::obstacle::Bends;
 use whipcord::robot::SectionProperties;
 use whipcord::{
-    Actuation, Along, Cable, CableCommand, Case, Disks, DistributedLoad, Drive, Form,
-    Interpolation, LoadFrame, Loads, ModelKind, Motor, MotorCable, NoStability, Pose,
-    RestCurvature, Robot, Routing, Section, Solution, Stiffness, Vec3,
+    Actuation, Along, Cable, CableCommand, Case, Disks, DistributedLoad, Form, Interpolation,
+    LoadFrame, Loads, ModelKind, NoStability, Pose, RestCurvature, Robot, Routing, Section,
+    Solution, Stiffness, Vec3,
 };
 use whipcord_io::CaseFile;
 
+use crate::motors;
 use crate::quantity::{degrees, millimetres, newtons, number, shortening, vector};
+use crate::statistics::extent;
 
 /// `1 marker`, `2 markers`
 pub fn markers(count: usize) -> String {
@@ -43,7 +45,7 @@ pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
     }
     for (number, of_motor) in robot.motors().iter().enumerate() {
         let command = case.motor_command(number).filter(|_| !in_steps);
-        lines.push((format!("motor {}", of_motor.name), motor(robot, of_motor, command)));
+        lines.push((format!("motor {}", of_motor.name), motors::words(robot, of_motor, command)));
     }
     if in_steps {
         for (i, step) in case.single_steps().enumerate() {
@@ -268,12 +270,6 @@ fn disks(disks: &Disks) -> String {
     format!("{}, {spacing}{holes}{circle}{mass}{rim}", disks.count())
 }
 
-fn extent(values: &[f64]) -> Option<(f64, f64)> {
-    let least = values.iter().copied().reduce(f64::min)?;
-    let greatest = values.iter().copied().reduce(f64::max)?;
-    Some((least, greatest))
-}
-
 fn command_words(command: &CableCommand) -> String {
     let tension = command.tension.map(|tension| format!("tension {}", newtons(tension)));
     let shortening = command.shortening.map(|value| format!("shortening {}", shortening(value)));
@@ -295,54 +291,6 @@ fn cable_words(cable: &Cable, ends_midway: Option<f64>, command: Option<&CableCo
     }
     if let Some(stiffness) = cable.axial_stiffness {
         parts.push(format!("axial stiffness {}", newtons(stiffness)));
-    }
-    parts.join(", ")
-}
-
-fn motor(robot: &Robot, motor: &Motor, command: Option<f64>) -> String {
-    let name = |of: &MotorCable| {
-        let name = &robot.cables()[of.cable].name;
-        if of.is_reversed { format!("-{name}") } else { name.clone() }
-    };
-    let cables: Vec<String> = motor.cables.iter().map(name).collect();
-    let mut parts = Vec::new();
-    parts.extend(command.map(|command| match motor.drive {
-        Drive::Spool { .. } => format!("angle {}", degrees(command)),
-        Drive::Linear => format!("travel {}", millimetres(command)),
-    }));
-    let play = match motor.drive {
-        Drive::Spool { gear_ratio } => {
-            let radii: Vec<f64> = motor.cables.iter().map(|of| of.radius).collect();
-            if let Some((least, greatest)) = extent(&radii) {
-                let radius = if least == greatest {
-                    millimetres(least)
-                } else {
-                    format!("{} to {}", millimetres(least), millimetres(greatest))
-                };
-                parts.push(format!("spool of radius {radius}"));
-            }
-            if gear_ratio != 1.0 {
-                parts.push(format!("gear {} : 1", number(gear_ratio, 5)));
-            }
-            degrees(motor.backlash)
-        }
-        Drive::Linear => {
-            parts.push("linear drive".to_owned());
-            millimetres(motor.backlash)
-        }
-    };
-    parts.push(format!("pulls {}", cables.join(", ")));
-    if let Some(stiffness) = motor.stiffness {
-        parts.push(format!("stiffness {} N/mm", number(1e-3 * stiffness, 4)));
-    }
-    if motor.free_length > 0.0 {
-        parts.push(format!("{} of cable outside", millimetres(motor.free_length)));
-    }
-    if motor.pretension > 0.0 {
-        parts.push(format!("pretension {}", newtons(motor.pretension)));
-    }
-    if motor.backlash > 0.0 {
-        parts.push(format!("backlash {play}"));
     }
     parts.join(", ")
 }

@@ -60,6 +60,13 @@ pub fn root_mean_square(values: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| (sum / count as f64).sqrt())
 }
 
+/// The least and the greatest of these; `None` of none.
+pub(crate) fn extent(values: &[f64]) -> Option<(f64, f64)> {
+    let least = values.iter().copied().reduce(f64::min)?;
+    let greatest = values.iter().copied().reduce(f64::max)?;
+    Some((least, greatest))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -138,8 +138,8 @@ impl Bench {
 
     /// What the sliders say, with all that they leave as the file has it.
     pub fn case(&self, request: &Request) -> Case {
-        let mut case = self.file.case.clone();
-        case.commands = request.commands.iter().map(|command| command.command()).collect();
+        let commands = request.commands.iter().map(|command| command.command()).collect();
+        let mut case = self.file.case.commanded(commands);
         case.loads.tip_force = Vec3::from(request.tip_force);
         case.loads.tip_moment = Vec3::from(request.tip_moment);
         let gravity = Vec3::from(request.gravity);

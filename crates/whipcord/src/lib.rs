@@ -57,7 +57,7 @@ pub use grasp::Grasp;
 pub use kind::{CommandDerivatives, ModelKind};
 pub use linearization::Linearization;
 pub use model::{Differentiable, Model, Prepared, at_rest};
-pub use motor_state::{MotorState, motor_quantities};
+pub use motor_state::MotorState;
 pub use obstacle::{Form, MovableBody, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use presets::ModelPreset;

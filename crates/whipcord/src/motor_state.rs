@@ -1,6 +1,6 @@
 //! What the motors of a robot give in an answer.
 
-use crate::robot::{Drive, Robot};
+use crate::robot::{Motor, Robot};
 use crate::shape::Solution;
 
 /// A motor in an answer.
@@ -20,7 +20,7 @@ impl MotorState {
     #[must_use]
     pub fn all(robot: &Robot, commands: &[Option<f64>], solution: &Solution) -> Vec<Self> {
         let tension = |cable: usize| solution.cables.get(cable).and_then(|cable| cable.tension);
-        let of_motor = |(number, motor): (usize, &crate::robot::Motor)| {
+        let of_motor = |(number, motor): (usize, &Motor)| {
             let effort = motor.effort(tension);
             let limit = motor.limits.effort.filter(|limit| *limit > 0.0);
             Self {
@@ -36,14 +36,5 @@ impl MotorState {
     #[must_use]
     pub fn is_overloaded(&self) -> bool {
         self.utilization.is_some_and(|part| part > 1.0)
-    }
-}
-
-/// What the command and the effort of a motor are called in files and tables.
-#[must_use]
-pub const fn motor_quantities(drive: Drive) -> [&'static str; 2] {
-    match drive {
-        Drive::Spool { .. } => ["angle", "torque"],
-        Drive::Linear => ["travel", "force"],
     }
 }

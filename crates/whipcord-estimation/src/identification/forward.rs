@@ -16,7 +16,7 @@ use whipcord::cosserat::Accuracy;
 use whipcord::kind::ModelKind;
 use whipcord::model::{Model, Prepared};
 use whipcord::parameter::Parameter;
-use whipcord::robot::{Drive, Robot};
+use whipcord::robot::Robot;
 use whipcord::shape::Solution;
 use whipcord::stations::Stations;
 
@@ -188,10 +188,8 @@ impl<'a> Forward<'a> {
                     P::Pretension { .. } => 0.1 * tension,
                     P::FreeLength { .. } => length,
                     P::Backlash { motor } | P::MotorOffset { motor } => {
-                        match self.robot.motors().get(motor).map(|motor| motor.drive) {
-                            Some(Drive::Spool { gear_ratio }) => 0.1 * gear_ratio.abs(),
-                            _ => 0.01 * length,
-                        }
+                        let motor = self.robot.motors().get(motor);
+                        motor.map_or(1.0, |motor| motor.command_scale(length))
                     }
                     P::PoissonRatio => 0.3,
                     _ => 1.0,

@@ -1,6 +1,6 @@
 //! A motor as an entry of `[[motors]]`.
 
-use whipcord::{Drive, Motor};
+use whipcord::{Drive, Motor, MotorCable};
 
 use super::{Item, Table};
 
@@ -8,14 +8,12 @@ use super::{Item, Table};
 pub(super) fn motor(motor: &Motor, names: &[&str], command: Option<f64>) -> Table {
     let mut table = Table::default();
     table.insert("name", motor.name.as_str());
-    let of_cable = |of: &whipcord::MotorCable| {
-        let name = names.get(of.cable).copied().unwrap_or_default();
-        if of.is_reversed { format!("-{name}") } else { name.to_owned() }
-    };
+    let of_cable = |of: &MotorCable| of.signed(names.get(of.cable).copied().unwrap_or_default());
     let cables = motor.cables.iter().map(|of| Item::Text(of_cable(of)));
     table.insert("cables", Item::List(cables.collect()));
     let some = |value: f64| (value != 0.0).then_some(value);
-    let [own, offset, limits, effort] = match motor.drive {
+    let keys = motor.drive.keys();
+    match motor.drive {
         Drive::Spool { gear_ratio } => {
             match motor.cables.as_slice() {
                 [first, rest @ ..] if rest.iter().all(|of| of.radius == first.radius) => {
@@ -28,18 +26,17 @@ pub(super) fn motor(motor: &Motor, names: &[&str], command: Option<f64>) -> Tabl
             if gear_ratio != 1.0 {
                 table.insert("gear_ratio", gear_ratio);
             }
-            ["angle", "angle_offset", "angle_limits", "torque_limit"]
         }
-        Drive::Linear => ["travel", "travel_offset", "travel_limits", "force_limit"],
-    };
-    table.insert_some(own, command);
+        Drive::Linear => {}
+    }
+    table.insert_some(keys.command, command);
     table.insert_some("stiffness", motor.stiffness);
     table.insert_some("free_length", some(motor.free_length));
     table.insert_some("pretension", some(motor.pretension));
     table.insert_some("backlash", some(motor.backlash));
-    table.insert_some(offset, some(motor.offset));
-    table.insert_some(limits, motor.limits.range);
+    table.insert_some(keys.offset, some(motor.offset));
+    table.insert_some(keys.limits, motor.limits.range);
     table.insert_some("rate_limit", motor.limits.rate);
-    table.insert_some(effort, motor.limits.effort);
+    table.insert_some(keys.effort_limit, motor.limits.effort);
     table
 }

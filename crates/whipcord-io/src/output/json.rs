@@ -1,8 +1,10 @@
 use serde_json::{Map, Number, Value, json};
 use whipcord::{
     CableOverlap, CableState, Contact, Diagnostics, Grasp, Motor, MotorState, ObjectContact,
-    ObjectState, Obstacle, Pose, Robot, Shape, Solution, Vec3, Wrench, motor_quantities,
+    ObjectState, Obstacle, Pose, Robot, Shape, Solution, Vec3, Wrench,
 };
+
+use whipcord::robot::DriveKeys;
 
 use super::NonFinite;
 
@@ -116,7 +118,7 @@ pub(super) fn motors_json(
     let states = MotorState::all(robot, commands, solution);
     let of_motor = |(i, (motor, state)): (usize, (&Motor, MotorState))| {
         let path = |name: &str| format!("motors[{i}].{name}");
-        let [command, effort] = motor_quantities(motor.drive);
+        let DriveKeys { command, effort, .. } = motor.drive.keys();
         let mut object = Map::new();
         object.insert("name".to_owned(), json!(motor.name));
         object.insert(command.to_owned(), optional(|| path(command), state.command)?);

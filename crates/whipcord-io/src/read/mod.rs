@@ -20,7 +20,7 @@ pub use fit::{Fit, quantity};
 pub(crate) use loads::loads;
 pub(crate) use measured::{Extent, read as measured};
 pub use measured::{LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, load_markers};
-pub(crate) use motors::{MOST_MOTORS, Motors, motor_step, motors};
+pub(crate) use motors::{Motors, motor_step, motors};
 pub(crate) use obstacles::obstacles;
 pub(crate) use pose::pose;
 pub use reference::Reference;

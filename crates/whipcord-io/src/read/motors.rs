@@ -1,6 +1,5 @@
 //! Motors and their commands.
 
-use whipcord::robot::limits;
 use whipcord::{Drive, Motor, MotorCable, MotorLimits};
 
 use crate::check::{Data, Fields};
@@ -143,6 +142,3 @@ fn of_other_drive(key: &'static str, index: usize, turns: bool, is_rate: bool) -
     };
     FileProblem::OtherDrive { key, what: format!("motor {}", index + 1), expected }
 }
-
-/// The most motors of a robot: no more than cables.
-pub(crate) const MOST_MOTORS: usize = limits::MOST_CABLES;

@@ -63,7 +63,7 @@ fn steps_wind_up_the_cables_one_after_another() {
         "[[steps]]\nmotors = [\"-2 turn\", \"3 mm\"]\n[[steps]]\nmotors = [\"-1.99 turn\", 0.004]\n",
     );
     let turn = core::f64::consts::TAU;
-    // Within its play of a degree of the spool, which is 50 of the motor, the drive stays where it is.
+    // Within its play of a degree of the spool, which is 50 of the motor, the drive does not move.
     let output = (-2.0 * turn - 10.0 * turn / 360.0) / -50.0 - 0.5 * turn / 360.0;
     for (step, odd) in [(&file.case.before[0], 0.003), (&file.case.commands, 0.004)] {
         let metres = |cable: usize| step[cable].shortening.map(|s| s.in_metres(1.0)).unwrap();

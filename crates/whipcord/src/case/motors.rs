@@ -1,7 +1,7 @@
 //! What the motors are told to do, and what that makes of the cables.
 
 use super::{CableCommand, Case, Shortening};
-use crate::robot::{Drive, Problem, Robot, RobotError};
+use crate::robot::{Problem, Robot, RobotError};
 
 impl Case {
     /// The case with these commands of the motors, angles in rad or travels in m, and no load.
@@ -46,6 +46,16 @@ impl Case {
         Ok(())
     }
 
+    /// The case with these commands of the cables in its last step: the motors are then where the cables have brought them.
+    #[must_use]
+    pub fn commanded(&self, commands: Vec<CableCommand>) -> Self {
+        let mut case = Self { commands, ..self.clone() };
+        if let Some(last) = case.motors.last_mut() {
+            last.fill(None);
+        }
+        case
+    }
+
     /// The command of a motor in the last step.
     #[must_use]
     pub fn motor_command(&self, motor: usize) -> Option<f64> {
@@ -60,10 +70,11 @@ impl Case {
         if given < steps {
             return Err(RobotError::new("motors", Problem::MotorSteps { given, steps }));
         }
-        for (k, step) in self.motors[given - steps..].iter().enumerate() {
+        let earlier = given - steps;
+        for (number, step) in self.motors.iter().enumerate() {
             let under = |path: String| match steps {
                 1 => path,
-                _ => format!("steps[{k}].{path}"),
+                _ => format!("steps[{}].{path}", number.saturating_sub(earlier)),
             };
             if step.len() != robot.motors().len() {
                 let problem =
@@ -71,15 +82,11 @@ impl Case {
                 return Err(RobotError::new(under("motors".to_owned()), problem));
             }
             for (i, (motor, command)) in robot.motors().iter().zip(step).enumerate() {
-                let key = match motor.drive {
-                    Drive::Spool { .. } => "angle",
-                    Drive::Linear => "travel",
-                };
-                let path = match steps {
-                    1 => format!("motors[{i}].{key}"),
-                    _ => format!("motors[{i}]"),
-                };
                 if let Some(Err(problem)) = command.map(|command| motor.check_command(command)) {
+                    let path = match steps {
+                        1 => format!("motors[{i}].{}", motor.drive.keys().command),
+                        _ => format!("motors[{i}]"),
+                    };
                     return Err(RobotError::new(under(path), problem));
                 }
             }

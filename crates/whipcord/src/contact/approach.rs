@@ -1,4 +1,4 @@
-//! Where the way to an answer is lost: the obstacles are drawn out of the robot as it is without them, and pushed against it.
+//! Where the way to an answer is lost: the obstacles are drawn out of the robot as it is without them, and moved against it.
 //!
 //! A robot that has lost its equilibrium moves on a way that statics does not know, and comes to one of several equilibria. This way
 //! leads to one of them; no step of it passes through an obstacle.

@@ -79,8 +79,8 @@ fn output(motor: &Motor, number: usize, case: &Case, parameter: &Parameter) -> [
     let mut state = [0.0; 2];
     for command in case.motors.iter().filter_map(|step| *step.get(number)?) {
         let output = motor.output(state[0], command);
-        let asked = (command - motor.offset) / ratio;
-        // A drive that stays within its play does not move.
+        let asked = motor.asked(command);
+        // Within its play a drive does not move.
         if output == state[0] && (output - asked).abs() < 0.5 * motor.backlash {
             continue;
         }

@@ -2,7 +2,7 @@
 
 use super::quantity::Parameter;
 use crate::case::Case;
-use crate::robot::{Drive, Robot};
+use crate::robot::Robot;
 
 /// Standard gravity in m/s².
 const GRAVITY: f64 = 9.806_65;
@@ -44,10 +44,7 @@ impl Parameter {
             Self::Gravity { .. } => GRAVITY,
             Self::TipForce { .. } | Self::PointForce { .. } | Self::Pretension { .. } => force,
             Self::Backlash { motor } | Self::MotorOffset { motor } => {
-                match robot.motors().get(motor).map(|motor| motor.drive) {
-                    Some(Drive::Spool { gear_ratio }) => 0.1 * gear_ratio.abs(),
-                    _ => 0.01 * length,
-                }
+                robot.motors().get(motor).map_or(0.0, |motor| motor.command_scale(length))
             }
             Self::TipMoment { .. } | Self::PointMoment { .. } => moment,
             Self::DiskMass | Self::PointMass { .. } => force / GRAVITY,

@@ -218,33 +218,15 @@ impl Parameter {
             Self::AxialStiffness { cable } => {
                 cables.get_mut(cable).and_then(|c| c.axial_stiffness.as_mut()).into_iter().collect()
             }
-            Self::MotorStiffness { motor } => {
-                motors.get_mut(motor).and_then(|m| m.stiffness.as_mut()).into_iter().collect()
+            Self::MotorStiffness { motor }
+            | Self::FreeLength { motor }
+            | Self::Pretension { motor }
+            | Self::Backlash { motor }
+            | Self::MotorOffset { motor }
+            | Self::GearRatio { motor }
+            | Self::SpoolRadius { motor, .. } => {
+                motors.get_mut(motor).map_or_else(Vec::new, |motor| self.of_motor(motor))
             }
-            Self::FreeLength { motor } => {
-                motors.get_mut(motor).map(|m| &mut m.free_length).into_iter().collect()
-            }
-            Self::Pretension { motor } => {
-                motors.get_mut(motor).map(|m| &mut m.pretension).into_iter().collect()
-            }
-            Self::Backlash { motor } => {
-                motors.get_mut(motor).map(|m| &mut m.backlash).into_iter().collect()
-            }
-            Self::MotorOffset { motor } => {
-                motors.get_mut(motor).map(|m| &mut m.offset).into_iter().collect()
-            }
-            Self::GearRatio { motor } => match motors.get_mut(motor).map(|m| &mut m.drive) {
-                Some(Drive::Spool { gear_ratio }) => vec![gear_ratio],
-                Some(Drive::Linear) | None => Vec::new(),
-            },
-            Self::SpoolRadius { motor, entry } => match motors.get_mut(motor) {
-                Some(motor) if matches!(motor.drive, Drive::Spool { .. }) => {
-                    let cables = motor.cables.iter_mut().enumerate();
-                    let chosen = cables.filter(|(i, _)| entry.is_none_or(|entry| entry == *i));
-                    chosen.map(|(_, of)| &mut of.radius).collect()
-                }
-                _ => Vec::new(),
-            },
             Self::Angle { cable }
             | Self::Radius { cable }
             | Self::Turns { cable }
@@ -297,6 +279,23 @@ impl Parameter {
             }
             (Self::LineMomentAt { entry, .. }, Profile::Linear { moment, .. }) => {
                 moment.get_mut(entry).into_iter().collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn of_motor<'a>(&self, motor: &'a mut Motor) -> Vec<&'a mut f64> {
+        match (*self, &mut motor.drive) {
+            (Self::MotorStiffness { .. }, _) => motor.stiffness.iter_mut().collect(),
+            (Self::FreeLength { .. }, _) => vec![&mut motor.free_length],
+            (Self::Pretension { .. }, _) => vec![&mut motor.pretension],
+            (Self::Backlash { .. }, _) => vec![&mut motor.backlash],
+            (Self::MotorOffset { .. }, _) => vec![&mut motor.offset],
+            (Self::GearRatio { .. }, Drive::Spool { gear_ratio }) => vec![gear_ratio],
+            (Self::SpoolRadius { entry, .. }, Drive::Spool { .. }) => {
+                let cables = motor.cables.iter_mut().enumerate();
+                let chosen = cables.filter(|(i, _)| entry.is_none_or(|entry| entry == *i));
+                chosen.map(|(_, of)| &mut of.radius).collect()
             }
             _ => Vec::new(),
         }

@@ -401,20 +401,14 @@ pub enum Problem {
         /// Outer diameter at the same place.
         outer: f64,
     },
-    /// Two cables of the same name.
-    #[error("`{name}` is already the name of cable {}: give each cable its own", first + 1)]
+    /// Two cables or two motors of the same name.
+    #[error("`{name}` is already the name of {what} {}: give each {what} its own", first + 1)]
     DuplicateName {
+        /// What they are.
+        what: &'static str,
         /// The name.
         name: String,
-        /// Number of the first cable of that name, from 0.
-        first: usize,
-    },
-    /// Two motors of the same name.
-    #[error("`{name}` is already the name of motor {}: give each motor its own", first + 1)]
-    DuplicateMotor {
-        /// The name.
-        name: String,
-        /// Number of the first motor of that name, from 0.
+        /// Number of the first of that name, from 0.
         first: usize,
     },
     /// A cable of a motor that the robot does not have.

@@ -21,7 +21,7 @@ pub use cable::{Cable, Interpolation, Routing};
 pub use disks::Disks;
 pub(crate) use error::check_on_backbone;
 pub use error::{Problem, RobotError, in_words};
-pub use motor::{Drive, Motor, MotorCable, MotorLimits};
+pub use motor::{Drive, DriveKeys, Motor, MotorCable, MotorLimits};
 pub use route::{Route, RoutePoint};
 pub use section::{Section, SectionProperties};
 pub use stiffness::{Stiffness, StiffnessMatrix};
@@ -75,7 +75,7 @@ impl Robot {
             if let Some(first) = cables[..index].iter().position(|c| c.name == cable.name) {
                 return Err(RobotError::new(
                     format!("cables[{index}].name"),
-                    Problem::DuplicateName { name: cable.name.clone(), first },
+                    Problem::DuplicateName { what: "cable", name: cable.name.clone(), first },
                 ));
             }
             let route = Route::new(cable, &backbone, &disks)

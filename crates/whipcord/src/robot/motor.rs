@@ -3,6 +3,7 @@
 use super::cable::Cable;
 use super::error::{Problem, RobotError};
 use super::limits;
+use super::range::Range;
 
 /// A motor that pulls one or several cables outside the robot.
 ///
@@ -44,6 +45,52 @@ pub enum Drive {
     Linear,
 }
 
+/// What the quantities of a motor are called in files, tables and messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriveKeys {
+    /// The command.
+    pub command: &'static str,
+    /// The command at which the motor shortens no cable.
+    pub offset: &'static str,
+    /// Least and greatest command.
+    pub limits: &'static str,
+    /// What the motor holds.
+    pub effort: &'static str,
+    /// The greatest of it.
+    pub effort_limit: &'static str,
+}
+
+impl Drive {
+    /// What the quantities of a motor with this drive are called.
+    #[must_use]
+    pub const fn keys(self) -> DriveKeys {
+        match self {
+            Self::Spool { .. } => DriveKeys {
+                command: "angle",
+                offset: "angle_offset",
+                limits: "angle_limits",
+                effort: "torque",
+                effort_limit: "torque_limit",
+            },
+            Self::Linear => DriveKeys {
+                command: "travel",
+                offset: "travel_offset",
+                limits: "travel_limits",
+                effort: "force",
+                effort_limit: "force_limit",
+            },
+        }
+    }
+
+    /// What a command may be.
+    const fn commands(self) -> Range {
+        match self {
+            Self::Spool { .. } => limits::ANGLE,
+            Self::Linear => limits::COORDINATE,
+        }
+    }
+}
+
 /// A cable of a motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorCable {
@@ -60,6 +107,12 @@ impl MotorCable {
     #[must_use]
     pub const fn pull(&self) -> f64 {
         if self.is_reversed { -self.radius } else { self.radius }
+    }
+
+    /// The name of the cable with its sign, as a motor of a robot file has it.
+    #[must_use]
+    pub fn signed(&self, name: &str) -> String {
+        if self.is_reversed { format!("-{name}") } else { name.to_owned() }
     }
 }
 
@@ -115,6 +168,11 @@ impl Motor {
         }
     }
 
+    /// Where a command leads the spool or the drive without play: `x` of eq. (2).
+    pub(crate) fn asked(&self, command: f64) -> f64 {
+        (command - self.offset) / self.gear_ratio()
+    }
+
     /// Where the spool or the drive is after the motor has gone to a command, from where it was before: the play operator
     ///
     /// ```text
@@ -124,9 +182,17 @@ impl Motor {
     /// with the command θ, the offset θ₀, the gear ratio n and the backlash b. At first the drive is in the middle of its play.
     #[must_use]
     pub fn output(&self, before: f64, command: f64) -> f64 {
-        let asked = (command - self.offset) / self.gear_ratio();
-        let half = 0.5 * self.backlash;
-        before.clamp(asked - half, asked + half)
+        let (asked, half) = (self.asked(command), 0.5 * self.backlash);
+        before.min(asked + half).max(asked - half)
+    }
+
+    /// A change of the command that matters to a robot of this length in m.
+    #[must_use]
+    pub fn command_scale(&self, length: f64) -> f64 {
+        match self.drive {
+            Drive::Spool { gear_ratio } => 0.1 * gear_ratio.abs(),
+            Drive::Linear => 0.01 * length,
+        }
     }
 
     /// Torque of the motor in N·m, or force of the linear drive in N, at these tensions of all cables of the robot:
@@ -144,17 +210,15 @@ impl Motor {
         Outside { compliance: drive + free, pretension: self.pretension }
     }
 
-    /// The same motor with a command that a check found to be possible, else what is wrong.
+    /// Checks that the motor can take a command.
     pub(crate) fn check_command(&self, command: f64) -> Result<(), Problem> {
-        let (possible, unit) = match self.drive {
-            Drive::Spool { .. } => (limits::ANGLE, "rad"),
-            Drive::Linear => (limits::COORDINATE, "m"),
-        };
+        let possible = self.drive.commands();
         if let Some(problem) = possible.problem(command) {
             return Err(problem);
         }
         match self.limits.range {
             Some([least, greatest]) if !(least..=greatest).contains(&command) => {
+                let unit = possible.unit;
                 Err(Problem::BeyondMotorLimit { value: command, least, greatest, unit })
             }
             _ => Ok(()),
@@ -163,18 +227,14 @@ impl Motor {
 
     /// Checks the numbers of a motor of a robot that has these cables.
     fn check(&self, cables: &[Cable]) -> Result<(), RobotError> {
-        let (command, rate, effort, pull) = match self.drive {
+        let (rate, effort, pull) = match self.drive {
             Drive::Spool { gear_ratio } => {
                 limits::GEAR_RATIO.check("gear_ratio", gear_ratio.abs())?;
-                ("angle", limits::ANGULAR_RATE, limits::TORQUE, "spool_radius")
+                (limits::ANGULAR_RATE, limits::TORQUE, "spool_radius")
             }
-            Drive::Linear => ("travel", limits::SPEED, limits::TENSION, "cables"),
+            Drive::Linear => (limits::SPEED, limits::TENSION, "cables"),
         };
-        let [offset, range, most_rate, most_effort] = match self.drive {
-            Drive::Spool { .. } => ["angle_offset", "angle_limits", "rate_limit", "torque_limit"],
-            Drive::Linear => ["travel_offset", "travel_limits", "rate_limit", "force_limit"],
-        };
-        let possible = if command == "angle" { limits::ANGLE } else { limits::COORDINATE };
+        let (keys, possible) = (self.drive.keys(), self.drive.commands());
         if self.cables.is_empty() {
             return Err(RobotError::new("cables", Problem::TooFew { given: 0, least: 1 }));
         }
@@ -191,19 +251,22 @@ impl Motor {
         limits::DISTANCE.check("free_length", self.free_length)?;
         limits::TENSION.check("pretension", self.pretension)?;
         limits::DISTANCE.check("backlash", self.backlash)?;
-        possible.check(offset, self.offset)?;
+        possible.check(keys.offset, self.offset)?;
         if let Some([least, greatest]) = self.limits.range {
-            possible.check(&format!("{range}[0]"), least)?;
-            possible.check(&format!("{range}[1]"), greatest)?;
+            possible.check(&format!("{}[0]", keys.limits), least)?;
+            possible.check(&format!("{}[1]", keys.limits), greatest)?;
             if least >= greatest {
-                return Err(RobotError::new(range, Problem::NotAscending { least, greatest }));
+                return Err(RobotError::new(
+                    keys.limits,
+                    Problem::NotAscending { least, greatest },
+                ));
             }
         }
         if let Some(limit) = self.limits.rate {
-            rate.check(most_rate, limit)?;
+            rate.check("rate_limit", limit)?;
         }
         if let Some(limit) = self.limits.effort {
-            effort.check(most_effort, limit)?;
+            effort.check(keys.effort_limit, limit)?;
         }
         let elastic = |of: &MotorCable| {
             self.stiffness.is_some() || cables[of.cable].axial_stiffness.is_some()
@@ -244,7 +307,7 @@ pub(super) fn check(motors: &[Motor], cables: &[Cable]) -> Result<(), RobotError
         if let Some(first) = motors[..index].iter().position(|m| m.name == motor.name) {
             return Err(RobotError::new(
                 format!("{path}.name"),
-                Problem::DuplicateMotor { name: motor.name.clone(), first },
+                Problem::DuplicateName { what: "motor", name: motor.name.clone(), first },
             ));
         }
         motor.check(cables).map_err(|error| error.under(&path))?;

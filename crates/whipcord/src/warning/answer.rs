@@ -8,7 +8,7 @@ use super::{intersection, span};
 use crate::cable_overlap::CableOverlap;
 use crate::case::Case;
 use crate::motor_state::MotorState;
-use crate::robot::{Drive, Motor, Robot};
+use crate::robot::{Motor, Robot};
 use crate::shape::{Diagnostics, Shape, Solution};
 use whipcord_numerics::{Pose, Twist, Vec3};
 
@@ -49,7 +49,7 @@ fn motors(robot: &Robot, solution: &Solution) -> Vec<Warning> {
             motor: motor.name.clone(),
             effort: state.effort?.abs(),
             limit,
-            turns: matches!(motor.drive, Drive::Spool { .. }),
+            drive: motor.drive,
         })
     };
     robot.motors().iter().zip(states).enumerate().filter_map(of_motor).collect()

@@ -1,5 +1,6 @@
 //! The kinds of warnings and their limits.
 
+use crate::robot::Drive;
 use crate::shape::Diagnostics;
 
 /// Shortest and longest backbone in m without a warning.
@@ -145,8 +146,8 @@ pub enum Warning {
         effort: f64,
         /// What it can give.
         limit: f64,
-        /// Whether it turns.
-        turns: bool,
+        /// How it moves its cables.
+        drive: Drive,
     },
     /// A taut cable that passes through an obstacle.
     CableInObstacle {
@@ -254,11 +255,8 @@ impl Warning {
             Self::ThickBackbone { path, .. } => (*path).to_owned(),
             Self::ShortHoleList { index, .. } => format!("cables[{index}].holes"),
             Self::DiskSpacing { .. } => "disks".to_owned(),
-            Self::MotorOverload { index, turns: true, .. } => {
-                format!("motors[{index}].torque_limit")
-            }
-            Self::MotorOverload { index, turns: false, .. } => {
-                format!("motors[{index}].force_limit")
+            Self::MotorOverload { index, drive, .. } => {
+                format!("motors[{index}].{}", drive.keys().effort_limit)
             }
             Self::Strain { is_given: true, .. } => "backbone.yield_strain".to_owned(),
             Self::Unstable { .. }

@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::kinds::{BareUnits, LARGE_STRAIN, Place, SLENDER, SPACING, USUAL_LENGTHS, Warning};
 use crate::format::{Round, millimetres, newtons, significant};
-use crate::robot::in_words;
+use crate::robot::{Drive, in_words};
 
 /// `180 mm`, `18 m`
 fn length(metres: f64) -> String {
@@ -138,14 +138,14 @@ impl fmt::Display for Warning {
             Self::SelfIntersection { first, second } => {
                 write!(f, "the shape passes through itself: {first} and {second} intersect")
             }
-            Self::MotorOverload { motor, effort, limit, turns, .. } => {
+            Self::MotorOverload { motor, effort, limit, drive, .. } => {
                 let (effort, limit) = (rounded(*effort), rounded(*limit));
-                match turns {
-                    true => write!(
+                match drive {
+                    Drive::Spool { .. } => write!(
                         f,
                         "motor `{motor}` must hold {effort} N·m, but gives {limit} N·m at most"
                     ),
-                    false => write!(
+                    Drive::Linear => write!(
                         f,
                         "the linear drive `{motor}` must hold {}, but gives {} at most",
                         newtons(effort),

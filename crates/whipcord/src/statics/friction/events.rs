@@ -82,6 +82,11 @@ struct Coefficients {
     turns: Vec<f64>,
 }
 
+/// Numbers that change at these rates, this part later.
+fn go(numbers: &mut [f64], rates: &[f64], part: f64) {
+    numbers.iter_mut().zip(rates).for_each(|(x, rate)| *x += part * rate);
+}
+
 fn move_commands(commands: &mut [Command], rates: &[f64], part: f64) {
     for (command, rate) in commands.iter_mut().zip(rates) {
         match command {
@@ -150,11 +155,8 @@ impl Events {
         if !self.choose(law) {
             return false;
         }
-        let go = |into: &mut Vec<f64>, rates: &[f64]| {
-            into.iter_mut().zip(rates).for_each(|(x, rate)| *x += later * rate);
-        };
-        go(&mut self.at.tensions, &self.rates.tensions);
-        go(&mut self.at.turns, &self.rates.turns);
+        go(&mut self.at.tensions, &self.rates.tensions, later);
+        go(&mut self.at.turns, &self.rates.turns, later);
         move_commands(&mut self.at.commands, &self.rates.commands, later);
         self.system.forget();
         true
@@ -295,12 +297,9 @@ impl Events {
     }
 
     fn advance(&mut self, part: f64) {
-        let go = |into: &mut Vec<f64>, rates: &[f64]| {
-            into.iter_mut().zip(rates).for_each(|(x, rate)| *x += part * rate);
-        };
-        go(&mut self.tensions, &self.rates.tensions);
-        go(&mut self.beyond, &self.rates.beyond);
-        go(&mut self.turns, &self.rates.turns);
+        go(&mut self.tensions, &self.rates.tensions, part);
+        go(&mut self.beyond, &self.rates.beyond, part);
+        go(&mut self.turns, &self.rates.turns, part);
         move_commands(&mut self.commands, &self.rates.commands, part);
     }
 
@@ -358,7 +357,7 @@ impl Events {
                     (Mode::Slack, -kappa * rate)
                 }
                 Mode::Slack => {
-                    let (lack, rate) = self.lack(law.holes, cable);
+                    let (lack, rate) = self.lack(law, cable);
                     if lack < -resting || rate <= resting {
                         continue;
                     }
@@ -399,14 +398,11 @@ impl Events {
     }
 
     /// How much too long the cable is between its holes for the given length, and its rate.
-    fn lack(&self, holes: &Holes, cable: usize) -> (f64, f64) {
-        let target = match self.commands[cable] {
-            Command::Length { target, .. } => target,
-            Command::Tension(_) => f64::INFINITY,
-        };
-        let rate = holes.at_drive(cable, &self.rates.beyond, &self.rates.tensions);
-        let lack = holes.at_drive(cable, &self.beyond, &self.tensions) - target;
-        (lack, rate - self.rates.commands[cable])
+    fn lack(&self, law: &Law<'_>, cable: usize) -> (f64, f64) {
+        let Self { tensions, beyond, turns, rates, .. } = self;
+        let now = Law { commands: &self.commands, ..*law };
+        let rate = law.holes.at_drive(cable, &rates.beyond, &rates.tensions);
+        (now.lack(cable, Iterate { tensions, beyond, turns }), rate - rates.commands[cable])
     }
 
     /// The part of the substep to the next event at these rates.
@@ -433,7 +429,7 @@ impl Events {
                     meets((self.tensions[p], rates.tensions[p]));
                 }
                 Mode::Slack => {
-                    let (lack, rate) = self.lack(law.holes, cable);
+                    let (lack, rate) = self.lack(law, cable);
                     if rate > STILL * law.holes.compliance * tension {
                         meets((-lack, -rate));
                     }

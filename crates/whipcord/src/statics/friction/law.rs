@@ -95,7 +95,7 @@ impl Law<'_> {
     }
 
     /// By how much what lies beyond the hole in the base, and the drive that gives, are longer than commanded.
-    fn lack(&self, cable: usize, at: Iterate<'_>) -> f64 {
+    pub fn lack(&self, cable: usize, at: Iterate<'_>) -> f64 {
         self.holes.at_drive(cable, at.beyond, at.tensions) - self.target(cable)
     }
 

@@ -10,17 +10,9 @@ use whipcord::{
     Routing, Shortening, Solution, StabilityAnalysis, Stations, Stiffness, Vec3,
 };
 
-use crate::common::model_with_forces;
+use crate::common::{WITH_FORCES, model_with_forces};
 
 const EULER: f64 = FRAC_PI_2 * FRAC_PI_2;
-const ALL: [ModelKind; 5] = [
-    ModelKind::Cosserat,
-    ModelKind::CosseratDisks,
-    ModelKind::PiecewiseConstantCurvature,
-    ModelKind::PseudoRigidBody,
-    ModelKind::FourBar,
-];
-
 /// With so many straight cables all round.
 fn robot(cables: usize, axial: Option<f64>) -> Robot {
     let stiffness = Stiffness::Diagonal {
@@ -95,7 +87,7 @@ fn buckled(force: f64) -> [f64; 2] {
 #[test]
 fn a_perfect_column_buckles() {
     let robot = robot(1, None);
-    for kind in ALL {
+    for kind in WITH_FORCES {
         let near: f64 = match kind {
             ModelKind::Cosserat | ModelKind::CosseratDisks => 1e-5,
             _ => 3e-2,
@@ -124,7 +116,7 @@ fn a_perfect_column_buckles() {
 fn locked_cables_carry_four_times_the_load() {
     for cables in [3, 4, 6] {
         let robot = robot(cables, None);
-        for kind in ALL {
+        for kind in WITH_FORCES {
             for factor in [1.2, 2.0, 3.9] {
                 let solution = solve(kind, &robot, &pushed(factor * EULER, cables));
                 let Diagnostics { stable, stability_lost_at, .. } = solution.diagnostics;
@@ -170,7 +162,7 @@ fn dead_moments_have_no_verdict_where_they_decide() {
         loads: Loads { tip_moment: moment, ..Loads::default() },
         ..Case::with_tensions(&[0.0])
     };
-    for kind in ALL {
+    for kind in WITH_FORCES {
         assert_eq!(
             eigenvalue(kind, &robot, &turned(3.0 * Vec3::Y)),
             Err(NoStability::DeadMoments),

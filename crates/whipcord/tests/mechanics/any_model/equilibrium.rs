@@ -12,7 +12,8 @@ use whipcord::{
 
 use crate::common::load_kind::burdened;
 use crate::common::{
-    Wildness, ball, bending_stiffness, model_with_forces, paper_backbone, samples, straight,
+    WITH_FORCES, Wildness, ball, bending_stiffness, model_with_forces, paper_backbone, samples,
+    straight,
 };
 
 /// Of the points of a Gauss rule between two arc lengths, where they are and their weights.
@@ -141,14 +142,6 @@ fn left(robot: &Robot, case: &Case, solution: &Solution, rule: &[(f64, f64)]) ->
     ]
 }
 
-const MODELS: [ModelKind; 5] = [
-    ModelKind::Cosserat,
-    ModelKind::CosseratDisks,
-    ModelKind::PiecewiseConstantCurvature,
-    ModelKind::PseudoRigidBody,
-    ModelKind::FourBar,
-];
-
 /// Random robots with every kind of load, moved to disks where a load sits at one place.
 fn load_kinds() -> impl Strategy<Value = (Robot, Case)> {
     let wild = Wildness { cables: 3, tension: 0.5, force: 0.8, moment: 0.5, weight: 1.0 };
@@ -207,12 +200,12 @@ fn assert_in_equilibrium(kinds: &[ModelKind], cases: usize, actuation: Actuation
 
 #[test]
 fn the_base_bears_all_loads_in_every_model() {
-    assert_in_equilibrium(&MODELS, 40, Actuation::Tension);
+    assert_in_equilibrium(&WITH_FORCES, 40, Actuation::Tension);
 }
 
 #[test]
 fn the_base_bears_all_loads_with_cables_held_at_lengths() {
-    assert_in_equilibrium(&MODELS, 20, Actuation::Shortening);
+    assert_in_equilibrium(&WITH_FORCES, 20, Actuation::Shortening);
 }
 
 /// One load of every kind alone, so that none hides behind another.
@@ -259,7 +252,7 @@ fn the_base_bears_each_kind_of_load() {
         let case = Case { loads, ..case.clone() };
         let rule = rule(&robot, &case.loads, 4);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
-        for kind in MODELS {
+        for kind in WITH_FORCES {
             let model = model_with_forces(kind, stations.clone(), Actuation::Tension);
             let solution = model.solve(&robot, &case).unwrap();
             let off = left(&robot, &case, &solution, &rule);
@@ -308,7 +301,7 @@ fn the_base_bears_the_contacts_too() {
         let case = Case { loads, base, obstacles: vec![ball], ..Case::with_tensions(&[3.0]) };
         let rule = rule(&robot, &case.loads, 1);
         let stations = Stations::At(rule.iter().map(|(s, _)| *s).collect());
-        for kind in MODELS {
+        for kind in WITH_FORCES {
             let model = model_with_forces(kind, stations.clone(), Actuation::Tension);
             let solution = model.solve(&robot, &case).unwrap();
             assert!(!solution.contacts.is_empty());

@@ -6,20 +6,11 @@ use whipcord::{
     Shortening, SlipState, Solution, SolveError, Statics as _, Stations, Status, Vec3, WarmStart,
 };
 
-use crate::common::{self, helix, model_with_forces, paper_backbone, straight};
+use crate::common::{self, WITH_FORCES, helix, model_with_forces, paper_backbone, straight};
 use crate::contact::{among, wall};
 use crate::cosserat_disks::friction_study::divided;
 
 const MODELS: [ModelKind; 4] = [
-    ModelKind::CosseratDisks,
-    ModelKind::PiecewiseConstantCurvature,
-    ModelKind::PseudoRigidBody,
-    ModelKind::FourBar,
-];
-
-/// With the rod whose cables have friction along their curves.
-const WITH_ROD: [ModelKind; 5] = [
-    ModelKind::Cosserat,
     ModelKind::CosseratDisks,
     ModelKind::PiecewiseConstantCurvature,
     ModelKind::PseudoRigidBody,
@@ -276,7 +267,7 @@ fn hardly_any_friction_is_none() {
         robot(6, vec![cable("a", helix(20.0, 0.6)), cable("b", straight(200.0))])
     };
     let cut = [Shortening::Length(0.004), Shortening::Length(0.002)];
-    for kind in WITH_ROD {
+    for kind in WITH_FORCES {
         for loads in [Loads::default(), several_loads()] {
             for mut case in [Case::with_tensions(&[3.0, 1.5]), Case::with_shortenings(&cut)] {
                 case.loads = loads.clone();
@@ -328,7 +319,7 @@ fn every_way_to_ask_gives_the_same() {
 fn derivatives_branches_and_obstacles_are_refused() {
     let robot = one_rubbing(6, 0.3);
     let case = Case::with_tensions(&[2.0]);
-    for kind in WITH_ROD {
+    for kind in WITH_FORCES {
         let mut prepared = model(kind).prepare(&robot, &case.loads).unwrap();
         let solution = prepared.solve(&case, None).unwrap();
         let refused = |error: SolveError| match error {

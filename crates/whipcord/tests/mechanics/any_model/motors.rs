@@ -9,15 +9,7 @@ use whipcord::{
     Statics as _, Stations, Vec3,
 };
 
-use crate::common::{model_with_forces, paper_backbone, straight};
-
-const MODELS: [ModelKind; 5] = [
-    ModelKind::Cosserat,
-    ModelKind::CosseratDisks,
-    ModelKind::PiecewiseConstantCurvature,
-    ModelKind::PseudoRigidBody,
-    ModelKind::FourBar,
-];
+use crate::common::{WITH_FORCES, model_with_forces, paper_backbone, straight};
 
 fn model(kind: ModelKind) -> Model {
     model_with_forces(kind, Stations::default(), Actuation::Natural)
@@ -75,7 +67,7 @@ fn a_spool_with_a_soft_drive_bends_an_arc_as_far_as_the_closed_form_says() {
     let tension = radius * angle / (arm * arm * length / bending + 1.0 / stiffness);
     let bend = tension * arm * length / bending;
     let case = Case::with_motors(&robot, &[angle]).unwrap();
-    for kind in MODELS {
+    for kind in WITH_FORCES {
         let solution = model(kind).solve(&robot, &case).unwrap();
         let found = solution.cables[0].tension.unwrap();
         // Straight cables between disks differ from arcs by (φ/39)²/24.
@@ -93,7 +85,7 @@ fn the_part_of_each_cable_inside_is_what_drive_and_pretension_leave() {
     let case = loaded(&robot, &[1.4]);
     // Behind the gear and half of the play.
     let output = (1.4 - 0.1) / 2.0 - 0.025;
-    for kind in MODELS {
+    for kind in WITH_FORCES {
         let solution = model(kind).solve(&robot, &case).unwrap();
         for (cable, pull, compliance) in [(0, 0.01, 1.0 / 4e3 + 0.3 / 5e3), (1, -0.0101, 1.0 / 4e3)]
         {
@@ -108,9 +100,7 @@ fn the_part_of_each_cable_inside_is_what_drive_and_pretension_leave() {
             );
         }
         // The same tensions bend the same robot without motors as far.
-        let plain =
-            Robot::new(robot.backbone().clone(), robot.disks().clone(), robot.cables().to_vec())
-                .unwrap();
+        let plain = robot.clone().with_motors(Vec::new()).unwrap();
         let tensions: Vec<f64> = solution.cables.iter().map(|c| c.tension.unwrap()).collect();
         let by_tension = Case { loads: case.loads.clone(), ..Case::with_tensions(&tensions) };
         let same = model(kind).solve(&plain, &by_tension).unwrap();
@@ -123,7 +113,7 @@ fn antagonists_at_rest_have_their_pretension() {
     let motor = Motor { offset: 0.3, ..spool() };
     let robot = antagonists(paper_backbone(), motor);
     let case = Case::with_motors(&robot, &[0.3]).unwrap();
-    for kind in MODELS {
+    for kind in WITH_FORCES {
         let solution = model(kind).solve(&robot, &case).unwrap();
         for cable in &solution.cables {
             // The backbone is a little shorter under both.
@@ -174,7 +164,7 @@ fn derivatives_by_the_numbers_of_a_motor_are_those_of_differences() {
         "cables[0].routing.radius",
     ]
     .map(|path| path.parse::<Parameter>().unwrap());
-    for kind in MODELS {
+    for kind in WITH_FORCES {
         let tight = model(kind).with_tolerance(1e-10);
         let mut prepared = tight.prepare(&robot, &case.loads).unwrap();
         let last = case.single_steps().nth(1).unwrap();
@@ -198,11 +188,8 @@ fn derivatives_by_the_numbers_of_a_motor_are_those_of_differences() {
 #[test]
 fn what_no_motor_can_do_is_refused_by_name() {
     let robot = antagonists(paper_backbone(), spool());
-    let with = |motors: Vec<Motor>| {
-        let plain =
-            Robot::new(robot.backbone().clone(), robot.disks().clone(), robot.cables().to_vec());
-        plain.unwrap().with_motors(motors).map_err(|error| error.to_string())
-    };
+    let with =
+        |motors: Vec<Motor>| robot.clone().with_motors(motors).map_err(|error| error.to_string());
     let told = |motors: Vec<Motor>| with(motors).unwrap_err();
     assert_eq!(
         told(vec![Motor::spool("a", [(0, 0.01)]), Motor::spool("b", [(1, 0.01), (0, 0.01)])]),
@@ -224,6 +211,11 @@ fn what_no_motor_can_do_is_refused_by_name() {
         beyond.to_string(),
         "`angle` of motor 1: must be from -1 rad to 1 rad, the limits of this motor, but is 1.5 rad"
     );
+    // What is no number is refused in the steps before as well.
+    let mut unknown = Case::with_motors(&limited, &[0.5]).unwrap();
+    unknown.motors.insert(0, vec![Some(f64::NAN)]);
+    let refused = unknown.drive(&limited).unwrap_err();
+    assert!(matches!(refused.problem, Problem::NotFinite { .. }), "{refused}");
     let many = Case::with_motors(&limited, &[0.5, 0.5]).unwrap_err();
     assert_eq!(many.problem, Problem::MotorCount { given: 2, motors: 1 });
 }
@@ -237,7 +229,7 @@ fn a_soft_drive_gives_under_the_tension_below_the_base_where_the_cable_rubs() {
     let plain = Robot::new(paper_backbone(), disks, vec![cable]).unwrap();
     let robot = plain.clone().with_motors(vec![motor]).unwrap();
     let case = Case::with_motors(&robot, &[0.9]).unwrap();
-    for kind in MODELS {
+    for kind in WITH_FORCES {
         let solution = model(kind).solve(&robot, &case).unwrap();
         let state = &solution.cables[0];
         let tension = state.tension.unwrap();

@@ -468,6 +468,15 @@ fn cables_share(cables: usize) -> f64 {
     (cables as f64).sqrt().max(1.0)
 }
 
+/// The models of an equilibrium under forces.
+pub const WITH_FORCES: [ModelKind; 5] = [
+    ModelKind::Cosserat,
+    ModelKind::CosseratDisks,
+    ModelKind::PiecewiseConstantCurvature,
+    ModelKind::PseudoRigidBody,
+    ModelKind::FourBar,
+];
+
 /// The model in its variant that takes forces.
 pub fn model_with_forces(kind: ModelKind, stations: Stations, actuation: Actuation) -> Model {
     match Model::new(kind, stations, actuation) {

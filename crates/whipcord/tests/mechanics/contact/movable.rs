@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{STIFFNESS, among, cube, sphere, wall};
-use crate::common::model_with_forces;
+use crate::common::{WITH_FORCES, model_with_forces};
 use whipcord::derivatives::{Hold, Place};
 use whipcord::obstacle::Superellipsoid;
 use whipcord::{
@@ -11,14 +11,6 @@ use whipcord::{
     MovableBody, Obstacle, Obstruction, Pose, Robot, Routing, Section, Solution, SolveError,
     Statics as _, Stations, Twist, UnitQuaternion, Vec3,
 };
-
-const KINDS: [ModelKind; 5] = [
-    ModelKind::Cosserat,
-    ModelKind::CosseratDisks,
-    ModelKind::PiecewiseConstantCurvature,
-    ModelKind::PseudoRigidBody,
-    ModelKind::FourBar,
-];
 
 const LENGTH: f64 = 0.18;
 const GRAVITY: f64 = 9.81;
@@ -239,7 +231,7 @@ fn an_object_that_overlaps_at_rest_is_refused() {
 #[test]
 fn a_finger_pushes_a_box_along_a_table() {
     let mass = 0.02;
-    for kind in KINDS {
+    for kind in WITH_FORCES {
         for friction in [0.0, 0.1] {
             let table = Vec3::new(0.125, 0.0, 0.11);
             let table = block("table", Vec3::new(0.2, 0.2, 0.02), table, friction);
@@ -273,7 +265,7 @@ fn squeezed(friction: f64, mass: f64, tension: f64) -> Case {
 /// Two contacts carry it, one on each side, as far as their friction goes.
 #[test]
 fn a_ball_is_squeezed_against_a_wall() {
-    for kind in KINDS {
+    for kind in WITH_FORCES {
         let case = squeezed(0.5, 0.005, 3.0);
         let solution = solved(kind, &finger(9), &case);
         let state = &solution.objects[0];
@@ -297,7 +289,7 @@ fn a_ball_is_squeezed_against_a_wall() {
 /// Once held, it is held as the tension changes from step to step, and let go where that is too low.
 #[test]
 fn a_ball_that_is_held_stays_held() {
-    for kind in KINDS {
+    for kind in WITH_FORCES {
         let mut case = squeezed(0.5, 0.005, 3.5);
         case.before = vec![Case::with_tensions(&[3.0]).commands];
         let mut prepared = model(kind).prepare(&finger(9), &case.loads).unwrap();
@@ -326,7 +318,7 @@ fn a_rigid_motion_changes_nothing() {
         position: Vec3::new(0.3, -0.2, 0.1),
         rotation: UnitQuaternion::exp(Vec3::new(0.4, -0.7, 1.1)),
     };
-    for kind in KINDS {
+    for kind in WITH_FORCES {
         let case = squeezed(0.5, 0.005, 3.0);
         let solution = solved(kind, &finger(9), &case);
         let moved = Case {
@@ -369,7 +361,7 @@ fn leaning(mass: f64, sections: usize) -> (Robot, Case) {
 #[test]
 fn a_ball_that_leans_on_a_finger_bends_it() {
     let mass = 0.001;
-    for kind in KINDS {
+    for kind in WITH_FORCES {
         let (robot, case) = leaning(mass, 9);
         let solution = solved(kind, &robot, &case);
         let [touch] = solution.contacts.as_slice() else { panic!("{:?}", solution.contacts) };
@@ -523,7 +515,7 @@ fn arcs_and_a_ball_have_the_least_potential() {
 /// How tip moves with the command and with a force on it, while the ball moves along, against differences.
 #[test]
 fn an_object_moves_along_with_the_robot() {
-    for kind in KINDS {
+    for kind in WITH_FORCES {
         let leans = leaning(0.004, 9);
         for (name, (robot, case)) in
             [("leans", leans), ("squeezed", (finger(9), squeezed(0.5, 0.005, 3.0)))]
