@@ -7,10 +7,11 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::drawn_out::DrawnOut;
 use super::model::Compliant;
-use super::path::{Acting, PathTracker};
-use super::scene::is_pipe;
+use super::path::{Acting, MET, PathTracker, Stop};
+use super::scene::{Present, is_pipe};
 use crate::case::Case;
 use crate::error::SolveError;
+use crate::shape::Solution;
 
 /// Clearance at the beginning, as a part of the length.
 const MARGIN: f64 = 1e-3;
@@ -27,7 +28,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     pub(super) fn approach(
         &mut self,
         asked: &Case,
-        case: &Case,
+        at: &impl Fn(f64) -> Case,
         lost: SolveError,
     ) -> Result<(), SolveError> {
         let is_cancelled = matches!(lost, SolveError::Cancelled { .. });
@@ -35,7 +36,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             return Err(lost);
         }
         let reached = self.reached;
-        match self.come_from_outside(asked, case) {
+        match self.come_from_outside(asked, at) {
             Ok(()) => {
                 self.slipped_at.get_or_insert(reached);
                 Ok(())
@@ -45,15 +46,22 @@ impl<M: Compliant> PathTracker<'_, M> {
         }
     }
 
-    fn come_from_outside(&mut self, asked: &Case, case: &Case) -> Result<(), SolveError> {
+    fn come_from_outside(
+        &mut self,
+        asked: &Case,
+        at: &impl Fn(f64) -> Case,
+    ) -> Result<(), SolveError> {
+        let case = &at(1.0);
         let free = self.model.solve_free(case)?;
+        self.budget = self.spent + BUDGET * self.model.budget();
         self.odd = None;
         self.pairs.near.clear();
         self.dampers.all.clear();
         self.model.reset();
-        self.model.start_from(&free);
-        self.rest(case)?;
-        self.budget = self.spent + BUDGET * self.model.budget();
+        self.scene.keep(Present::None);
+        let stable = self.come_free(asked, at, &free);
+        self.scene.keep(Present::All);
+        stable?;
         self.is_off_answer = false;
         self.draw_out()?;
         // A robot that jumps comes to rest at places that its friction does not remember.
@@ -66,6 +74,34 @@ impl<M: Compliant> PathTracker<'_, M> {
         let before = self.centres();
         self.odd = None;
         self.touch(case, &before).map(|_| ()).map_err(|stop| self.obstructed(1.0, Some(stop)))
+    }
+
+    /// A stable equilibrium without obstacles, where the robot has one.
+    fn come_free(
+        &mut self,
+        asked: &Case,
+        at: &impl Fn(f64) -> Case,
+        free: &Solution,
+    ) -> Result<(), SolveError> {
+        let case = &at(1.0);
+        self.model.start_from(free);
+        // One that is bent much by its loads is not found again from what an answer tells.
+        if self.rest(case).is_err() || self.model.residual() > MET {
+            self.model.reset();
+            self.rest(&at(0.0))?;
+            self.go(asked, at, |_| Acting::ALL)?;
+        }
+        if free.diagnostics.is_unstable() || !self.model.stands_alone() {
+            let kept = self.kept();
+            self.scene.begin_step();
+            match self.relax(case) {
+                Ok(_) => {}
+                Err(Stop::Cancelled) => return Err(SolveError::Cancelled { last_load: None }),
+                // Contacts may hold what is not stable alone.
+                Err(_) => self.restore(kept),
+            }
+        }
+        Ok(())
     }
 
     /// Draws each obstacle out of the robot, against the normal where it is deepest.

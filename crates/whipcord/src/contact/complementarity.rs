@@ -56,6 +56,27 @@ struct FrictionNewton {
     lu: DenseLu,
 }
 
+/// What a contact with friction does.
+#[derive(Clone, Copy, Debug)]
+enum State {
+    Open,
+    /// Or touches without friction.
+    Sticks,
+    /// With a traction in this direction along its tangents.
+    Slides([f64; 2]),
+}
+
+impl State {
+    fn slides(x: f64, y: f64) -> Self {
+        match x.hypot(y) {
+            0.0 => Self::Sticks,
+            size => Self::Slides([x / size, y / size]),
+        }
+    }
+}
+
+/// So often the contacts change their state one by one, by their number.
+const CHANGES: usize = 4;
 /// What a contact yields of itself, as a part of what the robot does.
 const SHARING: f64 = 1e-11;
 /// The same between rigid bodies: forces of contacts that depend on one another are known to the quotient of rounding by this.
@@ -70,6 +91,8 @@ const SWEEPS: usize = 300;
 const TO_AND_FRO: usize = 12;
 /// It ends where a step changes no force by more, relative to the largest.
 const CONVERGED: f64 = 1e-13;
+/// The same where rounding lets them change no less.
+const NEARLY_CONVERGED: f64 = 1e-8;
 /// The same between rigid bodies: at first, where steps are halved, and at the end.
 const CONVERGED_FOR_OBJECTS: [f64; 3] = [1e-10, 1e-12, 1e-6];
 
@@ -105,11 +128,15 @@ impl Complementarity {
         if self.contacts.iter().any(|contact| contact.coefficient > 0.0) {
             if !self.are_dependent {
                 let forces = self.forces.clone();
-                return self.solve_with_friction(false).or_else(|_| {
-                    // From nearer, where it goes round in circles.
-                    self.forces = forces;
-                    self.sweep();
-                    self.solve_with_friction(false)
+                let settled = self.settle().and_then(|()| self.solve_with_friction(false));
+                return settled.or_else(|_| {
+                    self.forces.clone_from(&forces);
+                    self.solve_with_friction(false).or_else(|_| {
+                        // From nearer, where it goes round in circles.
+                        self.forces = forces;
+                        self.sweep();
+                        self.solve_with_friction(false)
+                    })
                 });
             }
             // Between rigid bodies several states may hold: first all stick, where none slides far.
@@ -185,6 +212,97 @@ impl Complementarity {
         Ok(Touching { negative })
     }
 
+    /// With friction, forces under which each contact does what it did, but for those that could not: of several states that hold, the
+    /// one that is next to what was.
+    fn settle(&mut self) -> Result<(), Unsolved> {
+        let lines = self.gaps.len();
+        let state = |contact: &Contact| {
+            let [i, x, y] = [0, 1, 2].map(|k| contact.first + k);
+            if !contact.touches || self.forces[i] <= 0.0 {
+                State::Open
+            } else if contact.coefficient == 0.0 || contact.sticks {
+                State::Sticks
+            } else {
+                State::slides(self.forces[x], self.forces[y])
+            }
+        };
+        let mut states: Vec<State> = self.contacts.iter().map(state).collect();
+        let scale = self.gaps.iter().fold(f64::MIN_POSITIVE, |most, gap| most.max(gap.abs()));
+        for _ in 0..CHANGES * states.len() {
+            self.hold(&states)?;
+            let Self { matrix, gaps, forces, contacts, .. } = self;
+            let most = forces.iter().fold(f64::MIN_POSITIVE, |most, f| most.max(f.abs()));
+            let value = |i: usize| {
+                let row = &matrix[i * lines..(i + 1) * lines];
+                (gaps[i] + row.iter().zip(&*forces).map(|(m, f)| m * f).sum::<f64>()) / scale
+            };
+            // By how much each could not, and what it does instead; first whether it touches, then whether it sticks.
+            let (mut worst, mut change) = ((false, ROUNDING), None);
+            for (k, contact) in contacts.iter().enumerate() {
+                let i = contact.first;
+                let (lack, instead) = match states[k] {
+                    State::Open => {
+                        let instead = match contact.coefficient {
+                            0.0 => State::Sticks,
+                            _ => State::slides(-value(i + 1), -value(i + 2)),
+                        };
+                        ((true, -value(i)), instead)
+                    }
+                    _ if forces[i] < 0.0 => ((true, -forces[i] / most), State::Open),
+                    _ if contact.coefficient == 0.0 => continue,
+                    State::Sticks => {
+                        let [a, b] = [forces[i + 1], forces[i + 2]];
+                        let lack = a.hypot(b) - contact.coefficient * forces[i];
+                        ((false, lack / most), State::slides(a, b))
+                    }
+                    State::Slides([a, b]) => {
+                        ((false, a * value(i + 1) + b * value(i + 2)), State::Sticks)
+                    }
+                };
+                if lack.1 > ROUNDING && (change.is_none() || lack > worst) {
+                    (worst, change) = (lack, Some((k, instead)));
+                }
+            }
+            match change {
+                Some((k, instead)) => states[k] = instead,
+                None => return Ok(()),
+            }
+        }
+        Err(Unsolved)
+    }
+
+    /// The forces of contacts in these states.
+    fn hold(&mut self, states: &[State]) -> Result<(), Unsolved> {
+        let lines = self.gaps.len();
+        let sharing = self.sharing();
+        let Self { matrix, gaps, forces, contacts, friction_newton, .. } = self;
+        let FrictionNewton { jacobian, lu, .. } = friction_newton;
+        jacobian.clear();
+        jacobian.resize(lines * lines, 0.0);
+        forces.fill(0.0);
+        for (contact, state) in contacts.iter().zip(states) {
+            let i = contact.first;
+            for (k, row) in (i..i + contact.lines()).enumerate() {
+                match state {
+                    State::Slides(way) if k > 0 => {
+                        jacobian[row * lines + row] = 1.0;
+                        jacobian[row * lines + i] = -contact.coefficient * way[k - 1];
+                    }
+                    State::Open => jacobian[row * lines + row] = 1.0,
+                    _ => {
+                        let of = row * lines..(row + 1) * lines;
+                        jacobian[of.clone()].copy_from_slice(&matrix[of]);
+                        jacobian[row * lines + row] *= 1.0 + sharing;
+                        forces[row] = -gaps[row];
+                    }
+                }
+            }
+        }
+        lu.factor(lines, jacobian).map_err(|_| Unsolved)?;
+        lu.solve(forces);
+        if forces.iter().all(|force| force.is_finite()) { Ok(()) } else { Err(Unsolved) }
+    }
+
     /// With friction: Newton's method on the projections of Alart and Curnier (1991), by contact
     ///
     /// ```text
@@ -197,6 +315,7 @@ impl Complementarity {
         let sharing = self.sharing();
         let Self { matrix, gaps, forces, contacts, are_dependent, friction_newton, .. } = self;
         let FrictionNewton { values, jacobian, step, lu } = friction_newton;
+        let mut before = f64::INFINITY;
         for number in 0..STEPS {
             values.clear();
             values.extend((0..lines).map(|i| {
@@ -266,13 +385,17 @@ impl Complementarity {
             let part = if *are_dependent && number >= TO_AND_FRO { 0.5 } else { 1.0 };
             forces.iter_mut().zip(&*step).for_each(|(force, change)| *force += part * change);
             let largest = |list: &[f64]| list.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let changed = largest(step) / largest(forces).max(f64::MIN_POSITIVE);
+            let stagnates = !*are_dependent && changed < NEARLY_CONVERGED && changed > 0.5 * before;
+            before = changed;
             let tolerance = match number {
+                _ if stagnates => NEARLY_CONVERGED,
                 _ if !*are_dependent => CONVERGED,
                 ..TO_AND_FRO => CONVERGED_FOR_OBJECTS[0],
                 _ if number + 1 < STEPS => CONVERGED_FOR_OBJECTS[1],
                 _ => CONVERGED_FOR_OBJECTS[2],
             };
-            if largest(step) <= tolerance * largest(forces) {
+            if changed <= tolerance {
                 for contact in contacts.iter() {
                     forces[contact.first] = forces[contact.first].max(0.0);
                     if !contact.touches {

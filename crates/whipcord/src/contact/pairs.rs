@@ -36,6 +36,8 @@ pub(super) struct Pair {
     pub grip: Option<Grip>,
     /// How it moves along the backbone; `None` where it keeps its place.
     pub slide: Option<Slide>,
+    /// Whether it keeps its place along the backbone from now on.
+    pub is_settled: bool,
 }
 
 /// All pairs that are near, and where to look for more.
@@ -69,6 +71,10 @@ const BETWEEN: f64 = 0.05;
 const ATTEMPTS: usize = 2;
 /// Contacts of the backbone that are nearer than this to one another, in distances of watched places, keep their places.
 const BESIDE: f64 = 1.0;
+/// The same of those that rub.
+const BESIDE_RUBBING: f64 = 1.5;
+/// Least distance of two of those, where one lies between two watched places.
+const CROWDED: f64 = 0.5;
 /// Least distance of two contacts of the backbone, as a part of its length.
 const APART: f64 = 1e-5;
 /// A rim is about as near all around where its distances from the obstacle differ by less than this part of its radius; and
@@ -138,8 +144,10 @@ impl Pairs {
                 let from = scene.carry(pair.obstacle, grip.from);
                 grip.refresh(&pose, &pair.nearest, rounding, from);
             }
-            let slides =
-                is_alone && pair.member.part == Part::Backbone && obstacle.movable.is_none();
+            let slides = is_alone
+                && !pair.is_settled
+                && pair.member.part == Part::Backbone
+                && obstacle.movable.is_none();
             let place = (pair.member.arc_length, rounding);
             pair.slide = if slides { Slide::of(model, obstacle, place, self.length) } else { None };
         }
@@ -154,7 +162,8 @@ impl Pairs {
     fn is_alone(&self, number: usize) -> bool {
         let of = &self.near[number];
         let s = of.member.arc_length;
-        let apart = BESIDE * self.spacing(s);
+        let beside = if of.grip.is_some() { BESIDE_RUBBING } else { BESIDE };
+        let apart = beside * self.spacing(s);
         let is_beside = |(k, pair): (usize, &Pair)| {
             k != number
                 && pair.obstacle == of.obstacle
@@ -398,19 +407,29 @@ impl Pairs {
         let mut elsewhere = false;
         for (arc_length, rounding) in added {
             // Tractions act at the surface: contacts that are nearer to one another than their moments shift the force may hold
-            // in several ways.
+            // in several ways. Where a backbone that rubs lies on an obstacle they are watched places.
             let close = 2.0 * obstacle.friction * rounding;
-            let is_close = |pair: &Pair| {
+            let crowded = CROWDED * self.spacing(arc_length);
+            let beside = if close > 0.0 { close.max(crowded) } else { 0.0 };
+            let is_watched = |s: f64| watched.binary_search_by(|at| at.total_cmp(&s)).is_ok();
+            let is_near = |pair: &Pair, within: f64| {
                 pair.obstacle == number
                     && pair.member.part == Part::Backbone
-                    && (pair.member.arc_length - arc_length).abs() < close
+                    && (pair.member.arc_length - arc_length).abs() < within
             };
-            let is_watched = |s: f64| watched.binary_search_by(|at| at.total_cmp(&s)).is_ok();
-            if let Some(beside) = self.near.iter().position(is_close) {
-                if is_watched(arc_length) && !is_watched(self.near[beside].member.arc_length) {
-                    self.move_to(beside, arc_length, model, scene);
-                    elsewhere = true;
+            let is_between = |pair: &Pair| !is_watched(pair.member.arc_length);
+            if !is_watched(arc_length) {
+                if self.near.iter().any(|pair| is_near(pair, beside)) {
+                    continue;
                 }
+            } else if let Some(between) =
+                self.near.iter().position(|pair| is_near(pair, beside) && is_between(pair))
+            {
+                self.move_to(between, arc_length, model, scene);
+                self.near[between].is_settled = true;
+                elsewhere = true;
+                continue;
+            } else if self.near.iter().any(|pair| is_near(pair, close)) {
                 continue;
             }
             let body = Body { flat: 0.0, rounding };
@@ -724,6 +743,7 @@ impl Pair {
             given: [0.0; 6],
             grip: None,
             slide: None,
+            is_settled: false,
         }
     }
 

@@ -11,7 +11,7 @@ use super::model::{Compliant, Push};
 use super::object::{Object, Objects};
 use super::object_pair::ObjectPair;
 use super::pairs::{OVERLAP, Pair, Pairs};
-use super::scene::{DistanceBound, Scene, is_pipe};
+use super::scene::{DistanceBound, Present, Scene, is_pipe};
 use super::step::{NoStep, Scratch, turned};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
@@ -20,7 +20,7 @@ use crate::robot::Robot;
 use crate::shape::{Part, Solution, Wrench};
 
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
-const MET: f64 = 1e-9;
+pub(super) const MET: f64 = 1e-9;
 /// Met as nearly as rounding allows where the robot is about to buckle under the forces alone.
 const NEARLY_MET: f64 = 1e-7;
 /// Contacts of the backbone that are nearer than this to their places along it, as a part of the length, are there.
@@ -213,7 +213,7 @@ pub(crate) fn solve_holding(
         gone = tracker.hold_and_release(case, &at, &to_base);
     }
     if let Err(error) = gone {
-        tracker.approach(case, &at(1.0), error)?;
+        tracker.approach(case, &at, error)?;
     }
     while tracker.model.refine()? {
         let here: Vec<Vec3> =
@@ -259,13 +259,13 @@ impl<M: Compliant> PathTracker<'_, M> {
         self.scene.begin_step();
         let Some(answer) = answer else {
             self.rest(case)?;
-            self.scene.keep_only_pipes(true);
+            self.scene.keep(Present::Pipes);
             if self.pairs.deepest(self.model, &self.scene).is_some() {
                 let are_held = core::mem::replace(&mut self.objects.are_held, true);
                 self.insert(case)?;
                 self.objects.are_held = are_held;
             }
-            self.scene.keep_only_pipes(false);
+            self.scene.keep(Present::All);
             if let Some((owner, other, depth)) = self.objects.deepest(&self.scene, self.length) {
                 let [object, obstacle] =
                     [owner, other].map(|number| self.scene.get(number).name.clone());

@@ -5,6 +5,15 @@ use whipcord_numerics::{Pose, Vec3};
 use crate::case::Case;
 use crate::obstacle::{Form, Obstacle};
 
+/// Which obstacles count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Present {
+    All,
+    /// Those that the robot is inserted into.
+    Pipes,
+    None,
+}
+
 /// The obstacles in the frame of a base that may be drawn back along its axis.
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
@@ -12,7 +21,7 @@ pub(super) struct Scene {
     there: Vec<Obstacle>,
     /// As it sees them where it is.
     obstacles: Vec<Obstacle>,
-    only_pipes: bool,
+    present: Present,
     drawn_back: f64,
     /// By how much when the step on the way began.
     began_at: f64,
@@ -30,7 +39,7 @@ impl Scene {
             began: there.iter().map(|obstacle| obstacle.pose).collect(),
             obstacles: there.clone(),
             there,
-            only_pipes: false,
+            present: Present::All,
             drawn_back: 0.0,
             began_at: 0.0,
         }
@@ -99,9 +108,9 @@ impl Scene {
         point + Vec3::Z * (self.drawn_back - self.began_at)
     }
 
-    /// Leaves out all obstacles that the robot is not inserted into, or takes them in again.
-    pub fn keep_only_pipes(&mut self, only: bool) {
-        self.only_pipes = only;
+    /// Leaves out all obstacles but these.
+    pub fn keep(&mut self, present: Present) {
+        self.present = present;
     }
 
     pub fn count(&self) -> usize {
@@ -121,7 +130,11 @@ impl Scene {
 
     /// The obstacles that count now, with their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &Obstacle)> {
-        let counts = |obstacle: &Obstacle| !self.only_pipes || is_pipe(obstacle);
+        let counts = |obstacle: &Obstacle| match self.present {
+            Present::All => true,
+            Present::Pipes => is_pipe(obstacle),
+            Present::None => false,
+        };
         self.obstacles.iter().enumerate().filter(move |(_, obstacle)| counts(obstacle))
     }
 }

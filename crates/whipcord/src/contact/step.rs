@@ -164,7 +164,7 @@ impl Scratch {
                 first,
                 coefficient: grip.map_or(0.0, |grip| grip.coefficient),
                 touches: force > 0.0 || gap < 0.0,
-                sticks: false,
+                sticks: grip.is_some_and(|grip| grip.sticks),
             };
             first += contact.lines();
             problem.contacts.push(contact);
