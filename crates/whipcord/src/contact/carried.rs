@@ -19,7 +19,7 @@ use super::object::Objects;
 use super::pairs::Pair;
 use super::scene::Scene;
 use super::step::of_objects;
-use super::two_bodies::{Block, End, axis_of, carried, dot, put};
+use super::two_bodies::{Block, Differences, End, axis_of, carried, dot, put};
 use crate::statics::hold::Critical;
 
 /// The stiffness that keeps an object, relative to that of the robot.
@@ -91,7 +91,7 @@ impl Carried {
                 if part.is_finite() { along * part } else { Vec3::ZERO }
             };
             let force = |nearest: &Nearest| nearest.normal * pair.force + traction(nearest.normal);
-            contact.geometric(force, pair.total(), 6, &mut all.blocks);
+            contact.geometric(force, pair.total(), 6, Differences::Central, &mut all.blocks);
             // From the answer on.
             let from: Pose = contact.pose;
             let sticking = pair.grip.filter(|grip| grip.sticks);

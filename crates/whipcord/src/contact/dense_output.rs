@@ -35,6 +35,25 @@ impl DenseOutput {
         }
     }
 
+    /// The centres of cross-sections at increasing arc lengths.
+    pub fn centres(&self, arc_lengths: &[f64], into: &mut Vec<Vec3>) {
+        into.clear();
+        let (mut k, mut step) = (0, None);
+        for &s in arc_lengths {
+            while self.ends.get(k + 1).is_some_and(|&end| end < s) {
+                (k, step) = (k + 1, None);
+            }
+            match (self.strains.get(k), self.poses.get(k..k + 2), self.ends.get(k..k + 2)) {
+                (Some(strains), Some([start, end]), Some(&[from, to])) if from < s && s < to => {
+                    let curve =
+                        step.get_or_insert_with(|| Curve::new(start, end, strains, to - from));
+                    into.push(curve.position((s - from) / (to - from)));
+                }
+                _ => into.push(self.centre(s)),
+            }
+        }
+    }
+
     fn find(&self, arc_length: f64) -> Place<'_> {
         let after = self.ends.partition_point(|&end| end < arc_length);
         if after == 0 || self.ends.get(after) == Some(&arc_length) {
@@ -69,28 +88,47 @@ struct Inside<'a> {
     part: f64,
 }
 
-impl Inside<'_> {
-    fn position(&self) -> Vec3 {
-        let Self { start, end, strains: [first, middle, last], length: h, part: t } = *self;
+/// The curve of a step: positions at its ends, and the first and second derivatives there by the part of the step.
+struct Curve {
+    positions: [Vec3; 2],
+    firsts: [Vec3; 2],
+    seconds: [Vec3; 2],
+}
+
+impl Curve {
+    fn new(start: &Pose, end: &Pose, [first, middle, last]: &[Strain; 3], h: f64) -> Self {
         // `p′ = R v` and `p″ = R (u × v + v′)`, with v′ from the parabola through the three strains.
         let slopes = [
             (middle.linear * 4.0 - first.linear * 3.0 - last.linear) * (1.0 / h),
             (first.linear - middle.linear * 4.0 + last.linear * 3.0) * (1.0 / h),
         ];
+        let first_of = |pose: &Pose, strain: &Strain| pose.rotation.rotate(strain.linear * h);
+        let second_of = |pose: &Pose, strain: &Strain, slope: Vec3| {
+            pose.rotation.rotate((strain.angular.cross(strain.linear) + slope) * (h * h))
+        };
+        Self {
+            positions: [start.position, end.position],
+            firsts: [first_of(start, first), first_of(end, last)],
+            seconds: [second_of(start, first, slopes[0]), second_of(end, last, slopes[1])],
+        }
+    }
+
+    fn position(&self, t: f64) -> Vec3 {
         let (t2, u) = (t * t, 1.0 - t);
         let (t3, u2) = (t2 * t, u * u);
         let u3 = u2 * u;
-        // What is seen from the frame at an end.
-        let seen = |strain: &Strain, slope: Vec3, tangent: f64, bend: f64| {
-            strain.linear * (tangent * h)
-                + (strain.angular.cross(strain.linear) + slope) * (bend * h * h)
-        };
-        let from = seen(first, slopes[0], t * u3 * (1.0 + 3.0 * t), 0.5 * t2 * u3);
-        let to = seen(last, slopes[1], -u * t3 * (1.0 + 3.0 * u), 0.5 * u2 * t3);
-        start.position * (u3 * (1.0 + 3.0 * t + 6.0 * t2))
-            + start.rotation.rotate(from)
-            + end.position * (t3 * (1.0 + 3.0 * u + 6.0 * u2))
-            + end.rotation.rotate(to)
+        self.positions[0] * (u3 * (1.0 + 3.0 * t + 6.0 * t2))
+            + self.firsts[0] * (t * u3 * (1.0 + 3.0 * t))
+            + self.seconds[0] * (0.5 * t2 * u3)
+            + self.positions[1] * (t3 * (1.0 + 3.0 * u + 6.0 * u2))
+            - self.firsts[1] * (u * t3 * (1.0 + 3.0 * u))
+            + self.seconds[1] * (0.5 * u2 * t3)
+    }
+}
+
+impl Inside<'_> {
+    fn position(&self) -> Vec3 {
+        Curve::new(self.start, self.end, self.strains, self.length).position(self.part)
     }
 
     fn rotation(&self) -> UnitQuaternion {
@@ -158,6 +196,16 @@ mod tests {
         assert!(fine[0] < 2e-8 && fine[1] < 1e-5, "{fine:?}");
         // v′ is known to the second order, and the rotation vector to the fourth.
         assert!(coarse[0] / fine[0] > 12.0 && coarse[1] / fine[1] > 12.0, "{coarse:?} {fine:?}");
+    }
+
+    #[test]
+    fn centres_are_those_of_the_frames() {
+        let dense = rod(5);
+        let places: Vec<f64> = (0..=64).map(|k| f64::from(k) / 64.0).chain([1.0]).collect();
+        let mut centres = Vec::new();
+        dense.centres(&places, &mut centres);
+        let of_frames: Vec<Vec3> = places.iter().map(|&s| dense.pose(s).position).collect();
+        assert_eq!(centres, of_frames);
     }
 
     #[test]

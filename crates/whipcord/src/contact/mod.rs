@@ -18,6 +18,7 @@
 //! | `free_path` | robots that keep clear of all obstacles |
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
 //! | `approach`, `drawn_out` | where it may come to if it finds no rest |
+//! | `step_length` | how far the robot may move in one step on the way |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
 mod approach;
@@ -48,6 +49,7 @@ mod rod_response;
 mod scene;
 mod sliding;
 mod step;
+mod step_length;
 mod two_bodies;
 
 pub(crate) use dense_output::DenseOutput;

@@ -11,8 +11,9 @@ use super::model::{Compliant, Push};
 use super::object::{Object, Objects};
 use super::object_pair::ObjectPair;
 use super::pairs::{OVERLAP, Pair, Pairs};
-use super::scene::{DistanceBound, Present, Scene, is_pipe};
+use super::scene::{Present, Scene};
 use super::step::{NoStep, Scratch, turned};
+use super::step_length::{STRIDE, StepLength};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::obstacle::Obstacle;
@@ -21,6 +22,8 @@ use crate::shape::{Part, Solution, Wrench};
 
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
 pub(super) const MET: f64 = 1e-9;
+/// On the way to the answer, where disks without friction are all that touches: nothing remembers such a place.
+const MET_ON_WAY: f64 = 1e-5;
 /// Met as nearly as rounding allows where the robot is about to buckle under the forces alone.
 const NEARLY_MET: f64 = 1e-7;
 /// Contacts of the backbone that are nearer than this to their places along it, as a part of the length, are there.
@@ -29,10 +32,6 @@ const NEARLY_THERE: f64 = 1e-7;
 const PATIENCE: usize = 8;
 /// Steps of Newton's method at one place of the way; each may find another contact.
 const STEPS: usize = 40;
-/// No cross-section moves farther in one step on the way, as a part of the length.
-const STRIDE: f64 = 0.25;
-/// Free balls below this part of the length count as it, where they bound the steps on the way.
-const LEAST_REACH: f64 = 0.005;
 /// A nudge, relative to the force scale.
 const NUDGE: f64 = 2e-2;
 /// A known answer is where the model stands if no disk is farther from it than this part of the length.
@@ -106,6 +105,8 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) odd: Option<bool>,
     /// A small force that decides which way a robot slips off.
     pub(super) nudge: Option<Push>,
+    /// Whether the equilibrium that is looked for is none but a place on the way to the answer.
+    is_on_way: bool,
     /// How far on the way there is an equilibrium.
     pub(super) reached: f64,
     /// Where on the way the robot slipped off.
@@ -196,6 +197,7 @@ pub(crate) fn solve_holding(
         residual: 0.0,
         odd: None,
         nudge: None,
+        is_on_way: false,
         reached: 0.0,
         slipped_at: None,
         is_off_answer: false,
@@ -387,7 +389,10 @@ impl<M: Compliant> PathTracker<'_, M> {
             }
             // Where they were, as the base sees it from where it will be.
             before.extend((0..watched).map(|k| self.scene.carried_point(self.model.centre(k))));
-            let stop = match self.touch(&case, &before) {
+            self.is_on_way = next < 1.0;
+            let touched = self.touch(&case, &before);
+            self.is_on_way = false;
+            let stop = match touched {
                 Ok(None) => {
                     way = next;
                     self.reached = way;
@@ -505,7 +510,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.model.consider(case, &self.pushes).map_err(Stop::Model)?;
             self.iterations += 1;
             self.charge()?;
-            if let Some(part) = self.too_far(before) {
+            let step = StepLength { scene: &self.scene, before, length: self.length };
+            if let Some(part) = step.too_far(|k| self.model.centre(k)) {
                 return Ok(Some(part));
             }
             self.pairs.refresh(self.model, &self.scene);
@@ -532,7 +538,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             }
             looked = false;
             // A known answer that is met at once still has to be judged.
-            if self.residual <= MET && (self.odd.is_some() || !self.is_touching()) {
+            let met = if self.is_on_way && self.are_only_disks() { MET_ON_WAY } else { MET };
+            if self.residual <= met && (self.odd.is_some() || !self.is_touching()) {
                 return self.arrived();
             }
             if self.residual < 0.5 * least {
@@ -613,6 +620,16 @@ impl<M: Compliant> PathTracker<'_, M> {
         self.pairs.near.iter().all(clear)
     }
 
+    /// Whether nothing is near obstacles but disks without friction.
+    fn are_only_disks(&self) -> bool {
+        let is_plain = |pair: &Pair| {
+            pair.grip.is_none() && !pair.keeps_place && pair.member.part != Part::Backbone
+        };
+        self.objects.count() == 0
+            && self.dampers.all.is_empty()
+            && self.pairs.near.iter().all(is_plain)
+    }
+
     fn is_touching(&self) -> bool {
         self.pairs.near.iter().any(|pair| pair.force > 0.0)
             || self.objects.count() > 0 && self.objects.near.iter().any(|pair| pair.force > 0.0)
@@ -670,62 +687,4 @@ impl<M: Compliant> PathTracker<'_, M> {
         let lack = self.objects.least_balanced().map_or(0.0, |(_, lack)| lack);
         self.objects.near.iter().map(of_object).fold(of_robot.max(lack), f64::max)
     }
-
-    /// By which part the step was too long, if any cross-section could have passed through an obstacle or a
-    /// side of one. It has not where the free balls around its centre before and after cover the way, eq. (7).
-    fn too_far(&self, before: &[Vec3]) -> Option<f64> {
-        let least = LEAST_REACH * self.length;
-        let mut part = f64::INFINITY;
-        for (k, old) in before.iter().enumerate().skip(1) {
-            let way = (self.model.centre(k) - *old).norm();
-            if way > least {
-                part = part.min(STRIDE * self.length / way);
-            }
-        }
-        // A long way costs much to look at, and is not taken anyway.
-        if part < 1.0 {
-            return Some((0.9 * part).clamp(0.1, 0.7));
-        }
-        for (number, obstacle) in self.scene.iter().filter(|(_, o)| !is_pipe(o)) {
-            let mut distances = [DistanceBound::new(obstacle); 2];
-            for (k, old) in before.iter().enumerate().skip(1) {
-                let points = [self.scene.carry_point(number, *old), self.model.centre(k)];
-                let way = (points[1] - points[0]).norm();
-                let bound = |i: usize| distances[i].least(points[i]);
-                if way <= least || bound(0).min(bound(1)) > 0.5 * way {
-                    continue;
-                }
-                let measured = [0, 1].map(|i| distances[i].measure(points[i]));
-                if !is_covered(obstacle, points, measured, least) {
-                    let [before, after] = measured.map(|distance| room(distance, least));
-                    part = part.min((before + after) / way);
-                }
-            }
-        }
-        (part < 1.0).then(|| (0.9 * part).clamp(0.1, 0.7))
-    }
-}
-
-/// Radius in m of the free ball around a point at a distance from an obstacle, which counts as `least` where it is less.
-fn room(distance: f64, least: f64) -> f64 {
-    if distance > -least { distance.max(least) } else { 0.0 }
-}
-
-/// Whether free balls around the ends of a straight line, and around points between them where these do not suffice, cover it:
-/// eq. (7). `distances` are those of its ends.
-fn is_covered(obstacle: &Obstacle, line: [Vec3; 2], distances: [f64; 2], least: f64) -> bool {
-    let way = (line[1] - line[0]).norm();
-    let [before, after] = distances.map(|distance| room(distance, least));
-    if before == 0.0 || after == 0.0 {
-        return false;
-    }
-    if before + after >= way {
-        return true;
-    }
-    let middle = (line[0] + line[1]) * 0.5;
-    let distance = obstacle.surface(middle).distance;
-    // Inside, it may be on its way through.
-    distance > 0.0
-        && is_covered(obstacle, [line[0], middle], [distances[0], distance], least)
-        && is_covered(obstacle, [middle, line[1]], [distance, distances[1]], least)
 }

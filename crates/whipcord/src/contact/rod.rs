@@ -12,7 +12,7 @@ use crate::derivatives::Derivatives;
 use crate::error::{Obstruction, SolveError};
 use crate::parameter::Parameter;
 use crate::robot::Robot;
-use crate::shape::{NoStability, Solution};
+use crate::shape::{NoStability, Solution, Wrench};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
@@ -207,9 +207,7 @@ impl<R: PushedRod> RodAdapter<'_, R> {
 
     /// Notes where the watched places are.
     fn see(&mut self) {
-        let shape = self.found.shape();
-        self.centres.clear();
-        self.centres.extend(self.watched.iter().map(|&s| shape.centre(s)));
+        self.found.shape().centres(&self.watched, &mut self.centres);
     }
 
     /// The derivatives of the answer that it stands at, with the contacts that hold it.
@@ -236,6 +234,23 @@ pub(crate) fn watched(robot: &Robot) -> Vec<f64> {
     watched.extend(equally_spaced(0.0, length, WATCHED + 1));
     sorted(&mut watched, 1e-3 * length / WATCHED as f64);
     watched
+}
+
+/// What is pushed at each disk, contact or not, and at the other places of contacts, in order: the loads of a grid that stays
+/// the same while disks come into contact or leave it.
+fn by_place(disks: &[f64], pushes: &[Push]) -> Vec<Push> {
+    let idle = |&arc_length: &f64| Push { arc_length, wrench: Wrench::default() };
+    let mut all: Vec<Push> = disks.iter().map(idle).chain(pushes.iter().copied()).collect();
+    all.sort_by(|a, b| a.arc_length.total_cmp(&b.arc_length));
+    all.dedup_by(|next, sum| {
+        let is_same = next.arc_length == sum.arc_length;
+        if is_same {
+            sum.wrench.force += next.wrench.force;
+            sum.wrench.moment += next.wrench.moment;
+        }
+        is_same
+    });
+    all
 }
 
 /// In order, without those that are nearer to the one before than `apart`; the first and the last stay.
@@ -293,7 +308,8 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
-        self.case = with_pushes(case, pushes);
+        let pushes = by_place(&self.robot.disks().arc_lengths, pushes);
+        self.case = with_pushes(case, &pushes);
         let places: Vec<f64> = pushes.iter().map(|push| push.arc_length).collect();
         let warm = self.warm.take();
         let at = (&self.stations[..], &places[..]);

@@ -12,7 +12,7 @@ use super::object_pair::{NEAR, ObjectPair};
 use super::pairs::{Pair, Pairs};
 use super::scene::Scene;
 use super::sliding::Slide;
-use super::two_bodies::{Block, Bodies, End, Line, TwoBodies, dot};
+use super::two_bodies::{Block, Bodies, Differences, End, Line, TwoBodies, dot};
 use crate::error::SolveError;
 use crate::shape::Wrench;
 
@@ -68,6 +68,7 @@ impl Scratch {
         // The cross-sections of pairs and dampers, then the objects.
         let sections = count + dampers.all.len();
         let n = 6 * (sections + objects.count());
+        let quick = Differences::OneSided;
         self.lines.clear();
         self.geometric.clear();
         for (k, pair) in pairs.near.iter().enumerate() {
@@ -82,7 +83,13 @@ impl Scratch {
             let normal = |nearest: &Nearest| nearest.normal * pair.force;
             if pair.force > 0.0 {
                 let force = |nearest: &Nearest| normal(nearest) + traction;
-                contact.geometric(force, normal(&pair.nearest), motions, &mut self.geometric);
+                contact.geometric(
+                    force,
+                    normal(&pair.nearest),
+                    motions,
+                    quick,
+                    &mut self.geometric,
+                );
                 if let Some(slide) = &pair.slide {
                     let matrix = slide.stiffness(pair.force);
                     self.geometric.push(Block { row: k, column: k, matrix });
@@ -105,7 +112,7 @@ impl Scratch {
             let normal = |nearest: &Nearest| nearest.normal * pair.force;
             if pair.force > 0.0 {
                 let force = |nearest: &Nearest| normal(nearest) + traction;
-                contact.geometric(force, normal(&pair.nearest), 6, &mut self.geometric);
+                contact.geometric(force, normal(&pair.nearest), 6, quick, &mut self.geometric);
             }
         }
         self.add_objects(sections, objects);

@@ -7,7 +7,7 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use super::body::{Nearest, wrench_of};
-use super::differences::differences;
+use super::differences::{differences as central, one_sided};
 use super::friction::{Grip, tangents};
 
 /// The bodies of a contact that can move, by their numbers in the equations.
@@ -29,6 +29,13 @@ pub(super) struct TwoBodies<'a, L> {
     pub nearest: &'a Nearest,
     /// The place that is nearest at another pose of the first body.
     pub look: L,
+}
+
+/// How the change of a wrench is found: a step of Newton's method does not need it as exactly as a derivative of the answer.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Differences {
+    Central,
+    OneSided,
 }
 
 /// A unit of force along a line, on one body.
@@ -99,7 +106,7 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
         lines.push(Line { force: normal, ends: [on_first, on_second], gap, before: force });
         let Some(grip) = grip else { return };
         let slip = |pose: &Pose| [grip.slip_at(pose, &(self.look)(pose), self.rounding)];
-        let rates = differences(6, &self.pose, self.reach, slip);
+        let rates = central(6, &self.pose, self.reach, slip);
         for axis in tangents(normal) {
             let unit = wrench_of(axis, self.nearest.lever(self.rounding));
             let rate = rates.map(|[rate]| rate.dot(axis));
@@ -128,15 +135,21 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
         force: impl Fn(&Nearest) -> Vec3,
         turning: Vec3,
         motions: usize,
+        differences: Differences,
         blocks: &mut Vec<Block>,
     ) {
         let see = |pose: &Pose| {
             let nearest = (self.look)(pose);
             [force(&nearest), nearest.lever(self.rounding)]
         };
-        let by_first = differences(motions, &self.pose, self.reach, see);
         let Bodies { first, second } = self.bodies;
         let (total, lever) = (force(self.nearest), self.nearest.lever(self.rounding));
+        let by_first = match differences {
+            Differences::Central => central(motions, &self.pose, self.reach, see),
+            Differences::OneSided => {
+                one_sided(motions, &self.pose, self.reach, [total, lever], see)
+            }
+        };
         let mut columns = [[[0.0; 6]; 6]; 2];
         let mut add = |column: usize, turned: [[Vec3; 2]; 6], own: bool| {
             for (b, [change, l]) in turned.into_iter().enumerate() {

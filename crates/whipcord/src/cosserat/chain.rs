@@ -199,15 +199,16 @@ impl Chain {
 
     /// Shoots every step from its node; the greatest gap.
     pub fn shoot(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Result<f64, Fault> {
-        self.shoot_through(task, trajectory, |_| false)
+        self.shoot_through(task, trajectory, true, |_| false)
     }
 
     /// [`Chain::shoot`], with these nodes put to where the steps before them end; not the last one, whose gap is the condition at
-    /// the tip.
+    /// the tip. [`Trajectory::samples`], which [`Self::linearise`] needs, are taken where asked for.
     pub fn shoot_through(
         &mut self,
         task: &Task<'_>,
         trajectory: &mut Trajectory,
+        sample: bool,
         is_free: impl Fn(usize) -> bool,
     ) -> Result<f64, Fault> {
         let scales = Scales::of(task.grid, task.length);
@@ -229,7 +230,7 @@ impl Chain {
                 base_moment: Vec3::ZERO,
                 follower_force: start.force,
                 load: *load,
-                sample: true,
+                sample,
             };
             let (end, cut) =
                 trajectory.shoot_step(task.grid, task.loads, &target, k, start.rotation, moment)?;

@@ -143,6 +143,7 @@ impl ContactResponse {
             base_wrench: Wrench { force: base_force, ..starts[0] },
             starts: &known,
             strains: self.trajectory.strains(),
+            are_strains_met: true,
             nodes: &grid.stations,
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {
@@ -259,7 +260,7 @@ impl PushedRod for ContactResponse {
             }
         }
         let is_free = |node: usize| is_new.get(node).is_some_and(|is_new| *is_new);
-        let looked = self.chain.shoot_through(&task, &mut self.trajectory, is_free);
+        let looked = self.chain.shoot_through(&task, &mut self.trajectory, false, is_free);
         self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
         self.trajectory.measure(grid);
         self.shape.ends = grid.ends();

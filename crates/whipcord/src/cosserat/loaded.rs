@@ -92,6 +92,28 @@ impl WithSimd for Shoot<'_> {
     }
 }
 
+/// [`Trajectory::shoot_step`] likewise.
+struct ShootStep<'a> {
+    trajectory: &'a mut Trajectory,
+    grid: &'a Grid,
+    loads: &'a AppliedLoads,
+    target: &'a Target<'a>,
+    k: usize,
+    state: State,
+}
+
+impl WithSimd for ShootStep<'_> {
+    type Output = Result<(State, Vec3), Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { trajectory, grid, loads, target, k, mut state } = self;
+        let mut force = target.follower_force;
+        trajectory.step(grid, loads, target, k, &mut force, &mut state, None)?;
+        Ok((state, force))
+    }
+}
+
 impl Trajectory {
     /// Starts the sections of the next shot from the strains at the Gauss nodes of the rod
     /// without load.
@@ -206,9 +228,9 @@ impl Trajectory {
     ) -> Result<(Pose, Wrench), Fault> {
         debug_assert_eq!(self.strains.len(), STAGES * grid.len());
         self.steps_left = self.steps_left.saturating_sub(1);
-        let mut state = pack(rotation, Vec3::ZERO, moment);
-        let mut force = target.follower_force;
-        self.step(grid, loads, target, k, &mut force, &mut state, None)?;
+        let state = pack(rotation, Vec3::ZERO, moment);
+        let step = ShootStep { trajectory: self, grid, loads, target, k, state };
+        let (state, force) = Arch::new().dispatch(step)?;
         let (rotation, position, moment) = unpack(&state);
         Ok((Pose { position, rotation }, Wrench { force, moment }))
     }

@@ -204,6 +204,8 @@ impl Cosserat {
                     true => scratch.trajectory.strains(),
                     false => &scratch.unloaded.strains,
                 },
+                // The starts of a chain have been moved since its last shot.
+                are_strains_met: starts.is_empty(),
                 nodes: &grid.stations,
             },
             parameters,

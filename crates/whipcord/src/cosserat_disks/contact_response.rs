@@ -274,6 +274,7 @@ impl ContactResponse {
             base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
             starts: &chain.starts(frame, mesh, loads),
             strains: &[],
+            are_strains_met: false,
             nodes,
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {

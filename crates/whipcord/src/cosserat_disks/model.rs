@@ -328,6 +328,7 @@ impl CosseratDisks {
             base_wrench: scratch.base_wrench,
             starts: &scratch.starts(&self.frame, &mesh),
             strains: &[],
+            are_strains_met: false,
             nodes: &mesh.grid.stations,
         };
         match Derivatives::of(&solved, parameters) {

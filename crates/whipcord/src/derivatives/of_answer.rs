@@ -39,6 +39,8 @@ pub(crate) struct Solved<'a> {
     /// Moment, and force beyond that of the dead loads, in the base frame at the starts of steps where they are known.
     pub starts: &'a [Option<Wrench>],
     pub strains: &'a [Strain],
+    /// Whether a shot from these starts has left these strains.
+    pub are_strains_met: bool,
     /// Nodes of the grid that are asked for beside the disks, where cables run straight between these.
     pub nodes: &'a [usize],
 }
@@ -55,6 +57,7 @@ impl Derivatives {
             follower_force: loads.follower_share(solved.base_wrench.force),
             starts: solved.starts,
             strains: solved.strains,
+            are_strains_met: solved.are_strains_met,
         };
         let mut linear =
             Linear::of(&answer, of_robot.straight.map(|straight| (straight.spans, solved.nodes)))?;
@@ -160,6 +163,7 @@ fn at_rest<'a>(
         follower_force: Vec3::ZERO,
         starts: &[],
         strains: &[],
+        are_strains_met: false,
     };
     Ok(AtRest { grid, linear: Linear::of(&answer, Some((spans, &[])))? })
 }

@@ -5,6 +5,7 @@
 //! maps is differentiated as it is computed, so that what comes out is the derivative of the
 //! discrete solution, not a discretisation of the derivative.
 
+use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{BUTCHER_5, Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::effect::Forcing;
@@ -155,11 +156,34 @@ pub(super) struct Answer<'a> {
     /// Strains to start the sections from, six to a step; where there are none each starts from its
     /// neighbour.
     pub strains: &'a [Strain],
+    /// Whether these strains are in equilibrium with the starts.
+    pub are_strains_met: bool,
+}
+
+/// [`Replay::run`].
+struct Run<'a, 'b> {
+    replay: &'a mut Replay,
+    answer: &'a Answer<'b>,
+}
+
+impl WithSimd for Run<'_, '_> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.replay.go_over(self.answer)
+    }
 }
 
 impl Replay {
-    /// Goes over the answer.
+    /// Goes over the answer, with the instructions that the processor has; none of them fuses operations, so that all give the
+    /// same bits.
     pub fn run(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
+        Arch::new().dispatch(Run { replay: self, answer })
+    }
+
+    #[inline(always)]
+    fn go_over(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
         let Answer { grid, loads, tensions, .. } = *answer;
         let cables = tensions.len();
         self.stages.clear();
@@ -171,9 +195,7 @@ impl Replay {
         self.base_moment = answer.base_moment;
         self.base_force = loads.base_force() + answer.follower_force;
         let known = answer.strains.len() == STAGES * grid.len();
-        // The last shot has met the equilibrium of every section, but that of a chain, whose starts
-        // have been moved since.
-        let met = known && answer.starts.is_empty();
+        let met = known && answer.are_strains_met;
         self.stages.resize(STAGES * grid.len(), Stage::default());
         let mut strain = grid.shooting.at(0, 0, 0).0.section.rest_strain();
         let mut moment = answer.base_moment;
@@ -311,6 +333,7 @@ impl Stage {
     }
 
     /// The section of a stage at its answer; `wrench` is the force and moment in its own frame.
+    #[inline(always)]
     fn set(
         &mut self,
         strain: Strain,
