@@ -99,8 +99,10 @@ impl FromStr for Quantity {
             ("base.position[]", &[axis @ 0..3]) => Self::BasePosition { axis },
             ("base.turn[]", &[axis @ 0..3]) => Self::BaseTurn { axis },
             _ => match path.parse() {
-                // No robot file can say that one hole is off its place.
-                Ok(Parameter::HoleAngle { .. }) | Err(_) => return Err(unknown()),
+                // No robot file can say that one hole is off its place, and what is commanded is known.
+                Ok(Parameter::HoleAngle { .. } | Parameter::MotorCommand { .. }) | Err(_) => {
+                    return Err(unknown());
+                }
                 Ok(parameter) => Self::Parameter(parameter),
             },
         })
@@ -198,7 +200,7 @@ impl Quantity {
                 | P::PointForce { .. } => "N",
                 P::MotorStiffness { .. } => "N/m",
                 P::FreeLength { .. } | P::SpoolRadius { .. } => "m",
-                P::Backlash { .. } | P::MotorOffset { .. } => "rad or m",
+                P::Backlash { .. } | P::MotorOffset { .. } | P::MotorCommand { .. } => "rad or m",
                 P::Gravity { .. } => "m/s²",
                 P::TipMoment { .. } | P::PointMoment { .. } => "N·m",
                 P::LineForce { .. } | P::LineForceAt { .. } => "N/m",

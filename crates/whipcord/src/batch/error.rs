@@ -11,18 +11,24 @@ pub enum BatchError {
 
     /// The commands are no whole number of rows.
     #[error(
-        "{given} commands are no whole number of rows for {cables} cables: give one command for each cable of each row"
+        "{given} commands are no whole number of rows for {count} {}s: give one command for each {} of each row",
+        driven.name(), driven.name()
     )]
     Width {
         /// How many were given.
         given: usize,
-        /// Cables of the robot.
-        cables: usize,
+        /// Cables or motors of the robot.
+        count: usize,
+        /// What they command.
+        driven: Driven,
     },
 
-    /// A robot without cables has no commands that could say how many rows there are.
-    #[error("a robot without cables has no rows of commands: give the cases themselves")]
-    NoCables,
+    /// A robot without cables or motors has no commands of them that could say how many rows there are.
+    #[error("a robot without {}s has no rows of their commands: give the cases themselves", driven.name())]
+    NoCommands {
+        /// What they command.
+        driven: Driven,
+    },
 
     /// An array to write to has the wrong size.
     #[error(
@@ -65,4 +71,23 @@ pub enum BatchError {
         /// What the operating system says.
         reason: String,
     },
+}
+
+/// What the commands of a batch are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Driven {
+    /// The cables.
+    Cables,
+    /// The motors.
+    Motors,
+}
+
+impl Driven {
+    /// One of them in words.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Cables => "cable",
+            Self::Motors => "motor",
+        }
+    }
 }

@@ -34,7 +34,7 @@ pub struct Sensitivities<'a> {
 /// rows share when gradients are summed, where a mask on the rows of a loss is to leave that row out.
 #[derive(Debug)]
 pub struct Gradients<'a> {
-    /// Rows × cables: by the commands.
+    /// Rows × commands of a row, those of the cables or of the motors: by the commands.
     pub commands: &'a mut [f64],
     /// Rows × parameters.
     pub parameters: &'a mut [f64],
@@ -58,15 +58,22 @@ pub fn pull_back_batch(
 ) -> Result<Vec<Result<(), SolveError>>, BatchError> {
     let prepared = model.prepare(robot, &rows.first_loads())?;
     let (stations, cables) = (prepared.stations().len(), robot.cables().len());
-    let count = rows.count(cables)?;
+    let (count, width) = (rows.count(robot)?, rows.width(robot));
+    // What a motor does to its cables is a change of what they are told, as other numbers of the motor are.
+    let by_motors = matches!(rows, Rows::Motors { .. });
+    let mut sources = Vec::new();
+    if by_motors {
+        sources.extend((0..width).map(|motor| Parameter::MotorCommand { motor }));
+    }
+    sources.extend_from_slice(parameters);
     sensitivities.check(count, stations, cables)?;
-    size("commands", gradients.commands.len(), count * cables)?;
+    size("commands", gradients.commands.len(), count * width)?;
     size("parameters", gradients.parameters.len(), count * parameters.len())?;
     let mut outcomes = vec![Ok(()); count];
     let mut jobs = Vec::with_capacity(count.div_ceil(ROWS));
     let (mut by_commands, mut by_parameters) = (gradients.commands, gradients.parameters);
     for (i, outcomes) in outcomes.chunks_mut(ROWS).enumerate() {
-        let (here, rest) = by_commands.split_at_mut(outcomes.len() * cables);
+        let (here, rest) = by_commands.split_at_mut(outcomes.len() * width);
         let (of_parameters, others) = by_parameters.split_at_mut(outcomes.len() * parameters.len());
         (by_commands, by_parameters) = (rest, others);
         jobs.push((i * ROWS, here, of_parameters, outcomes));
@@ -83,7 +90,10 @@ pub fn pull_back_batch(
                     return;
                 }
                 let row = first + i;
-                let case = rows.case(row, cables, blank);
+                let commands = &mut by_commands[i * width..(i + 1) * width];
+                let count = parameters.len();
+                let of_parameters = &mut by_parameters[i * count..(i + 1) * count];
+                let case = rows.case(row, robot, blank);
                 let to_base = case.base.rotation.conjugate();
                 let built = match prepared.takes_places_of(&case.loads) {
                     true => Ok(()),
@@ -92,20 +102,21 @@ pub fn pull_back_batch(
                 let answer = match tally.cancelled() {
                     Some(error) => Err(error),
                     None => {
-                        built.and_then(|()| prepared.solve_with_derivatives(case, None, parameters))
+                        built.and_then(|()| prepared.solve_with_derivatives(case, None, &sources))
                     }
                 };
                 *outcome = answer.map(|(_, derivatives)| {
                     let cotangent =
                         sensitivities.of_row(row, (stations, cables), |v| to_base.rotate(v));
                     let gradient = derivatives.pull_back(&cotangent, Hold::Commands);
-                    by_commands[i * cables..(i + 1) * cables].copy_from_slice(&gradient.commands);
-                    let width = parameters.len();
-                    by_parameters[i * width..(i + 1) * width].copy_from_slice(&gradient.parameters);
+                    let (motors, others) =
+                        gradient.parameters.split_at(if by_motors { width } else { 0 });
+                    commands.copy_from_slice(if by_motors { motors } else { &gradient.commands });
+                    of_parameters.copy_from_slice(others);
                 });
                 if outcome.is_err() {
-                    by_commands[i * cables..(i + 1) * cables].fill(0.0);
-                    by_parameters[i * parameters.len()..(i + 1) * parameters.len()].fill(0.0);
+                    commands.fill(0.0);
+                    of_parameters.fill(0.0);
                 }
                 tally.add(1);
             }

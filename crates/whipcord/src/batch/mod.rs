@@ -52,7 +52,7 @@ mod rows;
 mod run;
 
 pub use arrays::{Arrays, Batch, Row, Solved};
-pub use error::BatchError;
+pub use error::{BatchError, Driven};
 pub use gradients::{Gradients, Sensitivities, pull_back_batch};
 pub use options::{BatchOptions, PATH_ROWS, Progress};
 pub use rows::Rows;
@@ -78,11 +78,8 @@ pub fn solve_batch(
     options: &BatchOptions<'_>,
 ) -> Result<Batch, BatchError> {
     let prepared = prepare(model, robot, &rows)?;
-    let mut batch = Batch::new(
-        rows.count(robot.cables().len())?,
-        prepared.stations().to_vec(),
-        robot.cables().len(),
-    );
+    let mut batch =
+        Batch::new(rows.count(robot)?, prepared.stations().to_vec(), robot.cables().len());
     let (arrays, outcomes) = batch.parts();
     solve_rows(model, &prepared, &rows, options, arrays, outcomes)?;
     Ok(batch)
@@ -102,7 +99,7 @@ pub fn solve_batch_into(
     arrays: Arrays<'_>,
 ) -> Result<Vec<Result<Solved, SolveError>>, BatchError> {
     let prepared = prepare(model, robot, &rows)?;
-    let count = rows.count(robot.cables().len())?;
+    let count = rows.count(robot)?;
     arrays.check(count, prepared.stations().len(), robot.cables().len())?;
     let mut outcomes = vec![Ok(Solved::default()); count];
     solve_rows(model, &prepared, &rows, options, arrays, &mut outcomes)?;

@@ -166,7 +166,7 @@ impl Batch<'_> {
                 Some(error) => Err(error),
                 None => {
                     let prepared = prepared.get_or_insert_with(|| self.prepared.clone());
-                    let case = self.rows.case(piece.first + row, self.sizes.1, case);
+                    let case = self.rows.case(piece.first + row, self.prepared.robot(), case);
                     solve_row(self.model, prepared, case, before.as_ref())
                 }
             };

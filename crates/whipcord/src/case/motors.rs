@@ -56,6 +56,28 @@ impl Case {
         case
     }
 
+    /// The case with these commands of the motors in its last step, one for each motor of the robot: an angle in rad or a
+    /// travel in m, `None` where the cables of the motor keep their own commands.
+    ///
+    /// # Errors
+    /// As [`Self::drive`].
+    pub fn driven_to(&self, robot: &Robot, commands: &[Option<f64>]) -> Result<Self, RobotError> {
+        let mut case = self.clone();
+        *case.last_of_motors(robot) = commands.to_vec();
+        case.drive(robot)?;
+        Ok(case)
+    }
+
+    /// The commands of the motors in the last step, to be written.
+    pub(crate) fn last_of_motors(&mut self, robot: &Robot) -> &mut Vec<Option<f64>> {
+        let still = || vec![None; robot.motors().len()];
+        while self.motors.len() <= self.before.len() {
+            self.motors.push(still());
+        }
+        let last = self.motors.len() - 1;
+        &mut self.motors[last]
+    }
+
     /// The command of a motor in the last step.
     #[must_use]
     pub fn motor_command(&self, motor: usize) -> Option<f64> {

@@ -64,7 +64,8 @@ impl MotorChange {
             }
             Parameter::GearRatio { .. }
             | Parameter::Backlash { .. }
-            | Parameter::MotorOffset { .. } => {
+            | Parameter::MotorOffset { .. }
+            | Parameter::MotorCommand { .. } => {
                 let [_, rate] = output(motor, number, case, parameter);
                 Self { shortening: of.pull() * rate, ..none }
             }
@@ -77,7 +78,9 @@ impl MotorChange {
 fn output(motor: &Motor, number: usize, case: &Case, parameter: &Parameter) -> [f64; 2] {
     let ratio = motor.gear_ratio();
     let mut state = [0.0; 2];
-    for command in case.motors.iter().filter_map(|step| *step.get(number)?) {
+    let last = case.motors.len();
+    let commands = (1..).zip(&case.motors);
+    for (step, command) in commands.filter_map(|(k, step)| Some((k, (*step.get(number)?)?))) {
         let output = motor.output(state[0], command);
         let asked = motor.asked(command);
         // Within its play a drive does not move.
@@ -85,6 +88,7 @@ fn output(motor: &Motor, number: usize, case: &Case, parameter: &Parameter) -> [
             continue;
         }
         let rate = match parameter {
+            Parameter::MotorCommand { .. } if step == last => 1.0 / ratio,
             Parameter::GearRatio { .. } => -asked / ratio,
             Parameter::MotorOffset { .. } => -1.0 / ratio,
             Parameter::Backlash { .. } if output != asked => 0.5 * (output - asked).signum(),

@@ -54,6 +54,7 @@ impl fmt::Display for Parameter {
             Self::Pretension { motor } => write!(f, "motors[{motor}].pretension"),
             Self::Backlash { motor } => write!(f, "motors[{motor}].backlash"),
             Self::MotorOffset { motor } => write!(f, "motors[{motor}].angle_offset"),
+            Self::MotorCommand { motor } => write!(f, "motors[{motor}].angle"),
             Self::GearRatio { motor } => write!(f, "motors[{motor}].gear_ratio"),
             Self::SpoolRadius { motor, entry: None } => {
                 write!(f, "motors[{motor}].spool_radius")
@@ -144,6 +145,7 @@ impl FromStr for Parameter {
             ("motors[].angle_offset" | "motors[].travel_offset", &[motor]) => {
                 Self::MotorOffset { motor }
             }
+            ("motors[].angle" | "motors[].travel", &[motor]) => Self::MotorCommand { motor },
             ("motors[].gear_ratio", &[motor]) => Self::GearRatio { motor },
             ("motors[].spool_radius", &[motor]) => Self::SpoolRadius { motor, entry: None },
             ("motors[].spool_radius[]", &[motor, entry]) => {
@@ -229,6 +231,7 @@ mod tests {
             Parameter::Pretension { motor: 1 },
             Parameter::Backlash { motor: 1 },
             Parameter::MotorOffset { motor: 1 },
+            Parameter::MotorCommand { motor: 1 },
             Parameter::GearRatio { motor: 1 },
             Parameter::SpoolRadius { motor: 1, entry: None },
             Parameter::SpoolRadius { motor: 1, entry: Some(2) },

@@ -145,6 +145,11 @@ pub enum Parameter {
         /// Motor.
         motor: usize,
     },
+    /// The command of a motor in the last step, where it has one: its angle in rad, or its travel in m.
+    MotorCommand {
+        /// Motor.
+        motor: usize,
+    },
     /// Turns of a motor for one of its spool.
     GearRatio {
         /// Motor.

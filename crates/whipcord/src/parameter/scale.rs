@@ -43,7 +43,9 @@ impl Parameter {
             Self::Coefficient { power, .. } => 0.01 * length / length.powi(power.min(64) as i32),
             Self::Gravity { .. } => GRAVITY,
             Self::TipForce { .. } | Self::PointForce { .. } | Self::Pretension { .. } => force,
-            Self::Backlash { motor } | Self::MotorOffset { motor } => {
+            Self::Backlash { motor }
+            | Self::MotorOffset { motor }
+            | Self::MotorCommand { motor } => {
                 robot.motors().get(motor).map_or(0.0, |motor| motor.command_scale(length))
             }
             Self::TipMoment { .. } | Self::PointMoment { .. } => moment,

@@ -124,6 +124,7 @@ impl Parameter {
             | Self::Pretension { motor }
             | Self::Backlash { motor }
             | Self::MotorOffset { motor }
+            | Self::MotorCommand { motor }
             | Self::GearRatio { motor }
             | Self::SpoolRadius { motor, .. } => Some(motor),
             _ => None,
@@ -226,6 +227,10 @@ impl Parameter {
             | Self::GearRatio { motor }
             | Self::SpoolRadius { motor, .. } => {
                 motors.get_mut(motor).map_or_else(Vec::new, |motor| self.of_motor(motor))
+            }
+            Self::MotorCommand { motor } => {
+                let command = case.motors.last_mut().and_then(|step| step.get_mut(motor));
+                command.and_then(Option::as_mut).into_iter().collect()
             }
             Self::Angle { cable }
             | Self::Radius { cable }

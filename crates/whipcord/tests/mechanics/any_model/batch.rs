@@ -5,7 +5,7 @@ use core::num::NonZeroUsize;
 use core::sync::atomic::{AtomicUsize, Ordering};
 
 use whipcord::batch::{
-    Arrays, Batch, BatchError, BatchOptions, Rows, Width, solve_batch, solve_batch_into,
+    Arrays, Batch, BatchError, BatchOptions, Driven, Rows, Width, solve_batch, solve_batch_into,
     solve_robots,
 };
 use whipcord::cosserat::{Accuracy, Options};
@@ -360,8 +360,11 @@ fn what_is_no_batch_is_refused() {
     };
     assert!(solve(&robot(3), &[]).unwrap().is_empty());
     let error = solve(&robot(3), &[1.0; 7]).unwrap_err();
-    assert_eq!(error, BatchError::Width { given: 7, cables: 3 });
-    assert_eq!(solve(&robot(0), &[1.0]).unwrap_err(), BatchError::NoCables);
+    assert_eq!(error, BatchError::Width { given: 7, count: 3, driven: Driven::Cables });
+    assert_eq!(
+        solve(&robot(0), &[1.0]).unwrap_err(),
+        BatchError::NoCommands { driven: Driven::Cables }
+    );
     let bare =
         Robot::new(Backbone::new(0.18), Disks::equally_spaced(0.18, 3, 0.01), vec![]).unwrap();
     let error =

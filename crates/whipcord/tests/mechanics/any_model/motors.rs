@@ -2,6 +2,9 @@
 
 use core::f64::consts::PI;
 
+use whipcord::batch::{
+    BatchError, BatchOptions, Driven, Gradients, Rows, Sensitivities, pull_back_batch, solve_batch,
+};
 use whipcord::derivatives::{Hold, Place};
 use whipcord::parameter::Parameter;
 use whipcord::{
@@ -157,6 +160,7 @@ fn derivatives_by_the_numbers_of_a_motor_are_those_of_differences() {
         "motors[0].pretension",
         "motors[0].backlash",
         "motors[0].angle_offset",
+        "motors[0].angle",
         "motors[0].gear_ratio",
         "motors[0].spool_radius",
         "motors[0].spool_radius[1]",
@@ -183,6 +187,61 @@ fn derivatives_by_the_numbers_of_a_motor_are_those_of_differences() {
             assert!(error < 1e-5, "{kind} {parameter}: {error:e} {difference:?} {change:?}");
         }
     }
+}
+
+#[test]
+fn rows_of_motors_are_the_cases_with_their_commands() {
+    let robot = antagonists(paper_backbone(), spool());
+    // The play was left on its far side; the last row is beyond what a motor may be told.
+    let earlier = loaded(&robot, &[1.9, 1.2]);
+    let values = [1.2, 1.87, 2.4, 1e9];
+    for kind in WITH_FORCES {
+        let model = model(kind).with_tolerance(1e-10);
+        let rows = Rows::Motors { values: &values, case: &earlier };
+        let batch = solve_batch(&model, &robot, rows, &BatchOptions::default()).unwrap();
+        let stations = batch.positions().len() / (3 * values.len());
+        for (i, value) in values.into_iter().enumerate() {
+            let case = earlier.driven_to(&robot, &[Some(value)]).unwrap();
+            let Ok(alone) = model.solve(&robot, &case) else {
+                assert!(i == 3 && batch.row(i).unwrap().is_err(), "{kind} {value}");
+                continue;
+            };
+            let tip = alone.disks.tip().position;
+            let found = Vec3::from(batch.row(i).unwrap().unwrap().position(stations - 1));
+            assert!((found - tip).norm() < 1e-12, "{kind} {value}: {found:?} {tip:?}");
+        }
+        let mut weights = vec![0.0; values.len() * stations * 3];
+        let last = 3 * (stations - 1);
+        for row in 0..values.len() {
+            weights[3 * row * stations + last] = 1.0;
+        }
+        let sensitivities = Sensitivities { positions: &weights, ..Default::default() };
+        let (mut commands, mut parameters) = ([0.0; 4], [0.0; 4]);
+        let offset = ["motors[0].angle_offset".parse().unwrap()];
+        let gradients = Gradients { commands: &mut commands, parameters: &mut parameters };
+        let options = BatchOptions::default();
+        let rows = Rows::Motors { values: &values, case: &earlier };
+        pull_back_batch(&model, &robot, rows, &offset, &options, sensitivities, gradients).unwrap();
+        // Within its play the drive does not move.
+        assert_eq!(commands[1], 0.0, "{kind}");
+        for row in [0, 2] {
+            let x = |by: f64| {
+                let case = earlier.driven_to(&robot, &[Some(values[row] + by)]).unwrap();
+                model.solve(&robot, &case).unwrap().disks.tip().position.x
+            };
+            let difference = (x(1e-3) - x(-1e-3)) / 2e-3;
+            let error = (commands[row] - difference).abs() / difference.abs();
+            assert!(error < 1e-5, "{kind}: {} {difference}", commands[row]);
+            assert!((commands[row] + parameters[row]).abs() < 1e-9 * difference.abs(), "{kind}");
+        }
+        assert_eq!(commands[3], 0.0);
+    }
+    let still =
+        Robot::new(robot.backbone().clone(), robot.disks().clone(), robot.cables().to_vec());
+    let rows = Rows::Motors { values: &values, case: &Case::default() };
+    let model = model(ModelKind::Cosserat);
+    let error = solve_batch(&model, &still.unwrap(), rows, &BatchOptions::default()).unwrap_err();
+    assert_eq!(error, BatchError::NoCommands { driven: Driven::Motors });
 }
 
 #[test]
