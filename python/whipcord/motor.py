@@ -20,6 +20,8 @@ class Motor(Table):
     ----------
     name
         Name, unique in the robot.
+    group
+        Group of motors that it belongs to. Motors of a group can share parameters in a fit.
     cables
         Names of the cables that it pulls; a minus sign before a name for a cable that is paid out where the others are
         wound up.
@@ -71,6 +73,7 @@ class Motor(Table):
     rate_limit: float | None = None
     torque_limit: float | None = None
     force_limit: float | None = None
+    group: str | None = None
 
     _name: ClassVar[str] = "motors"
 
@@ -92,6 +95,7 @@ class Motor(Table):
         rate_limit: Quantity | None = None,
         torque_limit: Quantity | None = None,
         force_limit: Quantity | None = None,
+        group: str | None = None,
     ) -> None:
         self._set(
             name=name,
@@ -109,4 +113,5 @@ class Motor(Table):
             rate_limit=rate_limit,
             torque_limit=torque_limit,
             force_limit=force_limit,
+            group=group,
         )

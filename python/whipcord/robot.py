@@ -427,6 +427,8 @@ class Cable(Table):
     ----------
     name
         Name, unique in the robot.
+    group
+        Group of cables that it belongs to. Cables of a group can share parameters in a fit.
     holes
         The hole it passes at each disk, from the base disk on, counted from 1. A list shorter than the disks
         ends the cable at its last hole.
@@ -455,6 +457,7 @@ class Cable(Table):
     ends_at: float | None = None
     friction: float | None = None
     axial_stiffness: float | None = None
+    group: str | None = None
 
     _name: ClassVar[str] = "cables"
     _inner: ClassVar[Mapping[str, type[Table]]] = {"routing": Routing}
@@ -469,6 +472,7 @@ class Cable(Table):
         ends_at: Quantity | None = None,
         friction: Quantity | None = None,
         axial_stiffness: Quantity | None = None,
+        group: str | None = None,
     ) -> None:
         self._set(
             name=name,
@@ -478,6 +482,7 @@ class Cable(Table):
             ends_at=ends_at,
             friction=friction,
             axial_stiffness=axial_stiffness,
+            group=group,
         )
 
 

@@ -187,7 +187,11 @@ fn read(
         read::measured(table, document.locate("measured"), robot, sources, problems)
     });
     let reference = fields.table("reference").and_then(read::reference);
-    let fit = fields.table("fit").map(|table| read::fit(table, &document, problems));
+    // Without the cables that a path names by a group nothing is known of it.
+    let fit = fields.table("fit").zip(parts.as_ref()).map(|(table, parts)| {
+        let robot = (parts.cables.as_slice(), parts.motors.motors.as_slice());
+        read::fit(table, robot, &document, problems)
+    });
     if let Some(reference) = &reference {
         published(reference, &document, problems);
     }

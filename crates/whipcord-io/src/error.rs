@@ -7,8 +7,9 @@ use thiserror::Error;
 use whipcord::robot::in_words;
 use whipcord::robot::limits::number;
 use whipcord::{ModelKind, Problem};
+use whipcord_estimation::identification::UnknownGroup;
 
-use crate::source::{Sources, Span};
+use crate::source::{Sources, Span, quoted};
 use crate::units::{Dimension, QuantityError, listed};
 
 /// Problems beyond this many are counted, not kept: a file of garbage has one per line.
@@ -115,6 +116,9 @@ pub enum FileProblem {
         /// The path that is most like it.
         near: Option<&'static str>,
     },
+    /// A path with a name that no cables or motors have.
+    #[error("no {} are called `{}`, and none belong to a group of this name", .0.list, quoted(&.0.name))]
+    UnknownGroup(UnknownGroup),
     /// Something is said of an unknown that is none.
     #[error("`{path}` is not estimated")]
     NotEstimated {

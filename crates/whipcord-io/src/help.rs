@@ -2,6 +2,7 @@
 
 use whipcord::Problem;
 use whipcord::robot::limits::number;
+use whipcord_estimation::identification::UnknownGroup;
 
 use crate::error::FileProblem;
 use crate::schema::FEW_CHOICES;
@@ -34,6 +35,9 @@ impl FileProblem {
             | Self::WrongType { help, .. } => help.clone(),
             Self::UnknownQuantity { near: Some(near), .. } => format!("did you mean `{near}`?"),
             Self::UnknownQuantity { near: None, .. } => "give a path of the robot file such as backbone.young_modulus, cables[0].tension_offset or base.position[2], counting from 0".to_owned(),
+            Self::UnknownGroup(UnknownGroup { list, known, .. }) => format!(
+                "{known}; give * for all of them, a number from 0, a name, or a `group` of [[{list}]]"
+            ),
             Self::NotEstimated { .. } => "name it in `parameters` or `each` as well, or take this table out".to_owned(),
             Self::TooDeep => "no robot file needs more than three levels: is this the file you meant?".to_owned(),
             Self::CyclicExtends { .. } => {

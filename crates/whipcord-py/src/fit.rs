@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use whipcord::Model as Method;
+use whipcord::{Model as Method, Robot};
 use whipcord_estimation::identification::{
     Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, compare_models,
     cross_validate, identify,
@@ -69,7 +69,10 @@ pub fn fit(
         Fit::together(&files)
     } else {
         let all = |asked: Vec<Asked>| {
-            asked.into_iter().map(|one| unknown(py, &files, one)).collect::<PyResult<Vec<_>>>()
+            asked
+                .into_iter()
+                .map(|one| unknown(py, &first.robot, &files, one))
+                .collect::<PyResult<Vec<_>>>()
         };
         Fit { shared: all(parameters)?, each: all(each)? }.of_all(setups.len())
     };
@@ -202,22 +205,25 @@ fn experiment(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<Experiment> {
 
 fn unknown(
     py: Python<'_>,
+    robot: &Robot,
     files: &[Option<&Fit>],
     (path, alone, start, least, greatest, prior): Asked,
 ) -> PyResult<Unknown> {
-    let quantity = whipcord_io::quantity(&path).map_err(|near| {
+    let named = whipcord_io::parameter_path(&path).map_err(|near| {
         let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
         let message = format!("`{path}` is nothing that can be estimated{near}");
         errors::input(py, "parameters", message)
     })?;
+    let unknown = named.unknown(robot.cables(), robot.motors());
+    let unknown = unknown.map_err(|error| errors::input(py, "parameters", error.to_string()))?;
     if alone {
-        return Ok(Fit::known(files, quantity));
+        return Ok(Fit::known(files, unknown));
     }
     Ok(Unknown {
         start,
         bounds: [least.unwrap_or(f64::NEG_INFINITY), greatest.unwrap_or(f64::INFINITY)],
         prior: prior.map(|[mean, deviation]| Prior { mean, deviation }),
-        ..Unknown::new(quantity)
+        ..unknown
     })
 }
 

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use whipcord::{Model, ModelKind, Stations};
 use whipcord_estimation::identification::{
-    Experiment, Identified, IdentifyError, Quantity, Robustness, Settings, Unknown, compare_models,
-    cross_validate, identify,
+    Experiment, Identified, IdentifyError, ParameterPath, Robustness, Settings, Unknown,
+    compare_models, cross_validate, identify,
 };
 use whipcord_estimation::registration::Alignment;
-use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, quantity};
+use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, parameter_path};
 
 use crate::deadline;
 use crate::inputs::{self, Inputs};
@@ -38,12 +38,13 @@ pub struct FitArgs {
     #[arg(long, value_name = "WHAT")]
     actuation: Option<ActuationArgument>,
     /// Parameter to estimate with one value for all files: a path such as backbone.diameter or
-    /// cables[0].friction (lists count from 0); replaces [fit]
+    /// cables[0].friction (lists count from 0); one number for several cables or motors:
+    /// cables[*].axial_stiffness for all, motors[segment 1].stiffness for a group; replaces [fit]
     #[arg(long = "parameter", value_name = "PATH", value_parser = path)]
-    parameters: Vec<Quantity>,
+    parameters: Vec<ParameterPath>,
     /// Parameter to estimate for each file separately, such as base.position[0]; replaces [fit]
     #[arg(long, value_name = "PATH", value_parser = path)]
-    each: Vec<Quantity>,
+    each: Vec<ParameterPath>,
     /// Loss function, which sets the influence of outliers
     #[arg(long, value_name = "LOSS", default_value = "squares")]
     loss: Loss,
@@ -78,8 +79,8 @@ enum Loss {
     Cauchy,
 }
 
-fn path(text: &str) -> Result<Quantity, String> {
-    quantity(text).map_err(|near| match near {
+fn path(text: &str) -> Result<ParameterPath, String> {
+    parameter_path(text).map_err(|near| match near {
         Some(near) => format!("nothing of this path can be estimated; did you mean {near}?"),
         None => String::from(
             "nothing of this path can be estimated; give one such as backbone.young_modulus or cables[0].tension_offset, counting from 0",
@@ -228,11 +229,20 @@ fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
 /// What is estimated: as the arguments say, else as the files do.
 fn unknowns(args: &FitArgs, cases: &[CaseFile]) -> Result<Vec<Unknown>, Failure> {
     let files: Vec<Option<&Unknowns>> = cases.iter().map(|case| case.fit.as_ref()).collect();
-    let known = |paths: &[Quantity]| paths.iter().map(|q| Unknowns::known(&files, *q)).collect();
+    let robot = &cases[0].robot;
+    let known = |paths: &[ParameterPath]| -> Result<Vec<Unknown>, Failure> {
+        let unknown = |path: &ParameterPath| {
+            let unknown = path.unknown(robot.cables(), robot.motors());
+            unknown.map(|unknown| Unknowns::known(&files, unknown)).map_err(|error| {
+                Failure::Input(format!("error: {}: {error}", cases[0].path.display()))
+            })
+        };
+        paths.iter().map(unknown).collect()
+    };
     let unknowns = if args.parameters.is_empty() && args.each.is_empty() {
         Unknowns::together(&files)
     } else {
-        let fit = Unknowns { shared: known(&args.parameters), each: known(&args.each) };
+        let fit = Unknowns { shared: known(&args.parameters)?, each: known(&args.each)? };
         fit.of_all(cases.len())
     };
     if unknowns.is_empty() {

@@ -233,3 +233,89 @@ fn a_frame_of_its_own_needs_the_base() {
     assert!(message.contains("--each base.position[0]"), "{message}");
     succeed(&["fit", &own, diameter[0], diameter[1], "--each", "base.position[0]"]);
 }
+
+/// A robot with two cables on one motor each, in two groups.
+const MOTORS: &str = r#"
+[backbone]
+length = "200 mm"
+diameter = "2 mm"
+young_modulus = "50 GPa"
+poisson_ratio = 0.3
+
+[disks]
+count = 11
+hole_circle_radius = "10 mm"
+
+[[cables]]
+name = "east"
+group = "side"
+routing = { kind = "straight", angle = "0 deg", radius = "8 mm" }
+[[cables]]
+name = "north"
+group = "side"
+routing = { kind = "straight", angle = "90 deg", radius = "8 mm" }
+
+[[motors]]
+name = "one"
+cables = ["east"]
+stiffness = "DRIVE"
+[[motors]]
+name = "two"
+cables = ["north"]
+stiffness = "DRIVE"
+
+[[steps]]
+motors = ["3 mm", "1 mm"]
+[[steps]]
+motors = ["1 mm", "4 mm"]
+"#;
+
+/// One stiffness of all drives, and one angle by which all holes of a group are turned.
+#[test]
+fn numbers_that_motors_and_cables_share_are_found_and_written() {
+    let scratch = Scratch::new();
+    let real =
+        MOTORS.replace("DRIVE", "4 N/mm").replace("\"0 deg", "\"2 deg").replace("90 deg", "92 deg");
+    let real = scratch.write("real.toml", &real);
+    let json: Value = serde_json::from_str(&succeed(&["solve", &real, "--json"])).unwrap();
+    let mut csv = String::from("step,disk,x,y,z\n");
+    let steps = json["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 2, "{json}");
+    for (k, step) in steps.iter().enumerate() {
+        for (i, disk) in step["disks"].as_array().unwrap().iter().enumerate() {
+            let at = |axis: usize| {
+                let wave = ((11 * k + 7 * i + 3 * axis) as f64 * 1.9).sin();
+                disk["position"][axis].as_f64().unwrap() + 1e-4 * wave
+            };
+            csv += &format!("{},{},{},{},{}\n", k + 1, i + 1, at(0), at(1), at(2));
+        }
+    }
+    scratch.write("seen.csv", &csv);
+    let fit = "[measured]\ndisks = \"seen.csv\"\n[fit]\nparameters = [\"motors[*].stiffness\", \"cables[side].routing.angle\"]\n\
+               [[fit.known]]\nparameter = \"motors[*].stiffness\"\nleast = 100.0\n";
+    let text = MOTORS.replace("DRIVE", "6 N/mm");
+    let file = scratch.write("file.toml", &format!("{text}{fit}"));
+    let fitted = scratch.path().join("fitted.toml");
+    let text = succeed(&["fit", &file, "-o", fitted.to_str().unwrap()]);
+    settings(Some(scratch.path())).bind(|| insta::assert_snapshot!("shared_numbers", text));
+    // Each keeps its unit and its own angle.
+    let fitted = std::fs::read_to_string(fitted).unwrap();
+    let near = |key: &str, from: f64, to: f64| {
+        let values = fitted.split(key).skip(1).filter_map(|rest| rest.split_once(' '));
+        let values: Vec<f64> = values.map(|(value, _)| value.parse().unwrap()).collect();
+        assert_eq!(values.len(), 2, "{fitted}");
+        values.iter().for_each(|value| assert!((from..to).contains(value), "{fitted}"));
+        values
+    };
+    let drives = near("stiffness = \"", 3.8, 4.2);
+    assert_eq!(drives[0], drives[1]);
+    let angles = near("angle = \"", 1.0, 93.0);
+    assert!((angles[1] - angles[0] - 90.0).abs() < 1e-6, "{angles:?}");
+
+    let message = fail(2, &["fit", &file, "--parameter", "motors[three].stiffness"]);
+    settings(Some(scratch.path())).bind(|| insta::assert_snapshot!("no_such_motor", message));
+    let wrong = fit.replace("cables[side]", "cables[back]");
+    let file = scratch.write("wrong.toml", &format!("{MOTORS}{wrong}").replace("DRIVE", "6 N/mm"));
+    let message = fail(2, &["fit", &file]);
+    settings(Some(scratch.path())).bind(|| insta::assert_snapshot!("no_such_group", message));
+}

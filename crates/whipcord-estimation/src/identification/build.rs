@@ -47,6 +47,17 @@ pub(super) fn case(
 ) -> Result<Case, RobotError> {
     let mut built = case.clone();
     built.drive(robot)?;
+    // Offsets are added to what the gains make of the commands.
+    for &(quantity, value) in numbers {
+        let Quantity::Gain { cable } = quantity else { continue };
+        for_commands(&mut built, cable, |command| {
+            command.tension = command.tension.map(|tension| value * tension);
+            command.shortening = command.shortening.map(|shortening| match shortening {
+                Shortening::Length(length) => Shortening::Length(value * length),
+                Shortening::Fraction(part) => Shortening::Fraction(value * part),
+            });
+        });
+    }
     let mut turn = [0.0; 3];
     for &(quantity, value) in numbers {
         match quantity {
@@ -64,7 +75,10 @@ pub(super) fn case(
             }),
             Quantity::BasePosition { axis } => built.base.position[axis] = value,
             Quantity::BaseTurn { axis } => turn[axis] = value,
-            Quantity::Parameter(_) | Quantity::Friction { .. } => {}
+            Quantity::Parameter(_)
+            | Quantity::Friction { .. }
+            | Quantity::Gain { .. }
+            | Quantity::MarkerOffset { .. } => {}
         }
     }
     if turn != [0.0; 3] {
@@ -179,6 +193,8 @@ pub(super) fn present(quantity: &Quantity, robot: &Robot, case: &Case) -> Result
         Quantity::TensionOffset { cable } | Quantity::ShorteningOffset { cable } => {
             there(cable).map(|_| 0.0)
         }
+        Quantity::Gain { cable } => there(cable).map(|_| 1.0),
+        Quantity::MarkerOffset { .. } => Ok(0.0),
         Quantity::BasePosition { axis } => Ok(case.base.position[axis]),
         Quantity::BaseTurn { .. } => Ok(0.0),
     }

@@ -31,11 +31,12 @@ pub(super) fn check(
             (Some(a), Some(b)) => a == b,
             _ => true,
         };
-        let twin = unknowns[..i]
-            .iter()
-            .find(|other| both(other) && unknown.quantity.overlaps(&other.quantity));
+        let twin = unknowns[..i].iter().find(|other| {
+            let any = |of: Quantity| other.quantities().any(|twin| of.overlaps(&twin));
+            both(other) && unknown.quantities().any(any)
+        });
         if let Some(twin) = twin {
-            let (first, second) = (twin.quantity.to_string(), unknown.quantity.to_string());
+            let (first, second) = (twin.path(), unknown.path());
             return Err(IdentifyError::Overlap { first, second });
         }
     }
@@ -125,7 +126,7 @@ fn check_unknown(
     unknown: &Unknown,
     settings: &Settings,
 ) -> Result<(), IdentifyError> {
-    let path = || unknown.quantity.to_string();
+    let path = || unknown.path();
     let wrong = |problem| Err(IdentifyError::Setting { path: path(), problem });
     if let Some(experiment) = unknown.experiment
         && experiment >= experiments.len()
@@ -157,16 +158,17 @@ fn check_unknown(
         if !unknown.is_of(experiment) {
             continue;
         }
-        present(&unknown.quantity, robot, &of.case).map_err(IdentifyError::Absent)?;
-        let by_tension = match unknown.quantity {
-            Quantity::TensionOffset { cable } => Some((cable, true)),
-            Quantity::ShorteningOffset { cable } => Some((cable, false)),
-            _ => None,
-        };
-        if let Some((cable, by_tension)) = by_tension {
+        for quantity in unknown.quantities() {
+            present(&quantity, robot, &of.case).map_err(IdentifyError::Absent)?;
+            let (cable, by_tension) = match quantity {
+                Quantity::TensionOffset { cable } => (cable, Some(true)),
+                Quantity::ShorteningOffset { cable } => (cable, Some(false)),
+                Quantity::Gain { cable } => (cable, None),
+                _ => continue,
+            };
             let driven = driven_by_tension(of, cable, &settings.model);
-            if driven != Some(by_tension) {
-                return Err(IdentifyError::NotDriven { path: path(), experiment });
+            if driven.is_none() || by_tension.is_some_and(|by| driven != Some(by)) {
+                return Err(IdentifyError::NotDriven { path: quantity.to_string(), experiment });
             }
         }
     }
@@ -174,7 +176,11 @@ fn check_unknown(
 }
 
 /// Whether a model drives the cable by its tension in all steps, or by its shortening in all.
-fn driven_by_tension(experiment: &Experiment, cable: usize, model: &Model) -> Option<bool> {
+pub(super) fn driven_by_tension(
+    experiment: &Experiment,
+    cable: usize,
+    model: &Model,
+) -> Option<bool> {
     match model {
         Model::Cosserat(options) | Model::CosseratDisks(options) => {
             is_driven_by_tension(&experiment.case, cable, options.actuation)

@@ -30,13 +30,19 @@ impl Forward<'_> {
         let means = self.methods[experiment].clone();
         let parameters: Vec<Parameter> = means
             .iter()
+            .flatten()
             .filter_map(|means| match means {
-                Some(DerivativeMethod::Parameter(parameter)) => Some(*parameter),
+                DerivativeMethod::Parameter(parameter) => Some(*parameter),
                 _ => None,
             })
             .collect();
         let asks = means.iter().flatten().any(|means| {
-            matches!(means, DerivativeMethod::Parameter(_) | DerivativeMethod::Command { .. })
+            matches!(
+                means,
+                DerivativeMethod::Parameter(_)
+                    | DerivativeMethod::Command { .. }
+                    | DerivativeMethod::Gain { .. }
+            )
         });
         let observed: Vec<usize> =
             self.experiments[experiment].observations.iter().map(|seen| seen.step).collect();
@@ -62,37 +68,54 @@ impl Forward<'_> {
         for (step, (solution, derivatives)) in answers.iter().enumerate() {
             let commands = case.before.get(step).unwrap_or(&case.commands);
             let mut parameter = 0;
-            let mut motions: Vec<Option<Motion>> = Vec::with_capacity(means.len());
+            let mut motions: Vec<Vec<Motion>> = Vec::with_capacity(means.len());
             for (means, value) in means.iter().zip(x) {
-                let motion = match (means, derivatives) {
-                    (Some(DerivativeMethod::Parameter(what)), Some(derivatives)) => {
-                        let change = derivatives.parameter(parameter, Hold::Commands);
-                        parameter += 1;
-                        // The model's factor counts from what the stiffness is now.
-                        let by = if matches!(what, Parameter::StiffnessScale(_)) {
-                            1.0 / value
-                        } else {
-                            1.0
-                        };
-                        Some(Motion::Change(change, by))
-                    }
-                    (Some(DerivativeMethod::Command { cable }), Some(derivatives)) => {
-                        let by = match (commands[*cable].shortening, commands[*cable].tension) {
-                            // An offset in m is a part of the length that the cable had before.
-                            (Some(Shortening::Fraction(_)), _) if !self.rest().is_empty() => {
-                                solution.cables[*cable].initial_length / self.rest()[*cable]
-                            }
-                            _ => 1.0,
-                        };
-                        Some(Motion::Change(derivatives.command(*cable), by))
-                    }
-                    (Some(DerivativeMethod::Move { axis }), _) => Some(Motion::Move(AXES[*axis])),
-                    (Some(DerivativeMethod::Turn { axis }), _) => {
-                        Some(Motion::Turn(turning_axis(*axis, turn), case.base.position))
-                    }
-                    _ => None,
-                };
-                motions.push(motion);
+                let mut of_unknown = Vec::with_capacity(means.len());
+                for means in means {
+                    let motion = match (*means, derivatives) {
+                        (DerivativeMethod::Parameter(what), Some(derivatives)) => {
+                            let change = derivatives.parameter(parameter, Hold::Commands);
+                            parameter += 1;
+                            // The model's factor counts from what the stiffness is now.
+                            let by = match what {
+                                Parameter::StiffnessScale(_) => 1.0 / value,
+                                _ => 1.0,
+                            };
+                            Motion::Change(change, by)
+                        }
+                        (DerivativeMethod::Command { cable }, Some(derivatives)) => {
+                            let by = match (commands[cable].shortening, commands[cable].tension) {
+                                // An offset in m is a part of the length that the cable had before.
+                                (Some(Shortening::Fraction(_)), _) if !self.rest().is_empty() => {
+                                    solution.cables[cable].initial_length / self.rest()[cable]
+                                }
+                                _ => 1.0,
+                            };
+                            Motion::Change(derivatives.command(cable), by)
+                        }
+                        (DerivativeMethod::Gain { cable, by_tension }, Some(derivatives)) => {
+                            let length = solution.cables[cable].initial_length;
+                            let rest = self.rest().get(cable).copied().unwrap_or(1.0);
+                            let offset = self.offset(experiment, x, cable);
+                            let command = match (by_tension, commands[cable].shortening) {
+                                (false, Some(Shortening::Length(given))) => given - offset,
+                                (false, Some(Shortening::Fraction(part))) => {
+                                    length * (part - offset / rest)
+                                }
+                                _ => commands[cable].tension.unwrap_or(0.0) - offset,
+                            };
+                            Motion::Change(derivatives.command(cable), command / value)
+                        }
+                        (DerivativeMethod::Marker { axis }, _) => Motion::Marker(AXES[axis]),
+                        (DerivativeMethod::Move { axis }, _) => Motion::Move(AXES[axis]),
+                        (DerivativeMethod::Turn { axis }, _) => {
+                            Motion::Turn(turning_axis(axis, turn), case.base.position)
+                        }
+                        _ => continue,
+                    };
+                    of_unknown.push(motion);
+                }
+                motions.push(of_unknown);
             }
             let (unknowns, base) = (means.len(), case.base.rotation);
             let mut station = 0;
@@ -101,8 +124,12 @@ impl Forward<'_> {
                 let count = seen.numbers();
                 into[row..row + count].copy_from_slice(&marker.numbers[..count]);
                 for (j, motion) in motions.iter().enumerate() {
-                    let Some(motion) = motion else { continue };
-                    let velocity = motion.of(marker, stations[station], |v| base.rotate(v));
+                    if motion.is_empty() {
+                        continue;
+                    }
+                    let of =
+                        |motion: &Motion| motion.of(marker, stations[station], |v| base.rotate(v));
+                    let velocity = motion.iter().fold(Vec3::ZERO, |sum, motion| sum + of(motion));
                     for (i, by_point) in marker.by_point[..count].iter().enumerate() {
                         columns[(row + i) * unknowns + j] = by_point.dot(velocity);
                     }
@@ -125,7 +152,7 @@ impl Forward<'_> {
         let n = self.unknowns.len();
         let rows = self.first_rows[experiment + 1] - self.first_rows[experiment];
         for j in 0..n {
-            if self.methods[experiment][j] != Some(DerivativeMethod::Differences) {
+            if self.methods[experiment][j] != [DerivativeMethod::Differences] {
                 continue;
             }
             let h = STEP * scales[j];
@@ -162,6 +189,18 @@ impl Forward<'_> {
         Ok(())
     }
 
+    /// What is added to the command of a cable in an experiment, in m or N.
+    fn offset(&self, experiment: usize, x: &[f64], cable: usize) -> f64 {
+        let of = self.unknowns.iter().zip(x).filter(|(unknown, _)| unknown.is_of(experiment));
+        let offset = |quantity: Quantity| match quantity {
+            Quantity::TensionOffset { cable: of } | Quantity::ShorteningOffset { cable: of } => {
+                of == cable
+            }
+            _ => false,
+        };
+        of.filter(|(unknown, _)| unknown.quantities().any(offset)).map(|(_, value)| value).sum()
+    }
+
     /// The angles by which the base of an experiment is turned.
     fn turn(&self, experiment: usize, x: &[f64]) -> [f64; 3] {
         let mut turn = [0.0; 3];
@@ -180,6 +219,8 @@ impl Forward<'_> {
 enum Motion {
     /// As the model says, so many times.
     Change(Change, f64),
+    /// Its markers along this, in their frames.
+    Marker(Vec3),
     /// All of it along this.
     Move(Vec3),
     /// All of it about this axis through this point.
@@ -195,6 +236,7 @@ impl Motion {
                 let arm = marker.point - marker.pose.position;
                 (to_world(linear) + to_world(angular).cross(arm)) * *by
             }
+            Self::Marker(along) => marker.pose.rotation.rotate(*along),
             Self::Move(along) => *along,
             Self::Turn(axis, centre) => axis.cross(marker.point - *centre),
         }

@@ -1,6 +1,7 @@
 //! What was seen of a robot in a case, and the numbers that are estimated from it.
 
 use super::quantity::Quantity;
+use super::shared::Shared;
 use crate::camera::Camera;
 use crate::observation::Observation;
 use whipcord::case::Case;
@@ -19,8 +20,10 @@ pub struct Experiment {
 /// A number that is estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknown {
-    /// What it is.
+    /// What it is; of a number that several cables or motors share, that of the first.
     pub quantity: Quantity,
+    /// What shares it.
+    pub shared: Option<Shared>,
     /// The number of the one experiment that it belongs to; else all share it.
     pub experiment: Option<usize>,
     /// Where to start; else where robot and case have it.
@@ -36,12 +39,59 @@ impl Unknown {
     #[must_use]
     pub const fn new(quantity: Quantity) -> Self {
         let bounds = [f64::NEG_INFINITY, f64::INFINITY];
-        Self { quantity, experiment: None, start: None, bounds, prior: None }
+        Self { quantity, shared: None, experiment: None, start: None, bounds, prior: None }
+    }
+
+    /// All quantities that have this number.
+    pub fn quantities(&self) -> impl Iterator<Item = Quantity> {
+        let others = self.shared.iter().flat_map(|shared| shared.others.iter().copied());
+        core::iter::once(self.quantity).chain(others)
+    }
+
+    /// Its path, as it was given.
+    #[must_use]
+    pub fn path(&self) -> String {
+        match &self.shared {
+            Some(shared) => shared.path.clone(),
+            None => self.quantity.to_string(),
+        }
+    }
+
+    /// Whether it is a change that several cables share, each from where robot and case have it.
+    #[must_use]
+    pub fn is_change(&self) -> bool {
+        self.shared.as_ref().is_some_and(|shared| shared.is_change)
+    }
+
+    /// Whether it is the same unknown of the same experiment as another, whatever is known of them.
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.experiment == other.experiment
+            && self.is_change() == other.is_change()
+            && self.quantities().eq(other.quantities())
+    }
+
+    /// Whether it cannot be negative, so that changes are seen as fractions of it.
+    pub(super) fn is_positive(&self) -> bool {
+        self.quantity.is_positive() && !self.is_change()
+    }
+
+    /// Whether it must be greater than zero.
+    pub(super) fn is_above_zero(&self) -> bool {
+        self.quantity.is_above_zero() && !self.is_change()
+    }
+
+    /// Values that are possible at all.
+    fn range(&self) -> [f64; 2] {
+        match self.is_change() {
+            true => [f64::NEG_INFINITY, f64::INFINITY],
+            false => self.quantity.range(),
+        }
     }
 
     /// One of a single experiment.
     #[must_use]
-    pub const fn of(quantity: Quantity, experiment: usize) -> Self {
+    pub fn of(quantity: Quantity, experiment: usize) -> Self {
         Self { experiment: Some(experiment), ..Self::new(quantity) }
     }
 
@@ -51,11 +101,11 @@ impl Unknown {
     }
 
     pub(super) fn least(&self) -> f64 {
-        self.bounds[0].max(self.quantity.range()[0])
+        self.bounds[0].max(self.range()[0])
     }
 
     pub(super) fn greatest(&self) -> f64 {
-        self.bounds[1].min(self.quantity.range()[1])
+        self.bounds[1].min(self.range()[1])
     }
 }
 

@@ -16,7 +16,7 @@ use whipcord::cosserat::Accuracy;
 use whipcord::kind::ModelKind;
 use whipcord::model::{Model, Prepared};
 use whipcord::parameter::Parameter;
-use whipcord::robot::Robot;
+use whipcord::robot::{Robot, RobotError};
 use whipcord::shape::Solution;
 use whipcord::stations::Stations;
 
@@ -32,9 +32,13 @@ pub(super) struct Forward<'a> {
     stations: Vec<Vec<usize>>,
     /// Lengths of the cables at rest in m, before anything is estimated; empty where nobody asks.
     rest: Vec<f64>,
-    /// How each unknown's derivative comes about, by experiments.
-    pub(super) methods: Vec<Vec<Option<DerivativeMethod>>>,
+    /// Of each unknown that is a change, the values that it is counted from.
+    changed: Vec<Vec<f64>>,
+    /// How the derivative by each quantity of each unknown comes about, by experiments; empty where it plays no part.
+    pub(super) methods: Vec<Vec<Vec<DerivativeMethod>>>,
     built: Option<Built>,
+    /// What is added to the offset of every marker, in m.
+    marker_offset: Vec3,
 }
 
 /// The robot with the last numbers, and its model.
@@ -90,12 +94,19 @@ impl<'a> Forward<'a> {
             unknowns
                 .iter()
                 .map(|unknown| {
-                    unknown.is_of(e).then(|| {
-                        DerivativeMethod::of(unknown, unknowns, experiment, (&model, robot))
-                    })
+                    if !unknown.is_of(e) {
+                        return Vec::new();
+                    }
+                    DerivativeMethod::of(unknown, unknowns, experiment, (&model, robot))
                 })
                 .collect()
         };
+        let present = |unknown: &Unknown| {
+            let case = &experiments[unknown.experiment.unwrap_or(0)].case;
+            let quantities = unknown.quantities().filter(|_| unknown.is_change());
+            quantities.map(|quantity| build::present(&quantity, robot, case)).collect()
+        };
+        let changed = unknowns.iter().map(present).collect::<Result<_, RobotError>>();
         let mut forward = Self {
             robot,
             experiments,
@@ -106,9 +117,11 @@ impl<'a> Forward<'a> {
                 .map(|experiment| experiment.observations.iter().map(station).collect())
                 .collect(),
             rest: Vec::new(),
+            changed: changed.map_err(IdentifyError::Absent)?,
             methods: experiments.iter().enumerate().map(means).collect(),
             model,
             built: None,
+            marker_offset: Vec3::ZERO,
         };
         if unknowns.iter().any(|u| matches!(u.quantity, Quantity::ShorteningOffset { .. })) {
             forward.rest = forward.rest_lengths()?;
@@ -156,6 +169,7 @@ impl<'a> Forward<'a> {
             let case = &self.experiments[unknown.experiment.unwrap_or(0)].case;
             let start = match unknown.start {
                 Some(start) => start,
+                None if unknown.is_change() => 0.0,
                 None => build::present(&unknown.quantity, self.robot, case)?,
             };
             Ok(start.max(unknown.least()).min(unknown.greatest()))
@@ -195,23 +209,30 @@ impl<'a> Forward<'a> {
                     _ => 1.0,
                 },
                 Quantity::Friction { .. } => 0.1,
+                Quantity::Gain { .. } => 1.0,
                 Quantity::TensionOffset { .. } => tension,
-                Quantity::ShorteningOffset { .. } | Quantity::BasePosition { .. } => 0.1 * length,
+                Quantity::ShorteningOffset { .. }
+                | Quantity::MarkerOffset { .. }
+                | Quantity::BasePosition { .. } => 0.1 * length,
                 Quantity::BaseTurn { .. } => 1.0,
             };
-            if unknown.quantity.is_positive() && *start > 0.0 {
-                *start
-            } else {
-                size.max(start.abs())
-            }
+            if unknown.is_positive() && *start > 0.0 { *start } else { size.max(start.abs()) }
         };
         self.unknowns.iter().zip(start).map(of).collect()
     }
 
     /// The unknowns that play a part in an experiment, with their values.
     fn numbers(&self, experiment: usize, x: &[f64]) -> Vec<(Quantity, f64)> {
-        let of = self.unknowns.iter().zip(x).filter(|(unknown, _)| unknown.is_of(experiment));
-        of.map(|(unknown, value)| (unknown.quantity, *value)).collect()
+        let of = self.unknowns.iter().zip(x).zip(&self.changed);
+        let of = of.filter(|((unknown, _), _)| unknown.is_of(experiment));
+        of.flat_map(|((unknown, value), from)| {
+            let present = from.iter().copied().chain(core::iter::repeat(0.0));
+            unknown
+                .quantities()
+                .zip(present)
+                .map(|(quantity, present)| (quantity, present + *value))
+        })
+        .collect()
     }
 
     /// Robot and case of an experiment with these values.
@@ -235,6 +256,12 @@ impl<'a> Forward<'a> {
         x: &[f64],
     ) -> Result<(&mut Prepared, Case), NoAnswerReason> {
         let numbers = self.numbers(experiment, x);
+        self.marker_offset = Vec3::ZERO;
+        for &(quantity, value) in &numbers {
+            if let Quantity::MarkerOffset { axis } = quantity {
+                self.marker_offset[axis] = value;
+            }
+        }
         let Experiment { case, observations, .. } = &self.experiments[experiment];
         let last = observations.iter().map(|seen| seen.step).max().unwrap_or(0);
         let of_robot: Vec<(Quantity, u64)> = numbers
@@ -319,7 +346,7 @@ impl<'a> Forward<'a> {
         for (i, seen) in observations.iter().enumerate() {
             if seen.step == step {
                 let pose = solution.shape.poses[self.stations[experiment][i]];
-                let marker = marker(pose, seen, cameras)
+                let marker = marker(pose, seen.offset + self.marker_offset, seen, cameras)
                     .map_err(|error| NoAnswerReason::View { observation: i, error })?;
                 each(row, seen, &marker);
             }
@@ -332,10 +359,11 @@ impl<'a> Forward<'a> {
 /// Equations (i1) and (i2).
 fn marker(
     pose: Pose,
+    offset: Vec3,
     seen: &Observation,
     cameras: &[Camera],
 ) -> Result<Marker, crate::camera::ViewError> {
-    let point = pose.position + pose.rotation.rotate(seen.offset);
+    let point = pose.position + pose.rotation.rotate(offset);
     Ok(match seen.seen {
         Seen::Position(_) => {
             Marker { pose, point, numbers: point.to_array(), by_point: build::AXES }

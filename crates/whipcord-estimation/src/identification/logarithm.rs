@@ -10,7 +10,7 @@ pub(super) struct Logarithms(Vec<Option<f64>>);
 impl Logarithms {
     pub(super) fn new(unknowns: &[Unknown], start: &[f64]) -> Self {
         let of = |(unknown, start): (&Unknown, &f64)| {
-            (unknown.quantity.is_above_zero() && *start > 0.0).then_some(*start)
+            (unknown.is_above_zero() && *start > 0.0).then_some(*start)
         };
         Self(unknowns.iter().zip(start).map(of).collect())
     }

@@ -1,11 +1,12 @@
 //! How the derivative by an unknown comes about.
 
+use super::check::driven_by_tension;
 use super::experiment::{Experiment, Unknown};
 use super::quantity::Quantity;
 use whipcord::case::LoadFrame;
 use whipcord::model::Model;
 use whipcord::parameter::Parameter;
-use whipcord::robot::Robot;
+use whipcord::robot::{Cable, Robot};
 
 /// How the derivative by an unknown comes about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +15,10 @@ pub(super) enum DerivativeMethod {
     Parameter(Parameter),
     /// Exactly: by the command of a cable.
     Command { cable: usize },
+    /// Exactly: by the command of a cable, which is multiplied.
+    Gain { cable: usize, by_tension: bool },
+    /// Exactly: all markers are moved along an axis of their frames.
+    Marker { axis: usize },
     /// Exactly: the robot is moved along an axis of the world.
     Move { axis: usize },
     /// Exactly: the robot is turned, with its loads, about an axis of the world.
@@ -23,8 +28,23 @@ pub(super) enum DerivativeMethod {
 }
 
 impl DerivativeMethod {
+    /// The derivatives by all quantities of an unknown, which add up.
     pub(super) fn of(
         unknown: &Unknown,
+        unknowns: &[Unknown],
+        experiment: &Experiment,
+        model: (&Model, &Robot),
+    ) -> Vec<Self> {
+        let of = |quantity| Self::of_quantity(quantity, unknowns, experiment, model);
+        let all: Vec<Self> = unknown.quantities().map(of).collect();
+        match all.contains(&Self::Differences) {
+            true => vec![Self::Differences],
+            false => all,
+        }
+    }
+
+    fn of_quantity(
+        quantity: Quantity,
         unknowns: &[Unknown],
         experiment: &Experiment,
         (model, robot): (&Model, &Robot),
@@ -35,9 +55,24 @@ impl DerivativeMethod {
         let by_factor = unknowns.iter().any(|other| {
             matches!(other.quantity, Quantity::Parameter(Parameter::StiffnessScale(_)))
         });
-        match unknown.quantity {
+        let by_gain = unknowns.iter().any(|u| matches!(u.quantity, Quantity::Gain { .. }));
+        match quantity {
             // Its stiffness then is given as such, and section and material no longer decide on it.
             quantity if quantity.is_of_material() && by_factor => Self::Differences,
+            // What a motor changes of a command is multiplied by the gain of the cable too.
+            Quantity::Parameter(parameter) if by_gain && parameter.motor().is_some() => {
+                Self::Differences
+            }
+            // With friction all commands before change with it too.
+            Quantity::Gain { cable }
+                if is_exact && !robot.cables().iter().any(Cable::has_friction) =>
+            {
+                match driven_by_tension(experiment, cable, model) {
+                    Some(by_tension) => Self::Gain { cable, by_tension },
+                    None => Self::Differences,
+                }
+            }
+            Quantity::MarkerOffset { axis } => Self::Marker { axis },
             Quantity::Parameter(parameter) if is_exact => Self::Parameter(parameter),
             Quantity::TensionOffset { cable } | Quantity::ShorteningOffset { cable }
                 if is_exact =>

@@ -36,6 +36,16 @@ pub enum Quantity {
         /// Cable.
         cable: usize,
     },
+    /// A factor on the command of a cable, tension or shortening, in every step.
+    Gain {
+        /// Cable.
+        cable: usize,
+    },
+    /// A coordinate of the markers in the frames of their places, added to what the measurement says, in m.
+    MarkerOffset {
+        /// Component.
+        axis: usize,
+    },
     /// A coordinate of the base in the world, in m.
     BasePosition {
         /// Component.
@@ -69,6 +79,8 @@ impl fmt::Display for Quantity {
             Self::Friction { cable: Some(cable) } => write!(f, "cables[{cable}].friction"),
             Self::TensionOffset { cable } => write!(f, "cables[{cable}].tension_offset"),
             Self::ShorteningOffset { cable } => write!(f, "cables[{cable}].shortening_offset"),
+            Self::Gain { cable } => write!(f, "cables[{cable}].gain"),
+            Self::MarkerOffset { axis } => write!(f, "measured.offset[{axis}]"),
             Self::BasePosition { axis } => write!(f, "base.position[{axis}]"),
             Self::BaseTurn { axis } => write!(f, "base.turn[{axis}]"),
         }
@@ -96,6 +108,8 @@ impl FromStr for Quantity {
             ("cables[].friction", &[cable]) => Self::Friction { cable: Some(cable) },
             ("cables[].tension_offset", &[cable]) => Self::TensionOffset { cable },
             ("cables[].shortening_offset", &[cable]) => Self::ShorteningOffset { cable },
+            ("cables[].gain", &[cable]) => Self::Gain { cable },
+            ("measured.offset[]", &[axis @ 0..3]) => Self::MarkerOffset { axis },
             ("base.position[]", &[axis @ 0..3]) => Self::BasePosition { axis },
             ("base.turn[]", &[axis @ 0..3]) => Self::BaseTurn { axis },
             _ => match path.parse() {
@@ -111,7 +125,7 @@ impl FromStr for Quantity {
 
 impl Quantity {
     /// The paths of what can be estimated, with 0 for every number: those of the first cable, load, axis.
-    pub const PATHS: [&str; 52] = [
+    pub const PATHS: [&str; 54] = [
         "backbone.young_modulus",
         "backbone.shear_modulus",
         "backbone.poisson_ratio",
@@ -137,6 +151,7 @@ impl Quantity {
         "cables[0].friction",
         "cables[0].tension_offset",
         "cables[0].shortening_offset",
+        "cables[0].gain",
         "cables[0].axial_stiffness",
         "cables[0].routing.angle",
         "cables[0].routing.radius",
@@ -162,6 +177,7 @@ impl Quantity {
         "loads.distributed[0].force[0]",
         "loads.distributed[0].moment[0]",
         "loads.distributed[0].force[0][0]",
+        "measured.offset[0]",
         "base.position[0]",
         "base.turn[0]",
     ];
@@ -212,9 +228,11 @@ impl Quantity {
                 | P::GearRatio { .. }
                 | P::Coefficient { .. } => "",
             },
-            Self::Friction { .. } => "",
+            Self::Friction { .. } | Self::Gain { .. } => "",
             Self::TensionOffset { .. } => "N",
-            Self::ShorteningOffset { .. } | Self::BasePosition { .. } => "m",
+            Self::ShorteningOffset { .. }
+            | Self::MarkerOffset { .. }
+            | Self::BasePosition { .. } => "m",
             Self::BaseTurn { .. } => "rad",
         }
     }
@@ -239,15 +257,33 @@ impl Quantity {
             Self::Friction { .. } => false,
             Self::TensionOffset { .. }
             | Self::ShorteningOffset { .. }
+            | Self::Gain { .. }
+            | Self::MarkerOffset { .. }
             | Self::BasePosition { .. }
             | Self::BaseTurn { .. } => true,
         }
     }
 
+    /// Whether cables that share it each keep their own value and only change by as much: it says where a cable runs.
+    pub(super) const fn differs_between_cables(&self) -> bool {
+        use Parameter as P;
+        matches!(
+            self,
+            Self::Parameter(
+                P::Angle { .. }
+                    | P::Radius { .. }
+                    | P::Turns { .. }
+                    | P::Start { .. }
+                    | P::End { .. }
+                    | P::Coefficient { .. }
+            )
+        )
+    }
+
     /// Whether it cannot be negative, so that changes are seen as fractions of it.
     pub(super) const fn is_positive(&self) -> bool {
         use Parameter as P;
-        let Self::Parameter(parameter) = self else { return false };
+        let Self::Parameter(parameter) = self else { return matches!(self, Self::Gain { .. }) };
         match parameter {
             P::Stiffness { row, column } => *row == *column,
             _ => matches!(
@@ -281,7 +317,7 @@ impl Quantity {
     /// Whether it must be greater than zero.
     pub(super) const fn is_above_zero(&self) -> bool {
         match self {
-            Self::Parameter(Parameter::StiffnessScale(_)) => true,
+            Self::Parameter(Parameter::StiffnessScale(_)) | Self::Gain { .. } => true,
             Self::Parameter(Parameter::Stiffness { .. } | Parameter::ShearCorrection) => {
                 self.is_positive()
             }

@@ -33,9 +33,8 @@ pub(super) fn tell(
         meets(*value, unknown.least()) || meets(*value, unknown.greatest())
     };
     let is_at_bound: Vec<bool> = unknowns.iter().zip(x).map(at_bound).collect();
-    let by_differences = |j: usize| {
-        forward.methods.iter().any(|means| means[j] == Some(DerivativeMethod::Differences))
-    };
+    let by_differences =
+        |j: usize| forward.methods.iter().any(|means| means[j] == [DerivativeMethod::Differences]);
     let any = (0..n).any(by_differences);
     let free: Vec<bool> = is_at_bound.iter().map(|bound| !bound).collect();
     let mut jacobian = workspace.jacobian().to_vec();
@@ -58,7 +57,7 @@ pub(super) fn tell(
         })
         .collect();
     let sizes: Vec<f64> = (0..n)
-        .map(|j| if unknowns[j].quantity.is_positive() && x[j] > 0.0 { x[j] } else { scales[j] })
+        .map(|j| if unknowns[j].is_positive() && x[j] > 0.0 { x[j] } else { scales[j] })
         .collect();
     let unresolved = spread.weak.iter().map(|weak| Unresolved::of(weak, unknowns, x, &sizes));
     let count = forward.count();

@@ -40,7 +40,7 @@ impl Unresolved {
             .enumerate()
             .filter(|(_, size)| *size > SMALL * largest)
             .map(|(j, _)| {
-                let is_relative = unknowns[j].quantity.is_positive() && values[j] > 0.0;
+                let is_relative = unknowns[j].is_positive() && values[j] > 0.0;
                 let unit = if is_relative { values[j] } else { 1.0 };
                 Share {
                     unknown: j,
@@ -57,7 +57,7 @@ impl Unresolved {
 
 impl fmt::Display for Unknown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.quantity.fmt(f)?;
+        f.write_str(&self.path())?;
         match self.experiment {
             Some(experiment) => write!(f, " (case {})", experiment + 1),
             None => Ok(()),

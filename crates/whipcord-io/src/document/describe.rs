@@ -238,6 +238,7 @@ fn disks(disks: &Disks, length: f64) -> Table {
 fn cable(cable: &Cable, command: Option<&CableCommand>) -> Table {
     let mut table = Table::default();
     table.insert("name", cable.name.as_str());
+    table.insert_some("group", cable.group.as_deref());
     match &cable.routing {
         Routing::Holes { holes, interpolation } => {
             table.insert("holes", holes.clone());

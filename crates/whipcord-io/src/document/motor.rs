@@ -8,6 +8,7 @@ use super::{Item, Table};
 pub(super) fn motor(motor: &Motor, names: &[&str], command: Option<f64>) -> Table {
     let mut table = Table::default();
     table.insert("name", motor.name.as_str());
+    table.insert_some("group", motor.group.as_deref());
     let of_cable = |of: &MotorCable| of.signed(names.get(of.cable).copied().unwrap_or_default());
     let cables = motor.cables.iter().map(|of| Item::Text(of_cable(of)));
     table.insert("cables", Item::List(cables.collect()));

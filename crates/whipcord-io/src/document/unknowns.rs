@@ -10,8 +10,7 @@ use crate::read::Fit;
 pub fn describe_fit(fit: &Fit) -> Table {
     let mut table = Table::default();
     for (key, unknowns) in [("parameters", &fit.shared), ("each", &fit.each)] {
-        let paths: Vec<Item> =
-            unknowns.iter().map(|unknown| Item::Text(unknown.quantity.to_string())).collect();
+        let paths: Vec<Item> = unknowns.iter().map(|unknown| Item::Text(unknown.path())).collect();
         if !paths.is_empty() {
             table.insert(key, Item::List(paths));
         }
@@ -33,7 +32,7 @@ pub fn describe_fit(fit: &Fit) -> Table {
 /// What is known of it besides its path; `None` where that is nothing.
 fn known_of(unknown: &Unknown) -> Option<Table> {
     let mut entry = Table::default();
-    let path = unknown.quantity.to_string();
+    let path = unknown.path();
     entry.insert("parameter", path.as_str());
     let [least, greatest] = unknown.bounds;
     entry.insert_some("start", unknown.start);

@@ -21,7 +21,7 @@ pub fn fit_json(
         let interval =
             estimate.interval.map(|ends| numbers(&path("interval"), &ends)).transpose()?;
         Ok(json!({
-            "parameter": estimate.unknown.quantity.to_string(),
+            "parameter": estimate.unknown.path(),
             "case": estimate.unknown.experiment.and_then(|e| names.get(e)),
             "unit": estimate.unknown.quantity.unit(),
             "value": number(|| path("value"), estimate.value)?,

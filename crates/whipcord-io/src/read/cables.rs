@@ -8,6 +8,7 @@ use crate::units::Dimension;
 pub(crate) fn cable(fields: &Fields, index: usize) -> Option<Cable> {
     Some(Cable {
         name: fields.text("name").map_or_else(|| default_name("cable", index), str::to_owned),
+        group: fields.text("group").map(str::to_owned),
         routing: routing(fields)?,
         ends_at: fields.number("ends_at"),
         friction: fields.number("friction"),

@@ -1,4 +1,5 @@
-use whipcord_estimation::identification::{Prior, Quantity, Unknown};
+use whipcord::{Cable, Motor};
+use whipcord_estimation::identification::{ParameterPath, Prior, Quantity, Unknown};
 
 use crate::check::Fields;
 use crate::error::{FileProblem, Problems};
@@ -37,40 +38,42 @@ impl Fit {
         Self::together(&vec![Some(self); files])
     }
 
-    /// A quantity, with what the first of the files that knows of it says.
+    /// An unknown, with what the first of the files that knows of it says.
     #[must_use]
-    pub fn known(files: &[Option<&Self>], quantity: Quantity) -> Unknown {
+    pub fn known(files: &[Option<&Self>], unknown: Unknown) -> Unknown {
         let mut all = files.iter().flatten().flat_map(|fit| fit.shared.iter().chain(&fit.each));
-        let own = all.find(|unknown| unknown.quantity == quantity);
-        own.cloned().unwrap_or_else(|| Unknown::new(quantity))
+        let own = all.find(|known| known.is_same(&unknown));
+        own.cloned().unwrap_or(unknown)
     }
 }
 
 fn add(unknowns: &mut Vec<Unknown>, unknown: Unknown) {
-    let same = |other: &Unknown| {
-        (other.quantity, other.experiment) == (unknown.quantity, unknown.experiment)
-    };
-    if !unknowns.iter().any(same) {
+    if !unknowns.iter().any(|other| other.is_same(&unknown)) {
         unknowns.push(unknown);
     }
 }
 
-/// The quantity of a path, or the path that is most like it.
+/// What a path names, or the path that is most like it.
 ///
 /// # Errors
 /// The nearest path, if one is near.
-pub fn quantity(path: &str) -> Result<Quantity, Option<&'static str>> {
+pub fn parameter_path(path: &str) -> Result<ParameterPath, Option<&'static str>> {
     path.parse().map_err(|_| suggest::nearest(path, Quantity::PATHS))
 }
 
-/// Reads the table; what it names that cannot be estimated goes to `problems`.
-pub(crate) fn fit(fields: &Fields, document: &Node, problems: &mut Problems) -> Fit {
+/// Reads the table, of a robot with these cables and motors; what it names that cannot be estimated goes to `problems`.
+pub(crate) fn fit(
+    fields: &Fields,
+    (cables, motors): (&[Cable], &[Motor]),
+    document: &Node,
+    problems: &mut Problems,
+) -> Fit {
+    let robot = (cables, motors);
     let mut unknowns = |key: &str| -> Vec<Unknown> {
         let Some(list) = fields.list(key) else { return Vec::new() };
         let found = list.iter().enumerate().filter_map(|(i, item)| {
             let path = item.as_text()?;
-            let place = format!("fit.{key}[{i}]");
-            named(path, &place, document, problems).map(Unknown::new)
+            named(path, &format!("fit.{key}[{i}]"), robot, document, problems)
         });
         found.collect()
     };
@@ -78,9 +81,9 @@ pub(crate) fn fit(fields: &Fields, document: &Node, problems: &mut Problems) -> 
     for (i, known) in fields.tables("known").iter().enumerate() {
         let Some(path) = known.text("parameter") else { continue };
         let place = format!("fit.known[{i}].parameter");
-        let Some(quantity) = named(path, &place, document, problems) else { continue };
+        let Some(meant) = named(path, &place, robot, document, problems) else { continue };
         let all = fit.shared.iter_mut().chain(&mut fit.each);
-        let mut of = all.filter(|unknown| unknown.quantity == quantity).peekable();
+        let mut of = all.filter(|unknown| unknown.is_same(&meant)).peekable();
         if of.peek().is_none() {
             let span = document.locate(&place).span;
             problems.push(span, || FileProblem::NotEstimated { path: path.to_owned() });
@@ -100,13 +103,25 @@ pub(crate) fn fit(fields: &Fields, document: &Node, problems: &mut Problems) -> 
     fit
 }
 
-fn named(path: &str, place: &str, document: &Node, problems: &mut Problems) -> Option<Quantity> {
-    match quantity(path) {
-        Ok(quantity) => Some(quantity),
+fn named(
+    path: &str,
+    place: &str,
+    (cables, motors): (&[Cable], &[Motor]),
+    document: &Node,
+    problems: &mut Problems,
+) -> Option<Unknown> {
+    let span = || document.locate(place).span;
+    match parameter_path(path) {
+        Ok(named) => match named.unknown(cables, motors) {
+            Ok(unknown) => Some(unknown),
+            Err(error) => {
+                problems.push(span(), || FileProblem::UnknownGroup(error));
+                None
+            }
+        },
         Err(near) => {
-            let span = document.locate(place).span;
             let path = path.to_owned();
-            problems.push(span, || FileProblem::UnknownQuantity { path, near });
+            problems.push(span(), || FileProblem::UnknownQuantity { path, near });
             None
         }
     }

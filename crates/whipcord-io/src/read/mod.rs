@@ -16,7 +16,7 @@ pub(crate) use backbone::{backbone, material};
 pub(crate) use cables::{cable, command, step};
 pub(crate) use disks::disks;
 pub(crate) use fit::fit;
-pub use fit::{Fit, quantity};
+pub use fit::{Fit, parameter_path};
 pub(crate) use loads::loads;
 pub(crate) use measured::{Extent, read as measured};
 pub use measured::{LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, load_markers};

@@ -84,6 +84,7 @@ fn motor(
     let gear_ratio = fields.number("gear_ratio").unwrap_or(1.0);
     Some(Motor {
         name: fields.text("name").map_or_else(|| default_name("motor", index), str::to_owned),
+        group: fields.text("group").map(str::to_owned),
         drive: if turns { Drive::Spool { gear_ratio } } else { Drive::Linear },
         cables: pulled,
         stiffness: fields.number("stiffness"),

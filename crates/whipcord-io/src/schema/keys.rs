@@ -140,6 +140,12 @@ static CABLE: Table = Table {
             "Name, unique in the file; by default `cable-1`, `cable-2`, ... In a file that extends one with cables: the cable whose keys are changed, or a new name.",
         ),
         key(
+            "group",
+            Kind::Text,
+            r#""segment 1""#,
+            "Group of cables that it belongs to. A fit can give the cables of a group one number together: cables[segment 1].axial_stiffness.",
+        ),
+        key(
             "holes",
             Kind::List(&Kind::Count { least: 1, greatest: MOST_HOLES }, 2),
             "[1, 2, 3, 4]",
@@ -396,7 +402,7 @@ static FIT: Table = Table {
             "parameters",
             Kind::List(&Kind::Text, 1),
             r#"["backbone.diameter", "cables.friction"]"#,
-            "Paths of what is estimated, once for all files that are fitted together, counting from 0: numbers of this file such as backbone.young_modulus, disks.hole_circle_radius, cables[0].routing.radius, loads.tip_force[2] or base.position[0]; and cables.friction (of all cables alike), cables[0].tension_offset, cables[0].shortening_offset (slack is negative), base.turn[0] (about x, then y, then z of the world), backbone.torsion_factor and bending_factor.",
+            "Paths of what is estimated, once for all files that are fitted together, counting from 0: numbers of this file such as backbone.young_modulus, disks.hole_circle_radius, cables[0].routing.radius, loads.tip_force[2] or base.position[0]; and cables.friction (of all cables alike), cables[0].tension_offset, cables[0].shortening_offset (slack is negative), cables[0].gain (a factor on the command), measured.offset[0] (of the markers from where the measurement says), base.turn[0] (about x, then y, then z of the world), backbone.torsion_factor and bending_factor. One number for several cables or motors: cables[*].axial_stiffness for all, cables[segment 1].friction for a `group`, motors[left].stiffness by a name; of `routing` a change that all of them share.",
         ),
         key(
             "each",

@@ -19,6 +19,12 @@ pub(super) static MOTOR: Table = Table {
             "Name, unique in the file; by default `motor-1`, `motor-2`, ... In a file that extends one with motors: the motor whose keys are changed, or a new name.",
         ),
         key(
+            "group",
+            Kind::Text,
+            r#""segment 1""#,
+            "Group of motors that it belongs to. A fit can give the motors of a group one number together: motors[segment 1].stiffness.",
+        ),
+        key(
             "cables",
             Kind::List(&Kind::Text, 1),
             r#"["left", "-right"]"#,

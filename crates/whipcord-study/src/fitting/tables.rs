@@ -108,8 +108,8 @@ fn shown(unit: &'static str) -> (f64, &'static str) {
 /// The path, with the file it belongs to where it is not of all.
 fn name(fit: &Fit, unknown: &Unknown) -> String {
     match unknown.experiment {
-        Some(e) => format!("{} ({})", unknown.quantity, fit.names[e]),
-        None => unknown.quantity.to_string(),
+        Some(e) => format!("{} ({})", unknown.path(), fit.names[e]),
+        None => unknown.path(),
     }
 }
 
@@ -225,7 +225,7 @@ pub fn estimates_csv(fit: &Fit) -> CsvTable {
     for estimate in &fit.found.estimates {
         let case = estimate.unknown.experiment.map(|e| fit.names[e].as_str());
         csv.push([
-            Cell::from(estimate.unknown.quantity.to_string().as_str()),
+            Cell::from(estimate.unknown.path().as_str()),
             case.map_or(Cell::Empty, Cell::from),
             Cell::from(estimate.unknown.quantity.unit()),
             Cell::from(estimate.value),

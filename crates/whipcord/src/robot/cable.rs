@@ -3,6 +3,8 @@
 pub struct Cable {
     /// Name, unique in the robot.
     pub name: String,
+    /// Group of cables that it belongs to, such as the segment that it bends. Cables of a group can share parameters in a fit.
+    pub group: Option<String>,
     /// Where it runs in the cross-sections.
     pub routing: Routing,
     /// Arc length in m at which it is anchored; `None` is the tip, or, for a list of holes, the disk of its
@@ -82,7 +84,14 @@ impl Cable {
     /// An inextensible, frictionless cable.
     #[must_use]
     pub fn new(name: impl Into<String>, routing: Routing) -> Self {
-        Self { name: name.into(), routing, ends_at: None, friction: None, axial_stiffness: None }
+        Self {
+            name: name.into(),
+            group: None,
+            routing,
+            ends_at: None,
+            friction: None,
+            axial_stiffness: None,
+        }
     }
 
     /// Whether it has friction at its holes.

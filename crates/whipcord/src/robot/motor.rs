@@ -15,6 +15,8 @@ use super::range::Range;
 pub struct Motor {
     /// Name, unique in the robot.
     pub name: String,
+    /// Group of motors that it belongs to. Motors of a group can share parameters in a fit.
+    pub group: Option<String>,
     /// How the motor moves its cables.
     pub drive: Drive,
     /// The cables that it pulls; a cable belongs to one motor at most.
@@ -148,6 +150,7 @@ impl Motor {
         };
         Self {
             name,
+            group: None,
             drive,
             cables: cables.into_iter().map(of_cable).collect(),
             stiffness: None,

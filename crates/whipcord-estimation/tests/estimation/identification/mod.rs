@@ -4,4 +4,5 @@ mod columns;
 mod coverage;
 mod estimates;
 mod refusals;
+mod shared;
 mod synthetic;
