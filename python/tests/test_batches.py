@@ -272,5 +272,5 @@ def _with_cable(robot: whipcord.Robot) -> whipcord.Robot:
 def test_one_kind_of_command_drives_a_batch(case: whipcord.Case) -> None:
     with pytest.raises(whipcord.errors.InputError, match="leave out shortening to drive by tension"):
         case.solve_batch([[1.0]], shortening=[[0.001]])
-    with pytest.raises(whipcord.errors.InputError, match="give tensions or shortenings"):
+    with pytest.raises(whipcord.errors.InputError, match="give tensions, shortenings or commands of motors"):
         case.solve_batch()

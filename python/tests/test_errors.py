@@ -107,7 +107,7 @@ def test_wrong_tensions(case: whipcord.Case, tension: Any, words: str) -> None:
         ([["a"]], "must be an array of numbers"),
         (np.ones((2, 1), dtype=complex), "must be an array of numbers"),
         ([[1.0], [1.0, 2.0]], "must be an array of numbers"),
-        (None, "give tensions or shortenings"),
+        (None, "give tensions, shortenings or commands of motors"),
     ],
 )
 def test_wrong_rows(case: whipcord.Case, rows: Any, words: str) -> None:

@@ -40,6 +40,17 @@ def test_the_gradient_of_the_tip_is_the_exact_jacobian(compiled: bool) -> None:
     agree(by_parameter, expected[1])
 
 
+def test_the_gradient_by_motors_is_that_by_their_parameters() -> None:
+    robot = loaded().robot
+    spool = whipcord.Motor(name="m", cables=[robot.cables[0].name], spool_radius="5 mm", stiffness="9 N/mm")
+    robot = robot.replace(cables=robot.cables[:1], motors=[spool])
+    case = whipcord.Case(robot, motors=[0.8])
+    solve = whipcord.jax.Solver(case, parameters=["motors[0].stiffness"], actuation="motors")
+    by_angle, by_stiffness = jax.jacrev(lambda a, p: solve(a, p).tip, argnums=(0, 1))(np.array([0.8]), solve.values)
+    _, derivatives = case.differentiate(parameters=["motors[0].angle", "motors[0].stiffness"])
+    agree(np.hstack([by_angle, by_stiffness]), derivatives.position_by_parameter[-1], 1e-11)
+
+
 def test_a_whole_batch_has_the_gradients_of_its_rows() -> None:
     solve = whipcord.jax.Solver(loaded(), parameters=PATHS)
     rows = TENSION * np.linspace(0.2, 1.0, 6)[:, None]

@@ -13,7 +13,7 @@ from . import _core
 from ._tables import Quantity
 from .errors import InputError
 from .motor import Motor
-from .robot import Cable
+from .robot import Cable, Robot
 
 Commands = Union[Sequence[Union[Quantity, None]], "npt.NDArray[np.float64]", Quantity]
 """One value for each cable: in SI or with a unit; None for a cable that is driven otherwise."""
@@ -40,15 +40,29 @@ def commanded(
     tension: Commands | None,
     shortening: Commands | None,
     model: _core.Model,
-    cables: tuple[Cable, ...],
+    robot: Robot,
+    motors: Commands | None = None,
     name: str = "shortening",
-) -> tuple[list[Any] | None, list[Any] | None]:
-    """The tensions and shortenings in the order of the cables, of which a cable has one. `name` is what the
-    shortenings were given as."""
+) -> tuple[list[Any] | None, list[Any] | None, list[Any] | None]:
+    """The tensions and shortenings in the order of the cables, of which a cable has one, and the commands of the
+    motors. `name` is what the shortenings were given as."""
     tensions, shortenings = listed(tension, "tension"), listed(shortening, "shortening")
+    angles = listed(motors, "motors")
+    for motor, angle in zip(robot.motors, angles if angles is not None else ()):
+        if angle is None:
+            continue
+        pulled = {cable.removeprefix("-") for cable in motor.cables}
+        for given, kind in ((tensions, "tension"), (shortenings, name)):
+            for cable, value in zip(robot.cables, given if given is not None else ()):
+                if value is not None and cable.name in pulled:
+                    message = (
+                        f"cable {cable.name} has a {kind} and is pulled by the motor {motor.name}, which has a command: "
+                        f"leave out one of them (None in its list)"
+                    )
+                    raise InputError(message, path=kind)
     if tensions is None or shortenings is None or model.arguments.get("actuation") is not None:
-        return tensions, shortenings
-    for cable, pull, short in zip(cables, tensions, shortenings):
+        return tensions, shortenings, angles
+    for cable, pull, short in zip(robot.cables, tensions, shortenings):
         if pull is not None and short is not None:
             message = (
                 f"tension and {name} of cable {cable.name} are both given, and one of them drives it: leave out "
@@ -56,7 +70,7 @@ def commanded(
                 'list); or give actuation="tension" or "shortening"'
             )
             raise InputError(message, path=name)
-    return tensions, shortenings
+    return tensions, shortenings, angles
 
 
 def each(values: Commands | None, cables: Sequence[Cable | Motor], name: str) -> list[Any]:

@@ -77,13 +77,14 @@ def derivatives(
     parameters: list[str],
     tension: Any = None,
     shortening: Any = None,
+    motors: Any = None,
     start: Solution | None = None,
 ) -> tuple[Solution, Derivatives]: ...
 def solve_batch(
     setup: Setup,
     model: Model,
     values: _Array,
-    by_shortening: bool,
+    driven_by: str,
     threads: int | None,
     path: bool,
     progress: Callable[[int], None] | None,
@@ -98,7 +99,7 @@ def pull_back_batch(
     setup: Setup,
     model: Model,
     values: _Array,
-    by_shortening: bool,
+    driven_by: str,
     parameters: list[str],
     threads: int | None,
     progress: Callable[[int], None] | None,
@@ -242,11 +243,13 @@ class Setup:
         model: Model,
         tension: Any = None,
         shortening: Any = None,
+        motors: Any = None,
         start: Solution | None = None,
     ) -> Solution: ...
-    def solve_steps(self, model: Model, tension: Any = None, shortening: Any = None) -> list[Solution]: ...
+    def solve_steps(self, model: Model, tension: Any = None, shortening: Any = None, motors: Any = None) -> list[Solution]: ...
     def initial_lengths(self, model: Model) -> list[float]: ...
     def cable_paths(self, solution: Solution) -> list[_Array]: ...
+    def motors(self, of: Solution) -> list[dict[str, Any]]: ...
     def cable_overlaps(self, solution: Solution) -> list[dict[str, Any]]: ...
     def of_answer(self, solution: Solution) -> Setup: ...
     def as_driven(self, solution: Solution, model: Model) -> Setup: ...
@@ -258,9 +261,10 @@ class Setup:
         arc_length: float | None,
         tension: Any = None,
         shortening: Any = None,
+        motors: Any = None,
     ) -> tuple[Solution, dict[str, Any]]: ...
     def branches(
-        self, model: Model, tension: Any = None, shortening: Any = None
+        self, model: Model, tension: Any = None, shortening: Any = None, motors: Any = None
     ) -> tuple[
         list[tuple[int | None, bool | None, Solution]],
         list[tuple[int, float, str, list[float]]],

@@ -49,13 +49,13 @@ class Problem:
         self,
         case: Case,
         parameters: Sequence[str],
-        actuation: Literal["tension", "shortening"],
+        actuation: Literal["tension", "shortening", "motors"],
         model: ModelLike,
         stations: StationsLike,
         on_failure: Literal["raise", "flag"],
     ) -> None:
         for name, value, choices in (
-            ("actuation", actuation, ("tension", "shortening")),
+            ("actuation", actuation, ("tension", "shortening", "motors")),
             ("on_failure", on_failure, ("raise", "flag")),
         ):
             if value not in choices:
@@ -64,16 +64,18 @@ class Problem:
         self.case, self.parameters, self.actuation = case, tuple(paths(parameters)), actuation
         self.model, self.stations, self.raises = model, stations, on_failure == "raise"
         self.cables = len(case.robot.cables)
+        self.commands = len(case.robot.motors) if actuation == "motors" else self.cables
         self.values = np.array([case.parameter(path) for path in self.parameters], dtype=np.float64)
         # A model without derivatives, and a path that cannot change, are refused now rather than by a gradient.
-        nothing = np.zeros((0, self.cables))
+        nothing = np.zeros((0, self.commands))
         self.arc_length = self._batch(self._case(self.values), nothing).arc_length
-        case.pull_back_batch(nothing, parameters=self.parameters, model=model, stations=stations)
+        driven: dict[str, Any] = {actuation: nothing}
+        case.pull_back_batch(**driven, parameters=self.parameters, model=model, stations=stations)
 
     def check(self, commands: tuple[int, ...], parameters: tuple[int, ...]) -> tuple[int, ...]:
         """The leading dimensions of the answer to arrays of these shapes."""
         for name, shape, width, what in (
-            (self.actuation, commands, self.cables, "cable"),
+            (self.actuation, commands, self.commands, "motor" if self.actuation == "motors" else "cable"),
             ("parameters", parameters, len(self.parameters), "path"),
         ):
             if len(shape) < 1 or shape[-1] != width:
@@ -145,13 +147,13 @@ class Problem:
         about = np.cross(flat(turns, 3), rotation, axis=2).sum(axis=3)
         asked = [w.reshape(count, -1).any(axis=1) for w in (position, about, tension, length)]
         some = np.flatnonzero(np.logical_or.reduce(asked) & (flat(answered, 0) != 0.0))
-        by_commands = np.zeros((count, self.cables))
+        by_commands = np.zeros((count, self.commands))
         by_parameters = np.zeros((count, len(self.parameters)))
         for rows, case, given in self._groups(lead, some, commands, parameters):
             gradients = self._gradients(case, given, position[rows], about[rows], tension[rows], length[rows])
             self._raise(gradients, rows, lead)
             by_commands[rows], by_parameters[rows] = gradients.commands, gradients.parameters
-        return by_commands.reshape(*lead, -1), by_parameters.reshape(*lead, len(self.parameters))
+        return by_commands.reshape(*lead, self.commands), by_parameters.reshape(*lead, len(self.parameters))
 
     def _groups(
         self,
@@ -163,7 +165,7 @@ class Problem:
         """Those of `rows` that have the same parameters, the case with them, and their commands."""
         if not rows.size:
             return
-        every = np.broadcast_to(commands, (*lead, self.cables)).reshape(-1, self.cables)
+        every = np.broadcast_to(commands, (*lead, self.commands)).reshape(-1, self.commands)
         given = every[rows].astype(np.float64)
         width = len(self.parameters)
         if parameters.size == width:
@@ -223,7 +225,7 @@ class SolverBase:
         case: Case,
         *,
         parameters: Sequence[str] = (),
-        actuation: Literal["tension", "shortening"] = "tension",
+        actuation: Literal["tension", "shortening", "motors"] = "tension",
         model: ModelLike = "cosserat",
         stations: StationsLike = None,
         on_failure: Literal["raise", "flag"] = "raise",

@@ -226,7 +226,7 @@ class Gradients(_Rows):
     """Gradients of one scalar for each row; zero in rows without an answer, so that a sum over rows leaves them out."""
 
     commands: Array
-    """(N, c) by the tension or shortening of each cable."""
+    """(N, c) by the tension or shortening of each cable, or (N, m) by the command of each motor."""
     parameters: Array
     """(N, p) by each parameter that was asked for."""
 
@@ -252,27 +252,33 @@ def numbers(values: npt.ArrayLike, name: str, shape: str, dimensions: int) -> Ar
     return array
 
 
-def _rows(case: Case, tension: npt.ArrayLike | None, shortening: npt.ArrayLike | None) -> tuple[Array, bool]:
-    if tension is None and shortening is None:
-        raise InputError("give tensions or shortenings", path="tension")
-    if tension is not None and shortening is not None:
+def _rows(
+    case: Case,
+    tension: npt.ArrayLike | None,
+    shortening: npt.ArrayLike | None,
+    motors: npt.ArrayLike | None,
+) -> tuple[Array, str]:
+    """The commands of the rows, and what they are."""
+    all_kinds = {"tension": tension, "shortening": shortening, "motors": motors}
+    given = {name: values for name, values in all_kinds.items() if values is not None}
+    if not given:
+        raise InputError("give tensions, shortenings or commands of motors", path="tension")
+    if len(given) > 1:
+        first, second, *_ = given
         message = (
-            "tension and shortening are both given, and a batch is driven by one of them: "
-            "leave out shortening to drive by tension, or tension to drive by shortening"
+            f"{first} and {second} are both given, and a batch is driven by one of them: "
+            f"leave out {second} to drive by {first}, or {first} to drive by {second}"
         )
-        raise InputError(message, path="shortening")
-    name, values = ("tension", tension) if shortening is None else ("shortening", shortening)
-    assert values is not None
-    cables = len(case.robot.cables)
-    array = numbers(values, name, f"(N, {cables}), one column for each cable", 2)
-    if array.shape[1] != cables:
-        names = ", ".join(cable.name for cable in case.robot.cables)
-        message = (
-            f"{name} must have the shape (N, {cables}), one column for each cable ({names}), "
-            f"but has {array.shape}"
-        )
+        raise InputError(message, path=second)
+    ((name, values),) = given.items()
+    driven, kind = (case.robot.motors, "motor") if name == "motors" else (case.robot.cables, "cable")
+    shape = f"(N, {len(driven)}), one column for each {kind}"
+    array = numbers(values, name, shape, 2)
+    if array.shape[1] != len(driven):
+        names = ", ".join(each.name for each in driven)
+        message = f"{name} must have the shape {shape}{f' ({names})' if names else ''}, but has {array.shape}"
         raise InputError(message, path=name)
-    return array, shortening is not None
+    return array, name
 
 
 @contextmanager
@@ -303,14 +309,15 @@ def solve_batch(
     model: _core.Model,
     tension: npt.ArrayLike | None,
     shortening: npt.ArrayLike | None,
+    motors: npt.ArrayLike | None,
     threads: int | None,
     path: bool,
     progress: bool,
 ) -> Batch:
     """See :meth:`whipcord.Case.solve_batch`."""
-    values, by_shortening = _rows(case, tension, shortening)
+    values, driven_by = _rows(case, tension, shortening, motors)
     with _bar(len(values), progress) as update:
-        arrays = _core.solve_batch(case._setup, model, values, by_shortening, _threads(threads), path, update)
+        arrays = _core.solve_batch(case._setup, model, values, driven_by, _threads(threads), path, update)
     return Batch(case, model, arrays)
 
 
@@ -327,14 +334,15 @@ def pull_back_batch(
     model: _core.Model,
     tension: npt.ArrayLike | None,
     shortening: npt.ArrayLike | None,
+    motors: npt.ArrayLike | None,
     parameters: list[str],
     weights: tuple[npt.ArrayLike | None, ...],
     threads: int | None,
     progress: bool,
 ) -> Gradients:
     """See :meth:`whipcord.Case.pull_back_batch`."""
-    values, by_shortening = _rows(case, tension, shortening)
-    rows, cables = values.shape
+    values, driven_by = _rows(case, tension, shortening, motors)
+    rows, cables = len(values), len(case.robot.cables)
     stations = len(case._setup.stations(model))
     shapes = [
         ("position", (rows, stations, 3)),
@@ -354,6 +362,6 @@ def pull_back_batch(
         given.append(array)
     with _bar(rows, progress) as update:
         commands, by_parameters, outcomes = _core.pull_back_batch(
-            case._setup, model, values, by_shortening, parameters, _threads(threads), update, *given
+            case._setup, model, values, driven_by, parameters, _threads(threads), update, *given
         )
     return Gradients(commands, by_parameters, outcomes)

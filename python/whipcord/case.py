@@ -90,6 +90,7 @@ class Case(Description):
         tension: Commands | None = None,
         shortening: Commands | None = None,
         length: Commands | None = None,
+        motors: Commands | None = None,
         model: ModelLike = "cosserat",
         stations: StationsLike = None,
         actuation: str | None = None,
@@ -108,6 +109,9 @@ class Case(Description):
             shortening is an error, unless `actuation` says which of them drives.
         length
             (c,) present length of each cable inside the robot in m, instead of a shortening.
+        motors
+            (m,) angle in rad or travel in m of each motor, instead of shortenings of its cables; None leaves those to
+            their own commands. Where the drive has play, earlier steps of the case say on which side it was left.
         model
             One of the names in :data:`whipcord.models.NAMES`, or a model with options (:mod:`whipcord.models`).
         stations
@@ -144,7 +148,7 @@ class Case(Description):
             initial = self._setup.initial_lengths(chosen)
             shortening = shortening_for(length, shortening, initial, self.robot.cables)
             name = "length"
-        given = commanded(tension, shortening, chosen, self.robot.cables, name)
+        given = commanded(tension, shortening, chosen, self.robot, motors, name)
         solution = Solution._of(self, chosen, self._setup.solve(chosen, *given, begun(start)), start)
         tell(solution.warnings)
         return solution
@@ -208,6 +212,7 @@ class Case(Description):
         tension: npt.ArrayLike | None = None,
         *,
         shortening: npt.ArrayLike | None = None,
+        motors: npt.ArrayLike | None = None,
         model: ModelLike = "cosserat",
         stations: StationsLike = None,
         threads: int | None = None,
@@ -223,6 +228,9 @@ class Case(Description):
             (N, c) tensions in N; loads and base are those of the case.
         shortening
             (N, c) shortenings in m, instead of tensions.
+        motors
+            (N, m) angles in rad or travels in m of the motors, instead of both. Each row comes after the earlier steps of
+            the case alone, also with `path`: no row moves the play of a drive for the next one.
         model, stations
             As for :meth:`solve`.
         threads
@@ -254,13 +262,14 @@ class Case(Description):
         True
         """
         chosen = models.core(model, stations, None, timeout)
-        return solve_batch(self, chosen, tension, shortening, threads, path, progress)
+        return solve_batch(self, chosen, tension, shortening, motors, threads, path, progress)
 
     def pull_back_batch(
         self,
         tension: npt.ArrayLike | None = None,
         *,
         shortening: npt.ArrayLike | None = None,
+        motors: npt.ArrayLike | None = None,
         parameters: Sequence[str] = (),
         position: npt.ArrayLike | None = None,
         rotation: npt.ArrayLike | None = None,
@@ -276,8 +285,8 @@ class Case(Description):
 
         Parameters
         ----------
-        tension, shortening
-            (N, c) commands of the rows, as for :meth:`solve_batch`.
+        tension, shortening, motors
+            (N, c) or (N, m) commands of the rows, as for :meth:`solve_batch`.
         parameters
             Paths of parameters of the robot (:meth:`parameter`).
         position
@@ -294,7 +303,7 @@ class Case(Description):
         Returns
         -------
         Gradients
-            ``commands`` of shape (N, c) and ``parameters`` of shape (N, p); zero in rows without an answer.
+            ``commands`` of shape (N, c), or (N, m) by motors, and ``parameters`` of shape (N, p); zero in rows without an answer.
 
         Examples
         --------
@@ -312,7 +321,7 @@ class Case(Description):
         chosen = models.core(model, stations, None, timeout)
         weights = (position, rotation, cable_tension, cable_length)
         return pull_back_batch(
-            self, chosen, tension, shortening, paths(parameters), weights, threads, progress
+            self, chosen, tension, shortening, motors, paths(parameters), weights, threads, progress
         )
 
     @suggests
@@ -322,6 +331,7 @@ class Case(Description):
         parameters: Sequence[str] = (),
         tension: Commands | None = None,
         shortening: Commands | None = None,
+        motors: Commands | None = None,
         model: ModelLike = "cosserat",
         stations: StationsLike = None,
         actuation: str | None = None,
@@ -335,7 +345,7 @@ class Case(Description):
         parameters
             Paths of quantities of robot and case, as in robot files and counted from 0:
             ``"backbone.young_modulus"``, ``"cables[0].routing.radius"``, ``"loads.tip_force[2]"``.
-        tension, shortening, model, stations, actuation, start, timeout
+        tension, shortening, motors, model, stations, actuation, start, timeout
             As for :meth:`solve`.
 
         Examples
@@ -346,7 +356,7 @@ class Case(Description):
         ((10, 3, 1), (10, 3, 1))
         """
         chosen = models.core(model, stations, actuation, timeout)
-        given = commanded(tension, shortening, chosen, self.robot.cables)
+        given = commanded(tension, shortening, chosen, self.robot, motors)
         asked = paths(parameters)
         answer, inner = _core.derivatives(self._setup, chosen, asked, *given, begun(start))
         solution = Solution._of(self, chosen, answer, start)
@@ -360,6 +370,7 @@ class Case(Description):
         *,
         tension: Commands | None = None,
         shortening: Commands | None = None,
+        motors: Commands | None = None,
         model: ModelLike = "cosserat",
         actuation: str | None = None,
         timeout: float | None = None,
@@ -370,7 +381,7 @@ class Case(Description):
         ----------
         at
             Arc length of the place in m; the tip by default.
-        tension, shortening, model, actuation, timeout
+        tension, shortening, motors, model, actuation, timeout
             As for :meth:`solve`.
 
         Examples
@@ -381,7 +392,7 @@ class Case(Description):
         """
         chosen = models.core(model, None, actuation, timeout)
         place = None if at is None else metres(at, "at")
-        given = commanded(tension, shortening, chosen, self.robot.cables)
+        given = commanded(tension, shortening, chosen, self.robot, motors)
         answer, values = self._setup.local(chosen, place, *given)
         solution = Solution._of(self, chosen, answer, None)
         tell(solution.warnings)
@@ -393,6 +404,7 @@ class Case(Description):
         *,
         tension: Commands | None = None,
         shortening: Commands | None = None,
+        motors: Commands | None = None,
         model: ModelLike = "cosserat",
         actuation: str | None = None,
         timeout: float | None = None,
@@ -401,7 +413,7 @@ class Case(Description):
 
         Parameters
         ----------
-        tension, shortening, actuation
+        tension, shortening, motors, actuation
             As for :meth:`solve`.
         model
             Any model of an equilibrium under loads: not constant-curvature, and four-bar only with the objective
@@ -410,5 +422,5 @@ class Case(Description):
             Seconds after which the search is ended; by default as long as it takes.
         """
         chosen = models.core(model, None, actuation, timeout)
-        given = commanded(tension, shortening, chosen, self.robot.cables)
+        given = commanded(tension, shortening, chosen, self.robot, motors)
         return Branches._of(self, chosen, self._setup.branches(chosen, *given))

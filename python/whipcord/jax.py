@@ -68,7 +68,7 @@ class Solver(SolverBase):
     parameters
         Paths of quantities of robot and loads (:meth:`whipcord.Case.parameter`).
     actuation
-        ``"tension"`` in N or ``"shortening"`` in m: what the commands are.
+        ``"tension"`` in N, ``"shortening"`` in m, or ``"motors"`` in rad or m: what the commands are.
     model, stations
         As for :meth:`whipcord.Case.solve`.
     on_failure
@@ -96,7 +96,7 @@ class Solver(SolverBase):
         Parameters
         ----------
         commands
-            (..., c) tension in N or shortening in m of each cable.
+            (..., c) tension in N or shortening in m of each cable, or (..., m) command of each motor.
         parameters
             (..., p) values of the parameters; those of the case by default. Leading dimensions are broadcast.
             Rows with the same parameters are solved as one batch: prefer (p,) to many copies of it.
@@ -114,7 +114,7 @@ class Solver(SolverBase):
         if not isinstance(commands, jax.core.Tracer) and not isinstance(parameters, jax.core.Tracer):
             # Outside of any transformation errors arrive as they are.
             return Answer(*map(jnp.asarray, self._problem.solve(commands, parameters)))
-        rowwise = jnp.vectorize(partial(_solve, self._problem), signature="(c),(p)->(n,i),(n,j,k),(c),(c),()")
+        rowwise = jnp.vectorize(partial(_solve, self._problem), signature="(m),(p)->(n,i),(n,j,k),(c),(c),()")
         return Answer(*rowwise(commands, parameters))
 
 

@@ -302,7 +302,7 @@ def _smooth(answer: Solution) -> Solution:
 
     model = _core.Model(**arguments)
     case = answer.case
-    return Solution._of(case, model, case._setup.solve(model, None, None, answer._answer), answer)
+    return Solution._of(case, model, case._setup.solve(model, start=answer._answer), answer)
 
 
 def _radii(robot: Robot, count: int) -> Array | None:

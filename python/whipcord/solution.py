@@ -89,6 +89,25 @@ class CableState:
         return self.initial_length - self.length
 
 
+@dataclass(frozen=True)
+class MotorState:
+    """What a motor was told, and what it holds."""
+
+    name: str
+    """Its name."""
+    angle: float | None = None
+    """Its command in rad; None where its cables were commanded themselves, and of a linear drive."""
+    travel: float | None = None
+    """Command of a linear drive in m, likewise."""
+    torque: float | None = None
+    """In N·m, what holds the tensions of its cables without losses in the gear; None from a model that knows no
+    forces, and of a linear drive."""
+    force: float | None = None
+    """Force of a linear drive in N, likewise."""
+    utilization: float | None = None
+    """How much of its limit that is; above 1 the motor cannot hold the answer. None without a limit."""
+
+
 @dataclass(frozen=True, eq=False)
 class Contact:
     """A place where the robot touches an obstacle."""
@@ -328,6 +347,23 @@ class Solution:
             )
             for state in self._answer.cables
         )
+
+    @cached_property
+    def motors(self) -> tuple[MotorState, ...]:
+        """What each motor was told and holds.
+
+        Examples
+        --------
+        >>> import whipcord
+        >>> from whipcord import Case, Motor
+        >>> rod = whipcord.load("examples/table1/case-3.toml").robot
+        >>> spool = Motor(name="bend", cables=[rod.cables[0].name], spool_radius="10 mm")
+        >>> case = Case(rod.replace(motors=[spool]), motors=["45 deg"])
+        >>> (bend,) = case.solve().motors
+        >>> f"{bend.name}: {bend.torque:.4f} N·m at {bend.angle:.4f} rad"
+        'bend: 0.0293 N·m at 0.7854 rad'
+        """
+        return tuple(MotorState(**state) for state in self._case._setup.motors(self._answer))
 
     @cached_property
     def tension(self) -> Array:

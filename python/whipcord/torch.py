@@ -63,7 +63,7 @@ class Solver(SolverBase):
     parameters
         Paths of quantities of robot and loads (:meth:`whipcord.Case.parameter`).
     actuation
-        ``"tension"`` in N or ``"shortening"`` in m: what the commands are.
+        ``"tension"`` in N, ``"shortening"`` in m, or ``"motors"`` in rad or m: what the commands are.
     model, stations
         As for :meth:`whipcord.Case.solve`.
     on_failure
@@ -90,7 +90,7 @@ class Solver(SolverBase):
         Parameters
         ----------
         commands
-            (..., c) tension in N or shortening in m of each cable.
+            (..., c) tension in N or shortening in m of each cable, or (..., m) command of each motor.
         parameters
             (..., p) values of the parameters; those of the case by default. Leading dimensions are broadcast.
             Rows with the same parameters are solved as one batch: prefer (p,) to many copies of it.

@@ -112,20 +112,20 @@ impl Outcomes {
 /// Solves rows of tensions in N or shortenings in m: (N, n, 3) positions, (N, n, 4) quaternions,
 /// (N, c) tensions and (N, c) lengths, and how each went.
 #[pyfunction]
-#[pyo3(signature = (setup, model, values, by_shortening, threads, path, progress))]
+#[pyo3(signature = (setup, model, values, driven_by, threads, path, progress))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn solve_batch<'py>(
     py: Python<'py>,
     setup: &Setup,
     model: &Model,
     values: PyReadonlyArray2<'py, f64>,
-    by_shortening: bool,
+    driven_by: &str,
     threads: Option<usize>,
     path: bool,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Solutions<'py>> {
     let (method, limit) = model.begin();
-    let count = setup.rows(py, &values)?;
+    let count = setup.rows(py, &values, driven_by)?;
     let cables = setup.robot.cables().len();
     let stations = setup.station_list(py, model)?.len();
     let position = PyArray3::zeros(py, [count, stations, 3], false);
@@ -141,7 +141,7 @@ pub fn solve_batch<'py>(
             tensions: tension.as_slice_mut()?,
             lengths: length.as_slice_mut()?,
         };
-        let rows = asked(setup, values.as_slice()?, by_shortening);
+        let rows = asked(setup, values.as_slice()?, driven_by);
         supervise(py, &limit, progress, |progress| {
             let options = BatchOptions { warm_path: path, ..shared(threads, progress) };
             solve_batch_into(&method, &setup.robot, rows, &options, arrays)
@@ -177,7 +177,7 @@ pub fn solve_cases<'py>(
 /// (N, c) gradients by the commands, (N, p) by parameters, and which rows have one.
 #[pyfunction]
 #[pyo3(signature = (
-    setup, model, values, by_shortening, parameters, threads, progress, positions = None,
+    setup, model, values, driven_by, parameters, threads, progress, positions = None,
     rotations = None, tensions = None, lengths = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
@@ -186,7 +186,7 @@ pub fn pull_back_batch<'py>(
     setup: &Setup,
     model: &Model,
     values: PyReadonlyArray2<'py, f64>,
-    by_shortening: bool,
+    driven_by: &str,
     parameters: Vec<String>,
     threads: Option<usize>,
     progress: Option<&Bound<'py, PyAny>>,
@@ -195,7 +195,7 @@ pub fn pull_back_batch<'py>(
     tensions: Option<PyReadonlyArray2<'py, f64>>,
     lengths: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<Pulled<'py>> {
-    let count = setup.rows(py, &values)?;
+    let count = setup.rows(py, &values, driven_by)?;
     let (method, limit) = model.begin();
     if matches!(method.kind(), ModelKind::FourBar | ModelKind::ConstantCurvature)
         && !method.has_derivatives(&setup.robot)
@@ -204,7 +204,7 @@ pub fn pull_back_batch<'py>(
     }
     let parameters: Vec<_> =
         parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;
-    let by_commands = PyArray2::zeros(py, [count, setup.robot.cables().len()], false);
+    let by_commands = PyArray2::zeros(py, [count, values.as_array().ncols()], false);
     let by_parameters = PyArray2::zeros(py, [count, parameters.len()], false);
     let rows = {
         let (mut commands, mut others) = (by_commands.readwrite(), by_parameters.readwrite());
@@ -216,7 +216,7 @@ pub fn pull_back_batch<'py>(
             tensions: tensions.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
             lengths: lengths.as_ref().map_or(Ok(&[][..]), |array| array.as_slice())?,
         };
-        let rows = asked(setup, values.as_slice()?, by_shortening);
+        let rows = asked(setup, values.as_slice()?, driven_by);
         supervise(py, &limit, progress, |progress| {
             let options = shared(threads, progress);
             let robot = &setup.robot;
@@ -235,10 +235,14 @@ pub fn pull_back_batch<'py>(
     Ok((by_commands, by_parameters, Outcomes { rows }))
 }
 
-/// The rows of a case.
-fn asked<'a>(setup: &'a Setup, values: &'a [f64], by_shortening: bool) -> Rows<'a> {
+/// The rows of a case: tensions, shortenings, or commands of the motors.
+fn asked<'a>(setup: &'a Setup, values: &'a [f64], driven_by: &str) -> Rows<'a> {
     let case = &*setup.case;
-    if by_shortening { Rows::Shortenings { values, case } } else { Rows::Tensions { values, case } }
+    match driven_by {
+        "motors" => Rows::Motors { values, case },
+        "shortening" => Rows::Shortenings { values, case },
+        _ => Rows::Tensions { values, case },
+    }
 }
 
 /// So many threads, or one for each processor.
@@ -249,15 +253,24 @@ fn shared(threads: Option<usize>, progress: Progress<'_>) -> BatchOptions<'_> {
 
 impl Setup {
     /// The number of rows.
-    fn rows(&self, py: Python<'_>, values: &PyReadonlyArray2<'_, f64>) -> PyResult<usize> {
-        let (array, cables) = (values.as_array(), self.robot.cables().len());
+    fn rows(
+        &self,
+        py: Python<'_>,
+        values: &PyReadonlyArray2<'_, f64>,
+        driven_by: &str,
+    ) -> PyResult<usize> {
+        let (count, kind) = match driven_by {
+            "motors" => (self.robot.motors().len(), "motor"),
+            _ => (self.robot.cables().len(), "cable"),
+        };
+        let array = values.as_array();
         let [rows, columns] = [array.nrows(), array.ncols()];
-        if columns == cables {
+        if columns == count {
             return Ok(rows);
         }
         let message = format!(
-            "the rows must have the shape (N, {cables}), one column for each cable, but have ({rows}, {columns})"
+            "the rows must have the shape (N, {count}), one column for each {kind}, but have ({rows}, {columns})"
         );
-        Err(errors::input(py, "tensions", message))
+        Err(errors::input(py, driven_by, message))
     }
 }

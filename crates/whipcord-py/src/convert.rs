@@ -6,7 +6,7 @@ use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArra
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use whipcord::kinematics::Matrix6;
-use whipcord::{CableCommand, Robot, Shortening, Twist, Vec3};
+use whipcord::{CableCommand, Drive, Robot, Shortening, Twist, Vec3};
 use whipcord_io::{Dimension, Item, Shear, Table};
 
 use crate::errors;
@@ -166,7 +166,7 @@ fn from_item<'py>(py: Python<'py>, item: &Item) -> PyResult<Bound<'py, PyAny>> {
     })
 }
 
-/// One value of a cable's command: a number, a text with a unit, or None.
+/// One value of a command of a cable or motor: a number, a text with a unit, or None.
 type Entry = Option<(f64, Dimension)>;
 
 /// What is asked of every cable by tensions in N and shortenings in m. Without either, the commands of
@@ -182,13 +182,13 @@ pub fn commands(
     }
     let mut commands = vec![CableCommand::default(); robot.cables().len()];
     if let Some(given) = tension {
-        let entries = entries(robot, given, &[Dimension::Force], "tension")?;
+        let entries = cable_entries(robot, given, &[Dimension::Force], "tension")?;
         for (command, entry) in commands.iter_mut().zip(entries) {
             command.tension = entry.map(|(value, _)| value);
         }
     }
     if let Some(given) = shortening {
-        let entries = entries(robot, given, SHORTENING, "shortening")?;
+        let entries = cable_entries(robot, given, SHORTENING, "shortening")?;
         for (command, entry) in commands.iter_mut().zip(entries) {
             command.shortening = entry.map(|(value, dimension)| match dimension {
                 Dimension::Ratio => Shortening::Fraction(value),
@@ -199,53 +199,94 @@ pub fn commands(
     Ok(Some(commands))
 }
 
-fn entries(
+/// What the motors are told to do: an angle in rad or a travel in m of each, `None` where its cables have commands of their own.
+pub fn motor_commands(robot: &Robot, given: &Bound<'_, PyAny>) -> PyResult<Vec<Option<f64>>> {
+    let motors = robot.motors();
+    let given_for = GivenFor {
+        kind: "motor",
+        names: motors.iter().map(|motor| motor.name.as_str()).collect(),
+        // Wrong text of a robot without motors is told to have too many entries.
+        dimensions: motors
+            .iter()
+            .map(|motor| match motor.drive {
+                Drive::Spool { .. } => &[Dimension::Angle][..],
+                Drive::Linear => &[Dimension::Length][..],
+            })
+            .collect(),
+    };
+    let entries = given_for.entries(given, "motors")?;
+    Ok(entries.into_iter().map(|entry| entry.map(|(value, _)| value)).collect())
+}
+
+fn cable_entries(
     robot: &Robot,
     given: &Bound<'_, PyAny>,
     dimensions: &'static [Dimension],
     name: &str,
 ) -> PyResult<Vec<Entry>> {
-    let py = given.py();
-    let cables = robot.cables().len();
-    let first = dimensions[0];
-    let list: Vec<Entry> = if let Ok(array) = given.extract::<PyReadonlyArray1<'_, f64>>() {
-        array.as_array().iter().map(|&value| Some((value, first))).collect()
-    } else if given.is_instance_of::<PyString>() || given.is_instance_of::<PyFloat>() {
-        vec![entry(given, dimensions, name)?]
-    } else {
-        check_shape(given, cables, name)?;
-        let Ok(items) = given.try_iter() else {
-            return Ok(vec![entry(given, dimensions, name)?]);
-        };
-        items
-            .enumerate()
-            .map(|(i, item)| entry(&item?, dimensions, &format!("{name}[{i}]")))
-            .collect::<PyResult<_>>()?
-    };
-    if list.len() == cables {
-        return Ok(list);
-    }
-    let names: Vec<&str> = robot.cables().iter().map(|cable| cable.name.as_str()).collect();
-    let message = format!(
-        "{name} must have {cables} {}, one for each cable ({}), but has {}",
-        if cables == 1 { "entry" } else { "entries" },
-        names.join(", "),
-        list.len()
-    );
-    Err(errors::input(py, name, message))
+    let cables = robot.cables();
+    let names = cables.iter().map(|cable| cable.name.as_str()).collect();
+    GivenFor { kind: "cable", names, dimensions: vec![dimensions; cables.len()] }
+        .entries(given, name)
 }
 
-/// Refuses arrays of more than one dimension, and of anything but numbers.
-fn check_shape(given: &Bound<'_, PyAny>, cables: usize, name: &str) -> PyResult<()> {
-    let Ok(shape) = given.getattr("shape") else { return Ok(()) };
-    let shape: Vec<usize> = shape.extract().unwrap_or_default();
-    if shape.len() > 1 {
-        let message = format!(
-            "{name} must have the shape ({cables},), one entry for each cable, but has {shape:?}; many rows at once are for `solve_batch`"
-        );
-        return Err(errors::input(given.py(), name, message));
+/// The cables or motors that a list of commands is for.
+struct GivenFor<'a> {
+    kind: &'static str,
+    names: Vec<&'a str>,
+    /// What the command of each may be.
+    dimensions: Vec<&'static [Dimension]>,
+}
+
+impl GivenFor<'_> {
+    fn entries(&self, given: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Entry>> {
+        let count = self.names.len();
+        let of = |i: usize| self.dimensions.get(i).copied().unwrap_or(&[Dimension::Ratio]);
+        let list: Vec<Entry> = if let Ok(array) = given.extract::<PyReadonlyArray1<'_, f64>>() {
+            array.as_array().iter().enumerate().map(|(i, &value)| Some((value, of(i)[0]))).collect()
+        } else if given.is_instance_of::<PyString>() || given.is_instance_of::<PyFloat>() {
+            vec![entry(given, of(0), name)?]
+        } else {
+            self.check_shape(given, name)?;
+            let Ok(items) = given.try_iter() else {
+                return Ok(vec![entry(given, of(0), name)?]);
+            };
+            items
+                .enumerate()
+                .map(|(i, item)| entry(&item?, of(i), &format!("{name}[{i}]")))
+                .collect::<PyResult<_>>()?
+        };
+        if list.len() == count {
+            return Ok(list);
+        }
+        let kind = self.kind;
+        let message = if count == 0 {
+            format!("{name} has {} entries, but the robot has no {kind}", list.len())
+        } else {
+            format!(
+                "{name} must have {count} {}, one for each {kind} ({}), but has {}",
+                if count == 1 { "entry" } else { "entries" },
+                self.names.join(", "),
+                list.len()
+            )
+        };
+        Err(errors::input(given.py(), name, message))
     }
-    Ok(())
+
+    /// Refuses arrays of more than one dimension, and of anything but numbers.
+    fn check_shape(&self, given: &Bound<'_, PyAny>, name: &str) -> PyResult<()> {
+        let Ok(shape) = given.getattr("shape") else { return Ok(()) };
+        let shape: Vec<usize> = shape.extract().unwrap_or_default();
+        if shape.len() > 1 {
+            let message = format!(
+                "{name} must have the shape ({},), one entry for each {}, but has {shape:?}; many rows at once are for `solve_batch`",
+                self.names.len(),
+                self.kind
+            );
+            return Err(errors::input(given.py(), name, message));
+        }
+        Ok(())
+    }
 }
 
 fn entry(item: &Bound<'_, PyAny>, dimensions: &'static [Dimension], path: &str) -> PyResult<Entry> {

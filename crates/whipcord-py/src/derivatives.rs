@@ -34,7 +34,8 @@ enum Inner {
 
 /// The answer with its derivatives by the commands, by loads, and by these parameters.
 #[pyfunction]
-#[pyo3(signature = (setup, model, parameters, tension = None, shortening = None, start = None))]
+#[pyo3(signature = (setup, model, parameters, tension = None, shortening = None, motors = None, start = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn derivatives(
     py: Python<'_>,
     setup: &Bound<'_, Setup>,
@@ -42,9 +43,10 @@ pub fn derivatives(
     parameters: Vec<String>,
     tension: Option<&Bound<'_, PyAny>>,
     shortening: Option<&Bound<'_, PyAny>>,
+    motors: Option<&Bound<'_, PyAny>>,
     start: Option<&Solution>,
 ) -> PyResult<(Solution, Derivatives)> {
-    let case = setup.get().commanded(tension, shortening)?;
+    let case = setup.get().commanded(tension, shortening, motors)?;
     let parameters: Vec<_> =
         parameters.iter().map(|path| parameter(py, path)).collect::<PyResult<_>>()?;
     let count = parameters.len();

@@ -85,16 +85,21 @@ impl Setup {
         answer.map_err(|error| errors::solve(py, &error))
     }
 
-    /// The case with other commands.
+    /// The case with other commands of cables and motors.
     pub fn commanded(
         &self,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
+        motors: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Arc<Case>> {
-        Ok(match commands(&self.robot, tension, shortening)? {
+        let case = match commands(&self.robot, tension, shortening)? {
             Some(commands) => Arc::new(self.case.commanded(commands)),
             None => Arc::clone(&self.case),
-        })
+        };
+        let Some(given) = motors else { return Ok(case) };
+        let commands = convert::motor_commands(&self.robot, given)?;
+        let driven = case.driven_to(&self.robot, &commands);
+        Ok(Arc::new(driven.map_err(|error| errors::robot(given.py(), &error))?))
     }
 
     /// Arc lengths in m at which a model gives the shape.
@@ -235,15 +240,16 @@ impl Setup {
     }
 
     /// The answer, after all steps of the case unless it starts from another answer.
-    #[pyo3(signature = (model, tension = None, shortening = None, start = None))]
+    #[pyo3(signature = (model, tension = None, shortening = None, motors = None, start = None))]
     fn solve(
         slf: &Bound<'_, Self>,
         model: &Model,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
+        motors: Option<&Bound<'_, PyAny>>,
         start: Option<&Solution>,
     ) -> PyResult<Solution> {
-        let case = slf.get().commanded(tension, shortening)?;
+        let case = slf.get().commanded(tension, shortening, motors)?;
         let start = start.map(|solution| Arc::clone(&solution.inner));
         let of = Arc::clone(&case);
         let answer = Self::watched(slf, model, move |prepared| match start {
@@ -254,14 +260,15 @@ impl Setup {
     }
 
     /// The answers to all steps of the case.
-    #[pyo3(signature = (model, tension = None, shortening = None))]
+    #[pyo3(signature = (model, tension = None, shortening = None, motors = None))]
     fn solve_steps(
         slf: &Bound<'_, Self>,
         model: &Model,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
+        motors: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<Solution>> {
-        let case = slf.get().commanded(tension, shortening)?;
+        let case = slf.get().commanded(tension, shortening, motors)?;
         let of = Arc::clone(&case);
         let answers = Self::watched(slf, model, move |prepared| {
             let mut all = Vec::new();
@@ -308,6 +315,11 @@ impl Setup {
                 array(py, points, [count, 3])
             })
             .collect()
+    }
+
+    /// What each motor of the robot was told and holds in an answer.
+    fn motors<'py>(&self, py: Python<'py>, of: &Solution) -> PyResult<Bound<'py, PyList>> {
+        of.motors(py, &self.robot)
     }
 
     /// The cables that pass through obstacles in an answer.
@@ -367,7 +379,7 @@ impl Setup {
     }
 
     /// How a place at this arc length in m moves and yields.
-    #[pyo3(signature = (model, arc_length, tension = None, shortening = None))]
+    #[pyo3(signature = (model, arc_length, tension = None, shortening = None, motors = None))]
     fn local<'py>(
         slf: &Bound<'py, Self>,
         py: Python<'py>,
@@ -375,8 +387,9 @@ impl Setup {
         arc_length: Option<f64>,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
+        motors: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(Solution, Bound<'py, PyDict>)> {
-        let case = slf.get().commanded(tension, shortening)?;
+        let case = slf.get().commanded(tension, shortening, motors)?;
         let at = arc_length.unwrap_or(slf.get().robot.backbone().length);
         let (model, limit) = model.begin();
         let (setup, of) = (slf.clone().unbind(), Arc::clone(&case));
@@ -425,19 +438,20 @@ impl Setup {
 
     /// All equilibria on the path from no load and on the branches off it: (branch, stable, solution) of
     /// each, (branch, load, kind, tip) of each critical point, and whether every branch was followed.
-    #[pyo3(signature = (model, tension = None, shortening = None))]
+    #[pyo3(signature = (model, tension = None, shortening = None, motors = None))]
     #[expect(clippy::type_complexity, reason = "rows of a table")]
     fn branches(
         slf: &Bound<'_, Self>,
         model: &Model,
         tension: Option<&Bound<'_, PyAny>>,
         shortening: Option<&Bound<'_, PyAny>>,
+        motors: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(
         Vec<(Option<usize>, Option<bool>, Solution)>,
         Vec<(usize, f64, &'static str, [f64; 3])>,
         bool,
     )> {
-        let case = slf.get().commanded(tension, shortening)?;
+        let case = slf.get().commanded(tension, shortening, motors)?;
         let of = Arc::clone(&case);
         let found = Self::watched(slf, model, move |prepared| {
             prepared.branches(&of, &BranchOptions::default())

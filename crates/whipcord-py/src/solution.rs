@@ -6,8 +6,8 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
-    CableOverlap, CableState, Case, Contact, Diagnostics, Grasp, ModelKind, NoStability, Part,
-    Pose, Robot, Shape, SlipState, UnitQuaternion, Vec3, Wrench,
+    CableOverlap, CableState, Case, Contact, Diagnostics, Grasp, ModelKind, MotorState,
+    NoStability, Part, Pose, Robot, Shape, SlipState, UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::object_state::{self, ObjectRow};
@@ -303,6 +303,25 @@ impl Solution {
             values.set_item("normal", overlap.normal.to_array())?;
             values.set_item("depth", overlap.depth)?;
             values.set_item("force", overlap.force)?;
+            list.append(values)?;
+        }
+        Ok(list)
+    }
+
+    /// What each motor of the robot was told and holds.
+    pub fn motors<'py>(&self, py: Python<'py>, robot: &Robot) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        let case = self.answered();
+        let commands = case.motors.last().map_or(&[][..], Vec::as_slice);
+        for (motor, state) in
+            robot.motors().iter().zip(MotorState::all(robot, commands, &self.inner))
+        {
+            let values = PyDict::new(py);
+            values.set_item("name", &motor.name)?;
+            let keys = motor.drive.keys();
+            values.set_item(keys.command, state.command)?;
+            values.set_item(keys.effort, state.effort)?;
+            values.set_item("utilization", state.utilization)?;
             list.append(values)?;
         }
         Ok(list)
