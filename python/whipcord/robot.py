@@ -155,6 +155,11 @@ class Backbone(Table):
     yield_strain
         Strain up to which the material springs back. No model computes with it: an answer with more gets a
         warning; without it, one with more than 10 %.
+    yield_moment
+        Greatest moment in N·m of the friction against bending inside the backbone: one value, or one about x and one about
+        y. The shape then depends on all steps before (``steps``).
+    yield_stiffness
+        Bending stiffness in N·m² that this friction adds until it slides; 10 times EI by default.
     rest_curvature
         Curvature in 1/m when nothing pulls: about x, about y, twist; one such vector, one for each disk, or
         :class:`Along`.
@@ -189,6 +194,8 @@ class Backbone(Table):
     density: float | None = None
     linear_density: float | tuple[float, ...] | Along | None = None
     yield_strain: float | None = None
+    yield_moment: float | tuple[float, float] | None = None
+    yield_stiffness: float | tuple[float, float] | None = None
     rest_curvature: tuple[Any, ...] | Along | None = None
     extensible: bool = True
     shearable: bool = True
@@ -220,6 +227,8 @@ class Backbone(Table):
         density: Quantity | None = None,
         linear_density: Quantity | Sequence[Quantity] | Along | None = None,
         yield_strain: Quantity | None = None,
+        yield_moment: Quantity | Sequence[Quantity] | None = None,
+        yield_stiffness: Quantity | Sequence[Quantity] | None = None,
         rest_curvature: Sequence[Any] | Along | None = None,
         extensible: bool = True,
         shearable: bool = True,
@@ -239,6 +248,8 @@ class Backbone(Table):
             density=density,
             linear_density=linear_density,
             yield_strain=yield_strain,
+            yield_moment=yield_moment,
+            yield_stiffness=yield_stiffness,
             rest_curvature=rest_curvature,
             extensible=extensible,
             shearable=shearable,

@@ -308,6 +308,12 @@ class Solution:
         return self._answer.arc_length
 
     @cached_property
+    def plastic_curvature(self) -> Array:
+        """(n, 2) plastic curvature in 1/m about x and y of the sections: what friction against bending holds at the stations;
+        no rows without such friction."""
+        return self._answer.plastic_curvature
+
+    @cached_property
     def rotation(self) -> Array:
         """(n, 3, 3) rotation matrices of the stations."""
         return rotation(self.orientation)

@@ -63,6 +63,7 @@ type State = (
     DiagnosticsRow,
     Vec<TouchRow>,
     Vec<ObjectRow>,
+    Vec<[f64; 2]>,
 );
 
 #[pymethods]
@@ -89,6 +90,13 @@ impl Solution {
     #[getter]
     fn orientation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         orientation(py, &self.inner.shape)
+    }
+
+    /// (n, 2) plastic curvature in 1/m; no rows without friction against bending.
+    #[getter]
+    fn plastic_curvature<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = &self.inner.plastic_curvature;
+        array(py, rows.as_flattened().to_vec(), (rows.len(), 2))
     }
 
     /// (d,) arc lengths of the disks in m.
@@ -242,13 +250,14 @@ impl Solution {
             ),
             of.contacts.iter().map(touch_row).collect(),
             of.objects.iter().map(object_state::row).collect(),
+            of.plastic_curvature.clone(),
         )
     }
 
     /// The answer of such numbers to a case.
     #[staticmethod]
     fn from_state(py: Python<'_>, setup: &Setup, state: State) -> PyResult<Self> {
-        let (model, shape, disks, cables, wrench, d, contacts, objects) = state;
+        let (model, shape, disks, cables, wrench, d, contacts, objects, plastic_curvature) = state;
         let model: ModelKind =
             model.parse().map_err(|_| errors::input(py, "state", format!("no model `{model}`")))?;
         let cables = cables.into_iter().map(|row| {
@@ -267,6 +276,7 @@ impl Solution {
                 force: Vec3::new(x, y, z),
                 moment: Vec3::new(a, b, c),
             }),
+            plastic_curvature,
             contacts: contacts.into_iter().map(touch_of).collect(),
             objects: objects.into_iter().map(object_state::of_row).collect(),
             diagnostics: Diagnostics {

@@ -12,6 +12,7 @@ use whipcord::{
 };
 use whipcord_io::CaseFile;
 
+use crate::bending_friction;
 use crate::motors;
 use crate::quantity::{degrees, millimetres, newtons, number, shortening, vector};
 use crate::statistics::extent;
@@ -174,6 +175,7 @@ fn stiffness(robot: &Robot) -> String {
     if backbone.shear_correction != 1.0 {
         parts.push(format!("shear correction {}", number(backbone.shear_correction, 5)));
     }
+    parts.extend(bending_friction::of_robot(robot));
     let held = [(backbone.extensible, "does not stretch"), (backbone.shearable, "does not shear")];
     parts.extend(held.iter().filter(|(free, _)| !free).map(|(_, words)| (*words).to_owned()));
     parts.join(", ")

@@ -5,6 +5,7 @@
 //! given a folder; the mechanics is in [`whipcord`].
 
 pub mod benchmark;
+pub mod bending_friction;
 pub mod comparison;
 pub mod contacts;
 pub mod describe;

@@ -35,6 +35,73 @@ pub(crate) fn hole_friction(
     }
 }
 
+/// Refuses friction against bending; `what` and `advice` are those of [`SolveError::Unsupported`].
+pub(crate) fn bending_friction(
+    model: ModelKind,
+    robot: &Robot,
+    what: &'static str,
+    advice: &'static str,
+) -> Result<(), SolveError> {
+    if !robot.has_bending_friction() {
+        return Ok(());
+    }
+    let path = "backbone.yield_moment".to_owned();
+    Err(SolveError::Unsupported { model, path, what, advice })
+}
+
+/// Refuses friction against bending in a model whose sections have none.
+pub(crate) fn bending_friction_of_sections(
+    model: ModelKind,
+    robot: &Robot,
+) -> Result<(), SolveError> {
+    let what = "friction against bending of the backbone";
+    let advice = "use cosserat or cosserat-disks, or remove `yield_moment`";
+    bending_friction(model, robot, what, advice)
+}
+
+/// Refuses friction against bending beside friction of cables.
+pub(crate) fn bending_friction_with_hole_friction(
+    model: ModelKind,
+    robot: &Robot,
+) -> Result<(), SolveError> {
+    if !robot.cables().iter().any(Cable::has_friction) {
+        return Ok(());
+    }
+    let what = "friction against bending of the backbone together with friction of cables";
+    let advice = "remove `yield_moment`, or set the friction of the cables to 0";
+    bending_friction(model, robot, what, advice)
+}
+
+/// Refuses obstacles around a robot with friction against bending.
+pub(crate) fn bending_friction_among_obstacles(
+    model: ModelKind,
+    robot: &Robot,
+) -> Result<(), SolveError> {
+    let what = "friction against bending of the backbone, among obstacles";
+    let advice = "remove `yield_moment`, or the obstacles";
+    bending_friction(model, robot, what, advice)
+}
+
+/// Refuses derivatives of a robot with friction against bending.
+pub(crate) fn bending_friction_with_derivatives(
+    model: ModelKind,
+    robot: &Robot,
+) -> Result<(), SolveError> {
+    let what = "friction against bending of the backbone, for compliance and derivatives";
+    let advice = "take finite differences of solutions, or remove `yield_moment`";
+    bending_friction(model, robot, what, advice)
+}
+
+/// Refuses branches of a robot with friction against bending.
+pub(crate) fn bending_friction_with_branches(
+    model: ModelKind,
+    robot: &Robot,
+) -> Result<(), SolveError> {
+    let what = "friction against bending of the backbone, for branches";
+    let advice = "with friction the equilibria depend on all earlier commands and form no branches: remove `yield_moment`";
+    bending_friction(model, robot, what, advice)
+}
+
 /// Refuses derivatives of a robot with hole friction.
 pub(crate) fn friction_with_derivatives(model: ModelKind, robot: &Robot) -> Result<(), SolveError> {
     let what = "friction at the holes, for compliance and derivatives";

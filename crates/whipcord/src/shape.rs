@@ -219,6 +219,9 @@ pub struct Solution {
     /// What rod and cables together exert on the base, in the frame of the base wherever that is
     /// ([`crate::Case::base`]), without the loads applied to the base itself; `None` from a model that knows no forces.
     pub base_wrench: Option<Wrench>,
+    /// Plastic curvature in 1/m about x and y of the sections at the stations of [`Self::shape`]: what friction against bending holds
+    /// ([`crate::robot::BendingFriction`]), and where the next step of actuation starts. Empty without such friction.
+    pub plastic_curvature: Vec<[f64; 2]>,
     /// Where it touches the obstacles of its case.
     pub contacts: Vec<Contact>,
     /// The movable objects among these obstacles, in their order.
@@ -354,6 +357,7 @@ impl Solution {
             disks: Shape::default(),
             cables: Vec::new(),
             base_wrench: None,
+            plastic_curvature: Vec::new(),
             contacts: Vec::new(),
             objects: Vec::new(),
             diagnostics: Diagnostics::default(),

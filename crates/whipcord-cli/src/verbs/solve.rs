@@ -16,6 +16,7 @@ use crate::path_argument::path_ending_in;
 use crate::paths;
 use crate::rubbing;
 use crate::warnings::Warnings;
+use whipcord_study::bending_friction;
 use whipcord_study::contacts;
 use whipcord_study::describe::{compromise, driven_by, instability};
 use whipcord_study::failure::Failure;
@@ -281,6 +282,9 @@ fn summary(
         text += &format!("\n{}", table.text(style));
     }
     text.push('\n');
+    if let Some(words) = bending_friction::words(&file.case, solution) {
+        text += &format!("{words}\n");
+    }
     for words in [compromise(solution, &file.case), instability(solution)].into_iter().flatten() {
         text += &format!("{}\n", style.heading(words));
     }

@@ -167,6 +167,10 @@ fn backbone(backbone: &Backbone) -> Result<Table, Inexpressible> {
     table.insert_some("density", material.density);
     table.insert_some("yield_strain", material.yield_strain);
     table.insert_some("linear_density", backbone.linear_density.as_ref().map(along));
+    if let Some(friction) = &backbone.bending_friction {
+        table.insert("yield_moment", friction.yield_moment);
+        table.insert_some("yield_stiffness", friction.yield_stiffness);
+    }
     if backbone.rest_curvature != RestCurvature::default() {
         table.insert("rest_curvature", along(&backbone.rest_curvature));
     }

@@ -65,6 +65,12 @@ pub fn solution_json(
             .collect::<Result<Vec<_>, _>>()?,
         "diagnostics": diagnostics(&solution.diagnostics, solve_time)?,
     });
+    if !solution.plastic_curvature.is_empty() {
+        let held = solution.plastic_curvature.iter().enumerate();
+        object["shape"]["plastic_curvature"] = held
+            .map(|(i, held)| located(|| format!("shape.plastic_curvature[{i}]"), held))
+            .collect::<Result<_, _>>()?;
+    }
     if !solution.objects.is_empty() {
         let objects = solution.objects.iter().enumerate();
         object["objects"] =
@@ -320,6 +326,7 @@ mod tests {
                 },
             ],
             base_wrench: Some(Wrench::default()),
+            plastic_curvature: vec![[0.0, 0.5], [0.0, 0.25]],
             contacts: vec![
                 Contact {
                     obstacle: 0,

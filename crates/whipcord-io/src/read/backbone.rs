@@ -1,4 +1,4 @@
-use whipcord::robot::StiffnessMatrix;
+use whipcord::robot::{BendingFriction, StiffnessMatrix};
 use whipcord::{Along, Backbone, Material, RestCurvature, Section, Stiffness, Vec3};
 
 use crate::check::{Data, Fields};
@@ -17,8 +17,18 @@ pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
             .unwrap_or_else(RestCurvature::default),
         extensible: fields.truth("extensible").unwrap_or(true),
         shearable: fields.truth("shearable").unwrap_or(true),
+        bending_friction: about_both(fields, "yield_moment").map(|yield_moment| BendingFriction {
+            yield_moment,
+            yield_stiffness: about_both(fields, "yield_stiffness"),
+        }),
         ..Backbone::new(length)
     })
+}
+
+/// One value for both bending axes, or one for each.
+fn about_both(fields: &Fields, name: &str) -> Option<[f64; 2]> {
+    let data = fields.data(name)?;
+    data.as_number().map(|value| [value; 2]).or_else(|| pair(data))
 }
 
 /// The material that `[backbone]` names or describes, or both.

@@ -18,6 +18,7 @@ const FORCE_STIFFNESSES: Kind = Kind::Vector(&FORCE_STIFFNESS, 2);
 const BENDING_STIFFNESS: Kind =
     Kind::Quantity(&[Dimension::BendingStiffness], limits::BENDING_STIFFNESS);
 const BENDING_STIFFNESSES: Kind = Kind::Vector(&BENDING_STIFFNESS, 2);
+const YIELD_MOMENT: Kind = Kind::Quantity(&[Dimension::Moment], limits::YIELD_MOMENT);
 const STIFFNESS_MATRIX: Kind = Kind::Vector(&Kind::Vector(&Kind::Number, 6), 6);
 const LINEAR_DENSITY: Kind = Kind::Quantity(&[Dimension::LinearDensity], limits::LINEAR_DENSITY);
 
@@ -94,6 +95,18 @@ pub(super) static BACKBONE: Table = Table {
             "Strain up to which the material springs back. No model computes with it: where the surface of the backbone is strained more, there is a warning; without it that is so above 10 %.",
         ),
         key(
+            "yield_moment",
+            Kind::Either(&[YIELD_MOMENT, Kind::Vector(&YIELD_MOMENT, 2)]),
+            r#""10 mN*m""#,
+            "Greatest moment of the friction against bending inside the backbone, for example between strands or sheaths: one value, or one about x and one about y. The shape then depends on all steps before (`[[steps]]`), and equal commands from either side give different shapes.",
+        ),
+        key(
+            "yield_stiffness",
+            Kind::Either(&[BENDING_STIFFNESS, BENDING_STIFFNESSES]),
+            r#""0.04 N*m^2""#,
+            "Bending stiffness that this friction adds until it slides: one value, or one about x and one about y; 10 times the elastic bending stiffness EI by default.",
+        ),
+        key(
             "rest_curvature",
             Kind::Either(&[
                 CURVATURE_VECTOR,
@@ -128,6 +141,7 @@ pub(super) static BACKBONE: Table = Table {
         Rule::AtMostOne(&["shear_modulus", "stiffness"]),
         Rule::AtMostOne(&["shear_correction", "stiffness"]),
         Rule::AtMostOne(&["density", "linear_density"]),
+        Rule::Needs("yield_stiffness", &["yield_moment"]),
         Rule::Replaces(
             "material",
             &[

@@ -40,6 +40,7 @@ fn whole_files() -> Vec<String> {
             "[backbone]\nlength = 0.3\nsection = { width = [0.003, '2 mm'], height = 1e-3, at = [0, 0.3] }\n",
             "rest_curvature = { at = [0, '1 cm', 0.01], values = [[0, 0, 1], [0, 1, 0], [0, 0, 0]] }\n",
             "linear_density = { at = [0, 0.2], values = ['7 g/m', 0.005] }\nshearable = false\n",
+            "yield_moment = ['10 mN*m', 0]\nyield_stiffness = 0.04\n",
             "[backbone.stiffness]\nat = [0, 0.1]\naxial = '8 kN'\ntorsion = ['3e3 N*mm^2', 0.002]\n",
             "bending = [[0.004, 0.005], ['4e3 N*mm^2', 0.004]]\n[disks]\ncount = 3\n",
         )

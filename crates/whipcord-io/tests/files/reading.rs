@@ -1,6 +1,7 @@
 //! What files say is what is read.
 use std::path::Path;
 
+use whipcord::robot::BendingFriction;
 use whipcord::{
     Actuation, Along, CableCommand, DistributedLoad, Interpolation, LoadFrame, Model, ModelKind,
     PointLoad, PointMass, Pose, Profile, RestCurvature, Robot, Routing, Section, Shortening,
@@ -161,6 +162,13 @@ fn every_section_and_list() {
     assert!(plain.extensible && plain.shearable && plain.shear_correction == 1.0);
     let beam = backbone("extensible = false\nshearable = false\nshear_correction = '90 %'");
     assert!(!beam.extensible && !beam.shearable && beam.shear_correction == 0.9);
+    assert_eq!(plain.bending_friction, None);
+    let rubbing = backbone("yield_moment = '10 mN*m'\nyield_stiffness = [0.04, '5e4 N*mm^2']");
+    let friction = BendingFriction { yield_moment: [0.01; 2], yield_stiffness: Some([0.04, 0.05]) };
+    assert_eq!(rubbing.bending_friction, Some(friction));
+    let about_y = backbone("yield_moment = [0, '10 N*mm']").bending_friction;
+    let friction = BendingFriction { yield_moment: [0.0, 0.01], yield_stiffness: None };
+    assert_eq!(about_y, Some(friction));
     let heavy = backbone("linear_density = ['7 g/m', 0.006, '5 g/m']").linear_density;
     assert_eq!(heavy, Some(Along::PerDisk(vec![0.007, 0.006, 0.005])));
 

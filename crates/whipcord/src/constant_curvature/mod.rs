@@ -93,6 +93,7 @@ impl ConstantCurvature {
     /// tensions of a robot whose stiffness is not given.
     pub fn new(robot: &Robot, options: &Options) -> Result<Self, SolveError> {
         options.stations.check(robot)?;
+        crate::refusal::bending_friction_of_sections(ModelKind::ConstantCurvature, robot)?;
         let offsets = refusal::offsets(robot)?;
         let rest = refusal::rest(robot)?;
         let elasticity = refusal::elasticity(robot);

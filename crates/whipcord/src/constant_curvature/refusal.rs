@@ -111,7 +111,7 @@ pub(super) fn elasticity(robot: &Robot) -> Result<Elasticity, SolveError> {
         let middle = 0.5 * (piece[0] + piece[1]);
         for &s in piece {
             let here = at(s, middle)?;
-            if here.compliance != first.compliance || here.coupling != first.coupling {
+            if here.compliance != first.compliance || here.coupling() != first.coupling() {
                 let path = match (&backbone.stiffness, &backbone.section) {
                     (None, Some(crate::robot::Section::Round { .. })) => "backbone.diameters",
                     (None, _) => "backbone.section",
@@ -125,7 +125,7 @@ pub(super) fn elasticity(robot: &Robot) -> Result<Elasticity, SolveError> {
             }
         }
     }
-    if first.coupling.is_some() {
+    if first.coupling().is_some() {
         return Err(unsupported(
             "backbone.stiffness.matrix",
             "strains that are coupled",

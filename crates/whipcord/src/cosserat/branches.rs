@@ -29,6 +29,7 @@ impl Cosserat {
     ) -> Result<Branches, SolveError> {
         refusal::among_obstacles("branches", ModelKind::Cosserat, case)?;
         refusal::friction_with_branches(ModelKind::Cosserat, &self.robot)?;
+        refusal::bending_friction_with_branches(ModelKind::Cosserat, &self.robot)?;
         let found = self.follow_branches(case, options, workspace);
         self.options.cancel.checked(found)
     }

@@ -60,6 +60,7 @@ impl Cosserat {
     ) -> Result<Option<Solution>, SolveError> {
         case.check(&self.robot)?;
         refusal::friction_among_obstacles(ModelKind::Cosserat, &self.robot)?;
+        refusal::bending_friction_among_obstacles(ModelKind::Cosserat, &self.robot)?;
         let watched = contact::watched(&self.robot);
         let initial_lengths = self.initial_lengths();
         let mut free = FreeRod { model: self, workspace, watched, initial_lengths };

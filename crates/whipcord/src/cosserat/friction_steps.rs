@@ -308,6 +308,10 @@ impl Cosserat {
         workspace: &mut Workspace,
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
+        if self.robot.has_bending_friction() && case.obstacles.is_empty() {
+            case.check(&self.robot).map_err(|error| (0, error.into()))?;
+            return self.solve_steps_with_bending_friction(case, workspace, each);
+        }
         let steps: Vec<Case> = case.single_steps().collect();
         let remembers = self.has_friction() && case.obstacles.is_empty();
         let mut last: Option<Solution> = None;

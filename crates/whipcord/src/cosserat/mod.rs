@@ -25,6 +25,7 @@
 //! | `lanes` | many unloaded rods at once |
 //! | `trace` | solves with a record of the iterations |
 
+mod bending_friction;
 mod branches;
 mod chain;
 mod contact;

@@ -21,6 +21,7 @@ use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Problem, Robot, RobotError};
+use crate::section::Fault;
 use crate::shape::{CableState, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::grid::steps_for_twist;
@@ -38,6 +39,7 @@ impl Cosserat {
     /// [`SolveError::Missing`] when the robot's stiffness is not given.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         options.stations.check(robot)?;
+        refusal::bending_friction_with_hole_friction(ModelKind::Cosserat, robot)?;
         let stations = options.stations.arc_lengths(robot);
         let layout = Layout::new(robot, stations, loads);
         let steps = match options.accuracy {
@@ -55,6 +57,7 @@ impl Cosserat {
             layout,
             grid,
             finer: Arc::default(),
+            plastic: None,
         })
     }
 
@@ -109,8 +112,8 @@ impl Cosserat {
 
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
-    /// Friction of cables depends on the history, so that pulling and releasing differ: the steps
-    /// [`Case::before`] are taken first, from the robot at rest.
+    /// Friction of cables, and friction against bending of the backbone, depends on the history, so that pulling and releasing
+    /// differ: the steps [`Case::before`] are taken first, from the robot at rest, whatever solution is given.
     ///
     /// # Errors
     /// [`SolveError`] with the reason why there is no answer.
@@ -143,7 +146,10 @@ impl Cosserat {
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);
         }
-        let outcome = if self.has_friction() {
+        let outcome = if self.robot.has_bending_friction() {
+            let taken = self.solve_with_bending_friction(case, workspace, solution);
+            return workspace.meter.checked(taken).map(|()| Status::Converged);
+        } else if self.has_friction() {
             case.check(&self.robot)?;
             let steps: Vec<Case> = case.single_steps().collect();
             self.solve_with_friction(&steps, true, workspace, solution)
@@ -175,6 +181,7 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
         refusal::friction_with_derivatives(ModelKind::Cosserat, &self.robot)?;
+        refusal::bending_friction_with_derivatives(ModelKind::Cosserat, &self.robot)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
             let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
@@ -183,41 +190,54 @@ impl Cosserat {
         let mut solution = Solution::empty(ModelKind::Cosserat);
         let solved = self.solve_keeping_grid(case, warm_start.into(), workspace, &mut solution);
         let grid = workspace.meter.checked(solved)?;
-        let Workspace { scratch, commands, .. } = workspace;
-        let starts = scratch.chain_starts();
-        let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
-        let derivatives = Derivatives::of(
-            &Solved {
-                robot: &self.robot,
-                case,
-                cables: Cables::of(&self.layout),
-                grid: &grid,
-                loads: &scratch.applied,
-                commands,
-                tensions: &scratch.tensions,
-                taut: &taut,
-                poses: &scratch.poses,
-                base_wrench: scratch.base_wrench,
-                starts: &starts,
-                // Without load no shot has been fired: its strains would be those of another case.
-                strains: match scratch.applied.any() {
-                    true => scratch.trajectory.strains(),
-                    false => &scratch.unloaded.strains,
-                },
-                // The starts of a chain have been moved since its last shot.
-                are_strains_met: starts.is_empty(),
-                nodes: &grid.stations,
-            },
-            parameters,
-        );
+        let derivatives =
+            self.with_answer(case, &grid, workspace, |solved| Derivatives::of(solved, parameters));
         match derivatives {
             Ok(derivatives) => Ok((solution, derivatives)),
             Err(NoDerivatives::Parameter(error)) => Err(error.into()),
             Err(NoDerivatives::Critical) => Err(SolveError::NoDerivatives),
-            Err(NoDerivatives::Fault(fault)) => {
-                Err(self.explain(Failure::of_section(fault, &scratch.tensions, 1.0), commands))
-            }
+            Err(NoDerivatives::Fault(fault)) => Err(self.fault(fault, workspace)),
         }
+    }
+
+    /// The answer that the workspace holds, as it is gone over once more.
+    pub(super) fn with_answer<T>(
+        &self,
+        case: &Case,
+        grid: &Grid,
+        workspace: &Workspace,
+        act: impl FnOnce(&Solved<'_>) -> T,
+    ) -> T {
+        let Workspace { scratch, commands, .. } = workspace;
+        let starts = scratch.chain_starts();
+        let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
+        act(&Solved {
+            robot: &self.robot,
+            case,
+            cables: Cables::of(&self.layout),
+            grid,
+            loads: &scratch.applied,
+            commands,
+            tensions: &scratch.tensions,
+            taut: &taut,
+            poses: &scratch.poses,
+            base_wrench: scratch.base_wrench,
+            starts: &starts,
+            // Without load no shot has been fired: its strains would be those of another case.
+            strains: match scratch.applied.any() {
+                true => scratch.trajectory.strains(),
+                false => &scratch.unloaded.strains,
+            },
+            // The starts of a chain have been moved since its last shot.
+            are_strains_met: starts.is_empty(),
+            nodes: &grid.stations,
+        })
+    }
+
+    /// A section of the answer that the workspace holds without equilibrium.
+    pub(super) fn fault(&self, fault: Fault, workspace: &Workspace) -> SolveError {
+        let failure = Failure::of_section(fault, &workspace.scratch.tensions, 1.0);
+        self.explain(failure, &workspace.commands)
     }
 
     pub(super) fn solve_keeping_grid(

@@ -11,6 +11,7 @@ use crate::statics::command::Command;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::options::Options;
 use crate::statics::outcome::Found;
+use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::refinement::Coarse;
 
 /// Steps from base to tip on the grid that [`Accuracy::Tolerance`] starts with.
@@ -66,6 +67,8 @@ pub struct Cosserat {
     pub(super) grid: Grid,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
     pub(super) finer: Arc<[OnceLock<Grid>; FINER_GRIDS]>,
+    /// What earlier steps of actuation left in a backbone with friction against bending.
+    pub(super) plastic: Option<PlasticCurvature>,
 }
 
 /// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the

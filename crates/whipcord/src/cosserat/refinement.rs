@@ -63,7 +63,10 @@ impl Cosserat {
         if let Some(grid) = slot.and_then(OnceLock::get) {
             return Ok(Cow::Borrowed(grid));
         }
-        let grid = Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?;
+        let mut grid = Grid::refined(&self.robot, &self.layout, COARSE_STEPS, level)?;
+        if let Some(plastic) = &self.plastic {
+            grid.set_plastic(plastic);
+        }
         Ok(match slot {
             Some(slot) => Cow::Borrowed(slot.get_or_init(|| grid)),
             None => Cow::Owned(grid),

@@ -33,6 +33,7 @@ impl CosseratDisks {
     ) -> Result<Branches, SolveError> {
         refusal::among_obstacles("branches", ModelKind::CosseratDisks, case)?;
         refusal::friction_with_branches(ModelKind::CosseratDisks, self.robot())?;
+        refusal::bending_friction_with_branches(ModelKind::CosseratDisks, self.robot())?;
         let found = self.follow_branches(case, options, workspace);
         self.options.cancel.checked(found)
     }

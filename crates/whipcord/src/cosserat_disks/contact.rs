@@ -61,6 +61,7 @@ impl CosseratDisks {
     ) -> Result<Option<Solution>, SolveError> {
         case.check(self.robot())?;
         refusal::friction_among_obstacles(ModelKind::CosseratDisks, self.robot())?;
+        refusal::bending_friction_among_obstacles(ModelKind::CosseratDisks, self.robot())?;
         let watched = contact::watched(self.robot());
         let mut free = FreeRod { model: self, workspace, watched };
         contact::solve_free(&mut free, self.robot(), case, warm_start)

@@ -15,6 +15,7 @@ use crate::robot::Robot;
 use crate::statics::friction::Holes;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::passages::{Anchor, passages};
+use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::scales::Scales;
 
 /// What does not depend on how finely the spans are integrated.
@@ -108,6 +109,12 @@ impl Frame {
         let places = self.anchored.iter().zip(&grid.anchors);
         let anchors = places.map(|(&passage, &node)| Anchor { passage, node }).collect();
         Ok(Mesh { grid, spans, repeated_spans, anchors })
+    }
+
+    /// Gives a mesh the plastic curvature that earlier steps of actuation left.
+    pub fn set_plastic(&self, mesh: &mut Mesh, plastic: &PlasticCurvature) {
+        mesh.grid.set_plastic(plastic);
+        mesh.repeated_spans = repeated_spans::find(&self.spans, &mesh.grid, &mesh.spans);
     }
 
     /// Share of the robot that lies beyond disk `k`, before the next.

@@ -22,6 +22,7 @@
 
 mod anchors;
 mod answer;
+mod bending_friction;
 mod between_disks;
 mod branches;
 mod chain;

@@ -21,6 +21,7 @@ use crate::statics::grid::steps_for_twist;
 use crate::statics::loads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::Failure;
+use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::trace::Trace;
 use crate::statics::trace::TraceEvent;
 use crate::warm_start::{Status, WarmStart};
@@ -72,6 +73,8 @@ pub struct CosseratDisks {
     pub(super) fine: Arc<OnceLock<Mesh>>,
     /// With so many steps stability is computed.
     pub(super) stability_steps: usize,
+    /// What earlier steps of actuation left in a backbone with friction against bending.
+    pub(super) plastic: Option<PlasticCurvature>,
 }
 
 impl CosseratDisks {
@@ -81,6 +84,7 @@ impl CosseratDisks {
     /// [`SolveError::Missing`] when the robot's stiffness or its disks are not given.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         refusal::without_disks(ModelKind::CosseratDisks, robot)?;
+        refusal::bending_friction_with_hole_friction(ModelKind::CosseratDisks, robot)?;
         let frame = Frame::new(robot, options.stations.arc_lengths(robot), loads)?;
         let steps = match options.accuracy {
             Accuracy::Steps(steps) => steps,
@@ -92,7 +96,8 @@ impl CosseratDisks {
         let stability_steps = STABILITY_STEPS.max(steps_for_twist(robot));
         let (robot, options) = (robot.clone(), options.clone());
         let (finer, fine) = (Arc::default(), Arc::default());
-        Ok(Self { robot, frame, holes, options, mesh, finer, fine, stability_steps })
+        let plastic = None;
+        Ok(Self { robot, frame, holes, options, mesh, finer, fine, stability_steps, plastic })
     }
 
     /// The robot this model was built for.
@@ -127,8 +132,8 @@ impl CosseratDisks {
 
     /// The shape under a case, starting from the solution of a neighbouring one when given.
     ///
-    /// Hole friction depends on the history, so that pulling and releasing differ: the steps
-    /// [`Case::before`] are taken first, from the robot at rest.
+    /// Hole friction, and friction against bending of the backbone, depends on the history, so that pulling and releasing differ:
+    /// the steps [`Case::before`] are taken first, from the robot at rest, whatever solution is given.
     ///
     /// # Errors
     /// [`SolveError`] with the reason why there is no answer.
@@ -161,6 +166,10 @@ impl CosseratDisks {
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);
         }
+        if self.robot.has_bending_friction() {
+            let taken = self.solve_with_bending_friction(case, workspace, solution);
+            return workspace.meter.checked(taken).map(|()| Status::Converged);
+        }
         let outcome = if self.holes.is_none() {
             self.solve_from(core::slice::from_ref(case), from, workspace, solution)
         } else {
@@ -180,7 +189,7 @@ impl CosseratDisks {
     }
 
     /// The answer to the last of several steps, and how often the steps of its mesh are halved.
-    fn solve_from(
+    pub(super) fn solve_from(
         &self,
         cases: &[Case],
         from: WarmStart<'_>,
@@ -245,6 +254,9 @@ impl CosseratDisks {
             }
             return Ok(());
         }
+        if self.robot.has_bending_friction() {
+            return self.solve_steps_with_bending_friction(case, workspace, each);
+        }
         let steps = one_by_one(case);
         workspace.histories.clear();
         workspace.courses.clear();
@@ -294,6 +306,7 @@ impl CosseratDisks {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
         refusal::friction_with_derivatives(ModelKind::CosseratDisks, &self.robot)?;
+        refusal::bending_friction_with_derivatives(ModelKind::CosseratDisks, &self.robot)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
             let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
@@ -301,17 +314,40 @@ impl CosseratDisks {
         }
         let (solution, level) = self.solve_keeping_level(case, warm_start, workspace)?;
         let mesh = self.mesh(level)?;
-        let Workspace { scratch, commands, .. } = workspace;
         // Lengths before actuation hang on parameters alone.
         let rest = (!parameters.is_empty()).then(|| self.frame.rest_mesh()).transpose()?;
-        let rest = rest.as_ref().map(|mesh| (&mesh.grid, self.frame.straight_spans(mesh)));
+        let derivatives = self.with_answer(case, &mesh, rest.as_ref(), workspace, |solved| {
+            Derivatives::of(solved, parameters)
+        });
+        match derivatives {
+            Ok(derivatives) => Ok((solution, derivatives)),
+            Err(NoDerivatives::Parameter(error)) => Err(error.into()),
+            // The sections of a rod without cables have no equilibrium to miss.
+            Err(NoDerivatives::Critical | NoDerivatives::Fault(_)) => {
+                Err(SolveError::NoDerivatives)
+            }
+        }
+    }
+
+    /// The answer that the workspace holds, as it is gone over once more; with the mesh on which the rod at rest is known where
+    /// lengths before actuation are asked for.
+    pub(super) fn with_answer<T>(
+        &self,
+        case: &Case,
+        mesh: &Mesh,
+        rest: Option<&Mesh>,
+        workspace: &Workspace,
+        act: impl FnOnce(&Solved<'_>) -> T,
+    ) -> T {
+        let Workspace { scratch, commands, .. } = workspace;
+        let rest = rest.map(|mesh| (&mesh.grid, self.frame.straight_spans(mesh)));
         let straight = StraightCables {
-            spans: &self.frame.straight_spans(&mesh),
+            spans: &self.frame.straight_spans(mesh),
             rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
         };
         let order: Vec<usize> = (0..scratch.tensions.len()).collect();
         let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
-        let solved = Solved {
+        act(&Solved {
             robot: &self.robot,
             case,
             cables: Cables {
@@ -326,19 +362,11 @@ impl CosseratDisks {
             taut: &taut,
             poses: &scratch.poses,
             base_wrench: scratch.base_wrench,
-            starts: &scratch.starts(&self.frame, &mesh),
+            starts: &scratch.starts(&self.frame, mesh),
             strains: &[],
             are_strains_met: false,
             nodes: &mesh.grid.stations,
-        };
-        match Derivatives::of(&solved, parameters) {
-            Ok(derivatives) => Ok((solution, derivatives)),
-            Err(NoDerivatives::Parameter(error)) => Err(error.into()),
-            // The sections of a rod without cables have no equilibrium to miss.
-            Err(NoDerivatives::Critical | NoDerivatives::Fault(_)) => {
-                Err(SolveError::NoDerivatives)
-            }
-        }
+        })
     }
 
     /// The answer to a case without obstacles and hole friction, and how often the steps of its mesh are halved.

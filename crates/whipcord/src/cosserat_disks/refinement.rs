@@ -123,14 +123,23 @@ impl CosseratDisks {
         if let Some(mesh) = self.kept_mesh(level)? {
             return Ok(Cow::Borrowed(mesh));
         }
-        Ok(Cow::Owned(self.frame.mesh(1, level)?))
+        Ok(Cow::Owned(self.made_mesh(1, level)?))
+    }
+
+    /// A mesh of its own, with the plastic curvature that earlier steps of actuation left.
+    fn made_mesh(&self, steps: usize, halvings: usize) -> Result<Mesh, SolveError> {
+        let mut mesh = self.frame.mesh(steps, halvings)?;
+        if let Some(plastic) = &self.plastic {
+            self.frame.set_plastic(&mut mesh, plastic);
+        }
+        Ok(mesh)
     }
 
     /// The same, made and kept; `None` for one that is too fine to be kept.
     fn kept_mesh(&self, level: usize) -> Result<Option<&Mesh>, SolveError> {
         let Some(place) = level.checked_sub(1) else { return Ok(Some(&self.mesh)) };
         let Some(slot) = self.finer.get(place) else { return Ok(None) };
-        made(slot, || self.frame.mesh(1, level)).map(Some)
+        made(slot, || self.made_mesh(1, level)).map(Some)
     }
 
     /// The meshes on which stability is computed: for the usual case the first of the sequence with steps enough.
@@ -142,7 +151,7 @@ impl CosseratDisks {
         let fine = if is_sequence && has_enough(&finest) {
             of_sequence(finest)?
         } else {
-            made(&self.fine, || self.frame.mesh(self.stability_steps.div_ceil(4), 2))?
+            made(&self.fine, || self.made_mesh(self.stability_steps.div_ceil(4), 2))?
         };
         let usual = (0..=finest).find(has_enough).map(of_sequence).transpose()?;
         Ok(Sampled { usual: usual.unwrap_or(fine), fine })

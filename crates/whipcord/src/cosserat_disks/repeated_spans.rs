@@ -84,7 +84,7 @@ fn sections_alike(a: &Section, b: &Section) -> bool {
     near(a.compliance.shear, b.compliance.shear)
         && near(a.compliance.bending, b.compliance.bending)
         && near(a.rest_curvature, b.rest_curvature)
-        && a.coupling == b.coupling
+        && a.beside == b.beside
 }
 
 fn round(section: &Section) -> bool {

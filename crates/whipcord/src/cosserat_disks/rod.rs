@@ -263,7 +263,9 @@ pub(super) fn linearise(
                 dead.cross(axis)
             };
             let push = n.cross(stage.turn) + rotation.conjugate().rotate(stage.force + turned);
-            let change = node.section.yielding(BodyWrench { linear: push, angular: stage.moment });
+            let change = node
+                .section
+                .yielding(&sample.strain, BodyWrench { linear: push, angular: stage.moment });
             let (dv, du) = (change.linear, change.angular);
             slope = Variation {
                 turn: du - u.cross(stage.turn),

@@ -129,7 +129,7 @@ impl<'a, const N: usize> Place<'a, N> {
     fn slope(&self, column: usize, at: &Twist) -> Twist {
         let Twist { linear: shift, angular: turn } = *at;
         let Twist { linear: v, angular: u } = self.strain;
-        let change = self.section.yielding(self.push(column, at));
+        let change = self.section.yielding(&self.strain, self.push(column, at));
         Twist {
             linear: turn.cross(v) + change.linear - u.cross(shift),
             angular: change.angular - u.cross(turn),

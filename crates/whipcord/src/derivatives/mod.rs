@@ -41,6 +41,7 @@ mod rod;
 mod setting;
 mod spans;
 mod spread_change;
+mod step_ends;
 mod touching;
 
 pub use self::backward::{Cotangent, Gradient};
@@ -56,4 +57,5 @@ pub(crate) use self::open::{Motion, StepGap};
 pub use self::rod::Derivatives;
 pub(crate) use self::rod::NoDerivatives;
 pub(crate) use self::spans::StraightSpan;
+pub(crate) use self::step_ends::strains_at_step_ends;
 pub use crate::statics::hold::Hold;

@@ -45,20 +45,27 @@ pub(crate) struct Solved<'a> {
     pub nodes: &'a [usize],
 }
 
+impl Solved<'_> {
+    /// As it is gone over.
+    pub(super) fn answer(&self) -> Answer<'_> {
+        Answer {
+            grid: self.grid,
+            loads: self.loads,
+            tensions: self.tensions,
+            poses: self.poses,
+            base_moment: self.base_wrench.moment,
+            follower_force: self.loads.follower_share(self.base_wrench.force),
+            starts: self.starts,
+            strains: self.strains,
+            are_strains_met: self.are_strains_met,
+        }
+    }
+}
+
 impl Derivatives {
     pub(crate) fn of(solved: &Solved<'_>, parameters: &[Parameter]) -> Result<Self, NoDerivatives> {
         let Solved { robot, case, cables: of_robot, grid, loads, tensions, .. } = *solved;
-        let answer = Answer {
-            grid,
-            loads,
-            tensions,
-            poses: solved.poses,
-            base_moment: solved.base_wrench.moment,
-            follower_force: loads.follower_share(solved.base_wrench.force),
-            starts: solved.starts,
-            strains: solved.strains,
-            are_strains_met: solved.are_strains_met,
-        };
+        let answer = solved.answer();
         let mut linear =
             Linear::of(&answer, of_robot.straight.map(|straight| (straight.spans, solved.nodes)))?;
         let rest = of_robot.straight.and_then(|straight| straight.rest);

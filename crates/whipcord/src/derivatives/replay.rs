@@ -355,6 +355,12 @@ impl Stage {
 }
 
 impl Ends {
+    /// What arrives at the end, in the frame there.
+    pub fn wrench_in_body(&self) -> BodyWrench {
+        let to_body = self.pose.rotation.conjugate();
+        BodyWrench { linear: to_body.rotate(self.force), angular: to_body.rotate(self.moment) }
+    }
+
     fn differentiate(&mut self, start: UnitQuaternion, end: &State) {
         for (column, axis) in self.start_by_turn.iter_mut().zip(AXES) {
             *column = (UnitQuaternion { w: 0.0, v: axis * 0.5 } * start).wxyz();

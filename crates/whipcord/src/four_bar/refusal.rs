@@ -64,7 +64,7 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
     if options.objective == Objective::AsPrinted {
         as_printed(robot, options)?;
     }
-    Ok(())
+    refusal::bending_friction_of_sections(ModelKind::FourBar, robot)
 }
 
 fn as_printed(robot: &Robot, options: &Options) -> Result<(), SolveError> {

@@ -112,7 +112,7 @@ fn means(robot: &Robot, model: ModelKind, from: f64, to: f64) -> Result<(Vec3, V
         for (t, weight) in GAUSS_3.nodes.iter().zip(GAUSS_3.weights) {
             let s = piece[0] + t * h;
             let section = section_at(robot, s, middle).map_err(|error| error.of(model))?;
-            if section.coupling.is_some() {
+            if section.coupling().is_some() {
                 return Err(SolveError::Unsupported {
                     model,
                     path: "backbone.stiffness.matrix".to_owned(),

@@ -146,6 +146,7 @@ impl Linkage {
         options: Options,
     ) -> Result<Self, SolveError> {
         options.stations.check(robot)?;
+        refusal::bending_friction_of_sections(kind, robot)?;
         let (sections, rest_lengths) = layout::sections(robot, kind, &division)?;
         let friction = Rubbing::new(robot, &division, &sections);
         let stations = options.stations.arc_lengths(robot);

@@ -1,6 +1,7 @@
 use whipcord_numerics::{GAUSS_3, Twist, UnitQuaternion, Vec3, magnus_6};
 
 use super::along::{Along, Paths};
+use super::bending_friction::BendingFriction;
 use super::disks::Disks;
 use super::error::{Problem, RobotError};
 use super::limits::{
@@ -55,6 +56,8 @@ pub struct Backbone {
     pub extensible: bool,
     /// Whether its sections can shear; if not, GA is of no effect.
     pub shearable: bool,
+    /// Friction against bending inside it, where there is any: bending then depends on the history.
+    pub bending_friction: Option<BendingFriction>,
 }
 
 /// Elastic constants, each optional: a model says which it needs.
@@ -115,6 +118,7 @@ impl Backbone {
             rest_curvature: RestCurvature::default(),
             extensible: true,
             shearable: true,
+            bending_friction: None,
         }
     }
 
@@ -222,6 +226,9 @@ impl Backbone {
             along.check(disks, length, MASS_PER_LENGTH, |path, &value| {
                 LINEAR_DENSITY.check(path, value)
             })?;
+        }
+        if let Some(friction) = &self.bending_friction {
+            friction.check()?;
         }
         self.rest_curvature.check(disks, length, CURVED, |path, u| CURVATURE.check_vector(path, *u))
     }

@@ -2,6 +2,7 @@
 
 mod along;
 mod backbone;
+mod bending_friction;
 mod cable;
 mod disks;
 mod error;
@@ -17,6 +18,7 @@ use whipcord_numerics::{Vec3, integral};
 
 pub use along::{Along, Linear};
 pub use backbone::{Backbone, Material, RestCurvature};
+pub use bending_friction::BendingFriction;
 pub use cable::{Cable, Interpolation, Routing};
 pub use disks::Disks;
 pub(crate) use error::check_on_backbone;
@@ -140,6 +142,12 @@ impl Robot {
     #[must_use]
     pub fn has_disks(&self) -> bool {
         self.disks.are_present
+    }
+
+    /// Whether its backbone has friction against bending, so that answers depend on the steps before.
+    #[must_use]
+    pub fn has_bending_friction(&self) -> bool {
+        self.backbone.bending_friction.is_some()
     }
 
     /// The cables.

@@ -78,10 +78,10 @@ fn newton_step(
     wrench: BodyWrench,
     strain: &Strain,
 ) -> Option<Strain> {
-    let elastic = section.elastic_wrench(strain);
-    let mut force = wrench.linear - elastic.linear;
-    let mut moment = wrench.angular - elastic.angular;
-    let mut hessian = Hessian::of(section);
+    let borne = section.wrench(strain);
+    let mut force = wrench.linear - borne.linear;
+    let mut moment = wrench.angular - borne.angular;
+    let mut hessian = Hessian::at(section, strain);
     for (crossing, &tension) in crossings.iter().zip(tensions) {
         if tension == 0.0 {
             continue;
@@ -106,8 +106,7 @@ pub(crate) fn damped_equilibrium(
 ) -> Result<Strain, SectionFault> {
     let potential = |x: &Strain| {
         let (dv, du) = (x.linear - Vec3::Z, x.angular - section.rest_curvature);
-        let spring = section.elastic_wrench(x);
-        let elastic = 0.5 * (spring.linear.dot(dv) + spring.angular.dot(du));
+        let elastic = section.energy(x);
         let pulled: f64 =
             crossings.iter().zip(tensions).map(|(c, t)| t * c.tangent(x).norm()).sum();
         elastic + pulled - wrench.linear.dot(dv) - wrench.angular.dot(du)

@@ -18,6 +18,7 @@
 //! rest, and its equation in (1) only says what the reaction is. In the Hessian it has an infinite
 //! pivot, whose inverse is the zero that is wanted.
 
+mod bending_friction;
 mod crossing;
 pub(crate) mod equilibrium;
 mod fault;
@@ -29,6 +30,7 @@ mod tangent;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use bending_friction::BENDING_AXES;
 pub(crate) use crossing::{BodyWrench, Crossing, Strain};
 pub(crate) use equilibrium::equilibrium;
 pub(crate) use fault::{FOLDED, Fault, SectionFault};

@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Mat3, Vec3};
 
+use super::bending_friction::{BENDING_AXES, BendingFriction};
 use super::properties::{Coupling, Section, Stiffness};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -22,11 +23,20 @@ pub(crate) fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, 
     if !backbone.extensible {
         stiffness.shear.z = f64::INFINITY;
     }
-    let section = Section::new(stiffness, rest_curvature);
-    Ok(match coupling {
-        Some(coupling) => section.coupled(coupling),
-        None => section,
-    })
+    let mut section = Section::new(stiffness, rest_curvature);
+    if let Some(coupling) = coupling {
+        section = section.coupled(coupling);
+    }
+    if let Some(given) = &backbone.bending_friction {
+        let ratio = robot::BendingFriction::STIFFNESS_RATIO;
+        let elastic = [ratio * stiffness.bending.x, ratio * stiffness.bending.y];
+        section = section.with_friction(BendingFriction {
+            limit: given.yield_moment,
+            stiffness: given.yield_stiffness.unwrap_or(elastic),
+            plastic: [0.0; BENDING_AXES],
+        });
+    }
+    Ok(section)
 }
 
 /// Stiffness of the first cross-section that follows from section and material.

@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Mat3, Vec3};
 
+use super::bending_friction::BendingFriction;
 use super::crossing::{BodyWrench, Strain};
 
 /// Diagonal of a section's stiffness.
@@ -24,6 +25,15 @@ pub(crate) struct Coupling {
     pub bending: Mat3,
 }
 
+/// What a section has beside the diagonal of its stiffness.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Beside {
+    /// Stiffness beside the diagonal; zero where nothing is coupled.
+    pub coupling: Coupling,
+    /// Friction against bending.
+    pub friction: Option<BendingFriction>,
+}
+
 /// A cross-section of the rod at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Section {
@@ -33,10 +43,10 @@ pub(crate) struct Section {
     pub compliance: Stiffness,
     /// `u*` in 1/m.
     pub rest_curvature: Vec3,
-    /// Whether x and y are alike and nothing is coupled.
+    /// Whether x and y are alike, nothing is coupled and bending has no friction.
     pub isotropic: bool,
-    /// Where the stiffness is not diagonal. Apart from the rest, so that a section stays small.
-    pub coupling: Option<Box<Coupling>>,
+    /// Where the stiffness is not diagonal or bending has friction. Apart from the rest, so that a section stays small.
+    pub beside: Option<Box<Beside>>,
 }
 
 impl Section {
@@ -51,7 +61,7 @@ impl Section {
             compliance: Stiffness { shear: inverse(shear), bending: inverse(bending) },
             rest_curvature,
             isotropic: shear.x == shear.y && bending.x == bending.y,
-            coupling: None,
+            beside: None,
         }
     }
 
@@ -69,7 +79,32 @@ impl Section {
         if coupling == Coupling::default() {
             return self;
         }
-        Self { isotropic: false, coupling: Some(Box::new(coupling)), ..self }
+        let beside = Beside { coupling, friction: self.friction().copied() };
+        Self { isotropic: false, beside: Some(Box::new(beside)), ..self }
+    }
+
+    /// The same with friction against bending.
+    pub fn with_friction(self, friction: BendingFriction) -> Self {
+        let coupling = self.coupling().copied().unwrap_or_default();
+        let beside = Beside { coupling, friction: Some(friction) };
+        Self { isotropic: false, beside: Some(Box::new(beside)), ..self }
+    }
+
+    /// Friction against bending, where there is any.
+    #[inline]
+    pub fn friction(&self) -> Option<&BendingFriction> {
+        self.beside.as_ref()?.friction.as_ref()
+    }
+
+    /// The same, to be changed.
+    pub fn friction_mut(&mut self) -> Option<&mut BendingFriction> {
+        self.beside.as_mut()?.friction.as_mut()
+    }
+
+    /// Stiffness beside the diagonal, where any strain is coupled with another one.
+    #[inline]
+    pub fn coupling(&self) -> Option<&Coupling> {
+        self.beside.as_ref().map(|beside| &beside.coupling).filter(|k| **k != Coupling::default())
     }
 
     /// Diagonal of the Hessian's block of forces without cables: infinite on a held axis.
@@ -86,11 +121,33 @@ impl Section {
         let (dv, du) = (strain.linear - Vec3::Z, strain.angular - self.rest_curvature);
         let Stiffness { shear, bending } = self.stiffness;
         let mut wrench = BodyWrench { linear: shear.scale(dv), angular: bending.scale(du) };
-        if let Some(beside) = &self.coupling {
-            wrench.linear += beside.shear * dv + beside.mixed * du;
-            wrench.angular += beside.mixed.transpose_mul(dv) + beside.bending * du;
+        if let Some(beside) = &self.beside {
+            let Coupling { shear, mixed, bending } = &beside.coupling;
+            wrench.linear += *shear * dv + *mixed * du;
+            wrench.angular += mixed.transpose_mul(dv) + *bending * du;
         }
         wrench
+    }
+
+    /// What the strain exerts together with the friction against bending.
+    #[inline]
+    pub fn wrench(&self, strain: &Strain) -> BodyWrench {
+        let mut wrench = self.elastic_wrench(strain);
+        if let Some(friction) = self.friction() {
+            wrench.angular += friction.moment(strain.angular - self.rest_curvature);
+        }
+        wrench
+    }
+
+    /// The energy of a strain, that of eq. (1) of [`super::bending_friction`] included: what [`Self::wrench`] is the slope of.
+    pub fn energy(&self, strain: &Strain) -> f64 {
+        let (dv, du) = (strain.linear - Vec3::Z, strain.angular - self.rest_curvature);
+        let spring = self.elastic_wrench(strain);
+        let elastic = 0.5 * (spring.linear.dot(dv) + spring.angular.dot(du));
+        match self.friction() {
+            Some(friction) => elastic + friction.energy(du),
+            None => elastic,
+        }
     }
 
     /// Strain of the section at rest.

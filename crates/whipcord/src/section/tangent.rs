@@ -2,10 +2,12 @@
 
 use whipcord_numerics::{Ldlt3, Mat3, Vec3};
 
+use super::bending_friction::BENDING_AXES;
 use super::crossing::{BodyWrench, Crossing, Strain};
+use super::equilibrium::newton_equilibrium;
 use super::fault::SectionFault;
 use super::lanes::{LaneVec, times, transpose_times};
-use super::properties::Section;
+use super::properties::{Coupling, Section, Stiffness};
 
 /// The Hessian of the potential, factored: `[A B; Bᵀ C]` by its Schur complement `S = C − BᵀA⁻¹B`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,10 +29,10 @@ impl Tangent {
         tensions: &[f64],
         strain: &Strain,
     ) -> Result<Self, SectionFault> {
-        if crossings.is_empty() && section.coupling.is_none() {
+        if crossings.is_empty() && section.beside.is_none() {
             return Ok(Self::of_bare(section));
         }
-        let mut hessian = Hessian::of(section);
+        let mut hessian = Hessian::at(section, strain);
         for (crossing, &tension) in crossings.iter().zip(tensions) {
             if tension != 0.0 {
                 let (pull, stretch) = crossing.pull(strain);
@@ -94,17 +96,36 @@ pub(crate) struct Hessian {
 }
 
 impl Hessian {
+    /// Of the section at a strain, without cables.
     #[inline(always)]
-    pub fn of(section: &Section) -> Self {
+    pub fn at(section: &Section, strain: &Strain) -> Self {
         let mut hessian = Self {
             a: Mat3::diagonal(section.pivots()),
             b: Mat3::ZERO,
             c: Mat3::diagonal(section.stiffness.bending),
         };
-        if let Some(beside) = &section.coupling {
-            hessian.a += beside.shear;
-            hessian.b = beside.mixed;
-            hessian.c += beside.bending;
+        if let Some(beside) = &section.beside {
+            hessian.a += beside.coupling.shear;
+            hessian.b = beside.coupling.mixed;
+            hessian.c += beside.coupling.bending;
+            if let Some(friction) = &beside.friction {
+                hessian.c += friction.tangent_matrix(strain.angular - section.rest_curvature);
+            }
+        }
+        hessian
+    }
+
+    /// Of its elastic part.
+    fn elastic(section: &Section) -> Self {
+        let mut hessian = Self {
+            a: Mat3::diagonal(section.pivots()),
+            b: Mat3::ZERO,
+            c: Mat3::diagonal(section.stiffness.bending),
+        };
+        if let Some(Coupling { shear, mixed, bending }) = section.coupling() {
+            hessian.a += *shear;
+            hessian.b = *mixed;
+            hessian.c += *bending;
         }
         hessian
     }
@@ -161,27 +182,58 @@ impl Hessian {
 }
 
 impl Section {
-    /// Stiffness against bending and twist of the section alone when forces are held: `K_bt`, less
+    /// Elastic stiffness against bending and twist of the section alone when forces are held: `K_bt`, less
     /// what a coupling with shear and extension takes of it.
     pub fn bending_stiffness(&self) -> Mat3 {
         let diagonal = Mat3::diagonal(self.stiffness.bending);
-        if self.coupling.is_none() {
+        if self.coupling().is_none() {
             return diagonal;
         }
-        Hessian::of(self).factor().map_or(diagonal, |tangent| tangent.reduced)
+        Hessian::elastic(self).factor().map_or(diagonal, |tangent| tangent.reduced)
     }
 
     /// Strain of the rod alone, without cables, under a wrench.
     #[inline(always)]
     pub fn bare_strain(&self, wrench: BodyWrench) -> Strain {
-        self.rest_strain() + self.yielding(wrench)
+        if self.beside.is_some() {
+            return self.bare_strain_beside(wrench);
+        }
+        let Stiffness { shear, bending } = self.compliance;
+        self.rest_strain()
+            + Strain { linear: shear.scale(wrench.linear), angular: bending.scale(wrench.angular) }
     }
 
-    /// What the rod alone adds to its strain under an additional wrench, `K⁻¹ w`.
+    #[cold]
+    fn bare_strain_beside(&self, wrench: BodyWrench) -> Strain {
+        let Some(friction) = self.friction() else {
+            return self.rest_strain() + self.yielding_beside(&self.rest_strain(), wrench);
+        };
+        if self.coupling().is_none() {
+            let Stiffness { shear, bending } = self.compliance;
+            let mut bend = bending.scale(wrench.angular);
+            for axis in 0..BENDING_AXES {
+                let (elastic, moment) = (self.stiffness.bending[axis], wrench.angular[axis]);
+                bend[axis] = friction.bend(axis, elastic, moment);
+            }
+            let strain = Strain { linear: shear.scale(wrench.linear), angular: bend };
+            return self.rest_strain() + strain;
+        }
+        // The energy is convex: this ends short of the answer for wrenches only that are not finite.
+        let mut strain = self.rest_strain();
+        match newton_equilibrium(self, &[], &[], wrench, &mut strain) {
+            Ok(()) => strain,
+            Err(_) => {
+                let unknown = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
+                Strain { linear: unknown, angular: unknown }
+            }
+        }
+    }
+
+    /// What the rod alone adds to a strain under an additional wrench, to first order.
     #[inline(always)]
-    pub fn yielding(&self, wrench: BodyWrench) -> Strain {
-        if self.coupling.is_some() {
-            return self.yielding_coupled(wrench);
+    pub fn yielding(&self, strain: &Strain, wrench: BodyWrench) -> Strain {
+        if self.beside.is_some() {
+            return self.yielding_beside(strain, wrench);
         }
         Strain {
             linear: self.compliance.shear.scale(wrench.linear),
@@ -190,8 +242,8 @@ impl Section {
     }
 
     #[cold]
-    fn yielding_coupled(&self, wrench: BodyWrench) -> Strain {
+    fn yielding_beside(&self, strain: &Strain, wrench: BodyWrench) -> Strain {
         // A stiffness that a robot may have is positive definite.
-        Hessian::of(self).factor().map_or_else(Strain::default, |h| h.solve(wrench))
+        Hessian::at(self, strain).factor().map_or_else(Strain::default, |h| h.solve(wrench))
     }
 }

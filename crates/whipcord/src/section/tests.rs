@@ -49,7 +49,7 @@ fn held(section: &Section, axes: [bool; 3]) -> Section {
     for i in (0..3).filter(|&i| axes[i]) {
         stiffness.shear[i] = f64::INFINITY;
     }
-    let coupling = section.coupling.as_deref().copied().unwrap_or_default();
+    let coupling = section.coupling().copied().unwrap_or_default();
     Section::new(stiffness, section.rest_curvature).coupled(coupling)
 }
 
@@ -63,7 +63,7 @@ fn sections() -> Vec<Section> {
 /// What is left of eqs. (1) and (2), and of the strain of the axes that are held.
 fn residual(s: &Section, c: &[Crossing], tau: &[f64], w: BodyWrench, x: &Strain) -> f64 {
     let (dv, du) = (x.linear - Vec3::Z, x.angular - s.rest_curvature);
-    let k = s.coupling.as_deref().copied().unwrap_or_default();
+    let k = s.coupling().copied().unwrap_or_default();
     let mut force = s.stiffness.shear.scale(dv) + k.shear * dv + k.mixed * du - w.linear;
     let mut moment =
         s.stiffness.bending.scale(du) + k.mixed.transpose() * dv + k.bending * du - w.angular;

@@ -71,6 +71,11 @@ impl Nodes {
         let i = k * self.per_step + j;
         (&self.nodes[i], &self.crossings[i * self.cables..i * self.cables + active])
     }
+
+    /// Node `j` of step `k`, to be changed.
+    pub(super) fn node_mut(&mut self, k: usize, j: usize) -> &mut Node {
+        &mut self.nodes[k * self.per_step + j]
+    }
 }
 
 /// The discretised robot.
@@ -220,6 +225,11 @@ impl Grid {
     pub fn ends(&self) -> Vec<f64> {
         let end = self.steps.last().map(|step| step.start + step.length);
         self.steps.iter().map(|step| step.start).chain(end).collect()
+    }
+
+    /// The robot at the start (0) or at the end (1) of step `k`, just inside of it.
+    pub fn at_end(&self, k: usize, end: usize) -> &Node {
+        self.shooting.at(k, end * (SHOOTING_NODES.len() - 1), 0).0
     }
 
     /// Number of steps.

@@ -21,6 +21,7 @@
 //! | `quadratic_form`, `eigenvalue` | the second variation of the energy, and its least eigenvalue |
 //! | `passages` | cables straight between disks |
 //! | `friction` | friction of cables at their holes |
+//! | `plastic_curvature` | what friction against bending holds along the backbone |
 //! | `hold` | tensions that keep cables at their lengths, eq. (d4) |
 //! | `local` | Jacobians and compliances of a place |
 //! | `outcome`, `trace` | how a solve ended, and the record of its iterations |
@@ -45,6 +46,7 @@ pub(crate) mod outcome;
 pub(crate) mod passages;
 pub(crate) mod path;
 pub(crate) mod perturbation;
+pub(crate) mod plastic_curvature;
 pub(crate) mod quadratic_form;
 pub(crate) mod rank;
 pub(crate) mod refinement;

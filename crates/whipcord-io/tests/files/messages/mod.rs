@@ -378,6 +378,10 @@ fn stiffness() {
                 "length = 1\nshear_correction = 0.8\n[backbone.stiffness]\n{diagonal}"
             )),
         ),
+        ("a yield stiffness alone", with_backbone("length = 1\nyield_stiffness = 0.04")),
+        ("a yield moment below zero", with_backbone("length = 1\nyield_moment = [0.01, -0.01]")),
+        ("a yield moment of three", with_backbone("length = 1\nyield_moment = [1, 1, 1]")),
+        ("a yield moment in newtons", with_backbone("length = 1\nyield_moment = '1 N'")),
         ("a shear correction of zero", with_backbone("length = 1\nshear_correction = 0")),
         ("two masses", with_backbone("length = 1\ndensity = 1000\nlinear_density = \"7 g/m\"")),
         ("nothing", given("at = [0, 1]")),

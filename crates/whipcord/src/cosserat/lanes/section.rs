@@ -77,7 +77,7 @@ fn pull<S: Simd>(simd: S, crossing: &Crossing, strain: &LaneTwist<S>) -> LanePul
 impl Several {
     /// `None` for a stiffness that is not diagonal.
     pub fn new(section: &Section, crossings: &[Crossing], guess: Guess) -> Option<Self> {
-        if section.coupling.is_some() {
+        if section.beside.is_some() {
             return None;
         }
         Some(Self {

@@ -2,6 +2,7 @@
 
 mod base_pose;
 mod batch;
+mod bending_friction;
 mod beyond_buckling;
 mod branches;
 mod cancelled;
