@@ -197,7 +197,7 @@ impl Model {
             Self::Cosserat(_)
             | Self::CosseratDisks(_)
             | Self::PiecewiseConstantCurvature(_)
-            | Self::PseudoRigidBody(_) => slides(),
+            | Self::PseudoRigidBody(_) => slides() && !robot.has_bending_friction(),
             Self::FourBar(options) => {
                 four_bar::FourBar::new(robot, options).is_ok_and(|model| model.has_linearization())
             }
