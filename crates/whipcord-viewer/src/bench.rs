@@ -6,15 +6,16 @@ use std::time::{Duration, Instant};
 use whipcord::kinematics::principal_axes;
 use whipcord::warning::of_answer;
 use whipcord::{
-    Actuation, Cancel, Case, Differentiable as _, Model, ModelKind, ModelPreset, Obstacle,
-    Prepared, Robot, Shape, Shortening, Solution, SolveError, Vec3, Warning,
+    Actuation, CableCommand, Cancel, Case, Differentiable as _, Model, ModelKind, ModelPreset,
+    Obstacle, Prepared, Robot, Shape, Shortening, Solution, SolveError, Vec3, Warning,
 };
 use whipcord_io::CaseFile;
 
 use crate::protocol::{
-    self, Answer, CableState, Compliance, Contact, Frame, Malformed, PlacedObject, Request, Solved,
+    self, Answer, CableState, Command, Compliance, Contact, Frame, Malformed, PlacedObject,
+    Request, Slider, Solved,
 };
-use crate::scene::{array, model};
+use crate::scene::{array, model, sliders};
 use crate::stations::Places;
 
 /// Tips that are nearer to one another than this, relative to the length, are of one shape: places at which an answer
@@ -84,8 +85,12 @@ impl Bench {
     /// # Errors
     /// [`Malformed`] for a model that is not known.
     pub fn solve(&mut self, request: &Request, arrival: Instant) -> Result<Frame, Malformed> {
-        let case = self.case(request);
-        let answers = self.found(&request.presets()?, &case).into_iter().map(|(preset, found)| {
+        let presets = request.presets()?;
+        let found = match self.case(request) {
+            Ok(case) => self.found(&presets, &case),
+            Err(why) => presets.into_iter().map(|preset| (preset, Err(why.clone()))).collect(),
+        };
+        let answers = found.into_iter().map(|(preset, found)| {
             let answer = found.and_then(|found| {
                 let compliance = request.compliance.then(|| self.compliance(preset, &found));
                 solved(&self.file, preset, &found, compliance).ok_or_else(|| {
@@ -137,14 +142,39 @@ impl Bench {
     }
 
     /// What the sliders say, with all that they leave as the file has it.
-    pub fn case(&self, request: &Request) -> Case {
-        let commands = request.commands.iter().map(|command| command.command()).collect();
-        let mut case = self.file.case.commanded(commands);
+    ///
+    /// # Errors
+    /// Why the motors cannot be told so.
+    pub fn case(&self, request: &Request) -> Result<Case, Refusal> {
+        let robot = &self.file.robot;
+        let mut cables = vec![CableCommand::default(); robot.cables().len()];
+        let mut motors = vec![None; robot.motors().len()];
+        let sliders = sliders(robot, &self.file.case);
+        if sliders.len() != request.commands.len() {
+            let (given, all) = (request.commands.len(), sliders.len());
+            return Err(format!("{given} commands are given for {all} sliders: reload the page"));
+        }
+        for (slider, command) in sliders.into_iter().zip(&request.commands) {
+            match (slider, command) {
+                (Slider::Motor(motor), Command::Motor(value)) => motors[motor] = Some(*value),
+                (Slider::Cable(cable), Command::Tension(_) | Command::Shortening(_)) => {
+                    cables[cable] = command.command();
+                }
+                _ => {
+                    return Err(
+                        "a slider of a cable has the command of a motor, or the other way round: reload the page"
+                            .to_owned(),
+                    );
+                }
+            }
+        }
+        let case = self.file.case.commanded(cables).driven_to(robot, &motors);
+        let mut case = case.map_err(|error| error.to_string())?;
         case.loads.tip_force = Vec3::from(request.tip_force);
         case.loads.tip_moment = Vec3::from(request.tip_moment);
         let gravity = Vec3::from(request.gravity);
         case.loads.gravity = (gravity != Vec3::ZERO).then_some(gravity);
-        case
+        Ok(case)
     }
 
     /// The answer of a model. It starts from the last one and, where that leads nowhere, from

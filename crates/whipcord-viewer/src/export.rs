@@ -33,7 +33,7 @@ const TRIALS: usize = 100;
 #[derive(Debug, Serialize)]
 struct Recording {
     scene: Scene,
-    /// The positions of each cable's slider. The last frame is that of the file, which is none of theirs.
+    /// The positions of each slider. The last frame is that of the file, which is none of theirs.
     axes: Vec<Vec<f64>>,
     models: Vec<Recorded>,
 }
@@ -127,7 +127,7 @@ fn record(
     let touching = if scene.obstacles.is_empty() { 0 } else { 4 * TOUCH_NUMBERS * TOUCHES };
     let bytes = pieces * STRAIN_BYTES + scene.cables.len() * CABLE_BYTES + 2 + touching;
     let most = (MOST_OF_FRAMES / presets.len() / bytes).min(MOST_FRAMES);
-    let grid = Grid::new(&scene.initial.commands, &scene.ranges, most);
+    let grid = Grid::new(&scene.initial.commands, |slider| scene.reach(slider), most);
     let each = grid.frames() + TRIALS;
     let all = each * presets.len();
     let recorded = presets.iter().enumerate().map(|(k, &model)| {
@@ -245,7 +245,7 @@ fn solve(
     commands: Vec<Command>,
 ) -> Option<Solution> {
     let request = Request { commands, ..scene.initial.clone() };
-    let case = bench.case(&request);
+    let case = bench.case(&request).ok()?;
     let (_, found) = bench.found(&[preset], &case).pop()?;
     found.ok().map(|found| found.solution)
 }

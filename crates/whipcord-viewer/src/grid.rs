@@ -5,20 +5,21 @@
 
 use whipcord::equally_spaced;
 
-use crate::protocol::{Command, Ranges};
+use crate::protocol::Command;
 
 /// The positions of one slider.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What a cable is told, ascending, in N or m; one value where the slider does not move.
+    /// What a cable or motor is told, ascending, in N, m or rad; one value where the slider does not move.
     pub values: Vec<f64>,
-    tension: bool,
+    /// What the file has.
+    own: Command,
 }
 
 /// The product of the positions of all sliders, and where the file has them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// One for each cable.
+    /// One for each slider.
     pub axes: Vec<Axis>,
     initial: Vec<Command>,
 }
@@ -34,25 +35,25 @@ const MOST_FRAMES: usize = 2500;
 pub type Weights = Vec<(usize, f64)>;
 
 impl Grid {
-    /// As many positions of each slider as give no more frames than `most`; the sliders of the last cables do not move
-    /// where even two positions of each would be too many.
-    pub fn new(initial: &[Command], ranges: &Ranges, most: usize) -> Self {
-        let cables = initial.len() as u32;
+    /// As many positions of each slider, from where to where it reaches, as give no more frames than `most`; the last sliders
+    /// do not move where even two positions of each would be too many.
+    pub fn new(initial: &[Command], reach: impl Fn(usize) -> [f64; 2], most: usize) -> Self {
+        let sliders = initial.len() as u32;
         let fits = |&positions: &usize| {
             let most = if positions > STENCIL { most.min(MOST_FRAMES) } else { most };
-            positions.checked_pow(cables).is_some_and(|frames| frames < most.max(1))
+            positions.checked_pow(sliders).is_some_and(|frames| frames < most.max(1))
         };
         let positions = (2..=MOST_POSITIONS).rev().find(fits);
         let moving = if positions.is_some() { initial.len() } else { most.max(1).ilog2() as usize };
         let positions = positions.unwrap_or(2);
-        let axes = initial.iter().enumerate().map(|(k, command)| {
-            let (tension, at, least, end) = match *command {
-                Command::Tension(at) => (true, at, 0.0, ranges.tension),
-                Command::Shortening(at) => (false, at, -ranges.shortening, ranges.shortening),
+        let axes = initial.iter().enumerate().map(|(k, &own)| {
+            let [least, end] = reach(k);
+            let values = if k < moving {
+                equally_spaced(least, end, positions).collect()
+            } else {
+                vec![own.value()]
             };
-            let values =
-                if k < moving { equally_spaced(least, end, positions).collect() } else { vec![at] };
-            Axis { values, tension }
+            Axis { values, own }
         });
         Self { axes: axes.collect(), initial: initial.to_vec() }
     }
@@ -67,7 +68,7 @@ impl Grid {
         self.axes.iter().map(|axis| axis.values.len()).product()
     }
 
-    /// What the cables are told in a frame. The last cable changes from frame to frame.
+    /// What the sliders say in a frame. The last one changes from frame to frame.
     pub fn commands(&self, frame: usize) -> Vec<Command> {
         if frame == self.own() {
             return self.initial.clone();
@@ -84,7 +85,7 @@ impl Grid {
         commands
     }
 
-    /// What the cables are told where each slider is this far from its least to its greatest value.
+    /// What the sliders say where each slider is this far from its least to its greatest value.
     pub fn between(&self, fractions: &[f64]) -> Vec<Command> {
         let each = self.axes.iter().zip(fractions).map(|(axis, fraction)| {
             let (least, most) = (axis.values[0], axis.values[axis.values.len() - 1]);
@@ -93,7 +94,7 @@ impl Grid {
         each.collect()
     }
 
-    /// The frames that the answer to what the cables are told is interpolated from: by cubics, or linearly between
+    /// The frames that the answer to what the sliders say is interpolated from: by cubics, or linearly between
     /// the nearest where one of theirs has no solution; `None` where one of the nearest has none.
     pub fn around(
         &self,
@@ -125,7 +126,7 @@ impl Grid {
     fn tensor(&self, commands: &[Command], stencil: usize) -> Weights {
         let mut all = vec![(0, 1.0)];
         for (axis, command) in self.axes.iter().zip(commands) {
-            let each = axis.lagrange(value(*command), stencil);
+            let each = axis.lagrange(command.value(), stencil);
             let count = axis.values.len();
             all = all
                 .into_iter()
@@ -138,20 +139,15 @@ impl Grid {
     }
 }
 
-fn value(command: Command) -> f64 {
-    let (Command::Tension(value) | Command::Shortening(value)) = command;
-    value
-}
-
 impl Axis {
     fn command(&self, value: f64) -> Command {
-        if self.tension { Command::Tension(value) } else { Command::Shortening(value) }
+        self.own.with_value(value)
     }
 
     /// From 1 where the slider is as in the file to 0 at the distance of two positions.
     fn nearness(&self, at: Command, own: Command) -> f64 {
         let [first, second, ..] = self.values[..] else { return 1.0 };
-        (1.0 - (value(at) - value(own)).abs() / (second - first)).max(0.0)
+        (1.0 - (at.value() - own.value()).abs() / (second - first)).max(0.0)
     }
 
     /// Lagrange's polynomial through the positions around a value: the share of each, none of them 0.
@@ -174,23 +170,28 @@ impl Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::protocol::Ranges;
 
     const RANGES: Ranges =
         Ranges { tension: 10.0, shortening: 0.02, force: 1.0, moment: 1.0, gravity: 1.0 };
+
+    fn within_ranges(initial: &[Command], most: usize) -> Grid {
+        Grid::new(initial, |k| RANGES.reach(initial[k]), most)
+    }
 
     #[test]
     fn frames_fit_and_the_file_is_among_them() {
         for cables in [1, 2, 3, 6, 11, 40] {
             let initial = vec![Command::Tension(3.3); cables];
-            let grid = Grid::new(&initial, &RANGES, 4500);
+            let grid = within_ranges(&initial, 4500);
             assert!(grid.frames() <= 4500);
             assert_eq!(grid.commands(grid.frames() - 1), initial);
             assert!(cables > 6 || grid.axes[0].values.len() >= STENCIL);
         }
-        let grid = Grid::new(&[Command::Shortening(0.0)], &RANGES, 2500);
+        let grid = within_ranges(&[Command::Shortening(0.0)], 2500);
         assert_eq!(grid.axes[0].values.len(), MOST_POSITIONS);
         assert_eq!(grid.commands(0), [Command::Shortening(-0.02)]);
-        assert_eq!(Grid::new(&[], &RANGES, 10).commands(1), []);
+        assert_eq!(within_ranges(&[], 10).commands(1), []);
     }
 
     fn interpolated(grid: &Grid, at: &[Command], of: impl Fn(&[Command]) -> f64) -> f64 {
@@ -206,22 +207,22 @@ mod tests {
     #[test]
     fn cubics_are_interpolated_exactly_and_the_file_whatever_is() {
         let cubic = |commands: &[Command]| -> f64 {
-            let [a, b, c] = [0, 1, 2].map(|k| value(commands[k]));
+            let [a, b, c] = [0, 1, 2].map(|k| commands[k].value());
             0.01 * a * a * a - 300.0 * b * b * c + a * c * c + 2.0
         };
-        let grid = Grid::new(&INITIAL, &RANGES, 500);
+        let grid = within_ranges(&INITIAL, 500);
         for fractions in [[0.0; 3], [1.0; 3], [0.31, 0.77, 0.02], [0.5, 0.0, 1.0]] {
             let commands = grid.between(&fractions);
             let found = interpolated(&grid, &commands, cubic);
             assert!((found - cubic(&commands)).abs() < 1e-9, "{fractions:?}");
         }
-        let rough = |commands: &[Command]| (7.0 * value(commands[0])).sin();
+        let rough = |commands: &[Command]| (7.0 * commands[0].value()).sin();
         assert!((interpolated(&grid, &INITIAL, rough) - rough(&INITIAL)).abs() < 1e-12);
     }
 
     #[test]
     fn a_frame_without_a_solution_is_gone_around_where_it_is_not_among_the_nearest() {
-        let grid = Grid::new(&INITIAL, &RANGES, 500);
+        let grid = within_ranges(&INITIAL, 500);
         let at = grid.between(&[0.95, 0.95, 0.95]);
         let nearest = grid.tensor(&at, 2);
         let far = grid.tensor(&at, STENCIL).into_iter().map(|(frame, _)| frame);

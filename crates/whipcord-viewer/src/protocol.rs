@@ -6,7 +6,7 @@
 //! Positions are in the world frame, in which the file gives the pose of the base; quaternions are (w, x, y, z).
 
 use serde::{Deserialize, Serialize};
-use whipcord::{Actuation, ModelKind, ModelPreset};
+use whipcord::{ModelKind, ModelPreset};
 
 /// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
 pub const MOST_BYTES: usize = 64 * 1024;
@@ -28,7 +28,7 @@ pub enum FromPage {
 pub struct Request {
     /// Number of the request, which the answer carries.
     pub id: u64,
-    /// One for each cable.
+    /// One for each slider ([`Scene::sliders`]).
     pub commands: Vec<Command>,
     /// Force at the tip in N.
     pub tip_force: [f64; 3],
@@ -43,7 +43,7 @@ pub struct Request {
     pub compliance: bool,
 }
 
-/// What one cable is told.
+/// What one cable or motor is told.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Command {
@@ -51,6 +51,18 @@ pub enum Command {
     Tension(f64),
     /// To be shorter by this in m than before actuation.
     Shortening(f64),
+    /// To go to this angle in rad, or travel in m: of a motor.
+    Motor(f64),
+}
+
+/// What a slider moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Slider {
+    /// A cable, by its number.
+    Cable(usize),
+    /// A motor, by its number.
+    Motor(usize),
 }
 
 /// What the server sends.
@@ -92,6 +104,10 @@ pub struct Scene {
     pub disks: Vec<Disk>,
     /// The cables.
     pub cables: Vec<Cable>,
+    /// The motors.
+    pub motors: Vec<Motor>,
+    /// What can be moved: the motors that the file commands, and the cables that none of them pulls.
+    pub sliders: Vec<Slider>,
     /// Where the base is.
     pub base: Pose,
     /// All models.
@@ -169,6 +185,21 @@ pub struct Cable {
     pub course: Vec<[f64; 2]>,
     /// Its length in m before actuation.
     pub initial_length: f64,
+}
+
+/// A motor of the robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motor {
+    /// Its name.
+    pub name: String,
+    /// Whether its command is an angle in rad and it holds a torque in N·m, in contrast to a travel in m and a force in N.
+    pub is_angular: bool,
+    /// From where to where its slider reaches.
+    pub reach: [f64; 2],
+    /// The cables that it pulls, and what it holds for a tension of 1 N in each: what all tensions make of it is the sum.
+    pub pulls: Vec<(usize, f64)>,
+    /// The most that it can hold.
+    pub limit: Option<f64>,
 }
 
 /// A frame in the world.
@@ -475,7 +506,7 @@ impl Request {
 }
 
 impl Command {
-    /// As robot files have it.
+    /// What a cable is told, as robot files have it; nothing by the command of a motor.
     #[must_use]
     pub fn command(self) -> whipcord::CableCommand {
         use whipcord::{CableCommand, Shortening};
@@ -484,15 +515,47 @@ impl Command {
             Self::Shortening(length) => {
                 CableCommand { tension: None, shortening: Some(Shortening::Length(length)) }
             }
+            Self::Motor(_) => CableCommand::default(),
         }
     }
 
-    /// What drives a cable by it.
+    /// Its number, in N, m or rad.
     #[must_use]
-    pub const fn actuation(self) -> Actuation {
+    pub const fn value(self) -> f64 {
+        let (Self::Tension(value) | Self::Shortening(value) | Self::Motor(value)) = self;
+        value
+    }
+
+    /// Another of its kind.
+    #[must_use]
+    pub const fn with_value(self, value: f64) -> Self {
         match self {
-            Self::Tension(_) => Actuation::Tension,
-            Self::Shortening(_) => Actuation::Shortening,
+            Self::Tension(_) => Self::Tension(value),
+            Self::Shortening(_) => Self::Shortening(value),
+            Self::Motor(_) => Self::Motor(value),
+        }
+    }
+}
+
+impl Ranges {
+    /// From where to where the slider of a cable reaches that is told so.
+    #[must_use]
+    pub fn reach(&self, command: Command) -> [f64; 2] {
+        match command {
+            Command::Tension(_) => [0.0, self.tension],
+            Command::Shortening(_) | Command::Motor(_) => [-self.shortening, self.shortening],
+        }
+    }
+}
+
+impl Scene {
+    /// From where to where a slider reaches, at what the file has.
+    #[must_use]
+    pub fn reach(&self, slider: usize) -> [f64; 2] {
+        let command = self.initial.commands[slider];
+        match self.sliders[slider] {
+            Slider::Cable(_) => self.ranges.reach(command),
+            Slider::Motor(motor) => self.motors[motor].reach,
         }
     }
 }

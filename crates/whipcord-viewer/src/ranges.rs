@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use whipcord::{Robot, Stiffness};
+use whipcord::{Motor, Robot, Stiffness};
 
 use crate::protocol::{Command, Ranges, Request};
 
@@ -24,11 +24,11 @@ pub fn ranges(robot: &Robot, initial: &Request) -> Ranges {
     let greatest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
     let tensions = &mut initial.commands.iter().filter_map(|command| match command {
         Command::Tension(value) => Some(*value),
-        Command::Shortening(_) => None,
+        _ => None,
     });
     let shortenings = &mut initial.commands.iter().filter_map(|command| match command {
         Command::Shortening(value) => Some(*value),
-        Command::Tension(_) => None,
+        _ => None,
     });
     let reach = |usual: f64, given: f64| round(usual.max(BEYOND * given));
     Ranges {
@@ -39,6 +39,17 @@ pub fn ranges(robot: &Robot, initial: &Request) -> Ranges {
         moment: reach(0.5 * half_turn, greatest(&mut initial.tip_moment.into_iter())),
         gravity: reach(GRAVITY, greatest(&mut initial.gravity.into_iter())),
     }
+}
+
+/// From where to where the slider of a motor reaches: its limits, or what winds up cables for half a turn of the tip.
+pub fn motor_reach(motor: &Motor, ranges: &Ranges, command: Option<f64>) -> [f64; 2] {
+    if let Some(limits) = motor.limits.range {
+        return limits;
+    }
+    let least = motor.cables.iter().map(|of| of.radius).fold(f64::INFINITY, f64::min);
+    let usual = ranges.shortening / least * motor.gear_ratio().abs() + motor.offset.abs();
+    let reach = round(usual.max(BEYOND * command.map_or(0.0, f64::abs)));
+    [-reach, reach]
 }
 
 /// The lesser bending stiffness at the base in N·m², where it is known.

@@ -2,8 +2,8 @@
 
 use whipcord::presets::Preset;
 use whipcord::{
-    Actuation, LoadFrame, Model, ModelKind, ModelPreset, Prepared, Robot, Section, SolveError,
-    StabilityAnalysis, Stations, Vec3,
+    Actuation, CableCommand, Case, Drive, LoadFrame, Model, ModelKind, ModelPreset, Motor,
+    Prepared, Robot, Section, SolveError, StabilityAnalysis, Stations, Vec3,
 };
 use whipcord_estimation::observation::{in_space, measured_in_world};
 use whipcord_estimation::registration::Alignment;
@@ -12,8 +12,8 @@ use whipcord_plot::{CableCourse, plates_of};
 
 use crate::error::ViewError;
 use crate::obstacles;
-use crate::protocol::{self, Command, Disk, ModelChoice, Pose, Request, Scene};
-use crate::ranges::ranges;
+use crate::protocol::{self, Command, Disk, ModelChoice, Pose, Request, Scene, Slider};
+use crate::ranges::{motor_reach, ranges};
 use crate::stations::Places;
 
 /// What the page is told of a file.
@@ -25,8 +25,12 @@ pub fn scene(file: &CaseFile) -> Scene {
     let first = choices.iter().find(|(_, choice)| choice.refusal.is_none()).map(|&(one, _)| one);
     let models = choices.into_iter().map(|(_, choice)| choice).collect();
     let named = first.map(|one| one.name().to_owned());
-    let initial =
-        Request { models: named.into_iter().collect(), ..initial(file, &initial_lengths) };
+    let sliders = sliders(robot, case);
+    let initial = Request {
+        models: named.into_iter().collect(),
+        ..initial(file, &sliders, &initial_lengths)
+    };
+    let ranges = ranges(robot, &initial);
     let names = |path: &std::path::Path| {
         path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     };
@@ -41,7 +45,9 @@ pub fn scene(file: &CaseFile) -> Scene {
         stations: places.arc_lengths,
         base: pose(&case.base),
         models,
-        ranges: ranges(robot, &initial),
+        motors: motors(file, &ranges),
+        sliders,
+        ranges,
         initial,
         loads_in_base: case.loads.frame == LoadFrame::Base,
         tip_follower: case.loads.tip_follower,
@@ -138,6 +144,27 @@ fn cables(robot: &Robot, places: &Places, initial: &[f64]) -> Vec<protocol::Cabl
     .collect()
 }
 
+/// What can be moved: the motors that the file commands, and the cables that none of them pulls.
+pub fn sliders(robot: &Robot, case: &Case) -> Vec<Slider> {
+    let is_told = |motor: usize| case.motor_command(motor).is_some();
+    let motors = (0..robot.motors().len()).filter(|&motor| is_told(motor)).map(Slider::Motor);
+    let cables = (0..robot.cables().len())
+        .filter(|&cable| !robot.motor_of(cable).is_some_and(is_told))
+        .map(Slider::Cable);
+    motors.chain(cables).collect()
+}
+
+fn motors(file: &CaseFile, ranges: &protocol::Ranges) -> Vec<protocol::Motor> {
+    let of = |(number, motor): (usize, &Motor)| protocol::Motor {
+        name: motor.name.clone(),
+        is_angular: matches!(motor.drive, Drive::Spool { .. }),
+        reach: motor_reach(motor, ranges, file.case.motor_command(number)),
+        pulls: motor.cables.iter().map(|of| (of.cable, of.pull() / motor.gear_ratio())).collect(),
+        limit: motor.limits.effort,
+    };
+    file.robot.motors().iter().enumerate().map(of).collect()
+}
+
 /// Lengths of the cables before actuation in m, by the first model that takes the robot; the lengths of their courses
 /// along a straight backbone where none does.
 fn initial_lengths(robot: &Robot, places: &Places) -> Vec<f64> {
@@ -154,14 +181,21 @@ fn initial_lengths(robot: &Robot, places: &Places) -> Vec<f64> {
 }
 
 /// What the file asks for, as the page would. A cable that the file gives both commands is driven by its tension.
-fn initial(file: &CaseFile, initial_lengths: &[f64]) -> Request {
+fn initial(file: &CaseFile, sliders: &[Slider], initial_lengths: &[f64]) -> Request {
     let case = &file.case;
-    let commands = case.commands.iter().zip(initial_lengths).map(|(command, &length)| {
-        match (command.tension, command.shortening) {
-            (Some(tension), _) => Command::Tension(tension),
-            (None, Some(shortening)) => Command::Shortening(shortening.in_metres(length)),
-            (None, None) => Command::Tension(0.0),
+    let of_cable = |cable: usize| match (
+        case.commands.get(cable).copied().unwrap_or_default(),
+        initial_lengths.get(cable).copied().unwrap_or_default(),
+    ) {
+        (CableCommand { tension: Some(tension), .. }, _) => Command::Tension(tension),
+        (CableCommand { shortening: Some(shortening), .. }, length) => {
+            Command::Shortening(shortening.in_metres(length))
         }
+        (CableCommand { tension: None, shortening: None }, _) => Command::Tension(0.0),
+    };
+    let commands = sliders.iter().map(|&slider| match slider {
+        Slider::Cable(cable) => of_cable(cable),
+        Slider::Motor(motor) => Command::Motor(case.motor_command(motor).unwrap_or_default()),
     });
     let loads = &case.loads;
     Request {
@@ -202,7 +236,7 @@ fn refusal(file: &CaseFile, preset: ModelPreset) -> Option<String> {
         Err(error) => return Some(error.to_string()),
     };
     // What only a solve finds missing or cannot take is found by one in which nothing pulls.
-    let mut case = file.case.clone();
+    let mut case = file.case.commanded(file.case.commands.clone());
     case.before.clear();
     case.loads.tip_force = Vec3::ZERO;
     case.loads.tip_moment = Vec3::ZERO;

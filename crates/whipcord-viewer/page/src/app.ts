@@ -138,7 +138,7 @@ export class App {
     // What the user has moved stays as it is when the file is read again, and so does what undo goes back to.
     const focused = document.activeElement;
     const [before, initial] = [this.#scene, this.#initial];
-    const fits = initial !== undefined && before?.cables.length === scene.cables.length;
+    const fits = initial !== undefined && JSON.stringify(before?.sliders) === JSON.stringify(scene.sliders);
     const again = fits ? (state: State): State => rebase(state, initial, scene) : undefined;
     if (again && this.#state && this.#history) {
       this.#state = again(this.#state);

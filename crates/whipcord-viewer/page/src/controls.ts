@@ -2,9 +2,10 @@
 
 import { element } from "./dom";
 import { swatch } from "./legend";
-import type { Scene, Vector } from "./protocol";
-import { COLOURINGS, commandOf, valueOf, type Colouring, type State } from "./state";
+import type { Motor, Scene, Vector } from "./protocol";
+import { COLOURINGS, commandOf, valueOf, type Colouring, type Kind, type State } from "./state";
 import {
+  DEGREE,
   fromUnit,
   METRE_PER_SECOND_SQUARED,
   MILLIMETRE,
@@ -112,8 +113,8 @@ class Quantity {
 }
 
 export class Controls {
-  readonly #cables: Quantity[];
-  readonly #kinds: ("tension" | "shortening")[];
+  readonly #sliders: Quantity[];
+  readonly #kinds: Kind[];
   readonly #vectors: { of: (state: State) => Vector; each: Quantity[] }[];
   readonly #models = new Map<string, HTMLInputElement>();
   readonly #colouring: HTMLSelectElement;
@@ -121,7 +122,7 @@ export class Controls {
   readonly #scene: Scene;
   readonly #axes: readonly number[][] | undefined;
 
-  /** `axes` are the positions of the cables' sliders in an exported page, in which nothing else can be moved. */
+  /** `axes` are the positions of the sliders of cables and motors in an exported page, in which nothing else can be moved. */
   constructor(
     scene: Scene,
     into: HTMLElement,
@@ -132,31 +133,10 @@ export class Controls {
     this.#scene = scene;
     this.#axes = axes;
     const { ranges } = scene;
-    this.#kinds = scene.cables.map(() => "tension");
-    this.#cables = scene.cables.map((cable, i) => {
-      const toggle = element("button", {
-        type: "button",
-        class: "unit",
-        title: "Pull by tension or by length",
-        "aria-label": `Cable ${cable.name}: change between tension and shortening`,
-        "data-cable": i,
-        onclick: () => changes.whenShown(i, (present) => {
-          changes.change((state) => {
-            const { kind } = valueOf(state.commands[i]!);
-            // The robot stays as it is, as far as its shape says what takes the place of what was given.
-            const value = kind === "tension" ? present?.shortening : present?.tension;
-            const other = kind === "tension" ? "shortening" : "tension";
-            state.commands[i] = commandOf(other, Number((value ?? 0).toPrecision(6)));
-          });
-          changes.commit();
-        }),
-      });
-      const edit = (state: State, value: number): void => {
-        const { kind } = valueOf(state.commands[i]!);
-        state.commands[i] = commandOf(kind, kind === "tension" ? Math.max(value, 0) : value);
-      };
-      return new Quantity(cable.name, `cable-${i}`, NEWTON, [0, ranges.tension], changes, edit, toggle);
-    });
+    this.#kinds = scene.sliders.map((slider) => ("motor" in slider ? "motor" : "tension"));
+    this.#sliders = scene.sliders.map((slider, i) =>
+      "motor" in slider ? this.#motor(scene.motors[slider.motor]!, slider.motor, i, changes) : this.#cable(slider.cable, i, changes),
+    );
     const directions = ["x", "y", "z"] as const;
     const vector = (name: string, unit: Unit, reach: number, of: (state: State) => Vector): Quantity[] =>
       directions.map((axis, k) =>
@@ -189,7 +169,8 @@ export class Controls {
       group("Gravity", ...this.#vectors[2]!.each.map((q) => q.row)),
     ];
     into.replaceChildren(
-      group("Cables", ...this.#cables.map((q) => q.row)),
+      ...(scene.motors.length > 0 ? [group("Motors", ...this.#rows("motor"))] : []),
+      ...(scene.motors.length === 0 || this.#rows("cable").length > 0 ? [group("Cables", ...this.#rows("cable"))] : []),
       ...(axes ? [] : loads),
       group("Models", ...scene.models.filter((model) => !axes || model.refusal === null).map((model) => this.#model(model.name, model.refusal, changes, colourOf(model.name)))),
       group(
@@ -198,7 +179,7 @@ export class Controls {
         ...(axes ? [] : [element("div", { class: "choice" }, this.#compliance, element("label", { for: "compliance" }, "Compliance of the tip"))]),
       ),
     );
-    axes?.forEach((values, i) => this.#cables[i]!.bound(values[0]!, values.at(-1)!));
+    axes?.forEach((values, i) => this.#sliders[i]!.bound(values[0]!, values.at(-1)!));
     if (scene.other_loads.length > 0) {
       into.append(element("p", { class: "hint" }, `The file also has: ${scene.other_loads.join("; ")}.`));
     }
@@ -214,20 +195,57 @@ export class Controls {
   show(state: State, anew: boolean): void {
     state.commands.forEach((command, i) => {
       const { kind, value } = valueOf(command);
-      const { ranges, cables } = this.#scene;
-      if (kind !== this.#kinds[i]) {
+      const { ranges, cables, sliders } = this.#scene;
+      const slider = sliders[i]!;
+      if (kind !== this.#kinds[i] && "cable" in slider) {
         this.#kinds[i] = kind;
         const range: [number, number] = kind === "tension" ? [0, ranges.tension] : [-ranges.shortening, ranges.shortening];
-        this.#cables[i]!.range(range, kind === "tension" ? NEWTON : MILLIMETRE, cables[i]!.name);
+        this.#sliders[i]!.range(range, kind === "tension" ? NEWTON : MILLIMETRE, cables[slider.cable]!.name);
         const axis = this.#axes?.[i];
-        if (axis) this.#cables[i]!.bound(axis[0]!, axis.at(-1)!);
+        if (axis) this.#sliders[i]!.bound(axis[0]!, axis.at(-1)!);
       }
-      this.#cables[i]!.show(value, anew);
+      this.#sliders[i]!.show(value, anew);
     });
     for (const { of, each } of this.#vectors) each.forEach((quantity, k) => quantity.show(of(state)[k]!, anew));
     for (const [name, box] of this.#models) box.checked = state.models.includes(name);
     this.#colouring.value = state.colouring;
     this.#compliance.checked = state.compliance;
+  }
+
+  /** The sliders of cables, or those of motors. */
+  #rows(of: "cable" | "motor"): HTMLElement[] {
+    return this.#sliders.filter((_, i) => of in this.#scene.sliders[i]!).map((q) => q.row);
+  }
+
+  #motor({ name, is_angular, reach }: Motor, number: number, i: number, changes: Changes): Quantity {
+    const edit = (state: State, value: number): void => void (state.commands[i] = { motor: value });
+    return new Quantity(name, `motor-${number}`, is_angular ? DEGREE : MILLIMETRE, reach, changes, edit);
+  }
+
+  #cable(cable: number, i: number, changes: Changes): Quantity {
+    const { name } = this.#scene.cables[cable]!;
+    const toggle = element("button", {
+      type: "button",
+      class: "unit",
+      title: "Pull by tension or by length",
+      "aria-label": `Cable ${name}: change between tension and shortening`,
+      "data-cable": cable,
+      onclick: () => changes.whenShown(cable, (present) => {
+        changes.change((state) => {
+          const { kind } = valueOf(state.commands[i]!);
+          // The robot stays as it is, as far as its shape says what takes the place of what was given.
+          const value = kind === "tension" ? present?.shortening : present?.tension;
+          const other = kind === "tension" ? "shortening" : "tension";
+          state.commands[i] = commandOf(other, Number((value ?? 0).toPrecision(6)));
+        });
+        changes.commit();
+      }),
+    });
+    const edit = (state: State, value: number): void => {
+      const { kind } = valueOf(state.commands[i]!);
+      state.commands[i] = commandOf(kind, kind === "tension" ? Math.max(value, 0) : value);
+    };
+    return new Quantity(name, `cable-${cable}`, NEWTON, [0, this.#scene.ranges.tension], changes, edit, toggle);
   }
 
   #model(name: string, refusal: string | null, changes: Changes, colour: string): HTMLElement {

@@ -80,12 +80,12 @@ describe("the state", () => {
     const initial = initialState(scene);
     expect(toHash(initial, initial)).toBe("");
     const state = structuredClone(initial);
-    state.commands = [{ shortening: -0.0031 }, { tension: 4.25 }];
+    state.commands = [{ shortening: -0.0031 }, { tension: 4.25 }, { motor: -0.5 }];
     state.tipForce = [0, -0.5, 1e-3];
     state.models = ["cosserat"];
     state.colouring = "curvature";
     const hash = toHash(state, initial);
-    expect(hash).toBe("cables=s-0.0031,t4.25&force=0,-0.5,0.001&models=cosserat&colour=curvature");
+    expect(hash).toBe("cables=s-0.0031,t4.25,m-0.5&force=0,-0.5,0.001&models=cosserat&colour=curvature");
     expect(fromHash(`#${hash}`, scene)).toEqual(state);
     state.models = [];
     expect(fromHash(toHash(state, initial), scene)).toEqual(state);
@@ -100,7 +100,7 @@ describe("the state", () => {
     changed.initial.commands[0] = { tension: 77 };
     changed.initial.tip_force = [0.1, 0.2, 0.3];
     const again = rebase(moved, initial, changed);
-    expect(again.commands).toEqual([{ tension: 77 }, { tension: 4.25 }]);
+    expect(again.commands).toEqual([{ tension: 77 }, { tension: 4.25 }, { motor: 0.7 }]);
     expect(again.tipForce).toEqual([0.1, 0.2, 0.5]);
     const history = new History(initial);
     history.commit(moved);
@@ -125,7 +125,9 @@ describe("the state", () => {
 
   it("is that of the file where the address makes no sense", () => {
     const nonsense = "#cables=t1&force=1,2&moment=a,b,c&models=none&colour=pink&gravity=1,2,NaN&%";
-    expect(fromHash("#cables=x1,t2", scene)).toEqual(initialState(scene));
+    for (const other of ["#cables=x1,t2,m1", "#cables=t1,t2", "#cables=m1,t2,m1", "#cables=t1,t2,s1"]) {
+      expect(fromHash(other, scene)).toEqual(initialState(scene));
+    }
     expect(fromHash(nonsense, scene)).toEqual(initialState(scene));
   });
 

@@ -5,7 +5,10 @@ export type Vector = [number, number, number];
 /** (w, x, y, z) */
 export type Quaternion = [number, number, number, number];
 
-export type Command = { tension: number } | { shortening: number };
+export type Command = { tension: number } | { shortening: number } | { motor: number };
+
+/** What a slider moves: a cable or a motor by its number. */
+export type Slider = { cable: number } | { motor: number };
 
 export interface Request {
   id: number;
@@ -41,6 +44,16 @@ export interface Cable {
   name: string;
   course: [number, number][];
   initial_length: number;
+}
+
+export interface Motor {
+  name: string;
+  /** Whether it is told an angle in rad and holds a torque in N·m, in contrast to a travel in m and a force in N. */
+  is_angular: boolean;
+  reach: [number, number];
+  /** The cables that it pulls, and what it holds for 1 N in each. */
+  pulls: [number, number][];
+  limit: number | null;
 }
 
 export interface ModelChoice {
@@ -88,6 +101,9 @@ export interface Scene {
   section: Section;
   disks: Disk[];
   cables: Cable[];
+  motors: Motor[];
+  /** What each command of a request is for. */
+  sliders: Slider[];
   base: Pose;
   models: ModelChoice[];
   initial: Request;

@@ -60,6 +60,7 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
     made.append(element("p", { class: "warning" }, element("strong", {}, "Warning: "), `${message}. To do: ${help}.`));
   }
   if (scene.cables.length > 0) made.append(cables(scene, answer));
+  if (scene.motors.length > 0 && answer.cables.every((cable) => cable.tension !== null)) made.append(motors(scene, answer));
   return made;
 }
 
@@ -82,22 +83,33 @@ function count(n: number, one: string): string {
 }
 
 function cables(scene: Scene, solved: Solved): HTMLElement {
-  const head = ["cable", "tension in N", "length in mm", "shortening in mm"];
-  const rows = solved.cables.map((cable, i) =>
-    element(
-      "tr",
-      {},
-      element("th", { scope: "row", title: scene.cables[i]!.name }, scene.cables[i]!.name),
-      element("td", {}, cable.slack ? "slack" : cable.tension === null ? "–" : significant(cable.tension, 4)),
-      element("td", {}, mm(cable.length)),
-      element("td", {}, mm(cable.initial_length - cable.length)),
-    ),
-  );
+  const rows = solved.cables.map((cable, i) => [
+    scene.cables[i]!.name,
+    cable.slack ? "slack" : cable.tension === null ? "–" : significant(cable.tension, 4),
+    mm(cable.length),
+    mm(cable.initial_length - cable.length),
+  ]);
+  return table(["cable", "tension in N", "length in mm", "shortening in mm"], rows);
+}
+
+/** What each motor holds, and how much of its limit that is. */
+function motors(scene: Scene, solved: Solved): HTMLElement {
+  const rows = scene.motors.map(({ name, is_angular, pulls, limit }) => {
+    const effort = pulls.reduce((sum, [cable, pull]) => sum + pull * (solved.cables[cable]!.tension ?? 0), 0);
+    const shown = is_angular ? `${significant(effort * 1e3, 4)} mN·m` : `${significant(effort, 4)} N`;
+    return [name, shown, limit === null || limit === 0 ? "–" : `${significant((100 * Math.abs(effort)) / limit, 3)} %`];
+  });
+  return table(["motor", "holds", "of its limit"], rows);
+}
+
+function table(head: readonly string[], rows: readonly string[][]): HTMLElement {
+  const row = ([name, ...values]: string[]): HTMLElement =>
+    element("tr", {}, element("th", { scope: "row", title: name! }, name!), ...values.map((value) => element("td", {}, value)));
   return element(
     "table",
     {},
     element("thead", {}, element("tr", {}, ...head.map((name) => element("th", { scope: "col" }, name)))),
-    element("tbody", {}, ...rows),
+    element("tbody", {}, ...rows.map(row)),
   );
 }
 

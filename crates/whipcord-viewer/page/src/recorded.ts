@@ -263,7 +263,7 @@ export function describe({ scene, axes, models }: Recording): string {
       `${mm(trials.median)} mm off at the median of ${trials.count} trials and ${mm(trials.greatest)} mm at most`
     );
   });
-  const moving = fixed === 0 ? "" : ` The sliders of the last ${fixed} cables do not move.`;
+  const moving = fixed === 0 ? "" : ` The sliders of the last ${fixed} cables or motors do not move.`;
   const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame, and movable objects stay where they are at rest.";
   return (
     `A page without a server, by whipcord ${scene.version}: ${positions} positions of each slider. ${words.join(". ")}.` +

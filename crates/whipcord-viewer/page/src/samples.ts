@@ -12,6 +12,9 @@ export const fromPage: FromPage[] = [
       },
       {
         "shortening": -0.002
+      },
+      {
+        "motor": 0.7
       }
     ],
     "tip_force": [
@@ -96,6 +99,31 @@ export const toPage: ToPage[] = [
         "initial_length": 0.2
       }
     ],
+    "motors": [
+      {
+        "name": "bend",
+        "is_angular": true,
+        "reach": [
+          -3.0,
+          3.0
+        ],
+        "pulls": [
+          [
+            0,
+            0.01
+          ]
+        ],
+        "limit": 0.2
+      }
+    ],
+    "sliders": [
+      {
+        "motor": 0
+      },
+      {
+        "cable": 0
+      }
+    ],
     "base": {
       "position": [
         0.0,
@@ -131,6 +159,9 @@ export const toPage: ToPage[] = [
         },
         {
           "shortening": -0.002
+        },
+        {
+          "motor": 0.7
         }
       ],
       "tip_force": [
@@ -438,6 +469,31 @@ export const toPage: ToPage[] = [
         "initial_length": 0.2
       }
     ],
+    "motors": [
+      {
+        "name": "bend",
+        "is_angular": true,
+        "reach": [
+          -3.0,
+          3.0
+        ],
+        "pulls": [
+          [
+            0,
+            0.01
+          ]
+        ],
+        "limit": 0.2
+      }
+    ],
+    "sliders": [
+      {
+        "motor": 0
+      },
+      {
+        "cable": 0
+      }
+    ],
     "base": {
       "position": [
         0.0,
@@ -473,6 +529,9 @@ export const toPage: ToPage[] = [
         },
         {
           "shortening": -0.002
+        },
+        {
+          "motor": 0.7
         }
       ],
       "tip_force": [
@@ -790,6 +849,31 @@ export const toPage: ToPage[] = [
         "initial_length": 0.2
       }
     ],
+    "motors": [
+      {
+        "name": "bend",
+        "is_angular": true,
+        "reach": [
+          -3.0,
+          3.0
+        ],
+        "pulls": [
+          [
+            0,
+            0.01
+          ]
+        ],
+        "limit": 0.2
+      }
+    ],
+    "sliders": [
+      {
+        "motor": 0
+      },
+      {
+        "cable": 0
+      }
+    ],
     "base": {
       "position": [
         0.0,
@@ -825,6 +909,9 @@ export const toPage: ToPage[] = [
         },
         {
           "shortening": -0.002
+        },
+        {
+          "motor": 0.7
         }
       ],
       "tip_force": [

@@ -45,16 +45,22 @@ export function same(a: State, b: State): boolean {
   return JSON.stringify(a) === JSON.stringify(b);
 }
 
-/** Kind and value in SI of what a cable is told. */
-export function valueOf(command: Command): { kind: "tension" | "shortening"; value: number } {
-  return "tension" in command
-    ? { kind: "tension", value: command.tension }
-    : { kind: "shortening", value: command.shortening };
+export type Kind = "tension" | "shortening" | "motor";
+
+/** Kind and value in SI of what a cable or motor is told. */
+export function valueOf(command: Command): { kind: Kind; value: number } {
+  if ("tension" in command) return { kind: "tension", value: command.tension };
+  if ("motor" in command) return { kind: "motor", value: command.motor };
+  return { kind: "shortening", value: command.shortening };
 }
 
-export function commandOf(kind: "tension" | "shortening", value: number): Command {
+export function commandOf(kind: Kind, value: number): Command {
+  if (kind === "motor") return { motor: value };
   return kind === "tension" ? { tension: value } : { shortening: value };
 }
+
+/** How an address begins what is told. */
+const LETTERS: Record<Kind, string> = { tension: "t", shortening: "s", motor: "m" };
 
 const text = (value: number): string => String(Number(value.toPrecision(9)));
 
@@ -71,7 +77,7 @@ export function toHash(state: State, initial: State): string {
   const commands = (of: State): string[] =>
     of.commands.map((command) => {
       const { kind, value } = valueOf(command);
-      return `${kind === "tension" ? "t" : "s"}${text(value)}`;
+      return `${LETTERS[kind]}${text(value)}`;
     });
   each("cables", commands(state), commands(initial));
   each("force", state.tipForce.map(text), initial.tipForce.map(text));
@@ -94,7 +100,10 @@ export function fromHash(hash: string, scene: Scene): State {
       case "cables": {
         const words = value.split(",");
         const commands = state.commands.map((own, i) => (words[i] === "" ? own : command(words[i] ?? "?")));
-        if (words.length === commands.length && commands.every((c) => c !== undefined)) state.commands = commands;
+        // A motor keeps being told where to go, and no cable is.
+        const fits = (given: Command | undefined, i: number): given is Command =>
+          given !== undefined && "motor" in given === "motor" in state.commands[i]!;
+        if (words.length === commands.length && commands.every(fits)) state.commands = commands;
         break;
       }
       case "force":
@@ -155,6 +164,7 @@ function command(word: string): Command | undefined {
   if (value === undefined) return undefined;
   if (word.startsWith("t")) return { tension: value };
   if (word.startsWith("s")) return { shortening: value };
+  if (word.startsWith("m")) return { motor: value };
   return undefined;
 }
 

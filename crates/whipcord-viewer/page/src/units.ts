@@ -11,6 +11,7 @@ export interface Unit {
 
 export const NEWTON: Unit = { symbol: "N", word: "newtons", si: 1 };
 export const MILLIMETRE: Unit = { symbol: "mm", word: "millimetres", si: 1e-3 };
+export const DEGREE: Unit = { symbol: "°", word: "degrees", si: Math.PI / 180 };
 export const MILLINEWTON_METRE: Unit = { symbol: "mN·m", word: "millinewton metres", si: 1e-3 };
 export const METRE_PER_SECOND_SQUARED: Unit = { symbol: "m/s²", word: "metres per second squared", si: 1 };
 

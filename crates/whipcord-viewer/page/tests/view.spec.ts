@@ -367,3 +367,57 @@ test.describe("of a robot that was measured", () => {
     await page.screenshot({ path: `${ARTEFACTS}/slack.png` });
   });
 });
+
+const MOTORS = `
+title = "Arm with a motor"
+[backbone]
+length = "180 mm"
+diameter = "3 mm"
+young_modulus = "1.1 GPa"
+poisson_ratio = 0.3
+[disks]
+count = 10
+[[cables]]
+name = "left"
+routing = { kind = "straight", angle = "0 deg", radius = "8 mm" }
+[[cables]]
+name = "right"
+routing = { kind = "straight", angle = "180 deg", radius = "8 mm" }
+[[cables]]
+name = "side"
+routing = { kind = "straight", angle = "90 deg", radius = "8 mm" }
+tension = "1 N"
+[[motors]]
+name = "bend"
+cables = ["left", "-right"]
+spool_radius = "10 mm"
+stiffness = "5 N/mm"
+pretension = "4 N"
+angle_limits = ["-80 deg", "80 deg"]
+torque_limit = "200 N mm"
+angle = "30 deg"
+`;
+
+test("a motor has a slider, and says what it holds", async ({ page, viewer }) => {
+  viewer.edit(() => MOTORS);
+  await expect(page.locator("h1")).toHaveText("Arm with a motor");
+  // The cables of the motor follow it; the third has a slider of its own.
+  await expect(page.locator('[data-group="Motors"] .quantity')).toHaveCount(1);
+  await expect(page.locator('[data-group="Cables"] .quantity')).toHaveCount(1);
+  await expect(page.locator('input[type="number"][data-name="motor-0"]')).toHaveValue("30");
+  await set(page, "motor-0", "45");
+  const expected = tipBySolve(viewer.file, (text) => text.replace("30 deg", "45 deg"));
+  await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
+  const solved = JSON.parse(solve(viewer.file, (text) => text.replace("30 deg", "45 deg"))) as { motors: { torque: number; utilization: number }[] };
+  const { torque, utilization } = solved.motors[0]!;
+  const row = page.locator('.answer[data-model="cosserat"] tr', { has: page.getByRole("rowheader", { name: "bend", exact: true }) });
+  await expect(row).toContainText(`${Number((torque * 1e3).toPrecision(3))}`);
+  await expect(row).toContainText(`${Number((utilization * 100).toPrecision(3))} %`);
+  // Within its limits, which its number box keeps to, and through the address and undo.
+  await set(page, "motor-0", "200");
+  await expect.poll(async () => page.url()).toMatch(/cables=m3\.49/);
+  await expect(page.locator('.answer[data-model="cosserat"]')).toContainText("limit");
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
+  await page.screenshot({ path: `${ARTEFACTS}/motor.png` });
+});

@@ -67,10 +67,7 @@ fn assert_holds_answers(file: &Arc<CaseFile>, recording: &Recording, preset: Mod
             for (command, axis) in commands.iter_mut().zip(axes).rev() {
                 let value = axis[rest % axis.len()];
                 rest /= axis.len();
-                *command = match command {
-                    Command::Tension(_) => Command::Tension(value),
-                    Command::Shortening(_) => Command::Shortening(value),
-                };
+                *command = command.with_value(value);
             }
         }
         let expected = solve(&mut Bench::new(Arc::clone(file)), scene, preset, commands);
@@ -215,4 +212,37 @@ fn one_page_has_all_inside_and_nothing_ends_early() {
         let error = one_page(Page { html, ..page }, "{}").unwrap_err();
         assert!(matches!(error, ViewError::OtherPage { what: found } if found == what), "{error}");
     }
+}
+
+#[test]
+fn motors_are_recorded_where_they_move() {
+    let cable = |name: &str, angle: u32| {
+        format!(
+            "[[cables]]\nname = \"{name}\"\n\
+             routing = {{ kind = \"straight\", angle = \"{angle} deg\", radius = \"8 mm\" }}\n"
+        )
+    };
+    let text = format!(
+        "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\nyoung_modulus = \"1.1 GPa\"\n\
+         poisson_ratio = 0.3\n[disks]\ncount = 5\n{}{}{}tension = \"1 N\"\n\
+         [[motors]]\nname = \"bend\"\ncables = [\"left\", \"-right\"]\nspool_radius = \"10 mm\"\n\
+         stiffness = \"5 N/mm\"\npretension = \"4 N\"\nangle_limits = [\"-60 deg\", \"60 deg\"]\n\
+         angle = \"30 deg\"\n",
+        cable("left", 0),
+        cable("right", 180),
+        cable("side", 90),
+    );
+    let file = Arc::new(whipcord_io::parse(&text, "motor.toml").unwrap());
+    let recording = record(&file, &[], drop).unwrap();
+    assert!(matches!(
+        recording.scene.initial.commands[..],
+        [Command::Motor(_), Command::Tension(_)]
+    ));
+    let (axis, sixty) = (&recording.axes[0], core::f64::consts::FRAC_PI_3);
+    assert!((axis[0] + sixty).abs() < 1e-12 && (axis[axis.len() - 1] - sixty).abs() < 1e-12);
+    assert_holds_answers(&file, &recording, ModelPreset::usual(ModelKind::Cosserat));
+    // A command for another kind of slider is refused.
+    let mut request = recording.scene.initial.clone();
+    request.commands.swap(0, 1);
+    assert!(Bench::new(file).case(&request).is_err());
 }

@@ -60,7 +60,7 @@ fn mixes() -> Vec<Mix> {
         [(&one, 4000), (&several, 500), (&several, 9), (&many, 9)];
     let mut all = Vec::new();
     for (initial, most) in grids {
-        let grid = Grid::new(initial, &RANGES, most);
+        let grid = Grid::new(initial, |k| RANGES.reach(initial[k]), most);
         for at in [0.0, 0.31, 0.34, 0.97] {
             let fractions: Vec<f64> =
                 (0..initial.len()).map(|k| (at + 0.21 * k as f64).fract()).collect();
@@ -78,7 +78,7 @@ fn mixes() -> Vec<Mix> {
     }
     // Beyond the ends of a slider.
     for beyond in [-1.0, 11.0] {
-        let grid = Grid::new(&one, &RANGES, 4000);
+        let grid = Grid::new(&one, |k| RANGES.reach(one[k]), 4000);
         all.push(mix(&grid, &one, vec![Tension(beyond)], vec![]));
     }
     all

@@ -6,14 +6,14 @@ use std::{env, fs};
 
 use crate::protocol::{
     Answer, Cable, CableState, Command, Compliance, Contact, Disk, Form, Frame, FromPage, Grasp,
-    ModelChoice, Obstacle, PlacedObject, Pose, Ranges, Request, Scene, Section, Solved, ToPage,
-    Warning, read,
+    ModelChoice, Motor, Obstacle, PlacedObject, Pose, Ranges, Request, Scene, Section, Slider,
+    Solved, ToPage, Warning, read,
 };
 
 fn request() -> Request {
     Request {
         id: 7,
-        commands: vec![Command::Tension(1.5), Command::Shortening(-0.002)],
+        commands: vec![Command::Tension(1.5), Command::Shortening(-0.002), Command::Motor(0.7)],
         tip_force: [0.1, 0.0, -0.2],
         tip_moment: [0.0, 0.01, 0.0],
         gravity: [0.0, 0.0, -9.81],
@@ -57,6 +57,14 @@ fn scenes() -> Vec<Scene> {
             course: vec![[0.008, 0.0]; 3],
             initial_length: 0.2,
         }],
+        motors: vec![Motor {
+            name: "bend".to_owned(),
+            is_angular: true,
+            reach: [-3.0, 3.0],
+            pulls: vec![(0, 0.01)],
+            limit: Some(0.2),
+        }],
+        sliders: vec![Slider::Motor(0), Slider::Cable(0)],
         base: pose,
         models: vec![
             ModelChoice {
