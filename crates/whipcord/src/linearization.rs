@@ -197,7 +197,7 @@ impl Model {
             Self::Cosserat(_)
             | Self::CosseratDisks(_)
             | Self::PiecewiseConstantCurvature(_)
-            | Self::PseudoRigidBody(_) => slides() && !robot.has_bending_friction(),
+            | Self::PseudoRigidBody(_) => slides(),
             Self::FourBar(options) => {
                 four_bar::FourBar::new(robot, options).is_ok_and(|model| model.has_linearization())
             }
@@ -240,6 +240,48 @@ impl Prepared {
                 advice: ComplianceUnknown::NoLoads.advice(),
             }),
         }
+    }
+
+    /// The answers to all steps of a case in order, with their derivatives by these parameters where they are `wanted`, by the
+    /// number of the step from 0. Where the answer depends on the steps before, so do the derivatives by parameters; those by
+    /// commands are by the commands of the step alone.
+    ///
+    /// # Errors
+    /// The number of the first step without an answer or derivatives, from 0, and why: see [`Self::solve_with_derivatives`].
+    pub fn solve_steps_with_derivatives(
+        &mut self,
+        case: &Case,
+        parameters: &[Parameter],
+        wanted: impl Fn(usize) -> bool,
+        mut each: impl FnMut(Solution, Option<Linearization>),
+    ) -> Result<(), (usize, SolveError)> {
+        let mut step = 0;
+        let rod = |derivatives| Linearization::Rod(Box::new(derivatives));
+        let of_rod = |solution, derivatives| {
+            each(solution, wanted(step).then(|| rod(derivatives)));
+            step += 1;
+        };
+        match self {
+            Self::Cosserat(model, workspace) if model.keeps_history(case) => {
+                return model.differentiate_steps(case, parameters, workspace, of_rod);
+            }
+            Self::CosseratDisks(model, workspace) if model.keeps_history(case) => {
+                return model.differentiate_steps(case, parameters, workspace, of_rod);
+            }
+            _ => {}
+        }
+        let mut last: Option<Solution> = None;
+        for (n, step) in case.single_steps().enumerate() {
+            let failed = |error| (n, error);
+            let (solution, derivatives) = if wanted(n) {
+                let found = self.solve_with_derivatives(&step, last.as_ref(), parameters);
+                found.map(|(solution, of)| (solution, Some(of))).map_err(failed)?
+            } else {
+                (self.solve(&step, last.as_ref()).map_err(failed)?, None)
+            };
+            each(last.insert(solution).clone(), derivatives);
+        }
+        Ok(())
     }
 
     /// The derivatives of the answer to a case, from that answer: the model is not built anew, and of the solve only the

@@ -82,16 +82,6 @@ pub(crate) fn bending_friction_among_obstacles(
     bending_friction(model, robot, what, advice)
 }
 
-/// Refuses derivatives of a robot with friction against bending.
-pub(crate) fn bending_friction_with_derivatives(
-    model: ModelKind,
-    robot: &Robot,
-) -> Result<(), SolveError> {
-    let what = "friction against bending of the backbone, for compliance and derivatives";
-    let advice = "take finite differences of solutions, or remove `yield_moment`";
-    bending_friction(model, robot, what, advice)
-}
-
 /// Refuses branches of a robot with friction against bending.
 pub(crate) fn bending_friction_with_branches(
     model: ModelKind,

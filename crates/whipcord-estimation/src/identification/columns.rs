@@ -49,17 +49,14 @@ impl Forward<'_> {
         let (prepared, case) = self.prepare(experiment, x)?;
         let mut answers: Vec<(Solution, Option<Linearization>)> = Vec::new();
         match prepared {
-            prepared if asks => {
-                for (k, step) in case.single_steps().enumerate() {
-                    let last = answers.last().map(|(solution, _)| solution);
-                    answers.push(if observed.contains(&k) {
-                        let answer = prepared.solve_with_derivatives(&step, last, &parameters)?;
-                        (answer.0, Some(answer.1))
-                    } else {
-                        (prepared.solve(&step, last)?, None)
-                    });
-                }
-            }
+            prepared if asks => prepared
+                .solve_steps_with_derivatives(
+                    &case,
+                    &parameters,
+                    |step| observed.contains(&step),
+                    |solution, derivatives| answers.push((solution, derivatives)),
+                )
+                .map_err(|(_, error)| error)?,
             prepared => prepared
                 .solve_steps(&case, |solution| answers.push((solution, None)))
                 .map_err(|(_, error)| error)?,

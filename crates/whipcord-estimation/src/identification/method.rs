@@ -55,6 +55,8 @@ impl DerivativeMethod {
         let by_factor = unknowns.iter().any(|other| {
             matches!(other.quantity, Quantity::Parameter(Parameter::StiffnessScale(_)))
         });
+        // The commands before change with it too, and with them what friction keeps of them.
+        let keeps_commands = robot.has_bending_friction() && !experiment.case.before.is_empty();
         let by_gain = unknowns.iter().any(|u| matches!(u.quantity, Quantity::Gain { .. }));
         match quantity {
             // Its stiffness then is given as such, and section and material no longer decide on it.
@@ -65,7 +67,9 @@ impl DerivativeMethod {
             }
             // With friction all commands before change with it too.
             Quantity::Gain { cable }
-                if is_exact && !robot.cables().iter().any(Cable::has_friction) =>
+                if is_exact
+                    && !keeps_commands
+                    && !robot.cables().iter().any(Cable::has_friction) =>
             {
                 match driven_by_tension(experiment, cable, model) {
                     Some(by_tension) => Self::Gain { cable, by_tension },
@@ -75,7 +79,7 @@ impl DerivativeMethod {
             Quantity::MarkerOffset { axis } => Self::Marker { axis },
             Quantity::Parameter(parameter) if is_exact => Self::Parameter(parameter),
             Quantity::TensionOffset { cable } | Quantity::ShorteningOffset { cable }
-                if is_exact =>
+                if is_exact && !keeps_commands =>
             {
                 Self::Command { cable }
             }

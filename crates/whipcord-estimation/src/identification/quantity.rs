@@ -206,6 +206,8 @@ impl Quantity {
                     (false, false) => "N·m²",
                     _ => "N·m",
                 },
+                P::YieldMoment { .. } => "N·m",
+                P::YieldStiffness { .. } => "N·m²",
                 P::LinearDensity => "kg/m",
                 P::RestCurvature { .. } | P::RestCurvatureAt { .. } => "1/m",
                 P::DiskMass | P::PointMass { .. } => "kg",
@@ -298,6 +300,8 @@ impl Quantity {
                     | P::Width
                     | P::Height
                     | P::ShearCorrection
+                    | P::YieldMoment { .. }
+                    | P::YieldStiffness { .. }
                     | P::LinearDensity
                     | P::DiskMass
                     | P::HoleRadius
@@ -352,6 +356,8 @@ impl Quantity {
             Self::Parameter(parameter) => match parameter {
                 P::YoungModulus | P::ShearModulus => limits::MODULUS,
                 P::Density => limits::DENSITY,
+                P::YieldMoment { .. } => limits::YIELD_MOMENT,
+                P::YieldStiffness { .. } => limits::BENDING_STIFFNESS,
                 P::LinearDensity => limits::LINEAR_DENSITY,
                 P::PointMass { .. } | P::DiskMass => limits::MASS,
                 P::Radius { .. } => limits::DISTANCE,
@@ -386,6 +392,8 @@ impl Quantity {
                     P::SpoolRadius { motor: a, entry: None },
                     P::SpoolRadius { motor: b, entry: Some(_) },
                 ) => a == b,
+                (P::YieldMoment { axis: None }, P::YieldMoment { axis: Some(_) })
+                | (P::YieldStiffness { axis: None }, P::YieldStiffness { axis: Some(_) }) => true,
                 (P::RestCurvature { axis: a }, P::RestCurvatureAt { axis: b, .. }) => a == b,
                 (P::LineForce { load: i, axis: a }, P::LineForceAt { load: j, axis: b, .. })
                 | (P::LineMoment { load: i, axis: a }, P::LineMomentAt { load: j, axis: b, .. }) => {

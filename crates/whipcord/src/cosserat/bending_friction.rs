@@ -7,9 +7,10 @@ use std::sync::{Arc, OnceLock};
 
 use super::prepared::{Cosserat, Workspace};
 use crate::case::Case;
-use crate::derivatives::strains_at_step_ends;
+use crate::derivatives::{Derivatives, plastic_left};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::parameter::Parameter;
 use crate::shape::Solution;
 use crate::statics::plastic_curvature::PlasticCurvature;
 
@@ -54,6 +55,71 @@ impl Cosserat {
         Ok(())
     }
 
+    /// Whether the answer to a step depends on the steps before it by friction against bending.
+    pub(crate) const fn keeps_history(&self, case: &Case) -> bool {
+        self.robot.has_bending_friction() && case.obstacles.is_empty()
+    }
+
+    /// [`Self::differentiate_with_bending_friction`] as a solve of its own.
+    pub(crate) fn differentiate_steps(
+        &self,
+        case: &Case,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+        each: impl FnMut(Solution, Derivatives),
+    ) -> Result<(), (usize, SolveError)> {
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        self.differentiate_with_bending_friction(case, parameters, workspace, each)
+    }
+
+    /// The answers to all steps of a case in order, with their derivatives by these parameters through all steps before.
+    ///
+    /// # Errors
+    /// The number of the first step without them, from 0, and why.
+    pub(crate) fn differentiate_with_bending_friction(
+        &self,
+        case: &Case,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+        mut each: impl FnMut(Solution, Derivatives),
+    ) -> Result<(), (usize, SolveError)> {
+        case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        let mut rod = self.clone();
+        let mut history: Vec<PlasticCurvature> = Vec::new();
+        let mut last: Option<Solution> = None;
+        for (n, step) in case.single_steps().enumerate() {
+            let mut solution = Solution::empty(ModelKind::Cosserat);
+            let taken = rod.differentiate_step(
+                &step,
+                (last.as_ref(), &history),
+                parameters,
+                workspace,
+                &mut solution,
+            );
+            let (derivatives, left, changes) = taken.map_err(|error| (n, error))?;
+            history = changes;
+            rod.set_plastic(left);
+            each(last.insert(solution).clone(), derivatives);
+        }
+        Ok(())
+    }
+
+    /// One step of actuation: its derivatives, the plastic curvature that it leaves, and how this changes with each parameter.
+    fn differentiate_step(
+        &self,
+        step: &Case,
+        (from, history): (Option<&Solution>, &[PlasticCurvature]),
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<(Derivatives, PlasticCurvature, Vec<PlasticCurvature>), SolveError> {
+        let grid = self.solve_keeping_grid(step, from.into(), workspace, solution)?;
+        let derivatives = self.derivatives(step, &grid, history, parameters, workspace)?;
+        let (left, changes) = derivatives.plastic_left(&self.robot, &grid);
+        solution.plastic_curvature = left.at_stations(self.layout.stations());
+        Ok((derivatives, left, changes))
+    }
+
     /// One step of actuation from the plastic curvature that the grids have: its answer and the plastic curvature that it leaves.
     fn take_step(
         &self,
@@ -63,9 +129,8 @@ impl Cosserat {
     ) -> Result<(Solution, PlasticCurvature), SolveError> {
         let mut solution = Solution::empty(ModelKind::Cosserat);
         let grid = self.solve_keeping_grid(step, from.into(), workspace, &mut solution)?;
-        let strains = self.with_answer(step, &grid, workspace, strains_at_step_ends);
-        let strains = strains.map_err(|fault| self.fault(fault, workspace))?;
-        let left = PlasticCurvature::left(&grid, &strains);
+        let left = self.with_answer(step, &grid, &[], workspace, plastic_left);
+        let left = left.map_err(|fault| self.fault(fault, workspace))?;
         solution.plastic_curvature = left.at_stations(self.layout.stations());
         Ok((solution, left))
     }

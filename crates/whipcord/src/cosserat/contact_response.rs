@@ -144,6 +144,7 @@ impl ContactResponse {
             starts: &known,
             strains: self.trajectory.strains(),
             are_strains_met: true,
+            history: &[],
             nodes: &grid.stations,
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {

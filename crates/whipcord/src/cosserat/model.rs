@@ -29,6 +29,7 @@ use crate::statics::grid::{Grid, Layout};
 use crate::statics::loads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
+use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::strength::Strength;
 use crate::warm_start::{Status, WarmStart};
 
@@ -181,19 +182,39 @@ impl Cosserat {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
         refusal::friction_with_derivatives(ModelKind::Cosserat, &self.robot)?;
-        refusal::bending_friction_with_derivatives(ModelKind::Cosserat, &self.robot)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
             let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
             return workspace.meter.checked(found);
         }
+        if self.robot.has_bending_friction() {
+            let mut last = None;
+            let each = |solution, derivatives| last = Some((solution, derivatives));
+            let taken = self.differentiate_with_bending_friction(case, parameters, workspace, each);
+            let taken = taken.map_err(|(_, error)| error);
+            workspace.meter.checked(taken)?;
+            return last.ok_or(SolveError::NoDerivatives);
+        }
         let mut solution = Solution::empty(ModelKind::Cosserat);
         let solved = self.solve_keeping_grid(case, warm_start.into(), workspace, &mut solution);
         let grid = workspace.meter.checked(solved)?;
-        let derivatives =
-            self.with_answer(case, &grid, workspace, |solved| Derivatives::of(solved, parameters));
-        match derivatives {
-            Ok(derivatives) => Ok((solution, derivatives)),
+        let derivatives = self.derivatives(case, &grid, &[], parameters, workspace)?;
+        Ok((solution, derivatives))
+    }
+
+    /// The derivatives of the answer that the workspace holds; `history` is how the plastic curvature before it changes with each
+    /// parameter.
+    pub(super) fn derivatives(
+        &self,
+        case: &Case,
+        grid: &Grid,
+        history: &[PlasticCurvature],
+        parameters: &[Parameter],
+        workspace: &Workspace,
+    ) -> Result<Derivatives, SolveError> {
+        let of = |solved: &Solved<'_>| Derivatives::of(solved, parameters);
+        match self.with_answer(case, grid, history, workspace, of) {
+            Ok(derivatives) => Ok(derivatives),
             Err(NoDerivatives::Parameter(error)) => Err(error.into()),
             Err(NoDerivatives::Critical) => Err(SolveError::NoDerivatives),
             Err(NoDerivatives::Fault(fault)) => Err(self.fault(fault, workspace)),
@@ -205,6 +226,7 @@ impl Cosserat {
         &self,
         case: &Case,
         grid: &Grid,
+        history: &[PlasticCurvature],
         workspace: &Workspace,
         act: impl FnOnce(&Solved<'_>) -> T,
     ) -> T {
@@ -230,6 +252,7 @@ impl Cosserat {
             },
             // The starts of a chain have been moved since its last shot.
             are_strains_met: starts.is_empty(),
+            history,
             nodes: &grid.stations,
         })
     }

@@ -8,9 +8,10 @@ use std::sync::{Arc, OnceLock};
 use super::model::CosseratDisks;
 use super::workspace::Workspace;
 use crate::case::Case;
-use crate::derivatives::strains_at_step_ends;
+use crate::derivatives::{Derivatives, plastic_left};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::parameter::Parameter;
 use crate::shape::Solution;
 use crate::statics::plastic_curvature::PlasticCurvature;
 
@@ -55,6 +56,73 @@ impl CosseratDisks {
         Ok(())
     }
 
+    /// Whether the answer to a step depends on the steps before it by friction against bending.
+    pub(crate) const fn keeps_history(&self, case: &Case) -> bool {
+        self.robot.has_bending_friction() && case.obstacles.is_empty()
+    }
+
+    /// [`Self::differentiate_with_bending_friction`] as a solve of its own.
+    pub(crate) fn differentiate_steps(
+        &self,
+        case: &Case,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+        each: impl FnMut(Solution, Derivatives),
+    ) -> Result<(), (usize, SolveError)> {
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        self.differentiate_with_bending_friction(case, parameters, workspace, each)
+    }
+
+    /// The answers to all steps of a case in order, with their derivatives by these parameters through all steps before.
+    ///
+    /// # Errors
+    /// The number of the first step without them, from 0, and why.
+    pub(crate) fn differentiate_with_bending_friction(
+        &self,
+        case: &Case,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+        mut each: impl FnMut(Solution, Derivatives),
+    ) -> Result<(), (usize, SolveError)> {
+        case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        let mut rod = self.clone();
+        let mut history: Vec<PlasticCurvature> = Vec::new();
+        let mut last: Option<Solution> = None;
+        for (n, step) in case.single_steps().enumerate() {
+            let mut solution = Solution::empty(ModelKind::CosseratDisks);
+            let taken = rod.differentiate_step(
+                &step,
+                (last.as_ref(), &history),
+                parameters,
+                workspace,
+                &mut solution,
+            );
+            let (derivatives, left, changes) = taken.map_err(|error| (n, error))?;
+            history = changes;
+            rod.set_plastic(left);
+            each(last.insert(solution).clone(), derivatives);
+        }
+        Ok(())
+    }
+
+    /// One step of actuation: its derivatives, the plastic curvature that it leaves, and how this changes with each parameter.
+    fn differentiate_step(
+        &self,
+        step: &Case,
+        (from, history): (Option<&Solution>, &[PlasticCurvature]),
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<(Derivatives, PlasticCurvature, Vec<PlasticCurvature>), SolveError> {
+        let level =
+            self.solve_from(core::slice::from_ref(step), from.into(), workspace, solution)?;
+        let mesh = self.mesh(level)?;
+        let derivatives = self.derivatives(step, &mesh, history, parameters, workspace)?;
+        let (left, changes) = derivatives.plastic_left(&self.robot, &mesh.grid);
+        solution.plastic_curvature = left.at_stations(self.stations());
+        Ok((derivatives, left, changes))
+    }
+
     /// One step of actuation from the plastic curvature that the meshes have: its answer and the plastic curvature that it leaves.
     fn take_step(
         &self,
@@ -66,10 +134,9 @@ impl CosseratDisks {
         let cases = core::slice::from_ref(step);
         let level = self.solve_from(cases, from.into(), workspace, &mut solution)?;
         let mesh = self.mesh(level)?;
-        let strains = self.with_answer(step, &mesh, None, workspace, strains_at_step_ends);
+        let left = self.with_answer(step, &mesh, (None, &[]), workspace, plastic_left);
         // The sections of a rod without cables have no equilibrium to miss.
-        let strains = strains.map_err(|_| SolveError::NoDerivatives)?;
-        let left = PlasticCurvature::left(&mesh.grid, &strains);
+        let left = left.map_err(|_| SolveError::NoDerivatives)?;
         solution.plastic_curvature = left.at_stations(self.stations());
         Ok((solution, left))
     }

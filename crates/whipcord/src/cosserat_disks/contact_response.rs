@@ -275,6 +275,7 @@ impl ContactResponse {
             starts: &chain.starts(frame, mesh, loads),
             strains: &[],
             are_strains_met: false,
+            history: &[],
             nodes,
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {

@@ -306,21 +306,40 @@ impl CosseratDisks {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
         refusal::friction_with_derivatives(ModelKind::CosseratDisks, &self.robot)?;
-        refusal::bending_friction_with_derivatives(ModelKind::CosseratDisks, &self.robot)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
             let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
             return workspace.meter.checked(found);
         }
+        if self.robot.has_bending_friction() {
+            let mut last = None;
+            let each = |solution, derivatives| last = Some((solution, derivatives));
+            let taken = self.differentiate_with_bending_friction(case, parameters, workspace, each);
+            let taken = taken.map_err(|(_, error)| error);
+            workspace.meter.checked(taken)?;
+            return last.ok_or(SolveError::NoDerivatives);
+        }
         let (solution, level) = self.solve_keeping_level(case, warm_start, workspace)?;
         let mesh = self.mesh(level)?;
+        let derivatives = self.derivatives(case, &mesh, &[], parameters, workspace)?;
+        Ok((solution, derivatives))
+    }
+
+    /// The derivatives of the answer that the workspace holds; `history` is how the plastic curvature before it changes with each
+    /// parameter.
+    pub(super) fn derivatives(
+        &self,
+        case: &Case,
+        mesh: &Mesh,
+        history: &[PlasticCurvature],
+        parameters: &[Parameter],
+        workspace: &Workspace,
+    ) -> Result<Derivatives, SolveError> {
         // Lengths before actuation hang on parameters alone.
         let rest = (!parameters.is_empty()).then(|| self.frame.rest_mesh()).transpose()?;
-        let derivatives = self.with_answer(case, &mesh, rest.as_ref(), workspace, |solved| {
-            Derivatives::of(solved, parameters)
-        });
-        match derivatives {
-            Ok(derivatives) => Ok((solution, derivatives)),
+        let of = |solved: &Solved<'_>| Derivatives::of(solved, parameters);
+        match self.with_answer(case, mesh, (rest.as_ref(), history), workspace, of) {
+            Ok(derivatives) => Ok(derivatives),
             Err(NoDerivatives::Parameter(error)) => Err(error.into()),
             // The sections of a rod without cables have no equilibrium to miss.
             Err(NoDerivatives::Critical | NoDerivatives::Fault(_)) => {
@@ -335,7 +354,7 @@ impl CosseratDisks {
         &self,
         case: &Case,
         mesh: &Mesh,
-        rest: Option<&Mesh>,
+        (rest, history): (Option<&Mesh>, &[PlasticCurvature]),
         workspace: &Workspace,
         act: impl FnOnce(&Solved<'_>) -> T,
     ) -> T {
@@ -345,6 +364,8 @@ impl CosseratDisks {
             spans: &self.frame.straight_spans(mesh),
             rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
         };
+        // Friction against bending keeps its history at all nodes.
+        let all: Vec<usize> = (0..=mesh.grid.len()).collect();
         let order: Vec<usize> = (0..scratch.tensions.len()).collect();
         let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
         act(&Solved {
@@ -365,7 +386,8 @@ impl CosseratDisks {
             starts: &scratch.starts(&self.frame, mesh),
             strains: &[],
             are_strains_met: false,
-            nodes: &mesh.grid.stations,
+            history,
+            nodes: if self.robot.has_bending_friction() { &all } else { &mesh.grid.stations },
         })
     }
 

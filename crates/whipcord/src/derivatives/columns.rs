@@ -124,16 +124,7 @@ impl Derivatives {
     /// A change at constant tensions completed by the tensions that keep what is held; `targets` is
     /// the change of the lengths that are to be kept.
     fn completed(&self, source: Source, hold: Hold, targets: &[f64]) -> Change {
-        let raw = self.raw(source);
-        let cables = self.place_of.len();
-        let right: Vec<f64> = (0..cables)
-            .map(|place| targets.get(place).copied().unwrap_or(0.0) - raw.lengths[place])
-            .collect();
-        let mut tensions = self.held.tensions(hold, &right);
-        let mut changed = raw;
-        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
-            changed.add(tension, column);
-        }
+        let (mut changed, mut tensions) = self.completing(source, hold, targets);
         let strains = self.strains(&changed, source, &tensions);
         if let Source::Parameter(p) = source {
             // What acts on the rod between base and tip adds to what the nodes carry.
@@ -143,6 +134,26 @@ impl Derivatives {
             tensions[place] += 1.0;
         }
         self.change(changed, strains, &tensions)
+    }
+
+    /// The same in the terms of the grid, and the tensions that complete it.
+    pub(super) fn completing(
+        &self,
+        source: Source,
+        hold: Hold,
+        targets: &[f64],
+    ) -> (Raw, Vec<f64>) {
+        let raw = self.raw(source);
+        let cables = self.place_of.len();
+        let right: Vec<f64> = (0..cables)
+            .map(|place| targets.get(place).copied().unwrap_or(0.0) - raw.lengths[place])
+            .collect();
+        let tensions = self.held.tensions(hold, &right);
+        let mut changed = raw;
+        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
+            changed.add(tension, column);
+        }
+        (changed, tensions)
     }
 
     fn change(&self, changed: Raw, strains: Vec<Strain>, tensions: &[f64]) -> Change {
@@ -158,7 +169,7 @@ impl Derivatives {
     }
 
     /// How the strain behind each node changes, and of the tip in front of it: eq. (d1) at the nodes.
-    fn strains(&self, changed: &Raw, source: Source, tensions: &[f64]) -> Vec<Strain> {
+    pub(super) fn strains(&self, changed: &Raw, source: Source, tensions: &[f64]) -> Vec<Strain> {
         let cables = tensions.len();
         let nodes = &changed.nodes;
         (0..nodes.len())

@@ -21,6 +21,16 @@ impl Effect {
         }
     }
 
+    /// So many times as much.
+    pub fn times(&self, f: f64) -> Self {
+        Self {
+            turn: f * self.turn,
+            moment: f * self.moment,
+            shift: f * self.shift,
+            force: f * self.force,
+        }
+    }
+
     /// With what turns with the section there.
     pub fn with_follower(mut self, [by_moment, by_force]: &[Mat3; 2]) -> Self {
         self.moment += *by_moment * self.turn;

@@ -51,6 +51,11 @@ pub(super) struct StepPull {
 }
 
 impl Elimination {
+    /// The map of a step, or of a span.
+    pub fn map(&self, k: usize) -> &StepMap {
+        &self.maps[k]
+    }
+
     /// Turns moment and force just behind a node to those just in front of it, but for what is
     /// added there.
     pub fn arriving(&self, change: &mut NodeChange, node: usize) {

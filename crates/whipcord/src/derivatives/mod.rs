@@ -13,7 +13,8 @@
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
 //! [`crate::cosserat::Cosserat::solve`] on the same steps to rounding, and with those of the rod to its
-//! discretisation error. Only what a load does to a rod that has none is compared to solutions of
+//! discretisation error. `step_ends`, `plastic_change` and `friction_change` are what friction against bending takes to the next
+//! step of actuation. Only what a load does to a rod that has none is compared to solutions of
 //! another integrator, that of the loaded rod.
 
 mod adjoint;
@@ -27,6 +28,7 @@ mod coordinates;
 mod effect;
 mod elimination;
 mod forward;
+mod friction_change;
 mod linear;
 mod linear_system;
 mod magnus;
@@ -35,6 +37,7 @@ mod node_change;
 mod of_answer;
 mod open;
 mod partials;
+mod plastic_change;
 mod quadrature;
 mod replay;
 mod rod;
@@ -54,8 +57,8 @@ pub(crate) use self::linear_system::{Equations, KnownPlaces, LinearSystem, Param
 pub(crate) use self::node_change::NodeChange;
 pub(crate) use self::of_answer::Solved;
 pub(crate) use self::open::{Motion, StepGap};
+pub(crate) use self::plastic_change::plastic_left;
 pub use self::rod::Derivatives;
 pub(crate) use self::rod::NoDerivatives;
 pub(crate) use self::spans::StraightSpan;
-pub(crate) use self::step_ends::strains_at_step_ends;
 pub use crate::statics::hold::Hold;

@@ -12,6 +12,7 @@ use super::replay::Answer;
 use super::rod::{CableEnd, Derivatives, NoDerivatives};
 use super::setting::{AtRest, Setting};
 use super::spans::StraightSpan;
+use super::step_ends::StepEnds;
 use super::touching::{Touching, motion};
 use crate::case::{Case, Loads};
 use crate::parameter::Parameter;
@@ -22,6 +23,7 @@ use crate::statics::command::Command;
 use crate::statics::grid::Grid;
 use crate::statics::hold::{Critical, HeldCables};
 use crate::statics::loads::AppliedLoads;
+use crate::statics::plastic_curvature::PlasticCurvature;
 
 /// The answer that is differentiated, as the solver left it.
 pub(crate) struct Solved<'a> {
@@ -41,6 +43,8 @@ pub(crate) struct Solved<'a> {
     pub strains: &'a [Strain],
     /// Whether a shot from these starts has left these strains.
     pub are_strains_met: bool,
+    /// How the plastic curvature that earlier steps of actuation left changes with each parameter; empty where it does not.
+    pub history: &'a [PlasticCurvature],
     /// Nodes of the grid that are asked for beside the disks, where cables run straight between these.
     pub nodes: &'a [usize],
 }
@@ -80,9 +84,17 @@ impl Derivatives {
             poses,
             at_rest: rest.as_ref(),
         };
+        let ends = robot
+            .has_bending_friction()
+            .then(|| StepEnds::new(&linear, grid, tensions, poses))
+            .transpose()?;
         let partials = parameters
             .iter()
-            .map(|parameter| Partial::new(&setting, &linear, parameter))
+            .enumerate()
+            .map(|(p, parameter)| {
+                let history = (solved.history.get(p), ends.as_ref());
+                Partial::new(&setting, &linear, parameter, history)
+            })
             .collect::<Result<Vec<_>, _>>()
             .map_err(NoDerivatives::Parameter)?;
         let cables = tensions.len();
@@ -119,6 +131,7 @@ impl Derivatives {
             held: HeldCables::default(),
             cables: Vec::new(),
             touching: Touching::default(),
+            ends,
             length: robot.backbone().length,
         };
         derivatives.by_tension =

@@ -4,18 +4,21 @@
 use whipcord_numerics::{GAUSS_3, Mat3, Twist, Vec3};
 
 use super::effect::Forcing;
+use super::friction_change::FrictionChange;
 use super::linear::Linear;
 use super::mass_change::MassChange;
 use super::replay::AXES;
 use super::setting::{AtRest, Setting};
 use super::spread_change::SpreadChange;
+use super::step_ends::StepEnds;
 use crate::case::Shortening;
 use crate::parameter::{MotorChange, RouteChange};
 use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::{Robot, RobotError, SectionProperties};
-use crate::section::{BodyWrench, Crossing, Stiffness, Strain};
+use crate::section::{BENDING_AXES, BodyWrench, Crossing, Section, Stiffness, Strain};
 use crate::shape::Wrench;
 use crate::statics::grid::{Node, SHOOTING_NODES, Step};
+use crate::statics::plastic_curvature::PlasticCurvature;
 
 /// A section of the linearised answer.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +49,10 @@ pub(super) struct Partial {
     forcing: Vec<Forcing>,
     /// What acts just behind each node, and at the tip in front of it.
     at_nodes: Vec<Forcing>,
+    /// With friction against bending: what acts just in front of the end of each step.
+    at_ends: Vec<Forcing>,
+    /// How the plastic curvature that earlier steps of actuation left changes.
+    history: Option<PlasticCurvature>,
     /// Of the cables' lengths at constant strain.
     pub lengths: Vec<f64>,
     /// The wrench that is added at a node, base frame.
@@ -61,6 +68,7 @@ impl Partial {
         setting: &Setting<'_>,
         linear: &Linear,
         parameter: &Parameter,
+        (history, ends): (Option<&PlasticCurvature>, Option<&StepEnds>),
     ) -> Result<Self, RobotError> {
         let Setting { robot, case, cables, .. } = *setting;
         parameter.check(robot, case)?;
@@ -75,12 +83,15 @@ impl Partial {
             spread: SpreadChange::new(&case.loads, parameter),
             forcing: Vec::new(),
             at_nodes: Vec::new(),
+            at_ends: Vec::new(),
+            history: None,
             added: None,
             targets: Vec::new(),
         };
         partial.masses = MassChange::new(setting, parameter);
         partial.change_rest_lengths(setting);
-        partial.lengths = partial.act(setting, linear);
+        partial.history = history.cloned();
+        partial.lengths = partial.act(setting, linear, ends);
         partial.added = partial.wrench(setting);
         partial.targets =
             (0..partial.routes.len()).map(|place| partial.target(setting, place)).collect();
@@ -96,6 +107,35 @@ impl Partial {
     /// What acts just behind a node, and at the tip in front of it.
     pub fn at_node(&self, node: usize) -> Forcing {
         self.at_nodes.get(node).copied().unwrap_or_default()
+    }
+
+    /// What acts just in front of the end of a step, where that is known.
+    pub fn at_end(&self, k: usize) -> Forcing {
+        self.at_ends.get(k).copied().unwrap_or_default()
+    }
+
+    /// How friction against bending of a section changes.
+    pub fn friction_change(
+        &self,
+        robot: &Robot,
+        section: &Section,
+        (s, inside): (f64, f64),
+    ) -> FrictionChange {
+        let mut bending = Vec3::ZERO;
+        if let Parameter::Stiffness { row, column } = self.parameter
+            && row == column
+            && (3..3 + BENDING_AXES).contains(&row)
+        {
+            bending[row - 3] = 1.0;
+        }
+        let present = &section.stiffness;
+        if let Some(change) = stiffness_change(robot, s, inside, present, &self.parameter) {
+            bending += change.bending;
+        }
+        let (backbone, disks) = (robot.backbone(), robot.disks());
+        let rest = backbone.rest_curvature_change(disks, s, inside, &self.parameter);
+        let plastic = self.history.as_ref().map_or_else(Default::default, |of| of.at(s, inside));
+        FrictionChange::new(robot, &self.parameter, bending, rest, plastic)
     }
 
     /// Whether anything acts within a step.
@@ -176,7 +216,7 @@ impl Partial {
             return;
         }
         if let Some(AtRest { grid, linear: linear @ Linear::Spans(spans) }) = setting.at_rest {
-            self.act(&Setting { grid, ..*setting }, linear);
+            self.act(&Setting { grid, ..*setting }, linear, None);
             let forcing = |k: usize, i: usize, _: usize| self.forcing(linear.per_step() * k + i);
             let holes = |cable: usize, span: usize| self.moved_holes(setting.robot, cable, span);
             let cables = self.rest_lengths.len();
@@ -221,12 +261,13 @@ impl Partial {
     }
 
     /// Gathers the forcing of all stages; the explicit change of the lengths of cables through the sections.
-    fn act(&mut self, setting: &Setting<'_>, linear: &Linear) -> Vec<f64> {
+    fn act(&mut self, setting: &Setting<'_>, linear: &Linear, ends: Option<&StepEnds>) -> Vec<f64> {
         let Setting { grid, tensions, .. } = *setting;
         let cables = tensions.len();
         let acts = self.changes_rest()
             || self.masses.any()
             || !self.spread.pieces.is_empty()
+            || self.history.is_some()
             || matches!(
                 self.parameter,
                 Parameter::YoungModulus
@@ -235,6 +276,8 @@ impl Partial {
                     | Parameter::StiffnessScale(_)
                     | Parameter::ShearCorrection
                     | Parameter::Stiffness { .. }
+                    | Parameter::YieldMoment { .. }
+                    | Parameter::YieldStiffness { .. }
                     | Parameter::Gravity { .. }
             );
         self.forcing.clear();
@@ -290,6 +333,25 @@ impl Partial {
             let out = self.act_at(setting, &section, 0.0, &mut lengths);
             self.at_nodes.push(out);
         }
+        self.at_ends.clear();
+        for k in 0..ends.map_or(0, |_| grid.len()) {
+            let Some(ends) = ends else { break };
+            let step = &grid.steps[k];
+            let (node, crossings) = grid.shooting.at(k, LAST_NODE, step.active);
+            let stage = ends.stage(k);
+            let section = Place {
+                k,
+                s: step.start + step.length,
+                inside: step.start + 0.5 * step.length,
+                node,
+                crossings,
+                strain: stage.strain,
+                pulls: ends.pulls(k, step.active),
+                rotation: stage.rotation,
+            };
+            let out = self.act_at(setting, &section, 0.0, &mut lengths);
+            self.at_ends.push(out);
+        }
         lengths
     }
 
@@ -324,6 +386,10 @@ impl Partial {
             let wrench = node.section.elastic_wrench(&moved);
             out.force_balance -= wrench.linear;
             out.moment_balance -= wrench.angular;
+        }
+        if node.section.friction().is_some() {
+            let change = self.friction_change(robot, &node.section, (s, inside));
+            out.moment_balance += change.moment(&node.section, u);
         }
         self.spread.act(&mut out, setting.turn(), section.s, inside, &section.rotation);
         match self.parameter {

@@ -6,6 +6,7 @@ use super::elimination::Elimination;
 use super::forward::Maps;
 use super::linear::Linear;
 use super::partials::Partial;
+use super::step_ends::StepEnds;
 use super::touching::Touching;
 use crate::robot::RobotError;
 use crate::section::Fault;
@@ -70,6 +71,8 @@ pub struct Derivatives {
     /// What each tension of 1 N adds to the length of its cable in m, and whether it is taut; by grid places.
     pub(super) cables: Vec<CableEnd>,
     pub(super) touching: Touching,
+    /// With friction against bending.
+    pub(super) ends: Option<StepEnds>,
     /// Length of the backbone in m.
     pub(super) length: f64,
 }

@@ -126,6 +126,8 @@ pub(super) struct Spans {
     spans: Vec<Span>,
     /// Maps of the steps of the rod.
     rod: Vec<StepMap>,
+    /// What acts within these steps, by steps, then inputs that are no tensions.
+    rod_effects: Vec<Effect>,
     /// Maps of the rod from the disk before to each kept node, by `(φ₀, ω)`.
     along: Vec<StepMap>,
     /// How each kept node moves, and what the rod bears there, by turn, moment and force at the disk before: (d7) solved.
@@ -218,6 +220,12 @@ impl Spans {
         Ok(())
     }
 
+    /// The map of a step of the rod without its cables, and what an input that is no tension does within it.
+    pub fn rod_step(&self, step: usize, input: usize) -> (&StepMap, Effect) {
+        let inputs = self.rod_effects.len() / self.rod.len().max(1);
+        (&self.rod[step], self.rod_effects[step * inputs + input])
+    }
+
     /// How many spans there are.
     pub fn len(&self) -> usize {
         self.spans.len()
@@ -251,6 +259,7 @@ impl Spans {
         let mut rod = Maps::default();
         rod.compute(&grid.steps, &self.replay, 0, more, forcing);
         self.rod = core::mem::take(&mut rod.steps);
+        self.rod_effects.clone_from(&rod.effects);
         self.inputs = cables + more;
         let mut maps = Maps::default();
         maps.prepare(self.spans.len(), cables, more);

@@ -26,6 +26,14 @@ impl fmt::Display for Parameter {
             Self::Stiffness { row, column } => {
                 write!(f, "backbone.stiffness.matrix[{row}][{column}]")
             }
+            Self::YieldMoment { axis: None } => f.write_str("backbone.yield_moment"),
+            Self::YieldMoment { axis: Some(axis) } => {
+                write!(f, "backbone.yield_moment[{axis}]")
+            }
+            Self::YieldStiffness { axis: None } => f.write_str("backbone.yield_stiffness"),
+            Self::YieldStiffness { axis: Some(axis) } => {
+                write!(f, "backbone.yield_stiffness[{axis}]")
+            }
             Self::LinearDensity => f.write_str("backbone.linear_density"),
             Self::InnerDiameter => f.write_str("backbone.inner_diameter"),
             Self::Width => f.write_str("backbone.section.width"),
@@ -110,6 +118,10 @@ impl FromStr for Parameter {
             ("backbone.diameters[]", &[entry]) => Self::DiameterAt { entry },
             ("backbone.shear_correction", []) => Self::ShearCorrection,
             ("backbone.stiffness.matrix[][]", &[row, column]) => Self::Stiffness { row, column },
+            ("backbone.yield_moment", []) => Self::YieldMoment { axis: None },
+            ("backbone.yield_moment[]", &[axis]) => Self::YieldMoment { axis: Some(axis) },
+            ("backbone.yield_stiffness", []) => Self::YieldStiffness { axis: None },
+            ("backbone.yield_stiffness[]", &[axis]) => Self::YieldStiffness { axis: Some(axis) },
             ("backbone.linear_density", []) => Self::LinearDensity,
             ("backbone.inner_diameter", []) => Self::InnerDiameter,
             ("backbone.section.width", []) => Self::Width,
@@ -211,6 +223,10 @@ mod tests {
             Parameter::Height,
             Parameter::ShearCorrection,
             Parameter::Stiffness { row: 4, column: 3 },
+            Parameter::YieldMoment { axis: None },
+            Parameter::YieldMoment { axis: Some(axis) },
+            Parameter::YieldStiffness { axis: None },
+            Parameter::YieldStiffness { axis: Some(axis) },
             Parameter::LinearDensity,
             Parameter::RestCurvature { axis },
             Parameter::RestCurvatureAt { entry, axis },

@@ -47,6 +47,16 @@ pub enum Parameter {
         /// Column; the row, where the stiffness is diagonal.
         column: usize,
     },
+    /// Greatest moment of the friction against bending in N·m, where it is given.
+    YieldMoment {
+        /// 0 or 1: about x or y of the sections; `None` changes both by as much.
+        axis: Option<usize>,
+    },
+    /// Bending stiffness in N·m² that this friction adds until it slides, where it is given.
+    YieldStiffness {
+        /// As that of [`Self::YieldMoment`].
+        axis: Option<usize>,
+    },
     /// Mass per length in kg/m, where it is given; by as much all along the backbone.
     LinearDensity,
     /// A component of the rest curvature in 1/m; by as much all along the backbone.

@@ -29,7 +29,8 @@ impl Parameter {
             | Self::GearRatio { .. }
             | Self::AxialStiffness { .. } => 0.0,
             Self::PoissonRatio => 0.1,
-            Self::Stiffness { .. } => 0.1 * moment * length,
+            Self::YieldMoment { .. } => 0.1 * moment,
+            Self::Stiffness { .. } | Self::YieldStiffness { .. } => 0.1 * moment * length,
             Self::StiffnessScale(_) | Self::Angle { .. } | Self::HoleAngle { .. } => 1.0,
             Self::Turns { .. } => 0.1,
             Self::RestCurvature { .. } | Self::RestCurvatureAt { .. } => 0.1 / length,

@@ -198,6 +198,15 @@ impl Parameter {
             Self::Stiffness { row, column } if row < 6 && column < 6 => {
                 backbone.stiffness.as_mut().map_or_else(Vec::new, |k| entries(k, row, column))
             }
+            Self::YieldMoment { axis } => {
+                let given = backbone.bending_friction.as_mut();
+                given.map_or_else(Vec::new, |given| about(&mut given.yield_moment, axis))
+            }
+            Self::YieldStiffness { axis } => {
+                let given = backbone.bending_friction.as_mut();
+                let given = given.and_then(|given| given.yield_stiffness.as_mut());
+                given.map_or_else(Vec::new, |given| about(given, axis))
+            }
             Self::LinearDensity => backbone
                 .linear_density
                 .as_mut()
@@ -326,6 +335,12 @@ impl Parameter {
             _ => None,
         }
     }
+}
+
+/// The number about one bending axis, or both.
+fn about(numbers: &mut [f64; 2], axis: Option<usize>) -> Vec<&mut f64> {
+    let chosen = numbers.iter_mut().enumerate();
+    chosen.filter(|(i, _)| axis.is_none_or(|axis| axis == *i)).map(|(_, number)| number).collect()
 }
 
 /// The entries of a given stiffness that change together; none where it has no such one.

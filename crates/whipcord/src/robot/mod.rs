@@ -146,7 +146,7 @@ impl Robot {
 
     /// Whether its backbone has friction against bending, so that answers depend on the steps before.
     #[must_use]
-    pub fn has_bending_friction(&self) -> bool {
+    pub const fn has_bending_friction(&self) -> bool {
         self.backbone.bending_friction.is_some()
     }
 

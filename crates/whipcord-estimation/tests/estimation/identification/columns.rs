@@ -3,10 +3,12 @@
 
 use crate::common::{helix, paper_robot, straight};
 use crate::identification::synthetic::{
-    as_pixels, experiments, model, quantity, settings, unknowns,
+    as_pixels, cases, experiments, model, quantity, settings, unknowns,
 };
+use whipcord::robot::BendingFriction;
 use whipcord::{
-    Cable, Case, LoadFrame, Loads, ModelKind, Pose, Robot, Shortening, UnitQuaternion, Vec3,
+    Backbone, Cable, Case, LoadFrame, Loads, ModelKind, Pose, Robot, Shortening, UnitQuaternion,
+    Vec3,
 };
 use whipcord_estimation::identification::{Experiment, Settings, Unknown, identify};
 
@@ -70,7 +72,7 @@ fn of_a_base_under_gravity() {
     let backbone = crate::common::paper_backbone();
     let mut material = backbone.material;
     material.density = Some(1040.0);
-    let backbone = whipcord::Backbone { material, ..backbone };
+    let backbone = Backbone { material, ..backbone };
     let plain = paper_robot(vec![straight(0.0)]);
     let robot = Robot::new(backbone, plain.disks().clone(), plain.cables().to_vec()).unwrap();
     let case = Case {
@@ -162,4 +164,25 @@ fn of_friction_that_is_none() {
     let friction = &found.estimates[0];
     assert!(friction.value == 0.0 && friction.is_at_bound && friction.deviation.is_none());
     assert!(friction.by_differences);
+}
+
+/// Friction against bending and stiffness of the backbone from the loops of a robot in steps, of which the first were not
+/// measured but are history.
+#[test]
+fn of_friction_against_bending_through_the_steps() {
+    for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks] {
+        let plain = paper_robot(vec![straight(0.0), straight(120.0), straight(240.0)]);
+        let friction = BendingFriction { yield_moment: [6e-3; 2], yield_stiffness: None };
+        let backbone = Backbone { bending_friction: Some(friction), ..plain.backbone().clone() };
+        let robot = Robot::new(backbone, plain.disks().clone(), plain.cables().to_vec()).unwrap();
+        let mut case = cases(&[2.5, 1.0, 0.6, 1.5]).remove(0);
+        case.loads.tip_force = Vec3::new(0.0, 0.02, -0.01);
+        let mut seen = experiments(&model(kind), &robot, &[case]);
+        seen[0].observations.retain(|seen| seen.step > 0);
+        let unknowns = [at("backbone.yield_moment", 3e-3), at("backbone.young_modulus", 1.3e9)];
+        found(kind, &robot, &seen, &unknowns, &[6e-3, 1.1e9], 20);
+        // By offsets of commands, which change what the steps before left.
+        let offsets = [at("backbone.yield_moment", 5.5e-3), at("cables[1].tension_offset", 0.02)];
+        found(kind, &robot, &seen, &offsets, &[6e-3, 0.0], 20);
+    }
 }

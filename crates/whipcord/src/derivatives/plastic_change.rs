@@ -1,0 +1,87 @@
+//! What friction against bending keeps of an answer, and how that changes with the parameters.
+
+use super::column::{Raw, Source};
+use super::effect::{Effect, Forcing};
+use super::forward::StepMap;
+use super::linear::Linear;
+use super::node_change::NodeChange;
+use super::of_answer::Solved;
+use super::rod::Derivatives;
+use super::step_ends::StepEnds;
+use crate::robot::Robot;
+use crate::section::{Fault, Strain};
+use crate::statics::grid::Grid;
+use crate::statics::hold::Hold;
+use crate::statics::plastic_curvature::PlasticCurvature;
+
+/// The plastic curvature that an answer leaves.
+pub(crate) fn plastic_left(solved: &Solved<'_>) -> Result<PlasticCurvature, Fault> {
+    let Solved { grid, cables, .. } = *solved;
+    let straight = cables.straight.map(|straight| (straight.spans, solved.nodes));
+    let linear = Linear::of(&solved.answer(), straight)?;
+    let ends = StepEnds::new(&linear, grid, solved.tensions, solved.poses)?;
+    Ok(PlasticCurvature::left(grid, &ends.strains(&linear)))
+}
+
+impl Derivatives {
+    /// The plastic curvature that the answer leaves, and how it changes with each parameter while the commands are held.
+    pub(crate) fn plastic_left(
+        &self,
+        robot: &Robot,
+        grid: &Grid,
+    ) -> (PlasticCurvature, Vec<PlasticCurvature>) {
+        let Some(ends) = &self.ends else { return Default::default() };
+        let strains = ends.strains(&self.linear);
+        let of_parameter = |p: usize| {
+            let source = Source::Parameter(p);
+            let (raw, tensions) =
+                self.completing(source, Hold::Commands, &self.partials[p].targets);
+            let behind = self.strains(&raw, source, &tensions);
+            let values = (0..grid.len()).map(|k| {
+                let changes = [behind[k], self.arriving_strain(ends, k, p, &raw, &tensions)];
+                core::array::from_fn(|end| {
+                    let step = &grid.steps[k];
+                    let s = step.start + end as f64 * step.length;
+                    let inside = step.start + 0.5 * step.length;
+                    let section = &grid.at_end(k, end).section;
+                    let change = self.partials[p].friction_change(robot, section, (s, inside));
+                    change.left(section, strains[k][end].angular, changes[end].angular)
+                })
+            });
+            PlasticCurvature::new(grid, values.collect())
+        };
+        let changes = (0..self.partials.len()).map(of_parameter).collect();
+        (PlasticCurvature::left(grid, &strains), changes)
+    }
+
+    /// How the strain in front of the end of a step changes with a parameter.
+    fn arriving_strain(
+        &self,
+        ends: &StepEnds,
+        k: usize,
+        p: usize,
+        raw: &Raw,
+        tensions: &[f64],
+    ) -> Strain {
+        let cables = tensions.len();
+        let NodeChange { turn, moment, force, .. } = raw.nodes[k];
+        let (map, mut acting): (&StepMap, Effect) = match self.linear.spans() {
+            Some(spans) => spans.rod_step(k, p),
+            None => (self.elimination.map(k), self.maps.effects_of(k)[cables + p]),
+        };
+        let mut forcing: Forcing = self.partials[p].at_end(k);
+        if self.linear.spans().is_none() {
+            for (effect, &tension) in self.maps.effects_of(k).iter().zip(tensions) {
+                acting = acting.plus(&effect.times(tension));
+            }
+            let pulls = ends.pulls(k, self.steps[k].active);
+            for ((pull, _), &tension) in pulls.iter().zip(tensions) {
+                forcing.force_balance += tension * pull.linear;
+                forcing.moment_balance += tension * pull.angular;
+            }
+        }
+        let Effect { turn, moment, force, .. } = map.apply([turn, moment, force]).plus(&acting);
+        let change = NodeChange { turn, moment, force, ..NodeChange::default() };
+        ends.stage(k).strain_change(&change, &forcing)
+    }
+}
