@@ -16,7 +16,7 @@ use super::friction::Grip;
 use super::held_contact::{Unknown, is_near_change};
 use super::model::Compliant;
 use super::object::Objects;
-use super::pairs::Pair;
+use super::pair::Pair;
 use super::scene::Scene;
 use super::step::of_objects;
 use super::two_bodies::{Block, Differences, End, axis_of, carried, dot, put};

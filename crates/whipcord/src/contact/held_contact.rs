@@ -1,7 +1,7 @@
 //! What a contact of an answer keeps at zero, and whether it is about to change.
 
 use super::friction::Grip;
-use super::pairs::OVERLAP;
+use super::pair::OVERLAP;
 
 /// A contact that is so near to another state, as a part of what its force, gap, grip or slip can be, is about to change it.
 const ABOUT_TO_CHANGE: f64 = 1e-6;

@@ -6,7 +6,7 @@ use super::body::Nearest;
 use super::friction::{Grip, along};
 use super::object::{Object, Objects};
 use super::object_pair::{NEAR, ObjectPair};
-use super::pairs::OVERLAP;
+use super::pair::OVERLAP;
 use super::scene::Scene;
 use crate::shape::{ObjectContact, Solution};
 
