@@ -18,6 +18,7 @@
 //! rest, and its equation in (1) only says what the reaction is. In the Hessian it has an infinite
 //! pivot, whose inverse is the zero that is wanted.
 
+mod bare;
 mod bending_friction;
 mod crossing;
 pub(crate) mod equilibrium;

@@ -1,13 +1,11 @@
-//! The Hessian of a section's potential in 3×3 blocks, its inverse, and what that of the rod alone gives.
+//! The Hessian of a section's potential in 3×3 blocks, and its inverse.
 
 use whipcord_numerics::{Ldlt3, Mat3, Vec3};
 
-use super::bending_friction::BENDING_AXES;
 use super::crossing::{BodyWrench, Crossing, Strain};
-use super::equilibrium::newton_equilibrium;
 use super::fault::SectionFault;
 use super::lanes::{LaneVec, times, transpose_times};
-use super::properties::{Coupling, Section, Stiffness};
+use super::properties::{Coupling, Section};
 
 /// The Hessian of the potential, factored: `[A B; Bᵀ C]` by its Schur complement `S = C − BᵀA⁻¹B`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -116,7 +114,7 @@ impl Hessian {
     }
 
     /// Of its elastic part.
-    fn elastic(section: &Section) -> Self {
+    pub fn elastic(section: &Section) -> Self {
         let mut hessian = Self {
             a: Mat3::diagonal(section.pivots()),
             b: Mat3::ZERO,
@@ -178,72 +176,5 @@ impl Hessian {
             Vec3::new(s20, s21, c2.z - b2.dot(w2)),
         );
         Some(Tangent { force, coupling, moment: reduced.ldlt()?, reduced })
-    }
-}
-
-impl Section {
-    /// Elastic stiffness against bending and twist of the section alone when forces are held: `K_bt`, less
-    /// what a coupling with shear and extension takes of it.
-    pub fn bending_stiffness(&self) -> Mat3 {
-        let diagonal = Mat3::diagonal(self.stiffness.bending);
-        if self.coupling().is_none() {
-            return diagonal;
-        }
-        Hessian::elastic(self).factor().map_or(diagonal, |tangent| tangent.reduced)
-    }
-
-    /// Strain of the rod alone, without cables, under a wrench.
-    #[inline(always)]
-    pub fn bare_strain(&self, wrench: BodyWrench) -> Strain {
-        if self.beside.is_some() {
-            return self.bare_strain_beside(wrench);
-        }
-        let Stiffness { shear, bending } = self.compliance;
-        self.rest_strain()
-            + Strain { linear: shear.scale(wrench.linear), angular: bending.scale(wrench.angular) }
-    }
-
-    #[cold]
-    fn bare_strain_beside(&self, wrench: BodyWrench) -> Strain {
-        let Some(friction) = self.friction() else {
-            return self.rest_strain() + self.yielding_beside(&self.rest_strain(), wrench);
-        };
-        if self.coupling().is_none() {
-            let Stiffness { shear, bending } = self.compliance;
-            let mut bend = bending.scale(wrench.angular);
-            for axis in 0..BENDING_AXES {
-                let (elastic, moment) = (self.stiffness.bending[axis], wrench.angular[axis]);
-                bend[axis] = friction.bend(axis, elastic, moment);
-            }
-            let strain = Strain { linear: shear.scale(wrench.linear), angular: bend };
-            return self.rest_strain() + strain;
-        }
-        // The energy is convex: this ends short of the answer for wrenches only that are not finite.
-        let mut strain = self.rest_strain();
-        match newton_equilibrium(self, &[], &[], wrench, &mut strain) {
-            Ok(()) => strain,
-            Err(_) => {
-                let unknown = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
-                Strain { linear: unknown, angular: unknown }
-            }
-        }
-    }
-
-    /// What the rod alone adds to a strain under an additional wrench, to first order.
-    #[inline(always)]
-    pub fn yielding(&self, strain: &Strain, wrench: BodyWrench) -> Strain {
-        if self.beside.is_some() {
-            return self.yielding_beside(strain, wrench);
-        }
-        Strain {
-            linear: self.compliance.shear.scale(wrench.linear),
-            angular: self.compliance.bending.scale(wrench.angular),
-        }
-    }
-
-    #[cold]
-    fn yielding_beside(&self, strain: &Strain, wrench: BodyWrench) -> Strain {
-        // A stiffness that a robot may have is positive definite.
-        Hessian::at(self, strain).factor().map_or_else(Strain::default, |h| h.solve(wrench))
     }
 }
