@@ -1,10 +1,10 @@
 //! How friction against bending of a section changes with a parameter, and with the history.
 //!
-//! With `e = u − u* − κ`, as in [`crate::section`], where friction sticks and where it slides in the direction `σ`:
+//! With `e = u − u* − κ` (see `docs/theory/bending-friction.md`), where friction sticks and where it slides in the direction `σ`:
 //!
 //! ```text
 //! δh = k_y (δu − δu* − δκ) + δk_y e         δκ⁺ = δκ                                       sticks
-//! δh = σ δM_y                               δκ⁺ = δu − δu* − σ (δM_y − M_y δk_y/k_y)/k_y     slides     (d8)
+//! δh = σ δM_y                               δκ⁺ = δu − δu* − σ (δM_y − M_y δk_y/k_y)/k_y     slides     (5)
 //! ```
 
 use whipcord_numerics::Vec3;
@@ -53,7 +53,7 @@ impl FrictionChange {
         change
     }
 
-    /// The explicit change of the moment of friction at a curvature: `δh` of eq. (d8) without `δu`.
+    /// The explicit change of the moment of friction at a curvature: `δh` of eq. (5) without `δu`.
     pub fn moment(&self, section: &Section, curvature: Vec3) -> Vec3 {
         let mut moment = Vec3::ZERO;
         let Some(friction) = section.friction() else { return moment };
@@ -70,7 +70,7 @@ impl FrictionChange {
         moment
     }
 
-    /// `δκ⁺` of eq. (d8) for a change of the curvature.
+    /// `δκ⁺` of eq. (5) for a change of the curvature.
     pub fn left(&self, section: &Section, curvature: Vec3, change: Vec3) -> [f64; BENDING_AXES] {
         let Some(friction) = section.friction() else { return [0.0; BENDING_AXES] };
         let bend = curvature - section.rest_curvature;

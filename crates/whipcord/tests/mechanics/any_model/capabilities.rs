@@ -1,9 +1,10 @@
 //! What every model can be asked: each cell of the table of `docs/theory/README.md`.
 
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
+use whipcord::robot::BendingFriction;
 use whipcord::{
-    Actuation, BranchOptions, Cable, Case, DistributedLoad, Model, ModelKind, Obstacle, Parameter,
-    PointLoad, Profile, Robot, Shortening, Solution, SolveError, Stations, Vec3,
+    Actuation, Backbone, BranchOptions, Cable, Case, DistributedLoad, Model, ModelKind, Obstacle,
+    Parameter, PointLoad, Profile, Robot, Shortening, Solution, SolveError, Stations, Vec3,
 };
 
 use crate::common::model_with_forces;
@@ -111,6 +112,22 @@ fn friction_at_holes(kind: ModelKind) -> Result<(), SolveError> {
     Ok(())
 }
 
+fn friction_against_bending(kind: ModelKind) -> Result<(), SolveError> {
+    let plain = finger(9);
+    let friction = BendingFriction { yield_moment: [4e-3; 2], yield_stiffness: None };
+    let backbone = Backbone { bending_friction: Some(friction), ..plain.backbone().clone() };
+    let rubbing = Robot::new(backbone, plain.disks().clone(), plain.cables().to_vec()).unwrap();
+    let way = |tensions: &[f64]| {
+        let mut steps: Vec<_> =
+            tensions.iter().map(|&t| Case::with_tensions(&[t]).commands).collect();
+        let commands = steps.pop().unwrap();
+        solve(kind, &rubbing, &Case { commands, before: steps, ..Case::default() })
+    };
+    let moved = way(&[1.0])?.disks.tip().position.x - way(&[2.0, 1.0])?.disks.tip().position.x;
+    assert!(moved < -1e-3, "{moved}");
+    Ok(())
+}
+
 fn stability(kind: ModelKind) -> Result<(), SolveError> {
     let solution = solve(kind, &finger(9), &pulled())?;
     match solution.diagnostics.stable {
@@ -177,7 +194,7 @@ fn batches(kind: ModelKind) -> Result<(), SolveError> {
 
 type Question = fn(ModelKind) -> Result<(), SolveError>;
 
-const QUESTIONS: [(&str, Question); 14] = [
+const QUESTIONS: [(&str, Question); 15] = [
     ("dead loads", dead_loads),
     ("follower loads", follower_loads),
     ("distributed loads", distributed_loads),
@@ -186,6 +203,7 @@ const QUESTIONS: [(&str, Question); 14] = [
     ("elastic cables", elastic_cables),
     ("cables that end between disks", cables_between_disks),
     ("friction at holes", friction_at_holes),
+    ("friction against bending", friction_against_bending),
     ("stability", stability),
     ("branches and limit points", branches),
     ("contact with friction", contact_with_friction),
