@@ -28,7 +28,7 @@ use clap::{Parser, Subcommand};
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
     bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure, new,
-    overlay, schema, solve, stiffness, view,
+    overlay, schema, score, solve, stiffness, view,
 };
 use whipcord_study::failure::Failure;
 use whipcord_study::style::Style;
@@ -50,6 +50,7 @@ enum Verb {
     Solve(solve::SolveArgs),
     Stiffness(stiffness::StiffnessArgs),
     Compare(compare::CompareArgs),
+    Score(score::ScoreArgs),
     Fit(fit::FitArgs),
     Measure(measure::MeasureArgs),
     Camera(camera::CameraArgs),
@@ -75,6 +76,7 @@ impl Verb {
             Self::Stiffness(_) => ("stiffness", INTERACTIVE),
             Self::Check(_) => ("check", INTERACTIVE),
             Self::Compare(_) => ("compare", Limit::None),
+            Self::Score(_) => ("score", Limit::None),
             Self::Fit(_) => ("fit", Limit::None),
             Self::Measure(_) => ("measure", Limit::None),
             Self::Camera(_) => ("camera", Limit::None),
@@ -126,6 +128,7 @@ where
         Verb::Solve(args) => solve::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Compare(args) => compare::run(&args, style),
+        Verb::Score(args) => score::run(&args, style),
         Verb::Fit(args) => fit::run(&args, style),
         Verb::Measure(args) => measure::run(&args, style),
         Verb::Camera(args) => camera::run(&args, style),

@@ -276,7 +276,8 @@ fn top_turns(covariance: &Mat3) -> [Turn; 2] {
 }
 
 /// The rotation Q for which ‖Q − A‖² is least, of a matrix A of rank two or more.
-pub(crate) fn nearest_rotation(matrix: &Mat3) -> UnitQuaternion {
+#[must_use]
+pub fn nearest_rotation(matrix: &Mat3) -> UnitQuaternion {
     // The axes are the points, and the columns their targets.
     let [best, _] = top_turns(&matrix.transpose());
     best.turn

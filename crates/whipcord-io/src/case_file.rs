@@ -4,14 +4,14 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use whipcord::robot::limits;
-use whipcord::{Case, Pose, Problem, Robot, SolveError};
+use whipcord::{CableCommand, Case, Pose, Problem, Robot, SolveError};
 
 use crate::check::{self, Fields};
 use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::{Node, Value};
 use crate::overlay::take_out;
-use crate::read::{self, Fit, Measured, Reference};
+use crate::read::{self, CommandTable, Fit, Measured, Reference};
 use crate::schema::{DURATION, ROOT};
 use crate::settings;
 use crate::source::Sources;
@@ -26,6 +26,8 @@ pub struct CaseFile {
     pub robot: Robot,
     /// What is asked of it.
     pub case: Case,
+    /// The table whose rows are the steps of the case, where there is one.
+    pub commands: Option<CommandTable>,
     /// What the real robot did, where it was measured.
     pub measured: Option<Measured>,
     /// What others have published for this case.
@@ -169,7 +171,7 @@ fn read(
             return None;
         }
     }
-    let mut parts = parts(&fields, &document, problems);
+    let mut parts = parts(&fields, &document, sources, problems);
     if let Some(parts) = &parts {
         driven_twice(parts, &document, problems);
     }
@@ -180,8 +182,9 @@ fn read(
     let robot = read::Extent {
         disks: parts.as_ref().map(|parts| read::Extent::disks_of(&parts.disks)),
         length: parts.as_ref().map(|parts| parts.backbone.length),
-        steps: fields.tables("steps").len(),
+        steps: parts.as_ref().map_or(fields.tables("steps").len(), |parts| parts.steps.len()),
         at_origin: parts.as_ref().is_some_and(|parts| parts.base == Pose::IDENTITY),
+        rows: parts.as_ref().and_then(|parts| parts.table.as_ref()),
     };
     let measured = fields.table("measured").and_then(|table| {
         read::measured(table, document.locate("measured"), robot, sources, problems)
@@ -199,12 +202,15 @@ fn read(
     if !problems.is_empty() {
         return None;
     }
-    let (robot, case) = assemble(parts?, &document, problems)?;
+    let mut parts = parts?;
+    let commands = parts.table.take();
+    let (robot, case) = assemble(parts, &document, problems)?;
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Some(CaseFile {
         title: fields.text("title").map_or_else(stem, str::to_owned),
         robot,
         case,
+        commands,
         measured,
         reference,
         fit,
@@ -216,7 +222,12 @@ fn read(
 }
 
 /// The parts that the tables describe; `None` when one is missing or was refused.
-fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Parts> {
+fn parts(
+    fields: &Fields,
+    document: &Node,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<Parts> {
     let backbone = read::backbone(fields.table("backbone")?)?;
     let disks = match document.has("disks") {
         true => read::disks(Some(fields.table("disks")?), backbone.length)?,
@@ -237,6 +248,7 @@ fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Pa
     let tables = fields.tables("cables");
     let cables = tables.iter().enumerate().map(|(i, table)| read::cable(table, i));
     let steps = fields.tables("steps").iter().map(|table| read::step(table, tables.len()));
+    let mut steps: Vec<Vec<CableCommand>> = steps.collect();
     let cables = cables.collect::<Option<Vec<_>>>()?;
     let names: Vec<String> = cables.iter().map(|cable| cable.name.clone()).collect();
     let motors = read::motors(fields.tables("motors"), &names, document, problems);
@@ -244,16 +256,39 @@ fn parts(fields: &Fields, document: &Node, problems: &mut Problems) -> Option<Pa
     for (k, table) in fields.tables("steps").iter().enumerate() {
         motor_steps.push(read::motor_step(table, k, &motors.motors, document, problems));
     }
+    let commands: Vec<CableCommand> = tables.iter().map(read::command).collect();
+    let robot = read::CommandedRobot {
+        cables: &cables,
+        motors: &motors.motors,
+        own_cables: &commands,
+        own_motors: &motors.commands,
+    };
+    let (mut independent, mut rows) = (false, None);
+    if let Some(table) = fields.table("commands") {
+        independent = read::are_independent(table, document, &robot, problems);
+        if table.text("table").is_some() {
+            rows = Some(read::commands(table, document, &robot, sources, problems)?);
+        }
+    }
+    let (mut table, mut row_spans) = (None, Vec::new());
+    if let Some(rows) = rows {
+        (steps, motor_steps) = (rows.steps, rows.motors);
+        (table, row_spans) = (Some(rows.table), rows.spans);
+    }
+    independent &= !steps.is_empty();
     Some(Parts {
         backbone,
         disks,
         cables,
-        commands: tables.iter().map(read::command).collect(),
+        commands,
         loads,
         base,
-        steps: steps.collect(),
+        steps,
         motors,
         motor_steps,
+        independent,
+        table,
+        row_spans,
         obstacles: Vec::new(),
     })
 }
@@ -265,6 +300,16 @@ fn steps(fields: &Fields, document: &Node, sources: &Sources, problems: &mut Pro
     let steps = fields.tables("steps");
     if steps.is_empty() {
         return;
+    }
+    if fields.table("commands").is_some_and(|table| table.text("table").is_some()) {
+        let related = Some((document.locate("steps[0]").span, "the other one is here"));
+        let table = document.locate("commands.table").span;
+        let (first, second) = ("steps", "table");
+        problems.push_related(table, related, || FileProblem::Exclusive {
+            first,
+            second,
+            table: "one file",
+        });
     }
     let span = |path: String| document.locate(&path).span;
     for (k, step) in steps.iter().enumerate() {

@@ -40,8 +40,8 @@ pub use output::{
     status_words, steps_csv, stiffness_json, warnings_json, write_atomically,
 };
 pub use read::{
-    Fit, LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, Reference, load_markers,
-    parameter_path,
+    CommandColumn, CommandRow, CommandTable, Commanded, Fit, LENGTH_UNITS, Measured, MeasuredDisk,
+    MeasuredRotation, MeasuringCamera, Reference, load_markers, parameter_path,
 };
 pub use render::{render, render_warnings};
 pub use schema::schema;

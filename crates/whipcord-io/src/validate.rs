@@ -9,8 +9,9 @@ use whipcord::{
 use crate::check::given_text;
 use crate::error::{Diagnostic, FileProblem, Problems};
 use crate::node::{Node, Value};
-use crate::read::Motors;
+use crate::read::{CommandTable, Motors};
 use crate::schema::ROOT;
+use crate::source::Span;
 
 /// The parts of a robot and of a case as the file gives them.
 pub(crate) struct Parts {
@@ -26,6 +27,11 @@ pub(crate) struct Parts {
     pub motors: Motors,
     /// What each step tells the motors.
     pub motor_steps: Vec<Vec<Option<f64>>>,
+    /// Whether each step starts from the robot at rest.
+    pub independent: bool,
+    /// The table whose rows the steps are, and where these stand.
+    pub table: Option<CommandTable>,
+    pub row_spans: Vec<Span>,
     pub obstacles: Vec<Obstacle>,
 }
 
@@ -35,6 +41,8 @@ struct Numbering {
     cables: Vec<usize>,
     /// The step that the final commands come from.
     last_step: Option<usize>,
+    /// Where the steps stand, if they are the rows of a table.
+    rows: Vec<Span>,
 }
 
 /// The robot and the case of these parts. The library stops at the first quantity that cannot be;
@@ -46,10 +54,12 @@ pub(crate) fn assemble(
 ) -> Option<(Robot, Case)> {
     let Parts { backbone, disks, mut cables, mut commands, loads, base, .. } = parts;
     let Parts { steps: mut before, obstacles, motors, mut motor_steps, .. } = parts;
+    let Parts { independent, row_spans: rows, .. } = parts;
     let last = before.pop();
     let mut numbers = Numbering {
         cables: (0..cables.len()).collect(),
         last_step: last.is_some().then_some(before.len()),
+        rows,
     };
     if let Some(last) = last {
         commands = last;
@@ -82,7 +92,7 @@ pub(crate) fn assemble(
         motor_steps.push(motors.commands);
     }
     let motors = if robot.motors().is_empty() { Vec::new() } else { motor_steps };
-    let mut case = Case { commands, loads, base, before, motors, obstacles };
+    let mut case = Case { commands, loads, base, before, motors, obstacles, independent };
     if let Err(error) = case.drive(&robot) {
         report(&error, &numbers, document, problems);
         return None;
@@ -128,11 +138,12 @@ fn shortenings(
                 Some(_) => format!("steps[{k}].shortening[{i}]"),
             };
             let place = document.locate(&path);
+            let span = numbers.rows.get(k).copied().unwrap_or(place.span);
             let without_unit = match &place.value {
                 Value::Integer(_) | Value::Number(_) => given_text(place),
                 _ => None,
             };
-            problems.push(place.span, || FileProblem::ShorterThanNothing {
+            problems.push(span, || FileProblem::ShorterThanNothing {
                 path,
                 value,
                 length,
@@ -154,6 +165,11 @@ fn step_of(error: &RobotError) -> Option<(usize, usize)> {
     let (step, rest) = error.path.strip_prefix("steps[")?.split_once(']')?;
     let (_, cable) = rest.strip_suffix(']')?.split_once('[')?;
     Some((step.parse().ok()?, cable.parse().ok()?))
+}
+
+/// The number of the step that a path is of.
+fn step_number(path: &str) -> Option<usize> {
+    path.strip_prefix("steps[")?.split_once(']')?.0.parse().ok()
 }
 
 impl Numbering {
@@ -193,7 +209,9 @@ fn report(error: &RobotError, numbers: &Numbering, document: &Node, problems: &m
     if matches!(&place.value, Value::Text(text) if text.trim_end().ends_with('%')) {
         problem = in_percent(problem);
     }
-    problems.push_related(place.span, related, || FileProblem::Physical { path, problem });
+    let row = step_number(&path).and_then(|step| numbers.rows.get(step).copied());
+    let span = row.unwrap_or(place.span);
+    problems.push_related(span, related, || FileProblem::Physical { path, problem });
 }
 
 /// The same problem of a plain number that the file gives in per cent.

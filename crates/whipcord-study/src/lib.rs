@@ -18,6 +18,7 @@ pub mod model_benchmark;
 pub mod motors;
 pub mod quantity;
 mod resample;
+pub mod score;
 pub mod statistics;
 pub mod steps;
 pub mod style;

@@ -380,8 +380,8 @@ impl Prepared {
         }
     }
 
-    /// The answers to all steps of a case in order, each from where the one before left the robot:
-    /// those to each of [`Case::steps`]. `each` gets them as they come.
+    /// The answers to all steps of a case in order, each from where the one before left the robot, or from cold where the steps
+    /// are independent: those to each of [`Case::steps`]. `each` gets them as they come.
     ///
     /// # Errors
     /// The number of the first step without an answer, from 0, and why it has none.
@@ -390,6 +390,12 @@ impl Prepared {
         case: &Case,
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
+        if case.independent {
+            for (n, step) in case.single_steps().enumerate() {
+                each(self.solve(&step, None).map_err(|error| (n, error))?);
+            }
+            return Ok(());
+        }
         match self {
             Self::Cosserat(model, workspace) => {
                 return model.solve_steps(case, workspace, each);
@@ -433,7 +439,7 @@ impl Prepared {
     /// As [`Self::solve_steps`].
     pub fn solve_to_the_end(&mut self, case: &Case) -> Result<Solution, (usize, SolveError)> {
         let mut last = None;
-        if !case.before.is_empty() {
+        if !case.before.is_empty() && !case.independent {
             self.solve_steps(case, |solution| last = Some(solution))?;
         }
         last.map_or_else(|| self.solve(case, None).map_err(|error| (0, error)), Ok)
@@ -527,7 +533,7 @@ impl Model {
             return Ok((solution, local));
         }
         let mut left = warm_start.cloned();
-        let before = if left.is_some() { 0 } else { case.before.len() };
+        let before = if left.is_some() || case.independent { 0 } else { case.before.len() };
         for step in case.single_steps().take(before) {
             left = Some(prepared.solve(&step, left.as_ref())?);
         }

@@ -13,6 +13,7 @@ pub mod measure;
 pub mod new;
 pub mod overlay;
 pub mod schema;
+pub mod score;
 pub mod solve;
 pub mod stiffness;
 pub mod view;

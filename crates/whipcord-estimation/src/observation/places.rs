@@ -110,7 +110,7 @@ fn shapes_at(
             .map_err(|(_, error)| error)?;
         return Ok(shapes);
     }
-    for ((step, answer), needed) in case.steps().zip(answers).zip(needed) {
+    for ((step, answer), needed) in case.single_steps().zip(answers).zip(needed) {
         let followed = needed.then(|| prepared.solve(&step, Some(answer))).transpose()?;
         shapes.push(followed.map(|solution| solution.shape));
     }

@@ -60,6 +60,11 @@ pub fn describe(title: Option<&str>, robot: &Robot, case: &Case) -> Result<Table
         let obstacles = case.obstacles.iter().map(obstacle);
         file.insert("obstacles", obstacles.collect::<Result<Vec<_>, _>>()?);
     }
+    if case.independent {
+        let mut commands = Table::default();
+        commands.insert("each", "independent");
+        file.insert("commands", commands);
+    }
     if in_steps {
         let steps = case.before.iter().chain([&case.commands]).enumerate();
         let earlier = case.motors.len().saturating_sub(case.before.len() + 1);

@@ -2,6 +2,7 @@
 
 mod backbone;
 mod cables;
+mod commands;
 mod disks;
 mod fit;
 mod loads;
@@ -11,15 +12,20 @@ mod motors;
 mod obstacles;
 mod pose;
 mod reference;
+mod table;
 
 pub(crate) use backbone::{backbone, material};
 pub(crate) use cables::{cable, command, step};
+pub use commands::{CommandColumn, CommandRow, CommandTable, Commanded};
+pub(crate) use commands::{CommandedRobot, are_independent, read as commands};
 pub(crate) use disks::disks;
 pub(crate) use fit::fit;
 pub use fit::{Fit, parameter_path};
 pub(crate) use loads::loads;
 pub(crate) use measured::{Extent, read as measured};
-pub use measured::{LENGTH_UNITS, Measured, MeasuredDisk, MeasuringCamera, load_markers};
+pub use measured::{
+    LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, load_markers,
+};
 pub(crate) use motors::{Motors, motor_step, motors};
 pub(crate) use obstacles::obstacles;
 pub(crate) use pose::pose;

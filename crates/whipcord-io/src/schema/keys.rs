@@ -3,7 +3,7 @@
 use whipcord::robot::limits::{self, Range};
 
 use super::backbone_keys::BACKBONE;
-use super::load_keys::{BASE, LOADS};
+use super::load_keys::{BASE, DIRECTION, LOADS, ROTATION};
 use super::motor_keys::MOTOR;
 use super::obstacle_keys::OBSTACLES;
 use super::{Key, Kind, Rule, Table};
@@ -66,6 +66,7 @@ pub(crate) static ROOT: Table = Table {
         key("loads", Kind::Table(&LOADS), LOADS.title, LOADS.doc),
         OBSTACLES,
         key("steps", Kind::Tables(&STEP), STEP.title, STEP.doc),
+        key("commands", Kind::Table(&COMMANDS), COMMANDS.title, COMMANDS.doc),
         key("measured", Kind::Table(&MEASURED), MEASURED.title, MEASURED.doc),
         key("reference", Kind::Table(&REFERENCE), REFERENCE.title, REFERENCE.doc),
         key("fit", Kind::Table(&FIT), FIT.title, FIT.doc),
@@ -312,6 +313,56 @@ static STEP: Table = Table {
     ],
 };
 
+static COMMANDS: Table = Table {
+    title: "[commands]",
+    doc: "A table of commands whose rows are the steps of actuation, instead of [[steps]]; and how steps follow one another.",
+    keys: &[
+        key(
+            "table",
+            Kind::Text,
+            r#""rows.csv""#,
+            "CSV or Parquet file, relative to this one. Its columns, which the first line of a CSV file names, are motors and cables by their name or number, with a unit: `bend [deg]`, `pull [N]`, `cable1.shortening (mm)`. Further columns: time, group (the rows that belong together), measured (false for rows without a measurement, which only lead to those after them), and that of `key`. A cable or motor without a column keeps its own command in all rows.",
+        ),
+        key(
+            "each",
+            Kind::Choice(&["independent", "in order"]),
+            r#""in order""#,
+            "Whether each step starts from the robot at rest (independent, the default), or from where the step before left it (in order; the default for [[steps]]). With friction, backlash or a yield moment the two differ, and the file must say which.",
+        ),
+        key(
+            "key",
+            Kind::Text,
+            r#""run""#,
+            "Column that names each row: by it [measured] finds the row of a measurement. Without it the measurements are in the order of the rows.",
+        ),
+        key(
+            "group",
+            Kind::Text,
+            r#""motion""#,
+            "Column of the groups of rows; by default `group`.",
+        ),
+        key(
+            "units",
+            Kind::List(&Kind::Text, 1),
+            r#"["deg", "mm"]"#,
+            "Units of the columns that name none; without them such columns are in SI units.",
+        ),
+        key(
+            "ignore",
+            Kind::List(&Kind::Text, 1),
+            r#"["note", "temperature"]"#,
+            "Columns that are not read.",
+        ),
+    ],
+    rules: &[
+        Rule::AtLeastOne(&["table", "each"]),
+        Rule::Needs("key", &["table"]),
+        Rule::Needs("group", &["table"]),
+        Rule::Needs("units", &["table"]),
+        Rule::Needs("ignore", &["table"]),
+    ],
+};
+
 static MEASURED: Table = Table {
     title: "[measured]",
     doc: "What the real robot did.",
@@ -322,6 +373,43 @@ static MEASURED: Table = Table {
             r#""case3_disks.csv""#,
             "CSV or Parquet file, relative to this one. Its columns, which the first line of a CSV file names, are disk (number from 1) or arc_length, and x, y, z, the position that was measured, or camera, u, v, the name of a camera and the column and row of its image in pixels; where they are needed also step (number from 1 in the order of [[steps]]; by default the last), offset_x, offset_y, offset_z (where the marker is in the frame of its disk or cross-section), and deviation (standard deviation of its position). What was not seen is left out or empty.",
         ),
+        key(
+            "table",
+            Kind::Text,
+            r#""tracker.csv""#,
+            "The same file under another name: `disks` or `table`. Beside [commands] its lines belong to the rows of commands: by a column `step`, by the column that `key` of [commands] names, or line by line in the order of the rows that are measured; it may be the file of the commands itself. Without columns disk and arc_length the lines are of the tip, or of [[measured.markers]]. Further columns are qw, qx, qy, qz, the orientation of the tracked body.",
+        ),
+        key(
+            "key",
+            Kind::Text,
+            r#""sample""#,
+            "Column of the keys of rows, where it is named otherwise than `key` of [commands] says.",
+        ),
+        key(
+            "ignore",
+            Kind::List(&Kind::Text, 1),
+            r#"["frame", "quality"]"#,
+            "Columns that are not read.",
+        ),
+        key(
+            "offset",
+            MARKER_OFFSET,
+            r#"["0 mm", "12 mm", "5 mm"]"#,
+            "Where the marker, or the origin of the tracked body, is in the frame of its disk or cross-section, where the file does not give it; on the axis by default.",
+        ),
+        key(
+            "orientation",
+            Kind::Vector(&ratio(DIRECTION), 4),
+            "[0.7071, 0, 0.7071, 0]",
+            "Rotation from the frame of the tracked body to that of its disk or cross-section as a quaternion (w, x, y, z), of any norm. By default it is estimated from all rows before orientations are compared.",
+        ),
+        key(
+            "rotation",
+            Kind::Table(&ROTATION),
+            r#"{ axis = [0, 0, 1], angle = "90 deg" }"#,
+            "The same rotation about an axis; instead of `orientation`.",
+        ),
+        key("markers", Kind::Tables(&MARKER), MARKER.title, MARKER.doc),
         key(
             "unit",
             Kind::Choice(&LENGTH_UNITS),
@@ -353,7 +441,42 @@ static MEASURED: Table = Table {
             MEASURING_CAMERA.doc,
         ),
     ],
-    rules: &[Rule::Required("disks")],
+    rules: &[Rule::ExactlyOne(&["disks", "table"]), Rule::AtMostOne(&["orientation", "rotation"])],
+};
+
+const MARKER_OFFSET: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Length], limits::COORDINATE), 3);
+
+static MARKER: Table = Table {
+    title: "[[measured.markers]]",
+    doc: "A marker that has columns of its own in the table, so that one line gives several markers.",
+    keys: &[
+        key(
+            "name",
+            Kind::Text,
+            r#""m1""#,
+            "What its columns begin with: `m1.x`, `m1.y`, `m1.z`. Without a name they are `x`, `y`, `z`.",
+        ),
+        key(
+            "disk",
+            Kind::Count { least: 1, greatest: limits::MOST_DISKS },
+            "5",
+            "Number of its disk, from 1, the base disk.",
+        ),
+        key(
+            "arc_length",
+            DISTANCE,
+            r#""90 mm""#,
+            "Arc length at which it sits; the tip by default. Instead of `disk`.",
+        ),
+        key(
+            "offset",
+            MARKER_OFFSET,
+            r#"["0 mm", "12 mm", "5 mm"]"#,
+            "Where it is in the frame of its disk or cross-section; by default that of `offset` under [measured].",
+        ),
+    ],
+    rules: &[Rule::AtMostOne(&["disk", "arc_length"])],
 };
 
 static MEASURING_CAMERA: Table = Table {

@@ -155,7 +155,7 @@ impl Dimension {
         listed(self.units().iter().map(|unit| unit.name), "or")
     }
 
-    fn find(self, spelling: &str) -> Option<&'static Unit> {
+    pub(crate) fn find(self, spelling: &str) -> Option<&'static Unit> {
         self.units().iter().find(|unit| unit.spellings().any(|name| name == spelling))
     }
 }

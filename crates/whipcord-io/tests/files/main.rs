@@ -10,3 +10,4 @@ mod messages;
 mod motors;
 mod reading;
 mod schema;
+mod tables;

@@ -1,6 +1,7 @@
 //! What is asked of a robot: how its cables are pulled, what loads it carries, and where its base is.
 
 mod loads;
+mod motor_history;
 mod motors;
 
 use whipcord_numerics::Pose;
@@ -8,6 +9,8 @@ use whipcord_numerics::Pose;
 use crate::obstacle::Obstacle;
 use crate::robot::limits::check_pose;
 use crate::robot::{Problem, Robot, RobotError, limits};
+
+use motor_history::MotorHistory;
 
 pub use loads::{DistributedLoad, LoadFrame, Loads, Piece, PointLoad, PointMass, Profile};
 
@@ -31,6 +34,9 @@ pub struct Case {
     /// more than the steps of the case: those before only say how the backlash of the drives was left.
     /// [`Self::drive`] makes shortenings of the cables of them.
     pub motors: Vec<Vec<Option<f64>>>,
+    /// Whether each step starts from the robot at rest, not from where the one before left it: the steps are then separate
+    /// experiments, and no answer depends on another step.
+    pub independent: bool,
     /// What stands in the robot's way, in the world.
     pub obstacles: Vec<Obstacle>,
 }
@@ -144,22 +150,56 @@ impl Case {
     }
 
     /// The steps of actuation in order, each without those before it: for solves that start from the answer to the step
-    /// before, where that answer is all that is left of the way.
+    /// before, where that answer is all that is left of the way. Of the earlier commands of the motors each step has those that
+    /// matter to the backlash of a drive.
     pub fn single_steps(&self) -> impl ExactSizeIterator<Item = Self> + '_ {
-        (0..self.before.len() + 1).map(|number| self.single_step(number))
+        let mut history = MotorHistory::default();
+        (0..self.before.len() + 1).map(move |number| {
+            let (of_step, earlier) = match self.motors_until(number).split_last() {
+                Some((of_step, earlier)) => (Some(of_step), earlier),
+                None => (None, &[][..]),
+            };
+            if !self.independent {
+                for step in earlier.get(history.taken..).unwrap_or_default() {
+                    history.push(step);
+                }
+            }
+            let motors = history.steps().chain(of_step.cloned()).collect();
+            Self { motors, ..self.bare_step(number) }
+        })
+    }
+
+    /// One step without those before it, counted from 0, of a case whose steps are independent; `None` beyond the last.
+    #[must_use]
+    pub fn independent_step(&self, number: usize) -> Option<Self> {
+        (number <= self.before.len()).then(|| {
+            let motors = self.motors_until(number).last().cloned().into_iter().collect();
+            Self { motors, ..self.bare_step(number) }
+        })
+    }
+
+    /// The steps that lead to the answer to this case, of [`Self::single_steps`]: all of them, or the last alone where they are
+    /// independent.
+    pub fn leading_steps(&self) -> impl Iterator<Item = Self> + '_ {
+        let skipped = if self.independent { self.before.len() } else { 0 };
+        self.single_steps().skip(skipped)
     }
 
     fn step_after(&self, number: usize, before: &[Vec<CableCommand>]) -> Self {
-        Self { before: before.to_vec(), ..self.single_step(number) }
+        let motors = self.motors_until(number).to_vec();
+        let independent = self.independent && number > 0;
+        Self { before: before.to_vec(), motors, independent, ..self.bare_step(number) }
     }
 
-    fn single_step(&self, number: usize) -> Self {
+    /// A step without those before it and without motors.
+    fn bare_step(&self, number: usize) -> Self {
         Self {
             commands: self.before.get(number).unwrap_or(&self.commands).clone(),
             loads: self.loads.clone(),
             base: self.base,
             before: Vec::new(),
-            motors: self.motors_until(number).to_vec(),
+            motors: Vec::new(),
+            independent: false,
             obstacles: self.obstacles.clone(),
         }
     }

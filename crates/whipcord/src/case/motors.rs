@@ -27,11 +27,14 @@ impl Case {
     pub fn drive(&mut self, robot: &Robot) -> Result<(), RobotError> {
         self.check_motors(robot)?;
         let mut outputs = vec![0.0; robot.motors().len()];
-        let Self { motors, before, commands, .. } = self;
+        let Self { motors, before, commands, independent, .. } = self;
         let earlier = motors.len().saturating_sub(before.len() + 1);
         let mut of_steps = before.iter_mut().chain(core::iter::once(commands));
         for (number, step) in motors.iter().enumerate() {
             let mut of_cables = if number < earlier { None } else { of_steps.next() };
+            if *independent {
+                outputs.fill(0.0);
+            }
             for ((motor, output), command) in robot.motors().iter().zip(&mut outputs).zip(step) {
                 let &Some(command) = command else { continue };
                 *output = motor.output(*output, command);

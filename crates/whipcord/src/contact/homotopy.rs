@@ -61,6 +61,7 @@ impl<'a> Homotopy<'a> {
             base: self.to.base,
             before: Vec::new(),
             motors: Vec::new(),
+            independent: false,
             obstacles: Vec::new(),
         }
     }

@@ -163,6 +163,7 @@ pub(crate) fn solve_holding(
 ) -> Result<(Solution, Holding), SolveError> {
     if warm_start.is_none()
         && !case.before.is_empty()
+        && !case.independent
         && case.obstacles.iter().any(Obstacle::has_history)
     {
         // Friction remembers the steps before the last.

@@ -313,10 +313,12 @@ impl Cosserat {
             return self.solve_steps_with_bending_friction(case, workspace, each);
         }
         let steps: Vec<Case> = case.single_steps().collect();
-        let remembers = self.has_friction() && case.obstacles.is_empty();
+        let remembers = self.has_friction() && case.obstacles.is_empty() && !case.independent;
         let mut last: Option<Solution> = None;
         for (n, step) in steps.iter().enumerate() {
-            let solved = if remembers {
+            let solved = if case.independent {
+                self.solve(step, None, workspace)
+            } else if remembers {
                 workspace.meter.start(&self.options.cancel, self.options.budget);
                 let mut solution = Solution::empty(ModelKind::Cosserat);
                 let solved =

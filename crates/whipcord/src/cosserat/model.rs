@@ -152,7 +152,7 @@ impl Cosserat {
             return workspace.meter.checked(taken).map(|()| Status::Converged);
         } else if self.has_friction() {
             case.check(&self.robot)?;
-            let steps: Vec<Case> = case.single_steps().collect();
+            let steps: Vec<Case> = case.leading_steps().collect();
             self.solve_with_friction(&steps, true, workspace, solution)
         } else {
             self.solve_keeping_grid(case, from, workspace, solution).map(|_| ())

@@ -176,7 +176,9 @@ impl CosseratDisks {
             case.check(&self.robot)?;
             workspace.histories.clear();
             workspace.courses.clear();
-            self.solve_from(&one_by_one(case), from, workspace, solution)
+            let steps = one_by_one(case);
+            let leading = if case.independent { steps.len() - 1 } else { 0 };
+            self.solve_from(&steps[leading..], from, workspace, solution)
         };
         match workspace.meter.checked(outcome) {
             Ok(_) => Ok(Status::Converged),
@@ -245,6 +247,12 @@ impl CosseratDisks {
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        if case.independent {
+            for (n, step) in case.single_steps().enumerate() {
+                each(self.solve(&step, None, workspace).map_err(|error| (n, error))?);
+            }
+            return Ok(());
+        }
         if !case.obstacles.is_empty() {
             let mut last = None;
             for (n, step) in case.single_steps().enumerate() {
@@ -515,6 +523,7 @@ fn one_by_one(case: &Case) -> Vec<Case> {
         base: case.base,
         before: Vec::new(),
         motors: Vec::new(),
+        independent: false,
         obstacles: Vec::new(),
     };
     case.before.iter().chain([&case.commands]).map(step).collect()

@@ -27,7 +27,7 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<Effort, SolveError> {
         let mut effort = Effort::default();
-        for step in case.single_steps().skip(workspace.friction.taken) {
+        for step in case.leading_steps().skip(workspace.friction.taken) {
             self.accept(&step, workspace)?;
             let found = self.take_step(rubbing, workspace);
             effort = found.map_err(|failure| self.explain(failure, &workspace.commands))?;

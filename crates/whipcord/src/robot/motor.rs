@@ -214,7 +214,10 @@ impl Motor {
     }
 
     /// Checks that the motor can take a command.
-    pub(crate) fn check_command(&self, command: f64) -> Result<(), Problem> {
+    ///
+    /// # Errors
+    /// [`Problem`] where it is no number for such a drive or beyond the limits of the motor.
+    pub fn check_command(&self, command: f64) -> Result<(), Problem> {
         let possible = self.drive.commands();
         if let Some(problem) = possible.problem(command) {
             return Err(problem);

@@ -1,7 +1,7 @@
 //! The columns of a table: which there are, in which order and in which units.
 
-use super::grid::Grid;
-use super::{Known, LENGTH_UNITS, problem};
+use super::super::table::{Grid, problem, split_unit};
+use super::{Known, LENGTH_UNITS};
 use crate::error::{FileProblem, Problems};
 use crate::source::quoted;
 use crate::suggest;
@@ -10,11 +10,15 @@ use crate::units::listed;
 /// A column, and what stands in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Column {
+    /// Not of what is measured.
+    Ignored,
+    Key,
     Step,
     Disk,
     ArcLength,
     Offset(usize),
     Position(usize),
+    Orientation(usize),
     Pixel(usize),
     Camera,
     Deviation,
@@ -45,6 +49,11 @@ impl Column {
     const fn is_length(self) -> bool {
         matches!(self, Self::ArcLength | Self::Offset(_) | Self::Position(_))
     }
+
+    /// Whether a marker with columns of its own has this one.
+    pub(super) const fn is_of_marker(self) -> bool {
+        matches!(self, Self::Offset(_) | Self::Position(_) | Self::Orientation(_))
+    }
 }
 
 /// A column with the unit of its lengths.
@@ -52,9 +61,11 @@ impl Column {
 pub(super) struct Read {
     pub column: Column,
     pub unit: &'static str,
+    /// Number of the marker in [[measured.markers]] that the column is named after.
+    pub marker: Option<usize>,
 }
 
-const COLUMNS: [(&str, Column); 14] = [
+const COLUMNS: [(&str, Column); 18] = [
     ("step", Column::Step),
     ("disk", Column::Disk),
     ("arc_length", Column::ArcLength),
@@ -64,6 +75,10 @@ const COLUMNS: [(&str, Column); 14] = [
     ("x", Column::Position(0)),
     ("y", Column::Position(1)),
     ("z", Column::Position(2)),
+    ("qw", Column::Orientation(0)),
+    ("qx", Column::Orientation(1)),
+    ("qy", Column::Orientation(2)),
+    ("qz", Column::Orientation(3)),
     ("u", Column::Pixel(0)),
     ("v", Column::Pixel(1)),
     ("camera", Column::Camera),
@@ -82,32 +97,41 @@ pub(super) fn columns(
     problems: &mut Problems,
 ) -> Option<Vec<Read>> {
     let names = || grid.columns.iter().map(|cell| cell.value.text().unwrap_or_default());
-    if names().all(|name| column(split_unit(name).0).is_none()) {
+    if names().all(|name| found(name, known).is_none()) {
         problems.push(grid.header, || unnamed(&names().collect::<Vec<_>>()));
         return None;
     }
     let mut columns: Vec<Read> = Vec::new();
     for (name, cell) in names().zip(&grid.columns) {
         let (bare, unit) = split_unit(name);
-        match column(bare) {
-            Some(column) if columns.iter().any(|read| read.column == column) => {
+        match found(name, known) {
+            Some((Column::Ignored, marker)) => {
+                columns.push(Read { column: Column::Ignored, unit: known.unit, marker });
+            }
+            Some((column, marker))
+                if columns.iter().any(|read| (read.column, read.marker) == (column, marker)) =>
+            {
                 let message = format!("the column `{}` is there twice", quoted(bare));
                 problems.push(cell.span, || problem(message, HEADER));
             }
-            Some(column) => match unit_of(column, unit, known) {
-                Ok(unit) => columns.push(Read { column, unit }),
+            Some((column, marker)) => match unit_of(column, unit, known) {
+                Ok(unit) => columns.push(Read { column, unit, marker }),
                 Err(told) => problems.push(cell.span, || told),
             },
             None if name.is_empty() => {
                 let help = "name it; or leave out row numbers, as pandas does with index=False";
                 problems.push(cell.span, || problem("this column has no name", help));
             }
-            None => problems.push(cell.span, || unknown(name)),
+            None => problems.push(cell.span, || unknown(name, known)),
         }
     }
+    let complete = columns.len() == grid.columns.len();
+    if complete && !known.markers.is_empty() {
+        return of_markers(grid, &columns, known, problems).then_some(columns);
+    }
     let has = |column| columns.iter().any(|read| read.column == column);
-    let mut complete = columns.len() == grid.columns.len();
-    if complete && !has(Column::Disk) && !has(Column::ArcLength) {
+    let mut complete = complete;
+    if complete && known.rows().is_none() && !has(Column::Disk) && !has(Column::ArcLength) {
         let message = "there must be a column `disk` or `arc_length`";
         problems.push(grid.header, || problem(message, HEADER));
         complete = false;
@@ -131,6 +155,7 @@ pub(super) fn columns(
         });
         complete = false;
     }
+    complete = complete && whole_orientation(grid, &columns, None, problems);
     if complete && has(Column::Pixel(0)) && known.cameras.is_empty() {
         let help =
             "add [[measured.cameras]] with `name` and `file`, the camera that took the image";
@@ -150,21 +175,105 @@ pub(super) fn columns(
     complete.then_some(columns)
 }
 
+/// The column that this name of the file is of, and the marker in whose name it is.
+fn found(name: &str, known: &Known<'_>) -> Option<(Column, Option<usize>)> {
+    let (bare, _) = split_unit(name);
+    if known.ignored.iter().any(|ignored| *ignored == name || *ignored == bare) {
+        return Some((Column::Ignored, None));
+    }
+    if known.key.is_some_and(|key| key == name || key == bare) {
+        return Some((Column::Key, None));
+    }
+    let of_marker = known.markers.iter().enumerate().find_map(|(number, marker)| {
+        let rest = bare.strip_prefix(marker.name?)?;
+        let rest = rest.strip_prefix(MARKER_SEPARATORS)?;
+        column(rest).filter(|column| column.is_of_marker()).map(|column| (column, Some(number)))
+    });
+    if of_marker.is_some() {
+        return of_marker;
+    }
+    if let Some(plain) = column(bare) {
+        let unnamed = known.markers.iter().position(|marker| marker.name.is_none());
+        let is_known = known.markers.is_empty() || unnamed.is_some() || !plain.is_of_marker();
+        if is_known {
+            return Some((plain, unnamed.filter(|_| plain.is_of_marker())));
+        }
+    }
+    let rows = known.rows()?;
+    // The commands may stand in the same file, and what is said of rows there may be said here again.
+    let is_of_rows = known.same_file && rows.columns.iter().any(|column| column == name)
+        || ["time", "t", "group", "measured"].iter().any(|word| bare.eq_ignore_ascii_case(word));
+    is_of_rows.then_some((Column::Ignored, None))
+}
+
+/// Whether each marker of `[[measured.markers]]` has its columns, and no column says where markers are besides.
+fn of_markers(grid: &Grid, columns: &[Read], known: &Known<'_>, problems: &mut Problems) -> bool {
+    let mut complete = true;
+    for (number, marker) in known.markers.iter().enumerate() {
+        let has = |column| {
+            columns.iter().any(|read| (read.column, read.marker) == (column, Some(number)))
+        };
+        let missing: Vec<String> = ["x", "y", "z"]
+            .into_iter()
+            .enumerate()
+            .filter(|(axis, _)| !has(Column::Position(*axis)))
+            .map(|(_, axis)| match marker.name {
+                Some(name) => format!("`{}.{axis}`", quoted(name)),
+                None => format!("`{axis}`"),
+            })
+            .collect();
+        if !missing.is_empty() {
+            let (word, verb) =
+                if missing.len() == 1 { ("column", "is") } else { ("columns", "are") };
+            let named = listed(missing.iter().map(String::as_str), "and");
+            let message = format!("the {word} {named} {verb} missing");
+            let help = "each marker of [[measured.markers]] has the columns x, y and z behind its name, as `m1.x`, `m1.y` and `m1.z`";
+            problems.push(grid.header, || problem(message, help));
+            complete = false;
+        }
+        complete &= whole_orientation(grid, columns, Some(number), problems);
+    }
+    for (read, cell) in columns.iter().zip(&grid.columns) {
+        if matches!(read.column, Column::Disk | Column::ArcLength | Column::Pixel(_)) {
+            let help = "say in [[measured.markers]] where each marker is, or leave out these tables and write one line for each marker";
+            problems.push(cell.span, || {
+                problem("this column and [[measured.markers]] exclude each other", help)
+            });
+            complete = false;
+        }
+    }
+    complete
+}
+
+/// Whether an orientation, if any, has all four columns.
+fn whole_orientation(
+    grid: &Grid,
+    columns: &[Read],
+    marker: Option<usize>,
+    problems: &mut Problems,
+) -> bool {
+    let has = |part: usize| {
+        columns.iter().any(|read| (read.column, read.marker) == (Column::Orientation(part), marker))
+    };
+    let given = (0..4).filter(|part| has(*part)).count();
+    if !matches!(given, 0 | 4) {
+        let help = "an orientation is a quaternion with the columns qw, qx, qy and qz";
+        problems.push(grid.header, || problem("a part of the orientation is missing", help));
+    }
+    matches!(given, 0 | 4)
+}
+
+/// What may stand between the name of a marker and that of its column.
+pub(in crate::read) const MARKER_SEPARATORS: [char; 5] = ['.', '_', ' ', '-', ':'];
+
+/// Whether a table of measurements has a column of this name, without its unit and the name of a marker.
+pub(in crate::read) fn is_measured(bare: &str) -> bool {
+    column(bare).is_some()
+}
+
 /// The column of a name, in capitals or not.
 fn column(name: &str) -> Option<Column> {
     COLUMNS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, column)| *column)
-}
-
-/// A name of a column without the unit that follows it in brackets, and that unit.
-fn split_unit(name: &str) -> (&str, Option<&str>) {
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        let Some((bare, unit)) = name.strip_suffix(close).and_then(|name| name.split_once(open))
-        else {
-            continue;
-        };
-        return (bare.trim(), Some(unit.trim()));
-    }
-    (name, None)
 }
 
 /// The unit of the lengths of a column: its own, else that of the file.
@@ -209,7 +318,7 @@ fn unnamed(names: &[&str]) -> FileProblem {
 }
 
 /// A column that nothing knows.
-fn unknown(name: &str) -> FileProblem {
+fn unknown(name: &str, known: &Known<'_>) -> FileProblem {
     let lower = name.to_lowercase();
     let message = format!("there is no column `{}`", quoted(name));
     // `x_mm`, with the unit as a part of the name.
@@ -220,9 +329,24 @@ fn unknown(name: &str) -> FileProblem {
     });
     let other = OTHER_NAMES.iter().find(|(other, _)| *other == lower).map(|(_, name)| *name);
     let near = || suggest::nearest(&lower, COLUMNS.iter().map(|(known, _)| *known));
+    let named = || {
+        let mut names = known.markers.iter().filter_map(|marker| marker.name);
+        names.next().map(|name| {
+            format!("{NAMES}; those of a marker begin with its name, as `{}.x`", quoted(name))
+        })
+    };
     match (with_unit, other.or_else(near)) {
         (Some(help), _) => problem(message, help),
         (None, Some(near)) => problem(message, format!("did you mean `{near}`?")),
-        (None, None) => problem(message, NAMES),
+        (None, None) if !known.ignored.is_empty() || known.rows().is_some() => {
+            let help = named().unwrap_or_else(|| NAMES.to_owned());
+            problem(
+                message,
+                format!(
+                    "{help}; those that are not to be read are named in `ignore` of [measured]"
+                ),
+            )
+        }
+        (None, None) => problem(message, named().unwrap_or_else(|| NAMES.to_owned())),
     }
 }

@@ -1,33 +1,35 @@
 //! `[measured]`: where the disks and markers of the real robot were.
 
 mod columns;
-mod csv;
 mod extent;
-mod grid;
-mod parquet;
 mod rows;
-mod thrift;
 
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use whipcord::{Disks, Robot, Vec3};
+use whipcord::{Disks, Problem, Robot, UnitQuaternion, Vec3};
 use whipcord_estimation::camera::Camera;
 use whipcord_estimation::registration::Alignment;
 use whipcord_estimation::{Observation, Place, Seen};
 
-use crate::check::Fields;
+use super::commands::CommandTable;
+use super::table::{self, problem, same_file};
+use super::vec3;
+use crate::check::{Data, Fields};
 use crate::error::{FileError, FileProblem, Problems};
-use crate::files;
 use crate::node::Node;
-use crate::source::{Sources, Span, quoted};
-use grid::Grid;
+use crate::source::{Sources, quoted};
+use columns::HEADER;
+pub(in crate::read) use columns::{MARKER_SEPARATORS, is_measured};
 
 /// What was seen of the real robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// All that was seen, by step, then by place.
     pub observations: Vec<Observation>,
+    /// The orientations of tracked bodies, by step.
+    pub rotations: Vec<MeasuredRotation>,
+    /// Rotation from the frame of the tracked body to that of its place on the robot, where the file gives it.
+    pub body: Option<UnitQuaternion>,
     /// The centres of disks whose positions were measured in the last step, in ascending order.
     pub disks: Vec<MeasuredDisk>,
     /// The cameras that saw them, in the order in which observations number them.
@@ -55,6 +57,17 @@ pub struct MeasuringCamera {
     pub path: PathBuf,
 }
 
+/// How a tracked body was turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredRotation {
+    /// Step of actuation, from 0.
+    pub step: usize,
+    /// Where on the backbone it is mounted.
+    pub place: Place,
+    /// Rotation from the frame of the body to that of the measurement.
+    pub rotation: UnitQuaternion,
+}
+
 /// Where one disk was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredDisk {
@@ -66,7 +79,7 @@ pub struct MeasuredDisk {
 
 /// The robot that was measured, as far as what was seen refers to it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Extent {
+pub(crate) struct Extent<'a> {
     /// Number of its disks, where that is known; 0 of a body without.
     pub disks: Option<usize>,
     /// Length of its backbone in m, where that is known.
@@ -75,9 +88,19 @@ pub(crate) struct Extent {
     pub steps: usize,
     /// Whether its base is at the origin of the frame of the measurement.
     pub at_origin: bool,
+    /// The table whose rows are the steps.
+    pub rows: Option<&'a CommandTable>,
 }
 
-impl Extent {
+impl Extent<'_> {
+    /// The tip, where it is known.
+    fn tip(&self) -> Option<Place> {
+        match self.disks? {
+            0 => self.length.map(Place::ArcLength),
+            disks => Some(Place::Disk(disks - 1)),
+        }
+    }
+
     /// How many disks markers may sit on.
     pub(crate) fn disks_of(disks: &Disks) -> usize {
         if disks.are_present { disks.count() } else { 0 }
@@ -90,7 +113,7 @@ pub const LENGTH_UNITS: [&str; 5] = ["m", "cm", "mm", "um", "in"];
 /// What is known beside the table.
 #[derive(Clone, Copy, Debug)]
 struct Known<'a> {
-    robot: Extent,
+    robot: Extent<'a>,
     /// Name of the unit of lengths in the table.
     unit: &'static str,
     /// Standard deviation of a position in m, where a row does not give its own.
@@ -101,18 +124,37 @@ struct Known<'a> {
     cameras: &'a [&'a str],
     /// Whether the table is that of one photograph, whatever it calls its camera and step.
     one_photograph: bool,
+    /// Where markers are in the frames of their disks or cross-sections, in m.
+    offset: Vec3,
+    /// `[[measured.markers]]`.
+    markers: &'a [Marker<'a>],
+    /// Columns that are not read.
+    ignored: &'a [&'a str],
+    /// The column by which rows of commands are found.
+    key: Option<&'a str>,
+    /// Whether the table is that of the commands.
+    same_file: bool,
 }
 
-/// What is wrong with a table, and what to do.
-fn problem(message: impl Into<String>, help: impl Into<Cow<'static, str>>) -> FileProblem {
-    FileProblem::Measured { message: message.into(), help: help.into() }
+/// An entry of `[[measured.markers]]`.
+#[derive(Clone, Copy, Debug)]
+struct Marker<'a> {
+    name: Option<&'a str>,
+    place: Place,
+    offset: Vec3,
+}
+
+impl<'a> Known<'a> {
+    fn rows(&self) -> Option<&'a CommandTable> {
+        self.robot.rows
+    }
 }
 
 /// Reads the files that `[measured]`, the table at `node`, names.
 pub(crate) fn read(
     fields: &Fields,
     node: &Node,
-    robot: Extent,
+    robot: Extent<'_>,
     sources: &mut Sources,
     problems: &mut Problems,
 ) -> Option<Measured> {
@@ -123,9 +165,24 @@ pub(crate) fn read(
         let help = "give the standard deviation of a place in an image in pixels, say 0.3";
         problems.push(node.locate("pixel_deviation").span, || problem(message, help));
     }
-    let named = node.locate("disks").span;
-    let path = sources.resolve(named.file, fields.text("disks")?);
-    let grid = table(&path, Some(named), sources, problems)?;
+    let name = if fields.text("disks").is_some() { "disks" } else { "table" };
+    let named = node.locate(name).span;
+    let path = sources.resolve(named.file, fields.text(name)?);
+    let offset = vec3(fields, "offset").unwrap_or(Vec3::ZERO);
+    let markers = markers(fields, node, &robot, offset, problems)?;
+    let ignored = fields.list("ignore").unwrap_or_default();
+    let ignored: Vec<&str> = ignored.iter().filter_map(Data::as_text).collect();
+    let body = body(fields, node, problems);
+    let key = fields.text("key").or_else(|| robot.rows.and_then(|rows| rows.key.as_deref()));
+    if let Some(key) =
+        fields.text("key").filter(|_| robot.rows.is_none_or(|rows| rows.key.is_none()))
+    {
+        let message = format!("rows cannot be found by the column `{}`", quoted(key));
+        let help =
+            "name the column of the keys in the table of commands in `key` of [commands] too";
+        problems.push(node.locate("key").span, || problem(message, help));
+    }
+    let grid = table::read(&path, Some(named), HEADER, sources, problems)?;
     let unit = fields.text("unit").unwrap_or("m");
     // A camera that could not be read has been reported; what names it is right nevertheless.
     let names: Vec<&str> =
@@ -137,6 +194,11 @@ pub(crate) fn read(
         pixel_deviation,
         cameras: &names,
         one_photograph: false,
+        offset,
+        markers: &markers,
+        ignored: &ignored,
+        key,
+        same_file: robot.rows.is_some_and(|rows| same_file(&rows.path, &path)),
     };
     let Known { unit, deviation, .. } = known;
     let asked = fields.text("registration");
@@ -144,7 +206,7 @@ pub(crate) fn read(
     let alignment = alignment.unwrap_or_default();
     let at_origin = robot.at_origin && alignment == Alignment::default();
     let known = Known { robot: Extent { at_origin, ..robot }, ..known };
-    let observations = rows::observations(&grid, &known, problems)?;
+    let (observations, rotations) = rows::observations(&grid, &known, problems)?;
     if let Some(message) = extent::problem(&observations, &known) {
         let help = "say in `unit` of [measured] in which unit the lengths are: m, cm, mm, um or in";
         problems.push(grid.header, || problem(message, help));
@@ -155,6 +217,8 @@ pub(crate) fn read(
     let cameras = cameras?;
     Some(Measured {
         observations,
+        rotations,
+        body,
         disks,
         cameras,
         alignment,
@@ -180,15 +244,21 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
             length: Some(robot.backbone().length),
             steps: 0,
             at_origin: false,
+            rows: None,
         },
         unit: LENGTH_UNITS[0],
         deviation: None,
         pixel_deviation: None,
         cameras: &["camera"],
         one_photograph: true,
+        offset: Vec3::ZERO,
+        markers: &[],
+        ignored: &[],
+        key: None,
+        same_file: false,
     };
-    let markers = table(path, None, &mut sources, &mut problems).and_then(|grid| {
-        let markers = rows::observations(&grid, &known, &mut problems)?;
+    let markers = table::read(path, None, HEADER, &mut sources, &mut problems).and_then(|grid| {
+        let (markers, _) = rows::observations(&grid, &known, &mut problems)?;
         let in_image = markers.iter().all(|marker| marker.seen.is_in_image());
         if !in_image {
             problems.push(grid.header, || {
@@ -200,29 +270,78 @@ pub fn load_markers(path: impl AsRef<Path>, robot: &Robot) -> Result<Vec<Observa
     markers.filter(|_| problems.is_empty()).ok_or_else(|| problems.into_error(sources))
 }
 
-/// The table in a file, comma-separated values or Parquet, which another file may name at `named`.
-fn table(
-    path: &Path,
-    named: Option<Span>,
-    sources: &mut Sources,
-    problems: &mut Problems,
-) -> Option<Grid> {
-    let bytes = files::read_content(path, files::LARGEST_TABLE, named, sources, problems)?;
-    if !parquet::is_parquet(&bytes) {
-        let (file, text) = files::as_text(path, bytes, named, sources, problems)?;
-        return csv::grid(&text, file, problems);
+/// The rotation of the tracked body in the frame of its place, where the file gives it.
+fn body(fields: &Fields, node: &Node, problems: &mut Problems) -> Option<UnitQuaternion> {
+    if fields.data("orientation").is_none() && fields.data("rotation").is_none() {
+        return None;
     }
-    let file = sources.files().len();
-    let read = parquet::grid(bytes, file);
-    let (grid, text) = match read {
-        Ok((grid, text)) => (Some(grid), Some(text)),
-        Err((message, help)) => {
-            problems.push(Span::new(file, 0, 0), || problem(message, help));
-            (None, None)
+    match super::pose::pose(fields) {
+        Ok(pose) => Some(pose.rotation),
+        Err(key) => {
+            let (path, problem) = (format!("measured.{key}"), Problem::NoDirection);
+            problems.push(node.locate(key).span, || FileProblem::Physical { path, problem });
+            None
         }
-    };
-    sources.add(path, text);
-    grid
+    }
+}
+
+/// `[[measured.markers]]`; `None` when one is refused.
+fn markers<'a>(
+    fields: &'a Fields,
+    node: &Node,
+    robot: &Extent<'_>,
+    usual: Vec3,
+    problems: &mut Problems,
+) -> Option<Vec<Marker<'a>>> {
+    let mut markers: Vec<Marker<'a>> = Vec::new();
+    for (k, table) in fields.tables("markers").iter().enumerate() {
+        let span = |key: &str| node.locate(&format!("markers[{k}].{key}")).span;
+        let name = table.text("name");
+        if let Some(first) = markers.iter().position(|marker| marker.name == name) {
+            let related =
+                Some((node.locate(&format!("markers[{first}]")).span, "the other one is here"));
+            problems.push_related(span("name"), related, || {
+                problem(
+                    "two markers have the same name",
+                    "give each marker a name of its own, which its columns begin with",
+                )
+            });
+            return None;
+        }
+        let (disks, length) = (robot.disks?, robot.length?);
+        let place = match (table.count("disk"), table.number("arc_length")) {
+            (Some(disk), _) if disk > disks => {
+                let message = match disks {
+                    0 => "the robot has no disks".to_owned(),
+                    _ => format!("there is no disk {disk}: the robot has disks 1 to {disks}"),
+                };
+                problems.push(span("disk"), || {
+                    problem(
+                        message,
+                        "disks are numbered from 1, the base disk; or give `arc_length`",
+                    )
+                });
+                return None;
+            }
+            (Some(disk), _) => Place::Disk(disk - 1),
+            (None, Some(arc_length)) if arc_length > length * (1.0 + 1e-6) => {
+                let message = format!(
+                    "there is no arc length {arc_length} m: the backbone goes from 0 to {length} m"
+                );
+                problems.push(span("arc_length"), || {
+                    problem(
+                        message,
+                        "arc lengths are those of the straight backbone, from its base",
+                    )
+                });
+                return None;
+            }
+            (None, Some(arc_length)) => Place::ArcLength(arc_length.min(length)),
+            (None, None) => robot.tip()?,
+        };
+        markers.push(Marker { name, place, offset: vec3(table, "offset").unwrap_or(usual) });
+    }
+    Some(markers)
 }
 
 /// `[[measured.cameras]]`; `None` when one is refused.

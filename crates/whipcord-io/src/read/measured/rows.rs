@@ -3,15 +3,17 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use whipcord::Vec3;
 use whipcord::robot::limits::{COORDINATE, LENGTH};
+use whipcord::{UnitQuaternion, Vec3};
 use whipcord_estimation::{Observation, Place, Seen};
 
+use super::super::commands::CommandTable;
+use super::super::table::{Cell, Grid, Row, problem};
 use super::columns::{Column, HEADER, Read, columns};
-use super::grid::{Cell, Grid, Row};
-use super::{Known, extent, problem};
+use super::{Known, Marker, MeasuredRotation, extent};
 use crate::error::Problems;
 use crate::source::{Span, quoted};
+use crate::suggest;
 use crate::units::{Dimension, listed, parse_quantity};
 
 /// No image is so large.
@@ -22,34 +24,75 @@ pub(super) const PIXELS: &str =
 const NUMBERS: &str =
     "write lengths as plain numbers with a decimal point, in m or in the `unit` of [measured]";
 
-/// All that was seen, by step, then by place. `None` when something was refused, which has been
-/// reported.
+/// All that was seen, by step, then by place, and the orientations of tracked bodies. `None` when something was refused, which
+/// has been reported.
 pub(super) fn observations(
     grid: &Grid,
     known: &Known<'_>,
     problems: &mut Problems,
-) -> Option<Vec<Observation>> {
+) -> Option<(Vec<Observation>, Vec<MeasuredRotation>)> {
     let columns = columns(grid, known, problems)?;
-    let mut reader = Reader { columns, known, problems, refused: false, other_unit: false };
-    let mut seen = Vec::new();
+    let has = |column| columns.iter().any(|read| read.column == column);
+    let steps = match known.rows() {
+        Some(rows) if !has(Column::Step) => {
+            let key = columns.iter().position(|read| read.column == Column::Key);
+            Some(steps_of_rows(grid, key, rows, known, problems)?)
+        }
+        _ => None,
+    };
+    let is_tip = known.rows().is_some() && !has(Column::Disk) && !has(Column::ArcLength);
+    let mut reader = Reader {
+        columns,
+        known,
+        problems,
+        refused: false,
+        other_unit: false,
+        marker: None,
+        is_tip,
+    };
+    let (mut seen, mut rotations) = (Vec::new(), Vec::new());
     let mut first = HashMap::new();
-    for row in &grid.rows {
-        let Some(observation) = reader.row(row) else { continue };
-        let offset = observation.offset.to_array().map(f64::to_bits);
-        let camera = match observation.seen {
-            Seen::Position(_) => None,
-            Seen::Pixel { camera, .. } => Some(camera),
+    let markers: Vec<Option<usize>> = match known.markers.len() {
+        0 => vec![None],
+        count => (0..count).map(Some).collect(),
+    };
+    for (number, row) in grid.rows.iter().enumerate() {
+        let step = match &steps {
+            Some(steps) => steps[number],
+            None => reader.step(row),
         };
-        let key = (observation.step, order(observation.place).to_bits(), offset, camera);
-        if let Some(first) = first.get(&key) {
-            let related = Some((*first, "it is first given here"));
-            let message = format!("{} is given twice", named(observation.place));
-            let help = "give each disk one line in each step, or markers beside it their offset";
-            reader.problems.push_related(row.span, related, || problem(message, help));
-            reader.refused = true;
-        } else {
-            first.insert(key, row.span);
-            seen.push(observation);
+        // The row is not measured, or its step is refused.
+        let Some(step) = step else { continue };
+        for marker in &markers {
+            reader.marker = *marker;
+            if let Some(rotation) = reader.rotation(row, step) {
+                rotations.push(rotation);
+            }
+            let Some(observation) = reader.row(row, step) else { continue };
+            let offset = observation.offset.to_array().map(f64::to_bits);
+            let camera = match observation.seen {
+                Seen::Position(_) => None,
+                Seen::Pixel { camera, .. } => Some(camera),
+            };
+            let key = (observation.step, order(observation.place).to_bits(), offset, camera);
+            if let Some(first) = first.get(&key) {
+                let related = Some((*first, "it is first given here"));
+                let message = match known.rows() {
+                    Some(rows) => format!(
+                        "{} is given twice for {}",
+                        named(observation.place),
+                        rows.label(observation.step)
+                    ),
+                    None => format!("{} is given twice", named(observation.place)),
+                };
+                let help =
+                    "give each disk one line in each step, or markers beside it their offset";
+                reader.problems.push_related(row.span, related, || problem(message, help));
+                reader.refused = true;
+            } else {
+                first.insert(key, row.span);
+                seen.push(observation);
+            }
         }
     }
     if reader.refused {
@@ -69,7 +112,78 @@ pub(super) fn observations(
         return None;
     }
     seen.sort_by(|a, b| a.step.cmp(&b.step).then(order(a.place).total_cmp(&order(b.place))));
-    Some(seen)
+    Some((seen, rotations))
+}
+
+/// The row of commands, from 0, that each line belongs to; none for one that is not measured.
+fn steps_of_rows(
+    grid: &Grid,
+    key: Option<usize>,
+    rows: &CommandTable,
+    known: &Known<'_>,
+    problems: &mut Problems,
+) -> Option<Vec<Option<usize>>> {
+    let measured = |row: &usize| rows.rows[*row].is_measured;
+    if known.same_file {
+        return Some((0..rows.rows.len()).map(|row| Some(row).filter(measured)).collect());
+    }
+    if let Some(key) = key {
+        let by_key: HashMap<&str, usize> = rows
+            .rows
+            .iter()
+            .enumerate()
+            .filter_map(|(number, row)| Some((row.key.as_deref()?, number)))
+            .collect();
+        let mut refused = false;
+        let mut steps = Vec::with_capacity(grid.rows.len());
+        for row in &grid.rows {
+            let cell = &row.cells[key];
+            let step = cell.value.text().and_then(|text| by_key.get(text).copied());
+            if step.is_none() && !problems.is_full() {
+                refused = true;
+                match cell.value.text() {
+                    None => problems.push(row.span, || {
+                        problem("this line has no key", "give the key of its row of commands")
+                    }),
+                    Some(text) => {
+                        let near = suggest::nearest(text, by_key.keys().copied());
+                        let near = near.map(|near| format!("did you mean `{near}`? "));
+                        let message = format!(
+                            "no row of `{}` has the key `{}`",
+                            rows.path.display(),
+                            quoted(text)
+                        );
+                        let help = format!(
+                            "{}leave out lines without commands, or add the row there",
+                            near.unwrap_or_default()
+                        );
+                        problems.push(cell.span, || problem(message, help));
+                    }
+                }
+            }
+            steps.push(step.filter(measured));
+        }
+        return (!refused).then_some(steps);
+    }
+    if let Some(key) = known.key.filter(|_| rows.key.is_some()) {
+        let message = format!("there is no column `{}`, by which rows are found", quoted(key));
+        let help = "add it; or name the column of the keys in `key` of [measured]";
+        problems.push(grid.header, || problem(message, help));
+        return None;
+    }
+    let all: Vec<Option<usize>> = (0..rows.rows.len()).filter(measured).map(Some).collect();
+    if all.len() != grid.rows.len() {
+        let message = format!(
+            "the table has {} lines, but {} rows of `{}` are measured",
+            grid.rows.len(),
+            all.len(),
+            rows.path.display()
+        );
+        let help = "give each of these rows one line, with empty cells where nothing was seen; or find rows by a column that `key` of [commands] names, or by a column `step` with the number of the row";
+        problems.push(grid.header, || problem(message, help));
+        return None;
+    }
+    Some(all)
 }
 
 /// Disks by their number, then arc lengths.
@@ -94,24 +208,57 @@ struct Reader<'a> {
     refused: bool,
     /// Whether arc lengths in another unit than the file says have been reported.
     other_unit: bool,
+    /// The marker of [[measured.markers]] that is read.
+    marker: Option<usize>,
+    /// Whether lines are of the tip, as no column says where markers are.
+    is_tip: bool,
 }
 
 impl Reader<'_> {
-    /// What a row says that was seen; `None` when the marker was not seen, or the row is refused.
-    fn row(&mut self, row: &Row) -> Option<Observation> {
+    /// What a row says that was seen in a step; `None` when the marker was not seen, or the row is refused.
+    fn row(&mut self, row: &Row, step: usize) -> Option<Observation> {
         let before = self.refused;
         self.refused = false;
-        let step = self.step(row);
         let place = self.place(row);
-        let offset =
-            self.lengths(row, Column::Offset).map(|offset| offset.map(|x| x.unwrap_or(0.0)));
+        let usual = self.declared().map_or(self.known.offset, |marker| marker.offset);
+        let usual = usual.to_array();
+        let offset = self.lengths(row, Column::Offset);
         let seen = self.seen(row);
         let deviation = self.deviation(row, seen);
         let refused = core::mem::replace(&mut self.refused, before);
         self.refused |= refused;
-        let ([x, y, z], place, step, seen) = (offset?, place?, step?, seen?);
+        let (offset, place, seen) = (offset?, place?, seen?);
+        let [x, y, z] = [0, 1, 2].map(|axis| offset[axis].unwrap_or(usual[axis]));
         let offset = Vec3::new(x, y, z);
         (!refused).then_some(Observation { step, place, offset, seen, deviation })
+    }
+
+    /// The marker of [[measured.markers]] that is read.
+    fn declared(&self) -> Option<&Marker<'_>> {
+        self.known.markers.get(self.marker?)
+    }
+
+    /// The orientation of the tracked body in a row; `None` where it was not seen, or is refused.
+    fn rotation(&mut self, row: &Row, step: usize) -> Option<MeasuredRotation> {
+        const HELP: &str =
+            "give qw, qx, qy and qz, or leave all four empty where the body was not seen";
+        self.columns.iter().find(|read| matches!(read.column, Column::Orientation(_)))?;
+        let parts = [0, 1, 2, 3].map(|part| self.number(row, Column::Orientation(part), HELP));
+        match parts {
+            [Some(w), Some(x), Some(y), Some(z)] => {
+                let Some(rotation) = UnitQuaternion::from_wxyz([w, x, y, z]) else {
+                    self.refuse(row.span, "the quaternion is zero".to_owned(), HELP);
+                    return None;
+                };
+                Some(MeasuredRotation { step, place: self.place(row)?, rotation })
+            }
+            [None, None, None, None] => None,
+            _ if self.refused => None,
+            _ => {
+                self.refuse(row.span, "a part of the orientation is missing".to_owned(), HELP);
+                None
+            }
+        }
     }
 
     /// Standard deviation in m or pixels.
@@ -202,12 +349,16 @@ impl Reader<'_> {
     }
 
     fn cell<'r>(&self, row: &'r Row, column: Column) -> Option<&'r Cell> {
-        self.columns.iter().position(|read| read.column == column).and_then(|i| row.cells.get(i))
+        let marker = self.marker.filter(|_| column.is_of_marker());
+        let found = |read: &Read| (read.column, read.marker) == (column, marker);
+        self.columns.iter().position(found).and_then(|i| row.cells.get(i))
     }
 
     /// Unit of the lengths in a column.
     fn unit(&self, column: Column) -> &'static str {
-        let read = self.columns.iter().find(|read| read.column == column);
+        let marker = self.marker.filter(|_| column.is_of_marker());
+        let found = |read: &&Read| (read.column, read.marker) == (column, marker);
+        let read = self.columns.iter().find(found);
         read.map_or(self.known.unit, |read| read.unit)
     }
 
@@ -289,6 +440,12 @@ impl Reader<'_> {
         const HELP: &str = "disks are numbered from 1, the base disk";
         const NO_DISKS: &str =
             "give the column `arc_length` instead of `disk`, or add [disks] to the robot file";
+        if let Some(marker) = self.declared() {
+            return Some(marker.place);
+        }
+        if self.is_tip {
+            return self.known.robot.tip();
+        }
         let given = |reader: &Self, column| {
             reader.cell(row, column).filter(|cell| cell.value.text().is_some())
         };

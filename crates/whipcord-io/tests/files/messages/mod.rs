@@ -6,6 +6,7 @@ mod files;
 mod models;
 mod motors;
 mod obstacles;
+mod tables;
 mod warnings;
 
 use whipcord_io::{FileError, parse};

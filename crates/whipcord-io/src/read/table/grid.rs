@@ -3,14 +3,14 @@
 use crate::source::Span;
 
 /// Columns of a table that is read; some of them may be of no concern here.
-const MOST_COLUMNS: usize = 20;
+const MOST_COLUMNS: usize = 200;
 /// Rows of a table that is read,
 const MOST_ROWS: usize = 500_000;
 /// and values in all of them, which take about a hundred bytes each.
 const MOST_VALUES: usize = 5_000_000;
 
 /// What is wrong with the size of a table, if anything.
-pub(super) fn too_large(rows: usize, columns: usize) -> Option<String> {
+pub(crate) fn too_large(rows: usize, columns: usize) -> Option<String> {
     if columns > MOST_COLUMNS {
         return Some(format!("the table has {columns} columns; up to {MOST_COLUMNS} are read"));
     }
@@ -22,7 +22,7 @@ pub(super) fn too_large(rows: usize, columns: usize) -> Option<String> {
 
 /// Columns and rows.
 #[derive(Debug)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     pub columns: Vec<Cell>,
     /// Each with as many cells as there are columns.
     pub rows: Vec<Row>,
@@ -32,21 +32,21 @@ pub(super) struct Grid {
 
 /// A row.
 #[derive(Debug)]
-pub(super) struct Row {
+pub(crate) struct Row {
     pub cells: Vec<Cell>,
     pub span: Span,
 }
 
 /// A value and its place.
 #[derive(Debug)]
-pub(super) struct Cell {
+pub(crate) struct Cell {
     pub value: Value,
     pub span: Span,
 }
 
 /// What stands in a cell.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     /// Nothing, as programs write it: an empty cell or a word for it.
     Missing,
     Text(String),

@@ -1,7 +1,6 @@
 //! Comma-separated values. The crates for them do not tell where in the text a cell stands, which is
 //! what a message points at.
 
-use super::columns::HEADER;
 use super::grid::{Cell, Grid, Row, Value, too_large};
 use super::problem;
 use crate::error::Problems;
@@ -35,13 +34,18 @@ impl Separator {
     }
 }
 
-/// Reads a text; `None` when it has no rows, too many, or some that are too short or too long.
-pub(super) fn grid(text: &str, file: usize, problems: &mut Problems) -> Option<Grid> {
+/// Reads a text, whose first line is as `header` says; `None` when it has no rows, too many, or some that are too short or too long.
+pub(super) fn grid(
+    text: &str,
+    file: usize,
+    header: &'static str,
+    problems: &mut Problems,
+) -> Option<Grid> {
     let mut columns: Option<(Vec<Cell>, Span, Separator)> = None;
     let mut rows = Vec::new();
     let mut ragged = false;
     if let Some((span, message)) = too_much(text, file) {
-        problems.push(span, || problem(message, HEADER));
+        problems.push(span, || problem(message, header));
         return None;
     }
     let mut start = 0;
@@ -56,7 +60,7 @@ pub(super) fn grid(text: &str, file: usize, problems: &mut Problems) -> Option<G
                     let message = format!("this line has {given} values, not {expected}");
                     let help = match separator {
                         Separator::Comma if given > expected => DECIMAL_COMMAS,
-                        _ => HEADER,
+                        _ => header,
                     };
                     problems.push(span, || problem(message, help));
                     ragged = true;
@@ -68,13 +72,13 @@ pub(super) fn grid(text: &str, file: usize, problems: &mut Problems) -> Option<G
     }
     let complete = columns.filter(|_| !rows.is_empty());
     if complete.is_none() && !ragged {
-        problems.push(Span::new(file, 0, 0), || problem("the file has no rows", HEADER));
+        problems.push(Span::new(file, 0, 0), || problem("the file has no rows", header));
     }
-    let (columns, header, separator) = complete.filter(|_| !ragged)?;
+    let (columns, line, separator) = complete.filter(|_| !ragged)?;
     if separator != Separator::Comma && !decimal_points(&mut rows, problems) {
         return None;
     }
-    Some(Grid { columns, rows, header })
+    Some(Grid { columns, rows, header: line })
 }
 
 const DECIMAL_COMMAS: &str =
@@ -168,7 +172,7 @@ mod tests {
 
     fn refused(text: &str) -> Option<String> {
         let mut problems = Problems::default();
-        assert!(grid(text, 0, &mut problems).is_none() || problems.is_empty());
+        assert!(grid(text, 0, "", &mut problems).is_none() || problems.is_empty());
         let error = problems.into_error(crate::source::Sources::default());
         error.problems.first().map(|diagnostic| diagnostic.problem.to_string())
     }
@@ -183,7 +187,7 @@ mod tests {
         let message = "the table has 250001 rows of 20 columns; up to 250000 of them are read";
         assert_eq!(refused(&row.repeat(250_002)).as_deref(), Some(message));
         let wide = refused(&",".repeat(60_000_000));
-        let message = "the table has 60000001 columns; up to 20 are read";
+        let message = "the table has 60000001 columns; up to 200 are read";
         assert_eq!(wide.as_deref(), Some(message));
         let ragged = refused(&format!("disk;x\n1;0\n{}\n", ";".repeat(60_000_000)));
         assert_eq!(ragged.as_deref(), Some("this line has 60000001 values, not 2"));

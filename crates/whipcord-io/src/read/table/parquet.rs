@@ -9,7 +9,6 @@ use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 
-use super::columns::HEADER;
 use super::grid::{Cell, Grid, Row, Value, too_large};
 use super::thrift::{Item, Reader};
 use crate::files;
@@ -20,7 +19,9 @@ const MAGIC: &[u8] = b"PAR1";
 /// Bytes of the footer, which lists what is in the file: a table of many pieces takes some hundred thousand.
 const LONGEST_FOOTER: usize = 1 << 22;
 /// Entries of the schema, and parts of one; a table has one for each column.
-const LARGEST_SCHEMA: usize = 64;
+const LARGEST_SCHEMA: usize = 210;
+/// What a table must have.
+const HEADER: &str = "a table has named columns and a row for each line of values";
 /// Pages in all, and bytes of all of them when they are unpacked: twice as many as of the largest file.
 const MOST_PAGES: usize = 100_000;
 const MOST_UNPACKED: u64 = 2 * files::LARGEST_TABLE as u64;
@@ -304,11 +305,11 @@ mod tests {
             [&head[..], &element.repeat(128 + usize::from(count)), &[0]].concat()
         };
         let deep = with_footer(&of(100, &element(&[2])));
-        assert_eq!(deep, "the table has 227 columns; up to 20 are read");
+        assert_eq!(deep, "the table has 227 columns; up to 200 are read");
         let wide = with_footer(
             &[&[0x29, 0x1c][..], &element(&[0xfe, 0xff, 0xff, 0xff, 0x0f]), &[0]].concat(),
         );
-        assert_eq!(wide, "the table has 2147483646 columns; up to 20 are read");
+        assert_eq!(wide, "the table has 2147483646 columns; up to 200 are read");
         assert!(with_footer(&[0x1c; 100]).contains("its footer is broken"));
         assert!(with_footer(&vec![0; LONGEST_FOOTER + 1]).contains("its footer is too long"));
     }

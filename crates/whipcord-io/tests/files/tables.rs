@@ -1,0 +1,158 @@
+//! Tables of commands and of measurements, read.
+
+use std::fs;
+
+use whipcord::{Pose, Shortening, Vec3};
+use whipcord_estimation::{Place, Seen};
+use whipcord_io::{CaseFile, Commanded, describe, load, parse, toml};
+
+const ARM: &str = "[backbone]\nlength = \"200 mm\"\ndiameter = \"1.5 mm\"\nyoung_modulus = \"60 GPa\"\npoisson_ratio = 0.3\n[disks]\ncount = 5\nhole_circle_radius = \"8 mm\"\nholes = 4\n[[cables]]\nname = \"right\"\nholes = [1, 1, 1, 1, 1]\n[[cables]]\nname = \"left\"\nholes = [3, 3, 3, 3, 3]\n[[cables]]\nname = \"up\"\nholes = [2, 2, 2, 2, 2]\n[[motors]]\nname = \"pan\"\ncables = [\"right\", \"-left\"]\nspool_radius = \"10 mm\"\n";
+
+fn read(tail: &str, tables: &[(&str, &[u8])]) -> CaseFile {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in tables {
+        fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    fs::write(folder.path().join("arm.toml"), format!("{ARM}{tail}")).unwrap();
+    load(folder.path().join("arm.toml")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn rows_are_steps() {
+    let rows = b"# a log\nrun; time (ms); pan [deg]; UP [N]; group; measured; note\n\na; 100; 90,5; 2; g1; true; x\nb; 200; -45; 0; ; 0; y\n";
+    let tail = "[commands]\ntable = \"rows.csv\"\nkey = \"run\"\nignore = [\"note\", \"UP\"]\n";
+    let with_up =
+        ARM.replace("holes = [2, 2, 2, 2, 2]\n", "holes = [2, 2, 2, 2, 2]\ntension = \"3 N\"\n");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("rows.csv"), rows).unwrap();
+    fs::write(folder.path().join("arm.toml"), format!("{with_up}{tail}")).unwrap();
+    let file = load(folder.path().join("arm.toml")).unwrap_or_else(|error| panic!("{error}"));
+    assert!(file.case.independent);
+    let degree = core::f64::consts::PI / 180.0;
+    assert_eq!(file.case.motors.len(), 2);
+    assert!((file.case.motors[0][0].unwrap() - 90.5 * degree).abs() < 1e-12);
+    // A cable without a column keeps its own command.
+    assert_eq!(file.case.before[0][2].tension, Some(3.0));
+    let Some(Shortening::Length(left)) = file.case.commands[1].shortening else { panic!() };
+    assert!((left - 0.010 * 45.0 * degree).abs() < 1e-15);
+    let table = file.commands.unwrap();
+    let lines: Vec<usize> = table.rows.iter().map(|row| row.line).collect();
+    assert_eq!(lines, [4, 5]);
+    assert_eq!(table.rows[0].time, Some(0.1));
+    assert_eq!(
+        (table.rows[0].group.as_deref(), table.rows[1].group.as_deref()),
+        (Some("g1"), None)
+    );
+    assert_eq!((table.rows[0].is_measured, table.rows[1].is_measured), (true, false));
+    assert_eq!((table.label(1).as_str(), table.commands.len()), ("b", 1));
+    assert_eq!(table.commands[0].of, Commanded::Motor(0));
+}
+
+#[test]
+fn columns_have_many_names() {
+    let of = |header: &str, units: &str| {
+        let tail = format!("[commands]\ntable = \"rows.csv\"\n{units}");
+        let rows = format!("{header}\n2,3\n");
+        read(&tail, &[("rows.csv", rows.as_bytes())])
+    };
+    let turn = core::f64::consts::TAU;
+    for (header, units, pan, up) in [
+        ("pan,up.tension", "", 2.0, 3.0),
+        ("pan [turn],up [N]", "", 2.0 * turn, 3.0),
+        ("Motor 1 (turn),cable3.tension [kN]", "", 2.0 * turn, 3e3),
+        ("motor-1.angle,cable_3_tension", "units = [\"turn\", \"kN\"]\n", 2.0 * turn, 3e3),
+        ("pan.angle [rad],up_force", "units = [\"turn\"]\n", 2.0, 3.0),
+    ] {
+        let file = of(header, units);
+        let found = file.case.motors[0][0].unwrap();
+        assert!((found - pan).abs() < 1e-12, "{header}: {found}");
+        assert_eq!(file.case.commands[2].tension, Some(up), "{header}");
+    }
+    let file = of("pan,up [%]", "");
+    assert_eq!(file.case.commands[2].shortening, Some(Shortening::Fraction(0.03)));
+    let file = of("pan,up.shortening [mm]", "");
+    assert_eq!(file.case.commands[2].shortening, Some(Shortening::Length(0.003)));
+}
+
+#[test]
+fn backlash_remembers_rows_in_order_and_forgets_independent_ones() {
+    let rows = b"pan [deg],up [N]\n20,1\n19,1\n";
+    let of = |each: &str| {
+        let tail =
+            format!("backlash = \"4 deg\"\n[commands]\ntable = \"rows.csv\"\neach = \"{each}\"\n");
+        read(&tail, &[("rows.csv", rows)]).case
+    };
+    let right = |case: &whipcord::Case| {
+        case.commands[0].shortening.map(|s| s.in_metres(1.0).to_degrees() / 0.01).unwrap()
+    };
+    let (in_order, independent) = (of("in order"), of("independent"));
+    assert!((right(&in_order) - 18.0).abs() < 1e-9 && !in_order.independent);
+    assert!((right(&independent) - 17.0).abs() < 1e-9 && independent.independent);
+    // The last step alone has the history that matters.
+    let last = |case: &whipcord::Case| case.single_steps().last().unwrap().motors.len();
+    assert_eq!((last(&in_order), last(&independent)), (2, 1));
+}
+
+#[test]
+fn measurements_find_their_rows() {
+    let rows: &[u8] = b"run,pan [deg],up [N],measured\na,1,2,1\nb,2,2,0\nc,3,2,1\n";
+    let measured = |commands: &str, tail: &str, tip: &[u8]| {
+        let tail = format!(
+            "[commands]\ntable = \"rows.csv\"\n{commands}[measured]\nunit = \"mm\"\n{tail}"
+        );
+        let file = read(&tail, &[("rows.csv", rows), ("tip.csv", tip)]);
+        let measured = file.measured.unwrap();
+        let found = measured.observations.iter().map(|of| match of.seen {
+            Seen::Position(at) => (of.step, of.place, of.offset, at),
+            Seen::Pixel { .. } => panic!("no pixels"),
+        });
+        (found.collect::<Vec<_>>(), measured.rotations)
+    };
+    let (tip, at) = (Place::Disk(4), Vec3::new(0.01, 0.02, 0.19));
+    let key = "key = \"run\"\n";
+    let table = "table = \"tip.csv\"\n";
+    // By keys, in any order; those of rows that are not measured do not count.
+    let (found, _) = measured(key, table, b"x,y,z,run\n10,20,190,c\n1,1,1,b\n");
+    assert_eq!(found, [(2, tip, Vec3::ZERO, at)]);
+    // Line by line.
+    let (found, _) = measured("ignore = [\"run\"]\n", table, b"time,x,y,z\n0,,,\n1,10,20,190\n");
+    assert_eq!(found, [(2, tip, Vec3::ZERO, at)]);
+    // By the number of the row, with several markers in lines of their own.
+    let (found, _) = measured(key, table, b"step,disk,x,y,z\n1,5,10,20,190\n1,3,1,2,90\n");
+    assert_eq!(found[0].1, Place::Disk(2));
+    assert_eq!((found[1].0, found[1].1), (0, tip));
+    // Several markers in one line, and an offset of the tracked body with its orientation.
+    let markers = "table = \"tip.csv\"\noffset = [\"1 mm\", 0, \"5 mm\"]\n[[measured.markers]]\nname = \"m1\"\narc_length = \"50 mm\"\noffset = [0, \"8 mm\", 0]\n[[measured.markers]]\nname = \"tool\"\n";
+    let line = b"run,m1_x,m1_y,m1_z,tool.x [cm],tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\na,1,2,50,1,20,190,1,0,0,0\nc,,,,1,20,190,0,0,0,2\n";
+    let (found, rotations) = measured(key, markers, line);
+    assert_eq!(found.len(), 3);
+    assert_eq!(found[0], (0, tip, Vec3::new(0.001, 0.0, 0.005), at));
+    assert_eq!((found[1].1, found[1].2), (Place::ArcLength(0.05), Vec3::new(0.0, 0.008, 0.0)));
+    assert_eq!((rotations.len(), rotations[1].step), (2, 2));
+    assert_eq!(rotations[1].rotation.wxyz(), [0.0, 0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn commands_and_measurements_may_share_a_file() {
+    let rows =
+        b"pan [deg],up [N],measured,x,y,z\n1,2,1,0,0,0.2\n2,2,0,0,0,0.1\n3,2,1,0.01,0,0.19\n";
+    let tail = "[commands]\ntable = \"log.csv\"\n[measured]\ntable = \"log.csv\"\n";
+    let file = read(tail, &[("log.csv", rows)]);
+    let steps: Vec<usize> = file.measured.unwrap().observations.iter().map(|of| of.step).collect();
+    assert_eq!(steps, [0, 2]);
+}
+
+#[test]
+fn independent_steps_are_written_and_read_again() {
+    let rows = b"pan [deg],up [N]\n20,1\n19,1\n";
+    let file = read("[commands]\ntable = \"rows.csv\"\n", &[("rows.csv", rows)]);
+    let mut case = file.case.clone();
+    // A robot file has commands of all motors or cables in a step, or of none.
+    for step in case.before.iter_mut().chain([&mut case.commands]) {
+        step[2].tension = None;
+    }
+    let text = toml(&describe(None, &file.robot, &case).unwrap());
+    assert!(text.contains("each = \"independent\""), "{text}");
+    let again = parse(&text, "again.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    assert_eq!((again.case.base, again.case), (Pose::IDENTITY, case));
+}
