@@ -40,6 +40,7 @@ class Description:
         loads: Loads | None = None,
         base: Base | None = None,
         steps: Sequence[Step] = (),
+        independent: bool = False,
         obstacles: Sequence[Obstacle] = (),
         title: str = "case",
     ) -> None:
@@ -61,6 +62,7 @@ class Description:
             "base": part(base, Base, "base") or None,
             "loads": part(loads, Loads, "loads") or None,
             "obstacles": parts(obstacles, Obstacle, "obstacles"),
+            "commands": {"each": "independent"} if independent and steps else None,
             "steps": parts(steps, Step, "steps"),
         }
         self._keep(_core.Setup.of_tables(tables, "Case"))
@@ -130,6 +132,12 @@ class Description:
         return tuple(Step._of(step) for step in self._tables.get("steps", ()))
 
     @property
+    def independent(self) -> bool:
+        """Whether each step starts from the robot at rest, as the rows of a table of commands may."""
+        each: str = self._tables.get("commands", {}).get("each", "in order")
+        return each == "independent"
+
+    @property
     def tension(self) -> tuple[float | None, ...]:
         """Tension of each cable in N, where it is given."""
         return self._commands("tension")
@@ -175,7 +183,8 @@ class Description:
         Parameters
         ----------
         changes
-            ``robot``, ``tension``, ``shortening``, ``motors``, ``loads``, ``base``, ``steps``, ``obstacles``, ``title``, as for :class:`whipcord.Case`.
+            ``robot``, ``tension``, ``shortening``, ``motors``, ``loads``, ``base``, ``steps``, ``independent``,
+            ``obstacles``, ``title``, as for :class:`whipcord.Case`.
         """
         given: dict[str, Any] = {"loads": self.loads, "base": self.base, "title": self.title}
         if {"tension", "shortening", "motors"} & changes.keys() and "steps" not in changes:
@@ -184,6 +193,7 @@ class Description:
             given["obstacles"] = self.obstacles
         if self.steps:
             given["steps"] = self.steps
+            given["independent"] = self.independent
         else:
             # A robot with other cables takes the place of one whose cables are told nothing.
             for key, values in (("tension", self.tension), ("shortening", self.shortening)):

@@ -67,6 +67,8 @@ class Case(Description):
         Where the base is; by default the frames of base and world are one.
     steps
         Steps of actuation, the last of which is the case; instead of `tension` and `shortening`.
+    independent
+        Whether each step starts from the robot at rest, instead of where the one before left it.
     obstacles
         What stands in the robot's way.
     title

@@ -141,7 +141,7 @@ def still_true(case: Description, other: Description) -> tuple[bool, bool]:
     """Whether what was measured and what was published for a case is so for another."""
     if case.measured is None and case.reference is None:
         return False, False
-    asked = ("tension", "shortening", "steps", "loads", "base", "obstacles")
+    asked = ("tension", "shortening", "steps", "independent", "loads", "base", "obstacles")
     same = all(getattr(case, name) == getattr(other, name) for name in asked)
     if not same or _places(case) != _places(other):
         return False, False

@@ -20,7 +20,8 @@ use whipcord_study::table::{Align, Table};
 /// has no answer.
 pub fn trace(model: &Model, file: &CaseFile) -> Result<Vec<TraceEvent>, Failure> {
     let CaseFile { robot, case, .. } = file;
-    let one_before = case.before.len().checked_sub(1).and_then(|step| case.step(step));
+    let one_before = case.before.len().checked_sub(1).filter(|_| !case.independent);
+    let one_before = one_before.and_then(|step| case.step(step));
     let to = |case: Case| {
         let mut prepared = model.prepare(robot, &case.loads).map_err(|error| (0, error))?;
         prepared.solve_to_the_end(&case)

@@ -275,7 +275,7 @@ fn parts(
         (steps, motor_steps) = (rows.steps, rows.motors);
         (table, row_spans) = (Some(rows.table), rows.spans);
     }
-    independent &= !steps.is_empty();
+    independent &= steps.len() > 1;
     Some(Parts {
         backbone,
         disks,

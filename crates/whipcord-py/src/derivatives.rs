@@ -63,7 +63,7 @@ pub fn derivatives(
             Prepared::FourBar(..) | Prepared::ConstantCurvature(..) => return Ok(None),
         }
         let mut left = None;
-        if start.is_none() {
+        if start.is_none() && !of.independent {
             for step in of.single_steps().take(of.before.len()) {
                 left = Some(prepared.solve(&step, left.as_ref())?);
             }

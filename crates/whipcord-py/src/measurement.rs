@@ -90,6 +90,7 @@ pub fn measured_of(values: &Bound<'_, PyDict>) -> PyResult<Measured> {
         deviation: get("deviation")?.extract()?,
         pixel_deviation: get("pixel_deviation")?.extract()?,
         path: get("path")?.extract()?,
+        ..Measured::default()
     })
 }
 

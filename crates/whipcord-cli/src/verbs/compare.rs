@@ -9,12 +9,13 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde_json::Value;
 use whipcord::ModelKind;
-use whipcord_io::{contacts_csv, warnings_json};
+use whipcord_io::{CaseFile, contacts_csv, warnings_json};
 
 use crate::deadline;
 use crate::inputs::{Inputs, Settings};
 use crate::model_arguments::model_parser;
 use crate::progress;
+use crate::verbs::score;
 use crate::warnings::Warnings;
 use whipcord_study::comparison::figures::figures;
 use whipcord_study::comparison::study::Study;
@@ -25,6 +26,7 @@ use whipcord_study::html::{Figure, page};
 use whipcord_study::model_benchmark::reference::Choice;
 use whipcord_study::model_benchmark::results::Results;
 use whipcord_study::model_benchmark::{self, Subject};
+use whipcord_study::score::{Score, output};
 use whipcord_study::style::Style;
 use whipcord_study::suite::{self, Suite, SuiteCase};
 
@@ -124,7 +126,7 @@ fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, F
         whipcord_study::html::footer()
     );
     folder.write("report.html", &page("Whipcord: benchmark of the models", &body))?;
-    finish(args, &results, Vec::new(), text, &folder)
+    finish(args, &results, Vec::new(), None, text, &folder)
 }
 
 fn write_suite(path: &Path, cases: &[SuiteCase]) -> Result<String, Failure> {
@@ -176,6 +178,19 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     let figures = write_figures(&folder, &studies)?;
     write_numbers(&folder, &studies)?;
     let (accuracy, benchmarks) = accuracy(args, &folder, &results, style)?;
+    let measured = studies.iter().map(|study| &study.file);
+    let measured: Vec<_> = measured.filter(|file| has_positions(file)).collect();
+    let score = match measured.is_empty() {
+        true => None,
+        false => Some(score::of_files(measured, kinds.clone(), None)?),
+    };
+    let mut accuracy = accuracy;
+    if let Some(score) = &score {
+        accuracy += "<h2>Against the measurements</h2>\n";
+        accuracy += &whipcord_study::score::report::section(score, &[]);
+        folder.write_table("score.csv", &output::summary_csv(score))?;
+        folder.write_table("rows.csv", &output::rows_csv(score))?;
+    }
     let recommendation = model_benchmark::report::recommendation(&results);
     let report = report::html(&studies, &figures, &recommendation, &accuracy, &passed_over);
     folder.write("report.html", &report)?;
@@ -190,6 +205,10 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     for note in tables::notes(&studies).iter().chain(&passed_over) {
         text += &format!("{note}\n");
     }
+    if let Some(score) = &score {
+        text += &format!("\n{}\n\n", style.heading("Against the measurements"));
+        text += &score::text(score, &[], style);
+    }
     text += &format!("\n{benchmarks}");
     let warnings = warned.iter().flat_map(|(file, list)| {
         let mut objects = warnings_json(file, list);
@@ -199,7 +218,13 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
             object
         })
     });
-    finish(args, &results, warnings.collect(), text, &folder)
+    finish(args, &results, warnings.collect(), score.as_ref(), text, &folder)
+}
+
+/// Whether anything was measured in space.
+fn has_positions(file: &CaseFile) -> bool {
+    let measured = file.measured.iter().flat_map(|measured| &measured.observations);
+    measured.into_iter().any(|seen| !seen.seen.is_in_image())
 }
 
 /// Refuses to go on once the time is over: solves that were ended have no answers to compare.
@@ -258,6 +283,7 @@ fn finish(
     args: &CompareArgs,
     results: &Results,
     warnings: Vec<Value>,
+    score: Option<&Score<'_>>,
     text: String,
     folder: &Folder,
 ) -> Result<String, Failure> {
@@ -265,6 +291,9 @@ fn finish(
         let mut json =
             model_benchmark::output::json(results).map_err(|error| files::no_result(&error))?;
         json["warnings"] = warnings.into();
+        if let Some(score) = score {
+            json["score"] = output::json(score, false);
+        }
         return Ok(format!("{json:#}\n"));
     }
     Ok(format!("{text}Report: {}\n", folder.path().join("report.html").display()))

@@ -57,7 +57,7 @@ pub struct ScoreArgs {
 /// Solves, writes the files, and returns what standard output shows.
 pub fn run(args: &ScoreArgs, style: Style) -> Result<String, Failure> {
     let Inputs { cases, notes } = Inputs::read(&args.files, &args.settings)?;
-    let score = of_files(&cases, kinds(&args.models), args.threads)?;
+    let score = of_files(cases.iter().collect(), kinds(&args.models), args.threads)?;
     let folder = Folder::create(&args.out)?;
     let drawn = match args.no_figures {
         true => Vec::new(),
@@ -113,11 +113,12 @@ pub fn kinds(models: &[ModelKind]) -> Vec<ModelKind> {
 /// # Errors
 /// [`Failure`] for files without measurements in space, or where the time is over.
 pub fn of_files(
-    cases: &[CaseFile],
+    cases: Vec<&CaseFile>,
     models: Vec<ModelKind>,
     threads: Option<NonZero<usize>>,
 ) -> Result<Score<'_>, Failure> {
-    let subjects: Vec<Subject<'_>> = cases.iter().map(Subject::new).collect();
+    let names = unique_names(cases.iter().map(|case| case.path.as_path()));
+    let subjects: Vec<Subject<'_>> = cases.into_iter().map(Subject::new).collect();
     let unmeasured = subjects.iter().filter(|subject| subject.rows.is_empty());
     let unmeasured: Vec<String> = unmeasured
         .map(|subject| {
@@ -130,7 +131,6 @@ pub fn of_files(
     if !unmeasured.is_empty() {
         return Err(Failure::Input(unmeasured.join("\n")));
     }
-    let names = unique_names(cases.iter().map(|case| case.path.as_path()));
     let jobs = Job::all(&subjects, &models);
     let answers = solve(&jobs, &subjects, threads);
     if deadline::cancel().is_cancelled() {

@@ -23,5 +23,6 @@ mod solve;
 mod start;
 mod stiffness;
 mod support;
+mod tables;
 mod timeout;
 mod warnings;

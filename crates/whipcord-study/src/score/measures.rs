@@ -131,7 +131,9 @@ pub struct Summary {
     pub rows: usize,
     /// Rows that are compared.
     pub compared: usize,
-    /// Rows without an answer.
+    /// Rows of robots that the model does not take.
+    pub refused: usize,
+    /// Rows without an answer of robots that it takes.
     pub failed: usize,
     /// Rows whose answer is unstable.
     pub unstable: usize,
@@ -190,7 +192,7 @@ impl Summary {
         score: &Score<'_>,
         files: impl Iterator<Item = (usize, &'s FileScore)>,
     ) -> Self {
-        let (mut rows, mut failed, mut unstable) = (0, 0, 0);
+        let (mut rows, mut refused, mut failed, mut unstable) = (0, 0, 0, 0);
         let (mut distances, mut errors) = (Vec::new(), Vec::new());
         let (mut relative, mut relative_errors) = (Vec::new(), Vec::new());
         let mut angles = Vec::new();
@@ -212,7 +214,8 @@ impl Summary {
                 unstable += usize::from(row.unstable);
                 match (&row.failure, row.error) {
                     (Some(failure), _) => {
-                        failed += 1;
+                        let counted = if of.refused.is_some() { &mut refused } else { &mut failed };
+                        *counted += 1;
                         count(failure.to_string());
                     }
                     (None, Some(error)) => {
@@ -239,6 +242,7 @@ impl Summary {
         Self {
             rows,
             compared: errors.len(),
+            refused,
             failed,
             unstable,
             markers: distances.len(),

@@ -70,6 +70,7 @@ fn summary(score: &Score<'_>, of: &Summary) -> Map<String, Value> {
     let object = json!({
         "rows": of.rows,
         "compared": of.compared,
+        "refused": of.refused,
         "failed": of.failed,
         "unstable": of.unstable,
         "markers": of.markers,
@@ -136,6 +137,7 @@ pub fn summary_csv(score: &Score<'_>) -> CsvTable {
         "model",
         "rows",
         "compared",
+        "refused",
         "failed",
         "unstable",
         "markers",
@@ -153,7 +155,9 @@ pub fn summary_csv(score: &Score<'_>) -> CsvTable {
     ]);
     let mut add = |file: Cell, model: &str, of: &Summary| {
         let mut row: Vec<Cell> = vec![file, model.into()];
-        row.extend([of.rows, of.compared, of.failed, of.unstable, of.markers].map(Cell::from));
+        row.extend(
+            [of.rows, of.compared, of.refused, of.failed, of.unstable, of.markers].map(Cell::from),
+        );
         let measures = |of: Option<Measures>| match of {
             Some(of) => [of.rms, of.median, of.percentile_95, of.worst].map(Cell::Number),
             None => core::array::from_fn(|_| Cell::Empty),

@@ -41,8 +41,8 @@ pub fn summary(score: &Score<'_>) -> Table {
         let mut row = vec![
             score.models[model].to_string(),
             summary.compared.to_string(),
-            summary.failed.to_string(),
-            summary.unstable.to_string(),
+            if summary.refused == summary.rows { dash() } else { summary.failed.to_string() },
+            if summary.refused == summary.rows { dash() } else { summary.unstable.to_string() },
         ];
         row.extend(distances(summary));
         if angles {

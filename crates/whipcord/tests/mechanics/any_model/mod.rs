@@ -13,6 +13,7 @@ mod driven;
 mod equilibrium;
 mod gradients;
 mod hole_friction;
+mod independent_steps;
 mod limits;
 mod locked;
 mod motors;

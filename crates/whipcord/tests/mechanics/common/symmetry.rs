@@ -132,6 +132,7 @@ impl Symmetry {
             commands: case.commands.clone(),
             before: case.before.clone(),
             motors: case.motors.clone(),
+            independent: case.independent,
             base: case.base,
             obstacles: case.obstacles.clone(),
             loads: Loads {

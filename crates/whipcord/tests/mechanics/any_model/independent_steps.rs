@@ -1,0 +1,80 @@
+//! Steps that are separate experiments, in every model that knows tensions.
+
+use whipcord::{
+    Actuation, Cable, Case, Disks, ModelKind, Motor, Robot, Solution, Statics as _, Stations,
+};
+
+use crate::common::{WITH_FORCES, model_with_forces, paper_backbone, straight};
+
+/// A cable with friction in its holes, and one on a spool with backlash.
+fn robot() -> Robot {
+    let cables = vec![
+        Cable { friction: Some(0.3), ..Cable::new("rubs", straight(0.0)) },
+        Cable { axial_stiffness: Some(3e3), ..Cable::new("winds", straight(90.0)) },
+    ];
+    let motor = Motor { backlash: 0.1, ..Motor::spool("spool", [(1, 0.01)]) };
+    let disks = Disks::equally_spaced(0.18, 7, 0.008);
+    Robot::new(paper_backbone(), disks, cables).unwrap().with_motors(vec![motor]).unwrap()
+}
+
+/// Pulls and lets go, so that the last step hangs on those before it where they are steps in order.
+fn case(robot: &Robot, independent: bool) -> Case {
+    let step = |tension| {
+        let mut commands = Case::with_tensions(&[tension, 0.0]).commands;
+        commands[1].tension = None;
+        commands
+    };
+    let mut case = Case {
+        before: vec![step(1.0), step(3.0)],
+        motors: vec![vec![Some(0.2)], vec![Some(0.5)], vec![Some(0.42)]],
+        independent,
+        commands: step(2.0),
+        ..Case::default()
+    };
+    case.drive(robot).unwrap();
+    case
+}
+
+/// The same step for a robot that was never pulled before.
+fn alone(robot: &Robot, case: &Case, step: usize) -> Case {
+    let mut alone = Case {
+        commands: case.before.get(step).unwrap_or(&case.commands).clone(),
+        motors: vec![case.motors[step].clone()],
+        ..Case::default()
+    };
+    alone.drive(robot).unwrap();
+    alone
+}
+
+#[test]
+fn independent_steps_know_nothing_of_one_another() {
+    let robot = robot();
+    let (independent, in_order) = (case(&robot, true), case(&robot, false));
+    for kind in WITH_FORCES {
+        let model = model_with_forces(kind, Stations::default(), Actuation::Natural);
+        let solve = |case: &Case| -> Vec<Solution> {
+            model.prepare(&robot, &case.loads).unwrap().solve_all(case).unwrap()
+        };
+        let steps = solve(&independent);
+        for (number, step) in steps.iter().enumerate() {
+            let own = model.solve(&robot, &alone(&robot, &independent, number)).unwrap();
+            assert_eq!(own.shape, step.shape, "{kind}, step {number}");
+            let single = independent.independent_step(number).unwrap();
+            assert_eq!(model.solve(&robot, &single).unwrap().shape, step.shape, "{kind}");
+        }
+        // The case is its last step, however it is asked.
+        let last = steps.last().unwrap();
+        let solved = model.solve(&robot, &independent).unwrap();
+        let to_the_end = model
+            .prepare(&robot, &independent.loads)
+            .unwrap()
+            .solve_to_the_end(&independent)
+            .unwrap();
+        assert_eq!((&solved.shape, &to_the_end.shape), (&last.shape, &last.shape), "{kind}");
+        // In order the cable with friction is still as tight inside as the step before left it, and the spool hangs in its play.
+        let remembers = solve(&in_order).pop().unwrap();
+        let apart = remembers.disks.distances(&last.disks).fold(0.0, f64::max);
+        assert!(apart > 5e-4, "{kind}: {apart}");
+    }
+    assert!(ModelKind::ALL.len() > WITH_FORCES.len());
+}
