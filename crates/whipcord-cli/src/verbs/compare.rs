@@ -26,7 +26,7 @@ use whipcord_study::html::{Figure, page};
 use whipcord_study::model_benchmark::reference::Choice;
 use whipcord_study::model_benchmark::results::Results;
 use whipcord_study::model_benchmark::{self, Subject};
-use whipcord_study::score::{Score, output};
+use whipcord_study::score::{Score, Subject as Scored, output};
 use whipcord_study::style::Style;
 use whipcord_study::suite::{self, Suite, SuiteCase};
 
@@ -180,9 +180,11 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     let (accuracy, benchmarks) = accuracy(args, &folder, &results, style)?;
     let measured = studies.iter().map(|study| &study.file);
     let measured: Vec<_> = measured.filter(|file| has_positions(file)).collect();
-    let score = match measured.is_empty() {
-        true => None,
-        false => Some(score::of_files(measured, kinds.clone(), None)?),
+    // Of a single row the first table has all there is to say.
+    let rows: usize = measured.iter().map(|file| Scored::new(file).rows.len()).sum();
+    let score = match rows {
+        0 | 1 => None,
+        _ => Some(score::of_files(measured, kinds.clone(), None)?),
     };
     let mut accuracy = accuracy;
     if let Some(score) = &score {
@@ -207,7 +209,10 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     }
     if let Some(score) = &score {
         text += &format!("\n{}\n\n", style.heading("Against the measurements"));
-        text += &score::text(score, &[], style);
+        text += &(whipcord_study::score::tables::summary(score).text(style) + "\n");
+        for note in whipcord_study::score::tables::measures_notes(score) {
+            text += &format!("{note}\n");
+        }
     }
     text += &format!("\n{benchmarks}");
     let warnings = warned.iter().flat_map(|(file, list)| {

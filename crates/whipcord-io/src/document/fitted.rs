@@ -128,6 +128,25 @@ impl CaseFile {
                     self.differ(&format!("{path}{dot}{key}"), a, b, edits)
                 })
             }
+            (Item::Table(a), Item::Table(b)) if keys(a).all(|key| b.get(key).is_some()) => {
+                let mut lines = String::new();
+                for (key, item) in &b.entries {
+                    match (a.get(key), item) {
+                        (Some(before), _) => {
+                            self.differ(&format!("{path}.{key}"), before, item, edits)?;
+                        }
+                        (None, Item::Number(_)) => {
+                            lines += &format!("\n{key} = {}", short(in_si(item)?));
+                        }
+                        (None, _) => return None,
+                    }
+                }
+                // What the file does not say yet stands behind the header of the table.
+                let header = self.document().find(path).filter(|node| node.span.file == 0)?.span;
+                self.text()?.get(header.start..header.end).filter(|text| text.starts_with('['))?;
+                edits.push((Span { start: header.end, ..header }, lines));
+                Some(())
+            }
             (Item::List(a), Item::List(b)) if a.len() == b.len() => {
                 // One number may stand for a list of the same ones, which stay the same.
                 if let Some(node) = self.document().find(path)

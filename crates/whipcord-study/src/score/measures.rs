@@ -5,8 +5,8 @@ use whipcord_estimation::observation::in_space;
 use whipcord_estimation::registration::{Alignment, align, nearest_rotation};
 use whipcord_io::Measured;
 
+use super::data::{FileScore, MarkerScore, RowScore, Score};
 use super::solve::{Answers, SolvedRow, Subject, Unsolved};
-use super::{FileScore, MarkerScore, RowScore, Score};
 use crate::failure::refuses;
 use crate::statistics::{median, root_mean_square};
 

@@ -123,9 +123,9 @@ pub fn worst_rows(score: &Score<'_>) -> Option<Table> {
     Some(table)
 }
 
-/// What the columns mean, how measurements were moved, and why rows are not compared.
+/// What the columns mean, and how rows follow one another.
 #[must_use]
-pub fn notes(score: &Score<'_>) -> Vec<String> {
+pub fn measures_notes(score: &Score<'_>) -> Vec<String> {
     let mut notes = vec![String::from(
         "Lengths in mm. RMS over all markers that are not on the base; median, 95 % and worst over the rows, of which each counts with the RMS of its markers. 95 %: the error that 95 % of the rows do not exceed.",
     )];
@@ -144,6 +144,14 @@ pub fn notes(score: &Score<'_>) -> Vec<String> {
             ),
         });
     }
+    notes
+}
+
+/// What the columns mean, how measurements were moved, and why rows are not compared.
+#[must_use]
+pub fn notes(score: &Score<'_>) -> Vec<String> {
+    let mut notes = measures_notes(score);
+    let all = score.subjects.len();
     for (file, models) in score.files.iter().enumerate() {
         let of_file = score.file(file);
         let name = if all > 1 { format!("{}: ", score.names[file]) } else { String::new() };
@@ -162,7 +170,7 @@ pub fn notes(score: &Score<'_>) -> Vec<String> {
             let seen = score.subjects[file].rows.len();
             if seen < measured_rows {
                 notes.push(format!(
-                    "{name}{} of {measured_rows} rows have no measured position.",
+                    "{name}rows without a measured position: {} of {measured_rows}.",
                     measured_rows - seen
                 ));
             }
