@@ -163,8 +163,11 @@ pub fn notes(score: &Score<'_>) -> Vec<String> {
         if let Some(table) = &of_file.commands {
             let left = table.rows.iter().filter(|row| !row.is_measured).count();
             if left > 0 {
-                notes
-                    .push(format!("{name}{left} rows are not measured and count only as history."));
+                let use_of_them = match of_file.case.independent {
+                    true => "left out",
+                    false => "used only as history",
+                };
+                notes.push(format!("{name}rows that are not measured, {use_of_them}: {left}."));
             }
             let measured_rows = table.rows.len() - left;
             let seen = score.subjects[file].rows.len();
