@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use whipcord::{Cable, Case, Model, Robot, Shape, Solution, SolveError};
+use whipcord::{Case, Model, Robot, Shape, Solution, SolveError};
 
 use crate::statistics::median;
 
@@ -90,8 +90,8 @@ impl TimedSolution {
         let answers = self.answers();
         let mut found: Vec<Option<Solution>> = Vec::with_capacity(answers.len());
         if let Ok(mut prepared) = model.prepare(robot, &case.loads) {
-            if robot.cables().iter().any(Cable::has_friction) && answers.len() > 1 {
-                // Where cables rub, an answer is that of all steps before it.
+            if robot.has_history() && answers.len() > 1 {
+                // With friction, an answer is that of all steps before it.
                 let _ = prepared.solve_steps(case, |solution| found.push(Some(solution)));
             } else {
                 let of_steps = case.single_steps().zip(&answers);

@@ -255,6 +255,19 @@ impl Prepared {
         wanted: impl Fn(usize) -> bool,
         mut each: impl FnMut(Solution, Option<Linearization>),
     ) -> Result<(), (usize, SolveError)> {
+        if case.independent {
+            for (n, step) in case.single_steps().enumerate() {
+                let failed = |error| (n, error);
+                if wanted(n) {
+                    let found = self.solve_with_derivatives(&step, None, parameters);
+                    let (solution, derivatives) = found.map_err(failed)?;
+                    each(solution, Some(derivatives));
+                } else {
+                    each(self.solve(&step, None).map_err(failed)?, None);
+                }
+            }
+            return Ok(());
+        }
         let mut step = 0;
         let rod = |derivatives| Linearization::Rod(Box::new(derivatives));
         let of_rod = |solution, derivatives| {

@@ -56,7 +56,9 @@ impl DerivativeMethod {
             matches!(other.quantity, Quantity::Parameter(Parameter::StiffnessScale(_)))
         });
         // The commands before change with it too, and with them what friction keeps of them.
-        let keeps_commands = robot.has_bending_friction() && !experiment.case.before.is_empty();
+        let case = &experiment.case;
+        let keeps_commands =
+            robot.has_bending_friction() && !case.before.is_empty() && !case.independent;
         let by_gain = unknowns.iter().any(|u| matches!(u.quantity, Quantity::Gain { .. }));
         match quantity {
             // Its stiffness then is given as such, and section and material no longer decide on it.

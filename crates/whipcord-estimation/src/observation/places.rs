@@ -7,7 +7,7 @@ use whipcord::case::{Actuation, Case};
 use whipcord::error::SolveError;
 use whipcord::kind::ModelKind;
 use whipcord::model::Model;
-use whipcord::robot::{Cable, Robot};
+use whipcord::robot::Robot;
 use whipcord::shape::{Shape, Solution};
 use whipcord::stations::Stations;
 
@@ -103,8 +103,8 @@ fn shapes_at(
     let model = Model::new(kind, Stations::At(stations.to_vec()), Actuation::Natural);
     let mut prepared = model.prepare(robot, &case.loads)?;
     let mut shapes = Vec::with_capacity(answers.len());
-    if robot.cables().iter().any(Cable::has_friction) && answers.len() > 1 {
-        // With friction in the holes, an answer depends on all steps before it.
+    if robot.has_history() && answers.len() > 1 {
+        // With friction, an answer depends on all steps before it.
         prepared
             .solve_steps(case, |solution| shapes.push(Some(solution.shape)))
             .map_err(|(_, error)| error)?;

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use whipcord::{
-    Actuation, Cable, Cancel, Case, Model, ModelKind, Pose, Prepared, Solution, SolveError,
-    Stations,
+    Actuation, Cancel, Case, Model, ModelKind, Pose, Prepared, Solution, SolveError, Stations,
 };
 use whipcord_estimation::observation::in_space;
 use whipcord_io::CaseFile;
@@ -130,7 +129,7 @@ impl Job {
             return steps.map(solve).collect();
         }
         let last = rows.last().copied().unwrap_or(0);
-        let mut found = if robot.cables().iter().any(Cable::has_friction) {
+        let mut found = if robot.has_history() {
             with_memory(&mut prepared, case, last)
         } else {
             from_row_to_row(&mut prepared, case, last)

@@ -1,6 +1,6 @@
 //! The score in tables for people.
 
-use whipcord::{Cable, ModelKind};
+use whipcord::ModelKind;
 use whipcord_estimation::registration::Alignment;
 
 use super::{Score, Summary};
@@ -202,7 +202,7 @@ pub fn notes(score: &Score<'_>) -> Vec<String> {
                 "{name}the rotation of the tracked body on the robot was estimated from all rows."
             ));
         }
-        if of_file.robot.cables().iter().any(Cable::has_friction)
+        if of_file.robot.has_history()
             && models.iter().any(|of| of.rows.iter().any(|row| row.failure.is_some()))
         {
             notes.push(format!(

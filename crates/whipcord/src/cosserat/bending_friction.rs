@@ -25,7 +25,7 @@ impl Cosserat {
         case.check(&self.robot)?;
         let mut rod = self.clone();
         let mut last: Option<Solution> = None;
-        for step in case.single_steps() {
+        for step in case.leading_steps() {
             let (answer, left) = rod.take_step(&step, last.as_ref(), workspace)?;
             rod.set_plastic(left);
             last = Some(answer);
@@ -87,7 +87,7 @@ impl Cosserat {
         let mut rod = self.clone();
         let mut history: Vec<PlasticCurvature> = Vec::new();
         let mut last: Option<Solution> = None;
-        for (n, step) in case.single_steps().enumerate() {
+        for (n, step) in case.leading_steps().enumerate() {
             let mut solution = Solution::empty(ModelKind::Cosserat);
             let taken = rod.differentiate_step(
                 &step,

@@ -308,7 +308,7 @@ impl Cosserat {
         workspace: &mut Workspace,
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
-        if self.robot.has_bending_friction() && case.obstacles.is_empty() {
+        if self.robot.has_bending_friction() && case.obstacles.is_empty() && !case.independent {
             case.check(&self.robot).map_err(|error| (0, error.into()))?;
             return self.solve_steps_with_bending_friction(case, workspace, each);
         }

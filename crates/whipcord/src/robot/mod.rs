@@ -150,6 +150,12 @@ impl Robot {
         self.backbone.bending_friction.is_some()
     }
 
+    /// Whether answers depend on the steps before: by friction of cables, or of the backbone against bending.
+    #[must_use]
+    pub fn has_history(&self) -> bool {
+        self.has_bending_friction() || self.cables.iter().any(Cable::has_friction)
+    }
+
     /// The cables.
     #[must_use]
     pub fn cables(&self) -> &[Cable] {

@@ -1,7 +1,8 @@
 //! Steps that are separate experiments, in every model that knows tensions.
 
 use whipcord::{
-    Actuation, Cable, Case, Disks, ModelKind, Motor, Robot, Solution, Statics as _, Stations,
+    Actuation, Backbone, BendingFriction, Cable, Case, Disks, Model, ModelKind, Motor, Robot,
+    Solution, Statics as _, Stations,
 };
 
 use crate::common::{WITH_FORCES, model_with_forces, paper_backbone, straight};
@@ -77,4 +78,45 @@ fn independent_steps_know_nothing_of_one_another() {
         assert!(apart > 5e-4, "{kind}: {apart}");
     }
     assert!(ModelKind::ALL.len() > WITH_FORCES.len());
+}
+
+#[test]
+fn independent_steps_forget_the_friction_of_the_backbone() {
+    let friction = BendingFriction { yield_moment: [5e-3; 2], yield_stiffness: None };
+    let backbone = Backbone { bending_friction: Some(friction), ..paper_backbone() };
+    let disks = Disks::equally_spaced(0.18, 7, 0.008);
+    let robot = Robot::new(backbone, disks, vec![Cable::new("pull", straight(0.0))]).unwrap();
+    let commands = |tension: f64| Case::with_tensions(&[tension]).commands;
+    let case = |independent| Case {
+        before: vec![commands(1.0), commands(3.0)],
+        independent,
+        ..Case::with_tensions(&[2.0])
+    };
+    for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks] {
+        let model = Model::new(kind, Stations::default(), Actuation::Natural);
+        let mut prepared = model.prepare(&robot, &Default::default()).unwrap();
+        let steps = prepared.solve_all(&case(true)).unwrap();
+        let of_order = prepared.solve_all(&case(false)).unwrap();
+        for (step, tension) in steps.iter().zip([1.0, 3.0, 2.0]) {
+            let alone = model.solve(&robot, &Case::with_tensions(&[tension])).unwrap();
+            assert_eq!(alone.shape, step.shape, "{kind}, {tension} N");
+        }
+        assert_eq!(model.solve(&robot, &case(true)).unwrap().shape, steps[2].shape, "{kind}");
+        let mut derived = Vec::new();
+        prepared
+            .solve_steps_with_derivatives(
+                &case(true),
+                &[],
+                |step| step > 0,
+                |solution, of| {
+                    derived.push((solution.shape, of.is_some()));
+                },
+            )
+            .unwrap();
+        let expected: Vec<_> =
+            steps.iter().enumerate().map(|(n, step)| (step.shape.clone(), n > 0)).collect();
+        assert_eq!(derived, expected, "{kind}");
+        let apart = of_order[2].disks.distances(&steps[2].disks).fold(0.0, f64::max);
+        assert!(apart > 1e-3, "{kind}: {apart}");
+    }
 }
