@@ -1,9 +1,11 @@
 //! Steps that are separate experiments, in every model that knows tensions.
 
 use whipcord::{
-    Actuation, Backbone, BendingFriction, Cable, Case, Disks, Model, ModelKind, Motor, Robot,
-    Solution, Statics as _, Stations,
+    Actuation, Backbone, Cable, Case, Disks, Model, ModelKind, Motor, Robot, Solution,
+    Statics as _, Stations,
 };
+
+use whipcord::robot::BendingFriction;
 
 use crate::common::{WITH_FORCES, model_with_forces, paper_backbone, straight};
 
