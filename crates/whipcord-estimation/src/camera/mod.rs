@@ -5,11 +5,14 @@
 //! as in OpenCV.
 
 mod calibrate;
+mod deflation;
 mod distortion;
 mod error;
 mod lens;
 mod locate;
 mod reprojection_error;
+mod stereo;
+mod triangulate;
 mod view;
 
 pub use calibrate::{
@@ -20,4 +23,10 @@ pub use error::{CameraError, ViewError};
 pub use lens::{Lens, Orthographic, Pinhole};
 pub use locate::{Alternative, LocateError, Located, Sighting, locate, locate_orthographic};
 pub use reprojection_error::ReprojectionError;
+pub use stereo::{
+    RefusedPair, SeenByBoth, StereoCalibration, StereoError, StereoPair, calibrate_stereo,
+};
+pub use triangulate::{
+    MatchError, Matched, TriangulateError, Triangulated, match_in_order, triangulate,
+};
 pub use view::{Camera, Projection, Ray};

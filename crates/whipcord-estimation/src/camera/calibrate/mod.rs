@@ -8,6 +8,7 @@ mod warning;
 use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspace, minimise};
 use whipcord_numerics::{Pose, Vec3};
 
+use super::deflation::without_places;
 use super::lens::{Lens, Pinhole};
 use super::locate::{Cloud, Freedoms, InImage, LocateError, Sighting, locate};
 use super::view::Camera;
@@ -175,26 +176,8 @@ impl Boards<'_> {
         let (width, own) = (unknowns.len(), self.lens_unknowns());
         let mut jacobian = vec![0.0; self.count() * width];
         self.jacobian(unknowns, &mut jacobian)?;
-        let norms: Vec<f64> = (0..own).map(|column| norm(&jacobian, width, column)).collect();
-        let mut rows = &mut jacobian[..];
-        for (view, seen) in self.views.iter().enumerate() {
-            let (block, after) = rows.split_at_mut(2 * seen.len() * width);
-            rows = after;
-            let first = own + 6 * view;
-            for place in first..first + 6 {
-                // Those of the places among one another as well: Gram and Schmidt's, modified.
-                for column in (0..own).chain(place + 1..first + 6) {
-                    deflate(block, width, place, column);
-                }
-            }
-        }
-        // What then is rounding says nothing.
-        for (column, whole) in norms.into_iter().enumerate() {
-            if norm(&jacobian, width, column) <= 1e-9 * whole {
-                jacobian.iter_mut().skip(column).step_by(width).for_each(|entry| *entry = 0.0);
-            }
-        }
-        Ok(jacobian.chunks_exact(width).flat_map(|row| &row[..own]).copied().collect())
+        let rows = self.views.iter().map(|seen| 2 * seen.len());
+        Ok(without_places(jacobian, width, own, rows))
     }
 
     fn in_image<'b>(&'b self, view: usize, start: &'b Camera) -> InImage<'b> {
@@ -256,23 +239,4 @@ impl Residuals for Boards<'_> {
 
 fn not_seen(view: usize, error: ViewError) -> CalibrateError {
     CalibrateError::NotLocated { view, error: LocateError::Unseen { sighting: 0, error } }
-}
-
-/// Of a column of a matrix by rows.
-fn norm(matrix: &[f64], width: usize, column: usize) -> f64 {
-    matrix.iter().skip(column).step_by(width).map(|entry| entry * entry).sum::<f64>().sqrt()
-}
-
-/// Takes from one column of a matrix by rows what is along another one.
-fn deflate(matrix: &mut [f64], width: usize, along: usize, column: usize) {
-    let (mut product, mut square) = (0.0, 0.0);
-    for row in matrix.chunks_exact(width) {
-        product += row[along] * row[column];
-        square += row[along] * row[along];
-    }
-    if square > 0.0 {
-        for row in matrix.chunks_exact_mut(width) {
-            row[column] -= product / square * row[along];
-        }
-    }
 }

@@ -4,4 +4,7 @@ mod calibrating;
 mod camera;
 mod compared;
 mod locating;
+mod noise;
 mod registration;
+mod stereo;
+mod triangulating;
