@@ -194,10 +194,10 @@ impl Model {
     pub fn has_derivatives(&self, robot: &Robot) -> bool {
         let slides = || !robot.cables().iter().any(Cable::has_friction);
         match self {
-            Self::Cosserat(_)
-            | Self::CosseratDisks(_)
-            | Self::PiecewiseConstantCurvature(_)
-            | Self::PseudoRigidBody(_) => slides(),
+            Self::Cosserat(_) | Self::CosseratDisks(_) => slides(),
+            Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
+                slides() && !robot.has_bending_friction()
+            }
             Self::FourBar(options) => {
                 four_bar::FourBar::new(robot, options).is_ok_and(|model| model.has_linearization())
             }

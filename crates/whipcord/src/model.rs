@@ -403,7 +403,9 @@ impl Prepared {
             Self::CosseratDisks(model, workspace) => {
                 return model.solve_steps(case, workspace, each);
             }
-            Self::Linkage(model, workspace) if model.has_friction() => {
+            Self::Linkage(model, workspace)
+                if model.has_friction() || model.keeps_history(case) =>
+            {
                 return model.solve_steps(case, workspace, each);
             }
             Self::FourBar(model, workspace) if model.has_friction() => {

@@ -55,7 +55,7 @@ pub(crate) fn bending_friction_of_sections(
     robot: &Robot,
 ) -> Result<(), SolveError> {
     let what = "friction against bending of the backbone";
-    let advice = "use cosserat or cosserat-disks, or remove `yield_moment`";
+    let advice = "use cosserat, cosserat-disks, piecewise-constant-curvature or pseudo-rigid-body, or remove `yield_moment`";
     bending_friction(model, robot, what, advice)
 }
 
@@ -79,6 +79,16 @@ pub(crate) fn bending_friction_among_obstacles(
 ) -> Result<(), SolveError> {
     let what = "friction against bending of the backbone, among obstacles";
     let advice = "remove `yield_moment`, or the obstacles";
+    bending_friction(model, robot, what, advice)
+}
+
+/// Refuses derivatives of sections with friction against bending.
+pub(crate) fn bending_friction_with_derivatives(
+    model: ModelKind,
+    robot: &Robot,
+) -> Result<(), SolveError> {
+    let what = "friction against bending of the backbone, for compliance and derivatives";
+    let advice = "use cosserat or cosserat-disks, take finite differences of solutions, or remove `yield_moment`";
     bending_friction(model, robot, what, advice)
 }
 

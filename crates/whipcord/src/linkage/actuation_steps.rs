@@ -76,6 +76,9 @@ impl Linkage {
     ) -> Result<(), (usize, SolveError)> {
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
         workspace.forget();
+        if self.keeps_history(case) {
+            return self.bend_in_steps(case, workspace, each);
+        }
         for n in 0..=case.before.len() {
             let Some(step) = case.step(n) else { break };
             let solution = self.solve_on(&step, workspace).map_err(|error| (n, error))?;

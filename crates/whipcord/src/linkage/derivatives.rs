@@ -40,6 +40,7 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
         refusal::friction_with_derivatives(self.kind, &self.robot)?;
+        refusal::bending_friction_with_derivatives(self.kind, &self.robot)?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if case.obstacles.is_empty() {
             let solution = self.solve(case, warm_start, workspace)?;

@@ -6,16 +6,44 @@ use super::division::{Division, Energy};
 use super::layout::Section;
 use super::motion::{Coordinates, MOST};
 use super::swing::half_bend;
+use crate::section::BENDING_AXES;
 
 /// Keeps the derivatives finite at a rotation by half a turn.
 const MOST_SINE: f64 = 1.0 - 1e-12;
 
 impl Section {
-    /// Gradient of the elastic energy by the coordinates in N·m.
+    /// By how much a joint is bent about x and y against its angles at rest.
+    fn bend(&self, joint: usize, q: &Coordinates) -> Vec3 {
+        let of = |a: usize| q[a] - self.rest[a];
+        Vec3::new(of(1 + 2 * joint), of(2 + 2 * joint), 0.0)
+    }
+
+    /// Lets its joints keep what their friction holds at these coordinates.
+    pub fn keep_plastic(&mut self, q: &Coordinates) {
+        for k in 0..self.friction.len() {
+            self.friction[k].plastic = self.friction[k].left(self.bend(k, q));
+        }
+    }
+
+    /// Mean plastic curvature of the section in 1/m: that of its joints over its length.
+    pub fn plastic_curvature(&self) -> [f64; BENDING_AXES] {
+        core::array::from_fn(|axis| {
+            self.friction.iter().map(|joint| joint.plastic[axis]).sum::<f64>() / self.length
+        })
+    }
+
+    /// Gradient of the elastic energy, and of that of eq. (1) of the page on friction against bending, by the coordinates in N·m.
     pub fn elastic_moments(&self, division: &Division, q: &Coordinates) -> Coordinates {
         match division.energy {
             Energy::Coordinates => {
-                core::array::from_fn(|a| self.stiffness[a] * (q[a] - self.rest[a]))
+                let mut moments =
+                    core::array::from_fn(|a| self.stiffness[a] * (q[a] - self.rest[a]));
+                for (k, friction) in self.friction.iter().enumerate() {
+                    let own = friction.moment(self.bend(k, q));
+                    moments[1 + 2 * k] += own.x;
+                    moments[2 + 2 * k] += own.y;
+                }
+                moments
             }
             Energy::RotationVector => {
                 let Vec3 { x, y, z } = self.energy_of_rotation(q).gradient;
@@ -35,6 +63,11 @@ impl Section {
             Energy::Coordinates => {
                 for a in 0..division.coordinates() {
                     tangent[a][a] += self.stiffness[a];
+                }
+                for (k, friction) in self.friction.iter().enumerate() {
+                    let own = friction.tangent(self.bend(k, q));
+                    tangent[1 + 2 * k][1 + 2 * k] += own.x;
+                    tangent[2 + 2 * k][2 + 2 * k] += own.y;
                 }
             }
             Energy::RotationVector => {

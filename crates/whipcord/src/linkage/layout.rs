@@ -7,8 +7,9 @@ use super::motion::{Coordinates, MOST, MOST_BENT, Motion, bend, coordinates_of};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
-use crate::robot::Robot;
+use crate::robot::{self, Robot};
 use crate::section::of_robot::section_at;
+use crate::section::{BENDING_AXES, BendingFriction};
 use crate::statics::passages::{Passage, passages};
 
 /// What lies between two neighbouring disks.
@@ -22,6 +23,8 @@ pub(super) struct Section {
     pub rest: Coordinates,
     /// Rotation vector at rest in rad.
     pub rest_rotation: Vec3,
+    /// Friction against bending of each joint, in N·m and rad; none without friction.
+    pub friction: Vec<BendingFriction>,
     pub passages: Vec<Passage>,
 }
 
@@ -43,6 +46,7 @@ pub(super) fn sections(
             stiffness: [0.0; MOST],
             rest: [0.0; MOST],
             rest_rotation: rotation.log(),
+            friction: Vec::new(),
             passages,
         };
         (section.stiffness[0], section.rest[0]) = (stiffness.z / length, rest.z * length);
@@ -52,6 +56,16 @@ pub(super) fn sections(
             section.stiffness[y] = joint.stiffness * stiffness.y / length;
             section.rest[x] = share * rest.x * length;
             section.rest[y] = share * rest.y * length;
+            if let Some(given) = &robot.backbone().bending_friction {
+                let ratio = robot::BendingFriction::STIFFNESS_RATIO;
+                let own =
+                    given.yield_stiffness.unwrap_or([ratio * stiffness.x, ratio * stiffness.y]);
+                section.friction.push(BendingFriction {
+                    limit: given.yield_moment,
+                    stiffness: own.map(|own| joint.stiffness * own / length),
+                    plastic: [0.0; BENDING_AXES],
+                });
+            }
         }
         let has_turned_over = match division.energy {
             Energy::Coordinates => bend(&section.rest) >= MOST_BENT,

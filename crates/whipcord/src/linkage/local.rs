@@ -34,6 +34,7 @@ impl Linkage {
     ) -> Result<(Solution, Local), SolveError> {
         refusal::among_obstacles("derivatives", self.kind, case)?;
         refusal::friction_with_derivatives(self.kind, &self.robot)?;
+        refusal::bending_friction_with_derivatives(self.kind, &self.robot)?;
         let solution = self.solve(case, warm_start, workspace)?;
         let local = self.local(arc_length, workspace)?;
         Ok((solution, local))

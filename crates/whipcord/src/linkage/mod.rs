@@ -9,6 +9,7 @@
 //! passage of a cable a tension of its own, for `actuation_steps` with friction at the holes.
 
 mod actuation_steps;
+mod bending_friction;
 mod chain;
 mod contact;
 mod contact_response;
@@ -146,7 +147,7 @@ impl Linkage {
         options: Options,
     ) -> Result<Self, SolveError> {
         options.stations.check(robot)?;
-        refusal::bending_friction_of_sections(kind, robot)?;
+        refusal::bending_friction_with_hole_friction(kind, robot)?;
         let (sections, rest_lengths) = layout::sections(robot, kind, &division)?;
         let friction = Rubbing::new(robot, &division, &sections);
         let stations = options.stations.arc_lengths(robot);
@@ -228,6 +229,10 @@ impl Linkage {
         solution: &mut Solution,
     ) -> Result<Status, SolveError> {
         workspace.forget();
+        if self.keeps_history(case) {
+            let steps = self.bend_in_steps(case, workspace, |answer| *solution = answer);
+            return steps.map(|()| Status::Converged).map_err(|(_, error)| error);
+        }
         self.solve_from_here(case, from, workspace, solution)
     }
 
@@ -244,6 +249,7 @@ impl Linkage {
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
         if !case.obstacles.is_empty() {
             refusal::friction_among_obstacles(self.kind, &self.robot)?;
+            refusal::bending_friction_among_obstacles(self.kind, &self.robot)?;
             let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);

@@ -253,6 +253,7 @@ impl Linkage {
     ) -> Result<Branches, SolveError> {
         refusal::among_obstacles("branches", self.kind, case)?;
         refusal::friction_with_branches(self.kind, &self.robot)?;
+        refusal::bending_friction_with_branches(self.kind, &self.robot)?;
         let found = self.follow_branches(case, options, workspace);
         self.options.cancel.checked(found)
     }

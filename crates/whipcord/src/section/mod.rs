@@ -31,7 +31,7 @@ mod tangent;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use bending_friction::BENDING_AXES;
+pub(crate) use bending_friction::{BENDING_AXES, BendingFriction};
 pub(crate) use crossing::{BodyWrench, Crossing, Strain};
 pub(crate) use equilibrium::equilibrium;
 pub(crate) use fault::{FOLDED, Fault, SectionFault};
