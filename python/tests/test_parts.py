@@ -43,6 +43,7 @@ def test_every_example_comes_back_from_its_text_parts_and_pickle(path: Path) -> 
         backbone=case.robot.backbone.replace(),
         disks=None if case.robot.disks is None else case.robot.disks.replace(),
         cables=[cable.replace() for cable in case.robot.cables],
+        motors=[motor.replace() for motor in case.robot.motors],
     )
     assert robot == case.robot and hash(robot) == hash(case.robot)
     rebuilt = case.replace(loads=case.loads.replace(), base=case.base.replace())
